@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+# What every target of ours has in common, and gnomon_library(): one static library a folder of src/.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+find_program(GNOMON_CCACHE ccache)
+if(GNOMON_CCACHE)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${GNOMON_CCACHE}")
+endif()
+
+# Flags are in one interface target. Never -ffast-math: results are compared to the bit. No contraction to fused
+# multiply-add either: whether it happens would depend on the compiler's mood, and with it the last bit.
+add_library(gnomon_flags INTERFACE)
+target_include_directories(gnomon_flags INTERFACE
+    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>" "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>")
+target_compile_options(gnomon_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off
+    $<$<BOOL:${GNOMON_WERROR}>:-Werror>)
+if(GNOMON_SANITIZE)
+    target_compile_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer
+        -fno-sanitize-recover=all)
+    target_link_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE})
+endif()
+
+# gnomon_library(NAME [LINK targets...] [PRIVATE targets...]): all .cpp files of src/NAME, public and private needs.
+function(gnomon_library name)
+    cmake_parse_arguments(ARG "" "" "LINK;PRIVATE" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${name}/*.cpp" "${PROJECT_SOURCE_DIR}/src/${name}/*.h")
+    add_library(gnomon_${name} STATIC ${sources})
+    set_target_properties(gnomon_${name} PROPERTIES LINKER_LANGUAGE CXX)
+    target_link_libraries(gnomon_${name} PUBLIC gnomon_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
+endfunction()

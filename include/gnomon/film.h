@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Renders many frames to files: numbered pictures, or a film.
+//
+// A film's frames are kept as PNG in OUT.frames/ until all are there; then ffmpeg encodes them in one go, single-threaded
+// and bit-exact, and they are removed. So any chunking, resumption and number of threads gives the same bytes.
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "gnomon/renderer.h"
+
+namespace gnomon {
+
+struct FilmJob {
+    std::filesystem::path out;   // .png, .mp4, or a numbered set: name-{frame:04}.png
+    FrameRange frames;           // inclusive
+    double fps = 24;             // of a film
+    int chunk = 1, chunks = 1;   // render only the chunk-th of so many contiguous parts; a film's parts are frames only
+    bool resume = false;         // keep frames that are already complete
+};
+
+struct FrameRecord {
+    int frame = 1;
+    double time = 0;
+    std::filesystem::path file;
+    double milliseconds = 0;     // 0 if kept from an earlier run
+    bool kept = false;
+    FrameCounters counters;
+};
+
+struct FilmResult {
+    Size size;
+    std::vector<FrameRecord> frames;
+    std::vector<std::filesystem::path> files;   // what the job made, for people: the film, or the pictures
+};
+
+/// @param on_frame  called after each frame is complete; optional
+/// @throws UsageError        a pattern or range that makes no sense
+/// @throws MissingError      no ffmpeg, unwritable folder, full disk
+/// @throws InterruptedError  progress returned false; complete frames stay for --resume
+FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& job, const Progress& progress = {},
+                       const std::function<void(const FrameRecord&)>& on_frame = {});
+
+/// The n-th of `chunks` contiguous parts of a range; parts differ in length by at most one frame and may be empty.
+FrameRange chunk_of(FrameRange range, int chunk, int chunks);
+
+/// One picture of several, in a grid with labels below each: for looking at a clip at a glance.
+void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const std::vector<std::string>& labels,
+                         int columns, const std::filesystem::path& out);
+
+}  // namespace gnomon

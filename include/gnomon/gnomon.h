@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Everything: scene in, pictures out.
+
+#include "gnomon/error.h"
+#include "gnomon/film.h"
+#include "gnomon/picture.h"
+#include "gnomon/renderer.h"
+#include "gnomon/scene.h"
+#include "gnomon/types.h"

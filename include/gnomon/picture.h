@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// A rendered frame: linear light and layers.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gnomon/types.h"
+
+namespace gnomon {
+
+/// One layer of a picture, 32-bit float, rows from the top, channels interleaved.
+struct Layer {
+    std::string name;                    // "" (the picture itself), "depth", "normal", "albedo", "direct", ...
+    std::vector<std::string> channels;   // {"R", "G", "B"}, {"Z"}, {"X", "Y", "Z"}, {"L0", "L1"}
+    std::vector<float> data;
+};
+
+struct Picture {
+    Size size;
+    std::vector<Layer> layers;   // the first is the picture: linear RGB, Rec. 709 primaries
+    double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
+    ToneMap tonemap = ToneMap::neutral;
+    FrameCounters counters;
+    double milliseconds = 0;     // of the frame, without loading and writing
+    double time = 0;             // scene time in seconds
+    int frame = 1;
+
+    const Layer* layer(const std::string& name) const;
+    /// Exposed, tone-mapped and encoded: width * height * 3 bytes.
+    std::vector<std::uint8_t> to_srgb8() const;
+    /// Writes .png (tone-mapped). The file appears whole or not at all.
+    /// @throws UsageError for another extension; MissingError if it cannot be written
+    void write(const std::filesystem::path& file) const;
+};
+
+}  // namespace gnomon

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Renders frames of a scene.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gnomon/picture.h"
+#include "gnomon/scene.h"
+#include "gnomon/types.h"
+
+namespace gnomon {
+
+struct RenderOptions {
+    Size size{};                      // 0 x 0: the file's own, else 1280 x 720
+    std::string camera = "auto";      // a name, a number from 0, or auto: the first
+    double turntable_seconds = 0;     // > 0: the camera circles the scene in that time instead
+    int max_depth = 10;               // reflections and refractions in a row, 0 to 64
+    int samples = 1;                  // per pixel, 1 to 4096
+    std::optional<double> exposure;   // stops; none: automatic, from this frame alone
+    ToneMap tonemap = ToneMap::neutral;
+    int threads = 0;                  // 0: all
+    bool layers = false;              // also fill depth, normal, albedo, direct, shadow
+};
+
+/// Keeps what stands still from frame to frame. The picture of a frame does not depend on the frames before it, nor on
+/// the number of threads. Not thread-safe: one renderer a thread.
+class Renderer {
+ public:
+    /// @throws UsageError for options out of range
+    explicit Renderer(RenderOptions options = {});
+    ~Renderer();
+    Renderer(Renderer&&) noexcept;
+    Renderer& operator=(Renderer&&) noexcept;
+
+    /// @param frame  1 to scene.frame_count()
+    /// @throws UsageError  for a frame or camera that does not exist
+    Picture render(const Scene& scene, int frame, const Progress& progress = {});
+
+    const RenderOptions& options() const;
+
+ private:
+    struct Inside;
+    std::unique_ptr<Inside> inside_;
+};
+
+/// The size a scene is rendered at when none is asked for.
+Size default_size(const Scene& scene, const std::string& camera = "auto");
+
+}  // namespace gnomon

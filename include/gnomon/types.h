@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The plain types of the public interface: sizes, choices, counters, progress.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon {
+
+/// A picture's size in pixels.
+struct Size {
+    int width = 0;
+    int height = 0;
+    friend bool operator==(const Size&, const Size&) = default;
+};
+
+/// Which frames: inclusive, counted from 1.
+struct FrameRange {
+    int first = 1;
+    int last = 1;
+    int count() const { return last < first ? 0 : last - first + 1; }
+    friend bool operator==(const FrameRange&, const FrameRange&) = default;
+};
+
+enum class ToneMap { none, neutral, agx, aces };
+
+/// What was computed and what was not, for one frame.
+struct FrameCounters {
+    struct Shadow {
+        std::uint64_t rays = 0;                // shadow rays asked for: (shading point, light) pairs that could be lit
+        std::uint64_t rays_skipped = 0;        // of these, answered without any ray
+        std::uint64_t rays_dynamic_only = 0;   // of these, traced against what moves alone
+    } shadow;
+    struct Indirect {
+        std::uint64_t clusters = 0;
+        std::uint64_t rays = 0;
+    } indirect;
+    std::uint64_t primary_rays = 0;
+    std::uint64_t reflection_rays = 0;
+    std::uint64_t refraction_rays = 0;
+    std::uint64_t draws = 0;   // draw calls of the rasteriser
+};
+
+/// One step of long work. Return false from the callback to stop: the work then throws InterruptedError.
+struct ProgressStep {
+    std::string_view stage;   // "loading", "rendering", "encoding"
+    double done = 0;          // 0 to 1
+};
+using Progress = std::function<bool(const ProgressStep&)>;
+
+}  // namespace gnomon

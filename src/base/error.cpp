@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnomon/error.h"
+
+#include <fmt/format.h>
+
+#include "base/check.h"
+
+namespace gnomon {
+
+namespace {
+// One line whatever a file's own text holds: control characters would break the promise of `what()`.
+std::string one_line(std::string text)
+{
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return text;
+}
+}  // namespace
+
+InputError::InputError(std::string file, std::string place, std::string what)
+    : Error(one_line(place.empty() ? fmt::format("{}: {}", file, what) : fmt::format("{}:{}: {}", file, place, what))),
+      file_(std::move(file)),
+      place_(std::move(place)),
+      problem_(std::move(what))
+{
+}
+
+void fail_check(std::string_view file, int line, std::string_view what)
+{
+    // The path inside src/ is enough, and does not carry the builder's folders into messages.
+    if (const auto at = file.rfind("/src/"); at != std::string_view::npos) file.remove_prefix(at + 1);
+    throw InternalError(fmt::format("{}:{}: {}", file, line, what));
+}
+
+}  // namespace gnomon

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Pictures in memory: row by row from the top left, channels interleaved.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/check.h"
+
+namespace gnomon {
+
+/// @tparam T  std::uint8_t (0 to 255) or float (linear unless said)
+template <class T>
+struct Image {
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    std::vector<T> data;   // height * width * channels
+
+    Image() = default;
+    Image(int w, int h, int c) : width(w), height(h), channels(c), data(static_cast<std::size_t>(w) * h * c) {}
+
+    bool empty() const { return data.empty(); }
+    T* pixel(int x, int y) { return data.data() + (static_cast<std::size_t>(y) * width + x) * channels; }
+    const T* pixel(int x, int y) const { return data.data() + (static_cast<std::size_t>(y) * width + x) * channels; }
+};
+
+using Image8 = Image<std::uint8_t>;
+using ImageF = Image<float>;
+
+/// Encodes linear light for a screen and back (IEC 61966-2-1).
+float srgb_from_linear(float linear);
+float linear_from_srgb(float encoded);
+/// The 256 linear values of 8-bit sRGB.
+const float* linear_from_srgb8();
+
+}  // namespace gnomon

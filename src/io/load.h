@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Scene files in, by extension. Every importer is strict: what it accepts is whole and safe, what it refuses is named
+// with file and place (InputError), and every allocation is bounded by input that exists.
+
+#include <filesystem>
+
+#include "gnomon/types.h"
+#include "scene/scene.h"
+
+namespace gnomon::io {
+
+/// Finished (Scene::finish was called), without default light and camera.
+/// @throws InputError, UsageError (unknown extension), InterruptedError
+scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress = {});
+
+/// BART's AFF.
+scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
+
+}  // namespace gnomon::io

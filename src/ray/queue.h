@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Rays in bulk: structures of arrays, so that packets of 8 or 16 are loaded as they lie.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/math.h"
+#include "scene/ids.h"
+
+namespace gnomon::ray {
+
+inline constexpr std::size_t k_packet_pad = 16;   // arrays are padded so that the last packet may be read whole
+
+/// Rays to trace together. Neighbours in the queue share a packet: keep rays that go the same way side by side.
+struct RayQueue {
+    std::vector<float> ox, oy, oz, tnear;
+    std::vector<float> dx, dy, dz, tfar;
+
+    std::size_t size() const { return count_; }
+    bool empty() const { return count_ == 0; }
+    void clear() { count_ = 0; }
+    void reserve(std::size_t n)
+    {
+        const std::size_t padded = (n + k_packet_pad) / k_packet_pad * k_packet_pad;
+        if (padded <= ox.size()) return;
+        for (auto* a : {&ox, &oy, &oz, &tnear, &dx, &dy, &dz, &tfar}) a->resize(padded);
+    }
+    /// Direction need not be unit: distances are in its lengths.
+    void push(const glm::vec3& origin, float near_distance, const glm::vec3& direction, float far_distance)
+    {
+        if (count_ >= ox.size()) reserve(2 * count_ + k_packet_pad);
+        ox[count_] = origin.x, oy[count_] = origin.y, oz[count_] = origin.z, tnear[count_] = near_distance;
+        dx[count_] = direction.x, dy[count_] = direction.y, dz[count_] = direction.z, tfar[count_] = far_distance;
+        ++count_;
+    }
+    glm::vec3 origin(std::size_t i) const { return {ox[i], oy[i], oz[i]}; }
+    glm::vec3 direction(std::size_t i) const { return {dx[i], dy[i], dz[i]}; }
+
+ private:
+    std::size_t count_ = 0;
+};
+
+/// What closest-hit rays met, in the queue's order. `object` is scene::none where a ray left the scene; the rest is then
+/// undefined. u, v: the hit is at (1-u-v) p0 + u p1 + v p2.
+struct Hits {
+    std::vector<float> t, u, v;
+    std::vector<scene::ObjectId> object;
+    std::vector<std::uint32_t> triangle;   // of the object's mesh
+
+    void resize(std::size_t n)
+    {
+        const std::size_t padded = (n + k_packet_pad) / k_packet_pad * k_packet_pad;
+        if (padded <= t.size()) return;
+        t.resize(padded), u.resize(padded), v.resize(padded), object.resize(padded), triangle.resize(padded);
+    }
+};
+
+}  // namespace gnomon::ray
