@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "scene/deform.h"
 #include "scene/scene.h"
 
 namespace gnomon::scene {
@@ -33,13 +34,6 @@ struct FrameChanges {
     {
         return !moved.empty() || !deformed.empty() || !appeared.empty() || !vanished.empty() || !lights_moved.empty();
     }
-};
-
-/// The vertices of a deforming object now. Morphs and vertex keys: in object space. Skins: in world space (the object's
-/// matrix is then the identity).
-struct DeformedMesh {
-    std::vector<glm::vec3> positions, normals;
-    std::vector<glm::vec4> tangents;
 };
 
 class SceneState {
@@ -70,9 +64,10 @@ class SceneState {
 
  private:
     struct Index;
-    void evaluate_everything();
+    void evaluate_node(NodeId node);
     void visit_below(NodeId root);
-    void update_light(LightId light);
+    void note_lists();
+    LightState light_at(LightId light) const;
     void deform(ObjectId object);
 
     std::shared_ptr<const Scene> scene_;
@@ -90,6 +85,8 @@ class SceneState {
     std::vector<LightId> lights_active_before_;
     std::vector<std::uint32_t> visited_;                   // by node: the step that last visited it
     std::uint32_t step_ = 0;
+    std::vector<std::uint32_t> due_, stack_;               // scratch, kept for its memory
+    std::vector<ObjectId> to_deform_;
 };
 
 }  // namespace gnomon::scene

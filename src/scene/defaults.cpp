@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/check.h"
+#include "scene/scene.h"
+
+namespace gnomon::scene {
+
+namespace {
+// A late-morning sun from the left front, and a clear sky: lux and nits scaled so that a white wall is about 1.
+constexpr glm::vec3 k_sun_color{3.1f, 2.9f, 2.6f};
+constexpr glm::dvec3 k_to_sun{-0.45, 0.75, 0.5};
+
+// From the right, a little above: the angle of product photographs.
+constexpr glm::dvec3 k_to_camera{0.55, 0.36, 1.0};
+constexpr double k_fov = 0.7;
+constexpr double k_margin = 1.08;
+
+NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, const glm::dvec3& direction)
+{
+    const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
+    const NodeId node = scene.add_node(name, none, glm::inverse(glm::lookAt(eye, eye + direction, up)));
+    scene.child_begin.push_back(scene.child_begin.back());   // the node has no children; keeps the index whole
+    return node;
+}
+}  // namespace
+
+void add_default_light(Scene& scene)
+{
+    if (!scene.lights.empty()) return;
+    GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
+    const glm::dvec3 to_sun = glm::normalize(k_to_sun);
+    Light sun;
+    sun.name = "default sun";
+    sun.type = LightType::directional;
+    sun.color = k_sun_color;
+    sun.node = add_looking_node(scene, "default sun", glm::dvec3(0), -to_sun);
+    scene.lights.push_back(sun);
+    scene.background.kind = Background::Kind::sky;
+    scene.background.sun_direction = glm::vec3(to_sun);
+    scene.warnings.push_back("no light in the scene: lit by a default sky and sun");
+}
+
+void add_default_camera(Scene& scene)
+{
+    if (!scene.cameras.empty()) return;
+    GNOMON_CHECK(!scene.child_begin.empty());
+    const Box3 box = scene.bounds(scene.timeline.start);
+    const double radius = box.empty() ? 1.0 : std::max(0.5 * static_cast<double>(box.diagonal()), 1e-6);
+    const glm::dvec3 centre = box.empty() ? glm::dvec3(0) : glm::dvec3(box.centre());
+
+    // Frame the bounding sphere, then come closer while every corner of the box stays in a 4:3 view.
+    const glm::dvec3 back = glm::normalize(k_to_camera);
+    const double tan_half = std::tan(k_fov / 2);
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
+    const glm::dvec3 up = glm::cross(back, right);
+    double distance = 0;
+    if (box.empty()) {
+        distance = radius / std::sin(k_fov / 2);
+    } else {
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec3 p = glm::dvec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                            corner & 4 ? box.high.z : box.low.z) - centre;
+            constexpr double narrowest_aspect = 4.0 / 3.0;
+            const double across = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / narrowest_aspect);
+            distance = std::max(distance, glm::dot(p, back) + k_margin * across / tan_half);
+        }
+    }
+    Camera camera;
+    camera.name = "default camera";
+    camera.vertical_fov = k_fov;
+    camera.near = radius * 1e-4;
+    camera.node = add_looking_node(scene, "default camera", centre + distance * back, -back);
+    scene.cameras.push_back(camera);
+    scene.warnings.push_back("no camera in the scene: a default one frames it");
+}
+
+}  // namespace gnomon::scene

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/light.h"
+
+#include <algorithm>
+
+namespace gnomon::scene {
+
+LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point)
+{
+    LightSample sample;
+    if (!state.visible) return sample;
+    if (light.type == LightType::directional) {
+        sample.to_light = -state.direction;
+        sample.distance = k_infinity;
+        sample.irradiance = light.color;
+        return sample;
+    }
+    const glm::vec3 offset = state.position - point;
+    const float square = glm::dot(offset, offset);
+    if (!(square > 0)) return sample;
+    sample.distance = std::sqrt(square);
+    sample.to_light = offset / sample.distance;
+    float strength = light.falloff == Falloff::inverse_square ? 1.0f / square : 1.0f;
+
+    // KHR_lights_punctual: a range fades the light out smoothly.
+    if (light.range > 0) {
+        const float ratio = square / (light.range * light.range);
+        const float window = std::clamp(1.0f - ratio * ratio, 0.0f, 1.0f);
+        strength *= window;
+    }
+    if (light.type == LightType::spot) {
+        const float cosine = -glm::dot(sample.to_light, state.direction);
+        const float outer = std::cos(light.outer_angle);
+        if (cosine <= outer) return {sample.to_light, sample.distance, glm::vec3(0)};
+        if (light.profile == SpotProfile::cosine) {
+            strength *= cosine;
+        } else {
+            // KHR_lights_punctual's angular attenuation.
+            const float inner = std::cos(std::min(light.inner_angle, light.outer_angle));
+            const float fade = std::clamp((cosine - outer) / std::max(inner - outer, 1e-4f), 0.0f, 1.0f);
+            strength *= fade * fade;
+        }
+    }
+    sample.irradiance = light.color * strength;
+    return sample;
+}
+
+glm::vec3 Background::radiance(const glm::vec3& direction) const
+{
+    if (kind == Kind::color) return color;
+    const float y = std::clamp(direction.y, -1.0f, 1.0f);
+    glm::vec3 result;
+    if (y >= 0) {
+        // The horizon's haze thins quickly with elevation.
+        const float t = std::pow(y, 0.5f);
+        result = glm::mix(horizon, zenith, t);
+    } else {
+        constexpr float haze_depth = 0.08f;   // sine of the depression at which the ground's own colour begins
+        result = glm::mix(horizon, ground, std::min(1.0f, -y / haze_depth));
+    }
+    if (sun_radiance != glm::vec3(0)) {
+        const float cosine = glm::dot(direction, sun_direction);
+        constexpr float disc = 0.99996f, glow_power = 250.0f, glow = 0.25f;   // 0.5 degrees across
+        if (cosine > disc)
+            result += sun_radiance;
+        else if (cosine > 0)
+            result += glow * horizon * std::pow(cosine, glow_power);
+    }
+    return result;
+}
+
+glm::vec3 Background::ambient(const glm::vec3& normal) const
+{
+    if (kind == Kind::color) return glm::vec3(0);
+    // A surface that looks up sees the sky alone; level with the horizon, half sky and half ground.
+    const glm::vec3 sky = 0.5f * (zenith + horizon);
+    const float up = 0.5f + 0.5f * std::clamp(normal.y, -1.0f, 1.0f);
+    return glm::mix(ground, sky, up);
+}
+
+}  // namespace gnomon::scene

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/check.h"
+
+namespace gnomon::scene {
+
+namespace {
+
+// Sorts a mesh's parts by surface class and joins neighbours of one material, so that each class is one run of
+// triangles: what blocks light, what may, what does not.
+void sort_parts(Mesh& mesh, const std::vector<Material>& materials)
+{
+    const auto class_of = [&](const MeshPart& part) { return materials[part.material].surface_class(); };
+    if (std::is_sorted(mesh.parts.begin(), mesh.parts.end(),
+                       [&](const MeshPart& a, const MeshPart& b) { return class_of(a) < class_of(b); }))
+        return;
+
+    std::vector<MeshPart> sorted = mesh.parts;
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [&](const MeshPart& a, const MeshPart& b) { return class_of(a) < class_of(b); });
+    std::vector<glm::uvec3> triangles;
+    triangles.reserve(mesh.triangles.size());
+    for (MeshPart& part : sorted) {
+        const auto begin = mesh.triangles.begin() + part.first_triangle;
+        part.first_triangle = static_cast<std::uint32_t>(triangles.size());
+        triangles.insert(triangles.end(), begin, begin + part.triangle_count);
+    }
+    mesh.triangles = std::move(triangles);
+    mesh.parts = std::move(sorted);
+}
+
+}  // namespace
+
+double Timeline::time_of(int frame) const
+{
+    if (frames <= 1) return start;
+    if (own_frames) return start + (frame - 1) * (end - start) / (frames - 1);
+    return start + (frame - 1) / fps;
+}
+
+Timeline Timeline::at_rate(double new_fps) const
+{
+    Timeline result = *this;
+    result.fps = new_fps;
+    if (!own_frames && frames > 1) {
+        // The last frame is the last that does not lie beyond the end; a hair of tolerance, since clips end on frames.
+        result.frames = std::max(1, static_cast<int>(std::floor((end - start) * new_fps + 1e-6)) + 1);
+    }
+    return result;
+}
+
+NodeId Scene::add_node(std::string node_name, NodeId parent, const glm::dmat4& local)
+{
+    GNOMON_CHECK(parent == none || parent < nodes.size());
+    Node node;
+    node.name = std::move(node_name);
+    node.parent = parent;
+    node.local = local;
+    nodes.push_back(std::move(node));
+    return static_cast<NodeId>(nodes.size() - 1);
+}
+
+void Scene::finish()
+{
+    // Check what importers promise.
+    for (Mesh& mesh : meshes) {
+        check_mesh(mesh);
+        for (const MeshPart& part : mesh.parts) GNOMON_CHECK_LT(part.material, materials.size());
+        sort_parts(mesh, materials);
+    }
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const Node& node = nodes[n];
+        GNOMON_CHECK(node.parent == none || node.parent < n);
+        GNOMON_CHECK(node.mesh == none || node.mesh < meshes.size());
+        GNOMON_CHECK(node.skin == none || node.skin < skins.size());
+    }
+    for (const Skin& skin : skins) {
+        GNOMON_CHECK_EQ(skin.joints.size(), skin.inverse_bind.size());
+        for (const NodeId joint : skin.joints) GNOMON_CHECK_LT(joint, nodes.size());
+    }
+    for (const Light& light : lights) GNOMON_CHECK_LT(light.node, nodes.size());
+    for (const Camera& camera : cameras) GNOMON_CHECK_LT(camera.node, nodes.size());
+
+    // Index children, parents first.
+    child_begin.assign(nodes.size() + 1, 0);
+    for (const Node& node : nodes)
+        if (node.parent != none) ++child_begin[node.parent + 1];
+    std::partial_sum(child_begin.begin(), child_begin.end(), child_begin.begin());
+    child_list.resize(child_begin.back());
+    std::vector<std::uint32_t> fill(child_begin.begin(), child_begin.end());
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        if (nodes[n].parent != none) child_list[fill[nodes[n].parent]++] = static_cast<NodeId>(n);
+
+    // Find each node's nearest animated ancestor (itself included): its anchor.
+    std::vector<NodeId> anchor(nodes.size(), none);
+    track_nodes.clear();
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        Node& node = nodes[n];
+        if (node.transform || node.visibility || node.weights) track_nodes.push_back(static_cast<std::uint32_t>(n));
+        if (node.transform || node.visibility) node.animated = true;
+        if (node.animated)
+            anchor[n] = static_cast<NodeId>(n);
+        else if (node.parent != none)
+            anchor[n] = anchor[node.parent];
+    }
+
+    // Make an object of every mesh instance, and join those that move as one.
+    objects.clear();
+    groups.clear();
+    std::vector<GroupId> group_of(nodes.size(), none);
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const Node& node = nodes[n];
+        if (node.mesh == none || meshes[node.mesh].triangles.empty()) continue;
+        const Mesh& mesh = meshes[node.mesh];
+        Object object;
+        object.node = static_cast<NodeId>(n);
+        object.mesh = node.mesh;
+        object.skin = mesh.skin ? node.skin : none;
+        object.deforming = object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights);
+        object.dynamic = object.deforming || anchor[n] != none;
+        // A still morph is deformed once, at the start, but must be deformed all the same.
+        if (!mesh.morph_targets.empty()) object.deforming = true;
+        if (object.dynamic && !object.deforming) {
+            if (group_of[anchor[n]] == none) {
+                group_of[anchor[n]] = static_cast<GroupId>(groups.size());
+                groups.push_back({anchor[n], {}});
+            }
+            object.group = group_of[anchor[n]];
+            groups[object.group].objects.push_back(static_cast<ObjectId>(objects.size()));
+        }
+        objects.push_back(object);
+    }
+}
+
+Statistics Scene::statistics() const
+{
+    Statistics result;
+    for (const Object& object : objects) {
+        const std::uint64_t triangles = meshes[object.mesh].triangles.size();
+        result.triangles += triangles;
+        ++result.objects;
+        if (object.dynamic) result.triangles_dynamic += triangles, ++result.objects_dynamic;
+    }
+    return result;
+}
+
+Box3 Scene::bounds(double time) const
+{
+    std::vector<glm::dmat4> world(nodes.size());
+    std::vector<char> visible(nodes.size());
+    Box3 box;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const Node& node = nodes[n];
+        const glm::dmat4 local = node.transform ? node.transform->evaluate(time) : node.local;
+        world[n] = node.parent == none ? local : world[node.parent] * local;
+        visible[n] = (node.parent == none || visible[node.parent]) &&
+                     (!node.visibility || node.visibility->evaluate(time));
+        if (node.mesh == none || !visible[n]) continue;
+        const Mesh& mesh = meshes[node.mesh];
+        for (const glm::uvec3& triangle : mesh.triangles)
+            for (int i = 0; i < 3; ++i)
+                box.add(glm::vec3(transform_point(world[n], glm::dvec3(mesh.positions[triangle[i]]))));
+    }
+    return box;
+}
+
+glm::dmat4 Scene::world_matrix(NodeId node, double time) const
+{
+    glm::dmat4 result(1);
+    for (NodeId n = node; n != none; n = nodes[n].parent)
+        result = (nodes[n].transform ? nodes[n].transform->evaluate(time) : nodes[n].local) * result;
+    return result;
+}
+
+}  // namespace gnomon::scene

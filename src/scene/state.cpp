@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/state.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/check.h"
+#include "scene/change_index.h"
+
+namespace gnomon::scene {
+
+// What hangs on a node, and when tracks change. Built once.
+struct SceneState::Index {
+    ChangeIndex transforms, visibilities, deformations;   // ids: nodes, nodes, objects
+    std::vector<ObjectId> object_at;                      // by node
+    std::unordered_map<NodeId, std::vector<LightId>> lights_at;
+    std::unordered_map<NodeId, bool> cameras_at;
+    std::unordered_map<NodeId, GroupId> group_at;
+    std::unordered_map<NodeId, std::vector<ObjectId>> skinned_by;   // by joint
+
+    explicit Index(const Scene& scene);
+};
+
+namespace {
+
+bool same_bits(const glm::dmat4& a, const glm::dmat4& b)
+{
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+template <class T>
+void sort_unique(std::vector<T>& v)
+{
+    std::sort(v.begin(), v.end());
+    v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
+}  // namespace
+
+SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), none)
+{
+    for (std::size_t o = 0; o < scene.objects.size(); ++o) object_at[scene.objects[o].node] = static_cast<ObjectId>(o);
+    for (const std::uint32_t n : scene.track_nodes) {
+        const Node& node = scene.nodes[n];
+        if (node.transform)
+            for (const Interval& interval : node.transform->changing()) transforms.add(n, interval);
+        if (node.visibility)
+            for (const double time : node.visibility->times) visibilities.add(n, {time, time});
+        if (node.weights && object_at[n] != none)
+            for (const Interval& interval : node.weights->changing()) deformations.add(object_at[n], interval);
+    }
+    for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+        const Object& object = scene.objects[o];
+        if (const auto& keys = scene.meshes[object.mesh].vertex_keys)
+            deformations.add(static_cast<ObjectId>(o), {keys->times.front(), keys->times.back()});
+        if (object.skin != none)
+            for (const NodeId joint : scene.skins[object.skin].joints)
+                skinned_by[joint].push_back(static_cast<ObjectId>(o));
+    }
+    transforms.build();
+    visibilities.build();
+    deformations.build();
+    for (std::size_t l = 0; l < scene.lights.size(); ++l)
+        lights_at[scene.lights[l].node].push_back(static_cast<LightId>(l));
+    for (const Camera& camera : scene.cameras) cameras_at[camera.node] = true;
+    for (std::size_t g = 0; g < scene.groups.size(); ++g) group_at[scene.groups[g].anchor] = static_cast<GroupId>(g);
+}
+
+SceneState::SceneState(std::shared_ptr<const Scene> scene, double time)
+    : scene_(std::move(scene)), index_(std::make_unique<Index>(*scene_)), time_(time)
+{
+    const std::size_t nodes = scene_->nodes.size();
+    local_.resize(nodes);
+    world_.resize(nodes);
+    node_visible_.resize(nodes);
+    visited_.assign(nodes, 0);
+    for (std::size_t n = 0; n < nodes; ++n) {
+        const Node& node = scene_->nodes[n];
+        local_[n] = node.transform ? node.transform->evaluate(time_) : node.local;
+        evaluate_node(static_cast<NodeId>(n));
+    }
+    for (std::size_t l = 0; l < scene_->lights.size(); ++l) lights_.push_back(light_at(static_cast<LightId>(l)));
+
+    deformed_slot_.assign(scene_->objects.size(), none);
+    for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
+        if (!scene_->objects[o].deforming) continue;
+        deformed_slot_[o] = static_cast<std::uint32_t>(deformed_.size());
+        deformed_.emplace_back();
+        deform(static_cast<ObjectId>(o));
+    }
+}
+
+SceneState::~SceneState() = default;
+
+// World matrix and visibility from the parent's, which must be up to date.
+void SceneState::evaluate_node(NodeId n)
+{
+    const Node& node = scene_->nodes[n];
+    const bool shown = !node.visibility || node.visibility->evaluate(time_);
+    world_[n] = node.parent == none ? local_[n] : world_[node.parent] * local_[n];
+    node_visible_[n] = shown && (node.parent == none || node_visible_[node.parent]);
+}
+
+const FrameChanges& SceneState::advance(double time)
+{
+    const double before = time_;
+    time_ = time;
+    ++step_;
+    std::swap(active_before_, active_now_);
+    std::swap(lights_active_before_, changes_.lights_moved);
+    changes_ = FrameChanges{};
+    to_deform_.clear();
+
+    // Evaluate the tracks that change in between, and note where.
+    std::vector<NodeId> roots;
+    index_->transforms.query(before, time, due_);
+    changes_.touched_nodes += due_.size();
+    for (const NodeId n : due_) {
+        if (overrides_.contains(n)) continue;
+        const glm::dmat4 local = scene_->nodes[n].transform->evaluate(time);
+        if (same_bits(local, local_[n])) continue;
+        local_[n] = local;
+        roots.push_back(n);
+    }
+    index_->visibilities.query(before, time, due_);
+    changes_.touched_nodes += due_.size();
+    roots.insert(roots.end(), due_.begin(), due_.end());
+    for (const NodeId n : overrides_changed_) {
+        const Node& node = scene_->nodes[n];
+        const auto by_hand = overrides_.find(n);
+        local_[n] = by_hand != overrides_.end() ? by_hand->second
+                    : node.transform            ? node.transform->evaluate(time)
+                                                : node.local;
+        roots.push_back(n);
+    }
+    overrides_changed_.clear();
+
+    // Carry the news down, parents first.
+    sort_unique(roots);
+    for (const NodeId root : roots) visit_below(root);
+
+    index_->deformations.query(before, time, due_);
+    changes_.touched_nodes += due_.size();
+    to_deform_.insert(to_deform_.end(), due_.begin(), due_.end());
+    sort_unique(to_deform_);
+    for (const ObjectId object : to_deform_) {
+        // What nobody sees is not computed; it is when it appears.
+        if (!object_visible(object)) continue;
+        deform(object);
+        changes_.deformed.push_back(object);
+    }
+    note_lists();
+    return changes_;
+}
+
+void SceneState::visit_below(NodeId root)
+{
+    stack_.assign(1, root);
+    while (!stack_.empty()) {
+        const NodeId n = stack_.back();
+        stack_.pop_back();
+        if (visited_[n] == step_) continue;
+        visited_[n] = step_;
+        ++changes_.touched_nodes;
+
+        const glm::dmat4 old_world = world_[n];
+        const bool old_visible = node_visible_[n];
+        evaluate_node(n);
+        const bool moved = !same_bits(old_world, world_[n]);
+        const bool toggled = old_visible != static_cast<bool>(node_visible_[n]);
+        if (!moved && !toggled) continue;   // nothing below can have changed by this
+
+        if (const ObjectId object = index_->object_at[n]; object != none) {
+            if (toggled) (old_visible ? changes_.vanished : changes_.appeared).push_back(object);
+            const bool follows_node = scene_->objects[object].skin == none;
+            if (moved && node_visible_[n] && follows_node) changes_.moved.push_back(object);
+            if (toggled && !old_visible && scene_->objects[object].deforming) to_deform_.push_back(object);
+        }
+        if (const auto group = index_->group_at.find(n); group != index_->group_at.end() && node_visible_[n])
+            changes_.groups_moved.push_back(group->second);
+        if (const auto at = index_->lights_at.find(n); at != index_->lights_at.end())
+            for (const LightId l : at->second) {
+                const LightState now = light_at(l);
+                if (now == lights_[l]) continue;
+                lights_[l] = now;
+                changes_.lights_moved.push_back(l);
+            }
+        if (index_->cameras_at.contains(n)) changes_.camera_moved = true;
+        if (const auto at = index_->skinned_by.find(n); moved && at != index_->skinned_by.end())
+            to_deform_.insert(to_deform_.end(), at->second.begin(), at->second.end());
+
+        const auto begin = scene_->child_begin[n], end = scene_->child_begin[n + 1];
+        stack_.insert(stack_.end(), scene_->child_list.begin() + begin, scene_->child_list.begin() + end);
+    }
+}
+
+// Sorts the lists and compares with the step before.
+void SceneState::note_lists()
+{
+    sort_unique(changes_.moved);
+    sort_unique(changes_.appeared);
+    sort_unique(changes_.vanished);
+    sort_unique(changes_.groups_moved);
+    sort_unique(changes_.lights_moved);
+
+    active_now_.clear();
+    std::set_union(changes_.moved.begin(), changes_.moved.end(), changes_.deformed.begin(), changes_.deformed.end(),
+                   std::back_inserter(active_now_));
+    const auto difference = [](const auto& a, const auto& b, auto& out) {
+        std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
+    };
+    difference(active_now_, active_before_, changes_.started);
+    difference(active_before_, active_now_, changes_.stopped);
+    difference(changes_.lights_moved, lights_active_before_, changes_.lights_started);
+    difference(lights_active_before_, changes_.lights_moved, changes_.lights_stopped);
+}
+
+LightState SceneState::light_at(LightId light) const
+{
+    const NodeId n = scene_->lights[light].node;
+    LightState state;
+    state.position = glm::vec3(world_[n][3]);
+    const glm::dvec3 z(world_[n][2]);
+    const double length = glm::length(z);
+    state.direction = length > 0 ? glm::vec3(-z / length) : glm::vec3(0, -1, 0);
+    state.visible = node_visible_[n];
+    return state;
+}
+
+void SceneState::deform(ObjectId id)
+{
+    const Object& object = scene_->objects[id];
+    const Node& node = scene_->nodes[object.node];
+    const Mesh& mesh = scene_->meshes[object.mesh];
+
+    std::vector<float> weights = node.morph_weights.empty() ? mesh.morph_weights : node.morph_weights;
+    weights.resize(mesh.morph_targets.size());
+    if (node.weights) node.weights->evaluate(time_, weights);
+
+    std::vector<glm::mat4> joints;
+    if (object.skin != none) {
+        const Skin& skin = scene_->skins[object.skin];
+        joints.reserve(skin.joints.size());
+        for (std::size_t j = 0; j < skin.joints.size(); ++j)
+            joints.emplace_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
+    }
+    deform_mesh(mesh, time_, weights, joints, deformed_[deformed_slot_[id]]);
+}
+
+glm::mat4 SceneState::object_matrix(ObjectId object) const
+{
+    const Object& o = scene_->objects[object];
+    return o.skin != none ? glm::mat4(1) : glm::mat4(world_[o.node]);
+}
+
+const DeformedMesh& SceneState::deformed(ObjectId object) const
+{
+    GNOMON_CHECK(deformed_slot_[object] != none);
+    return deformed_[deformed_slot_[object]];
+}
+
+void SceneState::override_transform(NodeId node, const glm::dmat4* local)
+{
+    GNOMON_CHECK_LT(node, scene_->nodes.size());
+    if (local)
+        overrides_[node] = *local;
+    else
+        overrides_.erase(node);
+    overrides_changed_.push_back(node);
+}
+
+}  // namespace gnomon::scene

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::scene {
+
+namespace {
+
+// Brings a coordinate into one period before it becomes a texel: large coordinates lose their fraction in 32 bits.
+int wrap_texel(int i, int size, Wrap wrap)
+{
+    switch (wrap) {
+        case Wrap::clamp: return std::clamp(i, 0, size - 1);
+        case Wrap::mirror: {
+            const int period = 2 * size;
+            i %= period;
+            if (i < 0) i += period;
+            return i < size ? i : period - 1 - i;
+        }
+        case Wrap::repeat: break;
+    }
+    // After reduction i is at most one step outside.
+    if (i < 0) i += size;
+    if (i >= size) i -= size;
+    return std::clamp(i, 0, size - 1);
+}
+
+float reduce(float x, Wrap wrap)
+{
+    if (!std::isfinite(x)) return 0;
+    switch (wrap) {
+        case Wrap::repeat: return x - std::floor(x);
+        case Wrap::mirror: return x - 2 * std::floor(0.5f * x);
+        case Wrap::clamp: break;
+    }
+    return std::clamp(x, -1.0f, 2.0f);
+}
+
+glm::vec4 decode(const std::uint8_t* p, bool srgb)
+{
+    constexpr float scale = 1.0f / 255.0f;
+    if (!srgb) return {p[0] * scale, p[1] * scale, p[2] * scale, p[3] * scale};
+    static const float* const table = linear_from_srgb8();
+    return {table[p[0]], table[p[1]], table[p[2]], p[3] * scale};
+}
+
+std::uint8_t encode8(float value, bool srgb)
+{
+    const float encoded = srgb ? srgb_from_linear(value) : value;
+    return static_cast<std::uint8_t>(std::clamp(encoded * 255.0f + 0.5f, 0.0f, 255.0f));
+}
+
+// Halves an image with a box filter in linear light; an odd last row or column is shared by its neighbour. Colour is
+// weighted by alpha, so that what is cut away does not bleed in.
+Image8 half(const Image8& fine, bool srgb)
+{
+    Image8 coarse(std::max(1, fine.width / 2), std::max(1, fine.height / 2), 4);
+    for (int y = 0; y < coarse.height; ++y) {
+        const int y0 = y * fine.height / coarse.height;
+        const int y1 = std::max(y0 + 1, (y + 1) * fine.height / coarse.height);
+        for (int x = 0; x < coarse.width; ++x) {
+            const int x0 = x * fine.width / coarse.width;
+            const int x1 = std::max(x0 + 1, (x + 1) * fine.width / coarse.width);
+            glm::vec3 weighted(0), plain(0);
+            float alpha = 0;
+            for (int j = y0; j < y1; ++j)
+                for (int i = x0; i < x1; ++i) {
+                    const glm::vec4 texel = decode(fine.pixel(i, j), srgb);
+                    weighted += glm::vec3(texel) * texel.w;
+                    plain += glm::vec3(texel);
+                    alpha += texel.w;
+                }
+            const float count = static_cast<float>((y1 - y0) * (x1 - x0));
+            const glm::vec3 color = alpha > 0 ? weighted / alpha : plain / count;
+            std::uint8_t* out = coarse.pixel(x, y);
+            for (int c = 0; c < 3; ++c) out[c] = encode8(color[c], srgb);
+            out[3] = encode8(alpha / count, false);
+        }
+    }
+    return coarse;
+}
+
+}  // namespace
+
+Texture::Texture(std::string name, const Image8& image, bool srgb, Sampler sampler)
+    : name_(std::move(name)), sampler_(sampler), srgb_(srgb)
+{
+    GNOMON_CHECK(!image.empty());
+    GNOMON_CHECK(image.channels >= 1 && image.channels <= 4);
+
+    // Widen to RGBA.
+    Image8 base(image.width, image.height, 4);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const std::uint8_t* in = image.pixel(x, y);
+            std::uint8_t* out = base.pixel(x, y);
+            const bool grey = image.channels <= 2;
+            for (int c = 0; c < 3; ++c) out[c] = grey ? in[0] : in[c];
+            out[3] = image.channels == 2 ? in[1] : image.channels == 4 ? in[3] : 255;
+            has_alpha_ = has_alpha_ || out[3] != 255;
+        }
+    levels_.push_back(std::move(base));
+    if (sampler.mipmaps)
+        while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half(levels_.back(), srgb));
+}
+
+std::size_t Texture::bytes() const
+{
+    std::size_t sum = 0;
+    for (const Image8& level : levels_) sum += level.data.size();
+    return sum;
+}
+
+glm::vec4 Texture::texel(const Image8& level, int x, int y) const
+{
+    return decode(level.pixel(wrap_texel(x, level.width, sampler_.wrap_u), wrap_texel(y, level.height, sampler_.wrap_v)),
+                  srgb_);
+}
+
+glm::vec4 Texture::nearest(const Image8& level, glm::vec2 uv) const
+{
+    return texel(level, static_cast<int>(std::floor(uv.x * level.width)), static_cast<int>(std::floor(uv.y * level.height)));
+}
+
+glm::vec4 Texture::bilinear(const Image8& level, glm::vec2 uv) const
+{
+    const float x = uv.x * level.width - 0.5f;
+    const float y = uv.y * level.height - 0.5f;
+    const float fx = std::floor(x), fy = std::floor(y);
+    const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
+    const float wx = x - fx, wy = y - fy;
+    const glm::vec4 top = texel(level, ix, iy) * (1 - wx) + texel(level, ix + 1, iy) * wx;
+    const glm::vec4 bottom = texel(level, ix, iy + 1) * (1 - wx) + texel(level, ix + 1, iy + 1) * wx;
+    return top * (1 - wy) + bottom * wy;
+}
+
+glm::vec4 Texture::sample(glm::vec2 uv, float footprint) const
+{
+    uv = {reduce(uv.x, sampler_.wrap_u), reduce(uv.y, sampler_.wrap_v)};
+    const auto look_up = [&](const Image8& level, Filter filter) {
+        return filter == Filter::nearest ? nearest(level, uv) : bilinear(level, uv);
+    };
+    if (!(footprint > 1) || levels_.size() == 1)
+        return look_up(levels_[0], footprint > 1 ? sampler_.minify : sampler_.magnify);
+
+    // Blend the two levels between whose texel sizes the footprint lies.
+    const float lod = std::min(std::log2(footprint), static_cast<float>(levels_.size() - 1));
+    const auto fine = static_cast<std::size_t>(lod);
+    const float blend = lod - static_cast<float>(fine);
+    const glm::vec4 a = look_up(levels_[fine], sampler_.minify);
+    if (blend == 0 || fine + 1 >= levels_.size()) return a;
+    return a * (1 - blend) + look_up(levels_[fine + 1], sampler_.minify) * blend;
+}
+
+float Texture::alpha(glm::vec2 uv) const
+{
+    if (!has_alpha_) return 1;
+    uv = {reduce(uv.x, sampler_.wrap_u), reduce(uv.y, sampler_.wrap_v)};
+    return sampler_.magnify == Filter::nearest ? nearest(levels_[0], uv).w : bilinear(levels_[0], uv).w;
+}
+
+glm::vec2 TextureUse::apply(glm::vec2 uv) const
+{
+    const glm::vec2 s = uv * scale;
+    if (rotation == 0) return s + offset;
+    const float c = std::cos(rotation), n = std::sin(rotation);
+    return glm::vec2(c * s.x + n * s.y, -n * s.x + c * s.y) + offset;
+}
+
+}  // namespace gnomon::scene
