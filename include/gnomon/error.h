@@ -56,4 +56,4 @@ class InternalError : public Error {
     using Error::Error;
 };
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -2,8 +2,9 @@
 #pragma once
 // Renders many frames to files: numbered pictures, or a film.
 //
-// A film's frames are kept as PNG in OUT.frames/ until all are there; then ffmpeg encodes them in one go, single-threaded
-// and bit-exact, and they are removed. So any chunking, resumption and number of threads gives the same bytes.
+// A film's frames are kept as PNG in OUT.frames/ until all are there; then ffmpeg encodes them in one go,
+// single-threaded and bit-exact, and they are removed. So any chunking, resumption and number of threads gives the same
+// bytes.
 
 #include <filesystem>
 #include <functional>
@@ -25,7 +26,7 @@ struct FrameRecord {
     int frame = 1;
     double time = 0;
     std::filesystem::path file;
-    double milliseconds = 0;     // 0 if kept from an earlier run
+    double milliseconds = 0;   // 0 if kept from an earlier run
     bool kept = false;
     FrameCounters counters;
 };
@@ -50,4 +51,4 @@ FrameRange chunk_of(FrameRange range, int chunk, int chunks);
 void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const std::vector<std::string>& labels,
                          int columns, const std::filesystem::path& out);
 
-}  // namespace gnomon
+}   // namespace gnomon

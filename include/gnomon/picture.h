@@ -23,8 +23,8 @@ struct Picture {
     double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
     ToneMap tonemap = ToneMap::neutral;
     FrameCounters counters;
-    double milliseconds = 0;     // of the frame, without loading and writing
-    double time = 0;             // scene time in seconds
+    double milliseconds = 0;   // of the frame, without loading and writing
+    double time = 0;           // scene time in seconds
     int frame = 1;
 
     const Layer* layer(const std::string& name) const;
@@ -35,4 +35,4 @@ struct Picture {
     void write(const std::filesystem::path& file) const;
 };
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -20,8 +20,8 @@ struct RenderOptions {
     int samples = 1;                  // per pixel, 1 to 4096
     std::optional<double> exposure;   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
-    int threads = 0;                  // 0: all
-    bool layers = false;              // also fill depth, normal, albedo, direct, shadow
+    int threads = 0;       // 0: all
+    bool layers = false;   // also fill depth, normal, albedo, direct, shadow
 };
 
 /// Keeps what stands still from frame to frame. The picture of a frame does not depend on the frames before it, nor on
@@ -48,4 +48,4 @@ class Renderer {
 /// The size a scene is rendered at when none is asked for.
 Size default_size(const Scene& scene, const std::string& camera = "auto");
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -23,12 +23,12 @@ struct SceneInfo {
     std::uint64_t triangles = 0, triangles_dynamic = 0;   // instanced
     std::uint64_t objects = 0, objects_dynamic = 0;       // instances of meshes
     std::uint64_t meshes = 0, materials = 0, textures = 0;
-    std::vector<std::string> lights, cameras;             // names; empty strings for unnamed ones
+    std::vector<std::string> lights, cameras;   // names; empty strings for unnamed ones
     int frames = 1;
     double fps = 24;
-    double start = 0, end = 0;                            // seconds
-    float bounds_low[3]{}, bounds_high[3]{};              // at the start
-    Size resolution{};                                    // the file's own; 0 x 0: none
+    double start = 0, end = 0;                 // seconds
+    float bounds_low[3]{}, bounds_high[3]{};   // at the start
+    Size resolution{};                         // the file's own; 0 x 0: none
     std::vector<std::string> warnings;
 };
 
@@ -70,4 +70,4 @@ struct LoadOptions {
 /// @throws InterruptedError
 Scene load(const std::string& what, const LoadOptions& options = {});
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -52,4 +52,4 @@ struct ProgressStep {
 };
 using Progress = std::function<bool(const ProgressStep&)>;
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -3,8 +3,7 @@
 // Checks for our own bugs. They stay on in release builds, print both operands, and throw InternalError, so that a
 // program which embeds the library ends in an orderly way. Never use them for what a user or a file can cause.
 
-#include <fmt/format.h>
-#include <fmt/ostream.h>
+#include <fmt/core.h>
 
 #include <string_view>
 
@@ -14,19 +13,19 @@ namespace gnomon {
 
 [[noreturn]] void fail_check(std::string_view file, int line, std::string_view what);
 
-}  // namespace gnomon
+}   // namespace gnomon
 
 #define GNOMON_CHECK(condition) \
     ((condition) ? void() : ::gnomon::fail_check(__FILE__, __LINE__, "check failed: " #condition))
 
-#define GNOMON_CHECK_OP(op, a, b)                                                                                 \
-    do {                                                                                                          \
-        const auto& gnomon_a = (a);                                                                               \
-        const auto& gnomon_b = (b);                                                                               \
-        if (!(gnomon_a op gnomon_b))                                                                              \
-            ::gnomon::fail_check(__FILE__, __LINE__,                                                              \
-                                 ::fmt::format("check failed: " #a " " #op " " #b " ({} against {})", gnomon_a,   \
-                                               gnomon_b));                                                        \
+#define GNOMON_CHECK_OP(op, a, b)                                                                          \
+    do {                                                                                                   \
+        const auto& gnomon_a = (a);                                                                        \
+        const auto& gnomon_b = (b);                                                                        \
+        if (!(gnomon_a op gnomon_b))                                                                       \
+            ::gnomon::fail_check(                                                                          \
+                __FILE__, __LINE__,                                                                        \
+                ::fmt::format("check failed: {} ({} against {})", #a " " #op " " #b, gnomon_a, gnomon_b)); \
     } while (false)
 
 #define GNOMON_CHECK_EQ(a, b) GNOMON_CHECK_OP(==, a, b)

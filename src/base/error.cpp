@@ -15,7 +15,7 @@ std::string one_line(std::string text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
     return text;
 }
-}  // namespace
+}   // namespace
 
 InputError::InputError(std::string file, std::string place, std::string what)
     : Error(one_line(place.empty() ? fmt::format("{}: {}", file, what) : fmt::format("{}:{}: {}", file, place, what))),
@@ -32,4 +32,4 @@ void fail_check(std::string_view file, int line, std::string_view what)
     throw InternalError(fmt::format("{}:{}: {}", file, line, what));
 }
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -31,4 +31,4 @@ std::uint64_t hash_span(std::span<const T> values, std::uint64_t seed = 0xcbf29c
     return hash_bytes(values.data(), values.size_bytes(), seed);
 }
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -27,4 +27,4 @@ const float* linear_from_srgb8()
     return table.data();
 }
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -36,4 +36,4 @@ float linear_from_srgb(float encoded);
 /// The 256 linear values of 8-bit sRGB.
 const float* linear_from_srgb8();
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -35,14 +35,26 @@ struct Box3 {
     float diagonal() const { return glm::length(size()); }
 };
 
-inline bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline bool is_finite(const glm::vec3& v)
+{
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /// Relative luminance of linear Rec. 709 colour.
-inline float luminance(const glm::vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+inline float luminance(const glm::vec3& c)
+{
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
 /// Point by matrix, without the division by w (all our matrices are affine).
-inline glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p) { return glm::vec3(m * glm::vec4(p, 1)); }
-inline glm::dvec3 transform_point(const glm::dmat4& m, const glm::dvec3& p) { return glm::dvec3(m * glm::dvec4(p, 1)); }
+inline glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p)
+{
+    return glm::vec3(m * glm::vec4(p, 1));
+}
+inline glm::dvec3 transform_point(const glm::dmat4& m, const glm::dvec3& p)
+{
+    return glm::dvec3(m * glm::dvec4(p, 1));
+}
 
 /// Two unit vectors perpendicular to the unit vector n and to each other (Duff et al. 2017).
 inline void make_basis(const glm::vec3& n, glm::vec3& s, glm::vec3& t)
@@ -54,4 +66,4 @@ inline void make_basis(const glm::vec3& n, glm::vec3& s, glm::vec3& t)
     t = {b, sign + n.y * n.y * a, -n.y};
 }
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -37,4 +37,4 @@ class Random {
     std::uint64_t increment_;
 };
 
-}  // namespace gnomon
+}   // namespace gnomon

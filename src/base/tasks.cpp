@@ -44,4 +44,4 @@ void Tasks::for_each(std::size_t count, const std::function<void(std::size_t, in
     });
 }
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -33,4 +33,4 @@ class Tasks {
     int threads_;
 };
 
-}  // namespace gnomon
+}   // namespace gnomon

@@ -26,4 +26,4 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
 /// @throws MissingError if it cannot be written
 void write_png(const std::filesystem::path& file, const Image8& image);
 
-}  // namespace gnomon::io
+}   // namespace gnomon::io

@@ -17,4 +17,4 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
 /// BART's AFF.
 scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
 
-}  // namespace gnomon::io
+}   // namespace gnomon::io

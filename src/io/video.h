@@ -18,4 +18,4 @@ void encode_video(const std::vector<std::filesystem::path>& frames, double fps, 
 /// Whether ffmpeg can be run. Checked before a long rendering, not after.
 bool have_ffmpeg();
 
-}  // namespace gnomon::io
+}   // namespace gnomon::io

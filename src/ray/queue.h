@@ -41,8 +41,8 @@ struct RayQueue {
     std::size_t count_ = 0;
 };
 
-/// What closest-hit rays met, in the queue's order. `object` is scene::none where a ray left the scene; the rest is then
-/// undefined. u, v: the hit is at (1-u-v) p0 + u p1 + v p2.
+/// What closest-hit rays met, in the queue's order. `object` is scene::none where a ray left the scene; the rest is
+/// then undefined. u, v: the hit is at (1-u-v) p0 + u p1 + v p2.
 struct Hits {
     std::vector<float> t, u, v;
     std::vector<scene::ObjectId> object;
@@ -56,4 +56,4 @@ struct Hits {
     }
 };
 
-}  // namespace gnomon::ray
+}   // namespace gnomon::ray

@@ -4,11 +4,12 @@
 //
 // Two scenes, because this Embree allows one level of instances: everything static, committed once and kept; and the
 // movers, one instance per rigid group or deforming object, of which only the small top level is rebuilt, and only in
-// frames in which one of them moved. Closest hit: the second scene starts with the first's distance. Any hit: the second
-// is asked only where the first let the ray pass. 'Dynamic objects only' is simply the second scene.
+// frames in which one of them moved. Closest hit: the second scene starts with the first's distance. Any hit: the
+// second is asked only where the first let the ray pass. 'Dynamic objects only' is simply the second scene.
 //
-// Repeatable by construction: trees are built by one thread from inputs that do not depend on earlier frames (a deforming
-// mesh is built in its rest shape and refitted), so equal distances fall the same way every time. Robust mode throughout.
+// Repeatable by construction: trees are built by one thread from inputs that do not depend on earlier frames (a
+// deforming mesh is built in its rest shape and refitted), so equal distances fall the same way every time. Robust mode
+// throughout.
 
 #include <cstdint>
 #include <memory>
@@ -23,15 +24,15 @@ enum class Against : std::uint8_t { everything, static_only, dynamic_only };
 /// What closest-hit rays see of one-sided surfaces: both sides, or their front alone (camera and mirror rays).
 enum class Sides : std::uint8_t { both, front };
 
-/// One object's triangles as the rays meet them. Positions and normals are in world space if `to_world` is null, else in
-/// a space that `to_world` takes to the world.
+/// One object's triangles as the rays meet them. Positions and normals are in world space if `to_world` is null, else
+/// in a space that `to_world` takes to the world.
 struct ObjectGeometry {
-    const scene::Mesh* mesh = nullptr;             // triangles, texture coordinates, parts
+    const scene::Mesh* mesh = nullptr;   // triangles, texture coordinates, parts
     const glm::vec3* positions = nullptr;
-    const glm::vec3* normals = nullptr;            // null: the triangle's own
-    const glm::vec4* tangents = nullptr;           // null: none
+    const glm::vec3* normals = nullptr;    // null: the triangle's own
+    const glm::vec4* tangents = nullptr;   // null: none
     const glm::mat4* to_world = nullptr;
-    const glm::mat3* normal_to_world = nullptr;    // inverse transpose, not normalised; null with to_world
+    const glm::mat3* normal_to_world = nullptr;   // inverse transpose, not normalised; null with to_world
 
     /// World-space corners of one triangle.
     void corners(std::uint32_t triangle, glm::vec3 (&p)[3]) const
@@ -51,11 +52,11 @@ struct Hit {
 };
 
 struct RaySceneStatistics {
-    std::uint64_t static_triangles = 0;    // in the static scene, flattened and instanced
-    std::uint64_t instances = 0;           // in the movers' scene
-    std::uint64_t bytes = 0;               // Embree's memory and our baked vertices
-    double build_ms = 0;                   // everything, at construction
-    std::uint64_t touched = 0;             // instances and refitted meshes handled by the last update
+    std::uint64_t static_triangles = 0;   // in the static scene, flattened and instanced
+    std::uint64_t instances = 0;          // in the movers' scene
+    std::uint64_t bytes = 0;              // Embree's memory and our baked vertices
+    double build_ms = 0;                  // everything, at construction
+    std::uint64_t touched = 0;            // instances and refitted meshes handled by the last update
 };
 
 class RayScene {
@@ -92,4 +93,4 @@ class RayScene {
     std::unique_ptr<Inside> inside_;
 };
 
-}  // namespace gnomon::ray
+}   // namespace gnomon::ray

@@ -18,13 +18,13 @@ Scene make_cornell();
 Scene make_kinetic();
 
 struct SpheresOptions {
-    int objects = 300;       // 1 to 1,000,000
-    double dynamic = 10;     // percent that move in every frame; or
-    int movers = -1;         // that many, if >= 0
-    int vertices = 2037;     // of one sphere: 2 poles + rings; the nearest possible count is taken
+    int objects = 300;     // 1 to 1,000,000
+    double dynamic = 10;   // percent that move in every frame; or
+    int movers = -1;       // that many, if >= 0
+    int vertices = 2037;   // of one sphere: 2 poles + rings; the nearest possible count is taken
     std::uint64_t seed = 1;
 };
 /// Equal spheres in a cube, a part of which moves along closed paths; one spot light sees them all.
 Scene make_spheres(const SpheresOptions& options);
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -7,7 +7,8 @@ namespace gnomon::scene {
 
 void ChangeIndex::build()
 {
-    std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& x, const Entry& y) { return x.first < y.first; });
+    std::stable_sort(entries_.begin(), entries_.end(),
+                     [](const Entry& x, const Entry& y) { return x.first < y.first; });
     build_range(0, entries_.size());
 }
 
@@ -45,4 +46,4 @@ void ChangeIndex::query_range(std::size_t begin, std::size_t end, double a, doub
     query_range(middle + 1, end, a, b, ids);
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -13,7 +13,10 @@ namespace gnomon::scene {
 
 class ChangeIndex {
  public:
-    void add(std::uint32_t id, const Interval& interval) { entries_.push_back({interval.first, interval.last, interval.last, id}); }
+    void add(std::uint32_t id, const Interval& interval)
+    {
+        entries_.push_back({interval.first, interval.last, interval.last, id});
+    }
     /// Call once, after all add().
     void build();
 
@@ -32,4 +35,4 @@ class ChangeIndex {
     std::vector<Entry> entries_;   // by first
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

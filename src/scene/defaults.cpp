@@ -24,7 +24,7 @@ NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, c
     scene.child_begin.push_back(scene.child_begin.back());   // the node has no children; keeps the index whole
     return node;
 }
-}  // namespace
+}   // namespace
 
 void add_default_light(Scene& scene)
 {
@@ -61,7 +61,8 @@ void add_default_camera(Scene& scene)
     } else {
         for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec3 p = glm::dvec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                            corner & 4 ? box.high.z : box.low.z) - centre;
+                                            corner & 4 ? box.high.z : box.low.z) -
+                                 centre;
             constexpr double narrowest_aspect = 4.0 / 3.0;
             const double across = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / narrowest_aspect);
             distance = std::max(distance, glm::dot(p, back) + k_margin * across / tan_half);
@@ -76,4 +77,4 @@ void add_default_camera(Scene& scene)
     scene.warnings.push_back("no camera in the scene: a default one frames it");
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -17,8 +17,8 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
 
 void apply_keys(const VertexKeys& keys, double time, DeformedMesh& out)
 {
-    const auto after = static_cast<std::size_t>(std::upper_bound(keys.times.begin(), keys.times.end(), time) -
-                                                keys.times.begin());
+    const auto after =
+        static_cast<std::size_t>(std::upper_bound(keys.times.begin(), keys.times.end(), time) - keys.times.begin());
     if (after == 0 || after == keys.times.size()) {
         const std::size_t key = after == 0 ? 0 : after - 1;
         out.positions = keys.positions[key];
@@ -31,8 +31,8 @@ void apply_keys(const VertexKeys& keys, double time, DeformedMesh& out)
         out.positions[i] = glm::mix(keys.positions[after - 1][i], keys.positions[after][i], u);
     if (keys.normals.empty()) return;
     for (std::size_t i = 0; i < out.normals.size(); ++i)
-        out.normals[i] = unit_or(glm::mix(keys.normals[after - 1][i], keys.normals[after][i], u),
-                                 keys.normals[after - 1][i]);
+        out.normals[i] =
+            unit_or(glm::mix(keys.normals[after - 1][i], keys.normals[after][i], u), keys.normals[after - 1][i]);
 }
 
 void apply_targets(const Mesh& mesh, std::span<const float> weights, DeformedMesh& out)
@@ -75,12 +75,12 @@ void apply_skin(const SkinBinding& skin, std::span<const glm::mat4> joints, Defo
             out.normals[i] = unit_or(cofactor * out.normals[i], out.normals[i]);
         }
         if (!out.tangents.empty())
-            out.tangents[i] = glm::vec4(unit_or(linear * glm::vec3(out.tangents[i]), glm::vec3(out.tangents[i])),
-                                        out.tangents[i].w);
+            out.tangents[i] =
+                glm::vec4(unit_or(linear * glm::vec3(out.tangents[i]), glm::vec3(out.tangents[i])), out.tangents[i].w);
     }
 }
 
-}  // namespace
+}   // namespace
 
 void deform_mesh(const Mesh& mesh, double time, std::span<const float> weights, std::span<const glm::mat4> joints,
                  DeformedMesh& out)
@@ -94,4 +94,4 @@ void deform_mesh(const Mesh& mesh, double time, std::span<const float> weights, 
     if (mesh.skin && !joints.empty()) apply_skin(*mesh.skin, joints, out);
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

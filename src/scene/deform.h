@@ -23,4 +23,4 @@ struct DeformedMesh {
 void deform_mesh(const Mesh& mesh, double time, std::span<const float> weights, std::span<const glm::mat4> joints,
                  DeformedMesh& out);
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

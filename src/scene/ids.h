@@ -9,8 +9,8 @@ namespace gnomon::scene {
 using NodeId = std::uint32_t;
 using MeshId = std::uint32_t;
 using SkinId = std::uint32_t;
-using ObjectId = std::uint32_t;     // an instance of a mesh: the unit of mobility
-using GroupId = std::uint32_t;      // objects that always move as one rigid body
+using ObjectId = std::uint32_t;   // an instance of a mesh: the unit of mobility
+using GroupId = std::uint32_t;    // objects that always move as one rigid body
 using MaterialId = std::uint32_t;
 using TextureId = std::uint32_t;
 using LightId = std::uint32_t;
@@ -18,4 +18,4 @@ using CameraId = std::uint32_t;
 
 inline constexpr std::uint32_t none = 0xffffffffu;
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

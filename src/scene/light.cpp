@@ -78,4 +78,4 @@ glm::vec3 Background::ambient(const glm::vec3& normal) const
     return glm::mix(ground, sky, up);
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -22,7 +22,7 @@ struct Light {
     glm::vec3 color{1};   // linear: candela (inverse square), lux (directional), or AFF's own
     Falloff falloff = Falloff::inverse_square;
     SpotProfile profile = SpotProfile::smooth;
-    float inner_angle = 0;                                  // half-angles, radians
+    float inner_angle = 0;   // half-angles, radians
     float outer_angle = static_cast<float>(k_pi / 4);
     float range = 0;   // metres beyond which nothing is lit (smoothly); 0: unlimited
     NodeId node = none;
@@ -30,17 +30,17 @@ struct Light {
 
 /// A light where it is now.
 struct LightState {
-    glm::vec3 position{0};          // point and spot
-    glm::vec3 direction{0, -1, 0};  // unit, the way the light travels; spot and directional
+    glm::vec3 position{0};           // point and spot
+    glm::vec3 direction{0, -1, 0};   // unit, the way the light travels; spot and directional
     bool visible = true;
     friend bool operator==(const LightState&, const LightState&) = default;
 };
 
 /// What a light does at a point, without anything between.
 struct LightSample {
-    glm::vec3 to_light{0};    // unit
-    float distance = 0;       // infinite for a directional light
-    glm::vec3 irradiance{0};  // on a surface that faces the light; black outside its cone or range
+    glm::vec3 to_light{0};     // unit
+    float distance = 0;        // infinite for a directional light
+    glm::vec3 irradiance{0};   // on a surface that faces the light; black outside its cone or range
 };
 LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point);
 
@@ -57,8 +57,9 @@ struct Background {
     glm::vec3 sun_radiance{0};
 
     glm::vec3 radiance(const glm::vec3& direction) const;
-    /// Irradiance / pi on an unoccluded surface with this unit normal: the sky's ambient light (the sun's is the light's).
+    /// Irradiance / pi on an unoccluded surface with this unit normal: the sky's ambient light (the sun's is the
+    /// light's).
     glm::vec3 ambient(const glm::vec3& normal) const;
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

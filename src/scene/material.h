@@ -45,10 +45,10 @@ struct Material {
 
     // AFF [aff-format, `fm`]
     glm::vec3 ambient{0};
-    glm::vec3 specular{0};       // colour of highlight and mirror image
-    float shine = 0;             // Phong exponent; 0: no highlight
-    float transmittance = 0;     // T
-    float ior = 1.5f;            // index of refraction inside
+    glm::vec3 specular{0};     // colour of highlight and mirror image
+    float shine = 0;           // Phong exponent; 0: no highlight
+    float transmittance = 0;   // T
+    float ior = 1.5f;          // index of refraction inside
 
     SurfaceClass surface_class() const
     {
@@ -59,4 +59,4 @@ struct Material {
     bool one_sided() const { return !double_sided && surface_class() != SurfaceClass::transparent; }
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

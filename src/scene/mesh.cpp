@@ -16,9 +16,8 @@ Box3 Mesh::bounds() const
 
 const MeshPart& Mesh::part_of(std::uint32_t triangle) const
 {
-    const auto after = std::upper_bound(parts.begin(), parts.end(), triangle, [](std::uint32_t t, const MeshPart& part) {
-        return t < part.first_triangle;
-    });
+    const auto after = std::upper_bound(parts.begin(), parts.end(), triangle,
+                                        [](std::uint32_t t, const MeshPart& part) { return t < part.first_triangle; });
     return *(after - 1);
 }
 
@@ -59,4 +58,4 @@ void check_mesh(const Mesh& mesh)
     }
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -31,9 +31,9 @@ struct SkinBinding {
 
 /// Whole vertex arrays at key times (AFF `tpa`): linear between keys, constant outside.
 struct VertexKeys {
-    std::vector<double> times;                      // rising; not empty
-    std::vector<std::vector<glm::vec3>> positions;  // [key][vertex]
-    std::vector<std::vector<glm::vec3>> normals;    // [key][vertex], or empty
+    std::vector<double> times;                       // rising; not empty
+    std::vector<std::vector<glm::vec3>> positions;   // [key][vertex]
+    std::vector<std::vector<glm::vec3>> normals;     // [key][vertex], or empty
 };
 
 /// Attributes are per vertex; an array is empty or as long as `positions`.
@@ -43,9 +43,9 @@ struct Mesh {
     std::vector<glm::vec3> normals;    // unit; empty: shaded with the triangle's own normal
     std::vector<glm::vec4> tangents;   // xyz unit, w = -1 or 1
     std::vector<glm::vec2> texcoords[2];
-    std::vector<glm::vec4> colors;     // linear RGBA; multiplies the base colour
-    std::vector<glm::uvec3> triangles; // counter-clockwise seen from the front
-    std::vector<MeshPart> parts;       // cover all triangles, in order
+    std::vector<glm::vec4> colors;       // linear RGBA; multiplies the base colour
+    std::vector<glm::uvec3> triangles;   // counter-clockwise seen from the front
+    std::vector<MeshPart> parts;         // cover all triangles, in order
 
     std::vector<MorphTarget> morph_targets;
     std::vector<float> morph_weights;   // default weights, one a target
@@ -61,4 +61,4 @@ struct Mesh {
 /// Throws InternalError if arrays disagree in length or an index is out of range: importers must have refused that.
 void check_mesh(const Mesh& mesh);
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

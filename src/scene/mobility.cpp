@@ -84,4 +84,4 @@ void Mobility::make_static(ObjectId object)
     became_static_.push_back(object);
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -39,8 +39,8 @@ class Mobility {
     void make_static(ObjectId object);
 
     std::vector<MobilityOverride> override_;
-    std::vector<std::uint32_t> last_active_;      // frame number
-    std::vector<std::uint32_t> dynamic_slot_;     // place in dynamic_, or none
+    std::vector<std::uint32_t> last_active_;    // frame number
+    std::vector<std::uint32_t> dynamic_slot_;   // place in dynamic_, or none
     std::vector<ObjectId> dynamic_;
     std::vector<std::vector<ObjectId>> asleep_at_;   // ring of quiet_frames + 1: who may fall asleep in which frame
     std::vector<ObjectId> became_dynamic_, became_static_;
@@ -48,4 +48,4 @@ class Mobility {
     std::uint64_t touched_ = 0;
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -33,7 +33,7 @@ void sort_parts(Mesh& mesh, const std::vector<Material>& materials)
     mesh.parts = std::move(sorted);
 }
 
-}  // namespace
+}   // namespace
 
 double Timeline::time_of(int frame) const
 {
@@ -157,8 +157,8 @@ Box3 Scene::bounds(double time) const
         const Node& node = nodes[n];
         const glm::dmat4 local = node.transform ? node.transform->evaluate(time) : node.local;
         world[n] = node.parent == none ? local : world[node.parent] * local;
-        visible[n] = (node.parent == none || visible[node.parent]) &&
-                     (!node.visibility || node.visibility->evaluate(time));
+        visible[n] =
+            (node.parent == none || visible[node.parent]) && (!node.visibility || node.visibility->evaluate(time));
         if (node.mesh == none || !visible[n]) continue;
         const Mesh& mesh = meshes[node.mesh];
         for (const glm::uvec3& triangle : mesh.triangles)
@@ -176,4 +176,4 @@ glm::dmat4 Scene::world_matrix(NodeId node, double time) const
     return result;
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -17,15 +17,15 @@ namespace gnomon::scene {
 
 struct Node {
     std::string name;
-    NodeId parent = none;             // always a smaller index than the node's own
-    glm::dmat4 local{1};              // used where there is no track
+    NodeId parent = none;   // always a smaller index than the node's own
+    glm::dmat4 local{1};    // used where there is no track
     std::shared_ptr<const TransformTrack> transform;
     std::shared_ptr<const VisibilityTrack> visibility;   // hides everything below, too
     std::shared_ptr<const WeightsTrack> weights;         // of the mesh on this node
-    bool animated = false;            // the file says it can move (AFF `x`, a target of a glTF channel)
+    bool animated = false;   // the file says it can move (AFF `x`, a target of a glTF channel)
     MeshId mesh = none;
     SkinId skin = none;
-    std::vector<float> morph_weights; // instead of the mesh's own defaults; empty: those
+    std::vector<float> morph_weights;   // instead of the mesh's own defaults; empty: those
 };
 
 struct Skin {
@@ -38,19 +38,19 @@ struct Skin {
 struct Camera {
     std::string name;
     NodeId node = none;
-    double vertical_fov = 0.8;      // whole angle, radians; perspective
-    double orthographic_height = 0; // whole height of the view in scene units; > 0: orthographic instead
+    double vertical_fov = 0.8;        // whole angle, radians; perspective
+    double orthographic_height = 0;   // whole height of the view in scene units; > 0: orthographic instead
     double near = 0.01;
-    double far = 0;                 // 0: unlimited
-    Size resolution{};              // the file's own, if it has one
+    double far = 0;      // 0: unlimited
+    Size resolution{};   // the file's own, if it has one
 };
 
 /// Frame i (from 1) of a clip.
 struct Timeline {
-    double start = 0;      // seconds
+    double start = 0;   // seconds
     double end = 0;
-    int frames = 1;        // of the whole clip, at `fps`
-    double fps = 24;       // film rate
+    int frames = 1;            // of the whole clip, at `fps`
+    double fps = 24;           // film rate
     bool own_frames = false;   // AFF: the file numbers its frames itself; --fps then changes the film's rate alone
 
     double time_of(int frame) const;
@@ -63,9 +63,9 @@ struct Object {
     NodeId node = none;
     MeshId mesh = none;
     SkinId skin = none;
-    GroupId group = none;   // none: static, or deforming
-    bool dynamic = false;   // below an animated node, skinned, or morphing: may change during the clip
-    bool deforming = false; // its vertices may change
+    GroupId group = none;     // none: static, or deforming
+    bool dynamic = false;     // below an animated node, skinned, or morphing: may change during the clip
+    bool deforming = false;   // its vertices may change
 };
 
 /// Dynamic rigid objects below one animated node and no deeper one: they share every movement.
@@ -90,12 +90,12 @@ class Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     Background background;
-    glm::vec3 ambient{0};         // AFF `am`; with indirect light off alone
+    glm::vec3 ambient{0};   // AFF `am`; with indirect light off alone
     Timeline timeline;
     std::vector<std::string> warnings;
 
     // Made by finish():
-    std::vector<Object> objects;          // in node order
+    std::vector<Object> objects;   // in node order
     std::vector<RigidGroup> groups;
     std::vector<std::uint32_t> child_begin;   // children of node n: child_list[child_begin[n] ... child_begin[n + 1])
     std::vector<NodeId> child_list;
@@ -121,4 +121,4 @@ class Scene {
 void add_default_light(Scene& scene);
 void add_default_camera(Scene& scene);
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

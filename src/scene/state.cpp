@@ -35,7 +35,7 @@ void sort_unique(std::vector<T>& v)
     v.erase(std::unique(v.begin(), v.end()), v.end());
 }
 
-}  // namespace
+}   // namespace
 
 SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), none)
 {
@@ -269,4 +269,4 @@ void SceneState::override_transform(NodeId node, const glm::dmat4* local)
     overrides_changed_.push_back(node);
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -17,18 +17,18 @@ namespace gnomon::scene {
 
 /// What changed between the last two times. Ids ascend within a list. Valid until the next advance().
 struct FrameChanges {
-    std::vector<ObjectId> moved;      // world matrix differs (in bits) and the object is visible
-    std::vector<ObjectId> deformed;   // vertices differ
-    std::vector<ObjectId> appeared;   // visible now, not before
-    std::vector<ObjectId> vanished;   // the reverse
-    std::vector<ObjectId> started;    // moved or deformed now, not in the step before
-    std::vector<ObjectId> stopped;    // the reverse
-    std::vector<GroupId> groups_moved;      // rigid groups whose anchor moved, or that appeared
-    std::vector<LightId> lights_moved;      // position, direction or visibility differ
+    std::vector<ObjectId> moved;         // world matrix differs (in bits) and the object is visible
+    std::vector<ObjectId> deformed;      // vertices differ
+    std::vector<ObjectId> appeared;      // visible now, not before
+    std::vector<ObjectId> vanished;      // the reverse
+    std::vector<ObjectId> started;       // moved or deformed now, not in the step before
+    std::vector<ObjectId> stopped;       // the reverse
+    std::vector<GroupId> groups_moved;   // rigid groups whose anchor moved, or that appeared
+    std::vector<LightId> lights_moved;   // position, direction or visibility differ
     std::vector<LightId> lights_started;
     std::vector<LightId> lights_stopped;
-    bool camera_moved = false;        // any camera's
-    std::uint64_t touched_nodes = 0;  // tracks evaluated + nodes visited
+    bool camera_moved = false;         // any camera's
+    std::uint64_t touched_nodes = 0;   // tracks evaluated + nodes visited
 
     bool anything() const
     {
@@ -76,17 +76,17 @@ class SceneState {
     std::vector<glm::dmat4> local_, world_;
     std::vector<char> node_visible_;
     std::vector<LightState> lights_;
-    std::vector<DeformedMesh> deformed_;          // by slot
-    std::vector<std::uint32_t> deformed_slot_;    // by object; none for rigid ones
+    std::vector<DeformedMesh> deformed_;         // by slot
+    std::vector<std::uint32_t> deformed_slot_;   // by object; none for rigid ones
     std::unordered_map<NodeId, glm::dmat4> overrides_;
     std::vector<NodeId> overrides_changed_;
     FrameChanges changes_;
-    std::vector<ObjectId> active_before_, active_now_;     // moved or deformed, last step and this
+    std::vector<ObjectId> active_before_, active_now_;   // moved or deformed, last step and this
     std::vector<LightId> lights_active_before_;
-    std::vector<std::uint32_t> visited_;                   // by node: the step that last visited it
+    std::vector<std::uint32_t> visited_;   // by node: the step that last visited it
     std::uint32_t step_ = 0;
-    std::vector<std::uint32_t> due_, stack_;               // scratch, kept for its memory
+    std::vector<std::uint32_t> due_, stack_;   // scratch, kept for its memory
     std::vector<ObjectId> to_deform_;
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -12,14 +12,16 @@ namespace {
 int wrap_texel(int i, int size, Wrap wrap)
 {
     switch (wrap) {
-        case Wrap::clamp: return std::clamp(i, 0, size - 1);
+        case Wrap::clamp:
+            return std::clamp(i, 0, size - 1);
         case Wrap::mirror: {
             const int period = 2 * size;
             i %= period;
             if (i < 0) i += period;
             return i < size ? i : period - 1 - i;
         }
-        case Wrap::repeat: break;
+        case Wrap::repeat:
+            break;
     }
     // After reduction i is at most one step outside.
     if (i < 0) i += size;
@@ -31,9 +33,12 @@ float reduce(float x, Wrap wrap)
 {
     if (!std::isfinite(x)) return 0;
     switch (wrap) {
-        case Wrap::repeat: return x - std::floor(x);
-        case Wrap::mirror: return x - 2 * std::floor(0.5f * x);
-        case Wrap::clamp: break;
+        case Wrap::repeat:
+            return x - std::floor(x);
+        case Wrap::mirror:
+            return x - 2 * std::floor(0.5f * x);
+        case Wrap::clamp:
+            break;
     }
     return std::clamp(x, -1.0f, 2.0f);
 }
@@ -82,7 +87,7 @@ Image8 half(const Image8& fine, bool srgb)
     return coarse;
 }
 
-}  // namespace
+}   // namespace
 
 Texture::Texture(std::string name, const Image8& image, bool srgb, Sampler sampler)
     : name_(std::move(name)), sampler_(sampler), srgb_(srgb)
@@ -115,13 +120,14 @@ std::size_t Texture::bytes() const
 
 glm::vec4 Texture::texel(const Image8& level, int x, int y) const
 {
-    return decode(level.pixel(wrap_texel(x, level.width, sampler_.wrap_u), wrap_texel(y, level.height, sampler_.wrap_v)),
-                  srgb_);
+    return decode(
+        level.pixel(wrap_texel(x, level.width, sampler_.wrap_u), wrap_texel(y, level.height, sampler_.wrap_v)), srgb_);
 }
 
 glm::vec4 Texture::nearest(const Image8& level, glm::vec2 uv) const
 {
-    return texel(level, static_cast<int>(std::floor(uv.x * level.width)), static_cast<int>(std::floor(uv.y * level.height)));
+    return texel(level, static_cast<int>(std::floor(uv.x * level.width)),
+                 static_cast<int>(std::floor(uv.y * level.height)));
 }
 
 glm::vec4 Texture::bilinear(const Image8& level, glm::vec2 uv) const
@@ -169,4 +175,4 @@ glm::vec2 TextureUse::apply(glm::vec2 uv) const
     return glm::vec2(c * s.x + n * s.y, -n * s.x + c * s.y) + offset;
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

@@ -2,8 +2,8 @@
 #pragma once
 // Textures: 8-bit images with a mip chain, looked up with wrap and trilinear filtering.
 //
-// u runs from the left column, v from the top row (glTF and AFF alike; importers of other formats flip). Coordinates are
-// reduced to one period before they become texels: AFF files go from -196 to 328.
+// u runs from the left column, v from the top row (glTF and AFF alike; importers of other formats flip). Coordinates
+// are reduced to one period before they become texels: AFF files go from -196 to 328.
 
 #include <string>
 #include <vector>
@@ -75,4 +75,4 @@ struct TextureUse {
     glm::vec2 apply(glm::vec2 uv) const;
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

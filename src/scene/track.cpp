@@ -21,4 +21,4 @@ glm::dmat4 TransformParts::matrix() const
     return m;
 }
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene

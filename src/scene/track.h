@@ -53,4 +53,4 @@ struct TransformParts {
     glm::dmat4 matrix() const;
 };
 
-}  // namespace gnomon::scene
+}   // namespace gnomon::scene
