@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnomon/renderer.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <chrono>
+
+#include "base/check.h"
+#include "render/tone_map.h"
+#include "render/traced_frame.h"
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr Size k_default_size{1280, 720};
+constexpr int k_max_side = 32768;
+
+scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
+{
+    if (wanted == "auto") return 0;
+    for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+        if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && end == wanted.data() + wanted.size() && number < scene.cameras.size()) return number;
+    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
+}
+
+void check_options(const RenderOptions& o)
+{
+    const auto side_fits = [](int n) { return n >= 0 && n <= k_max_side; };
+    if (!side_fits(o.size.width) || !side_fits(o.size.height) || (o.size.width == 0) != (o.size.height == 0))
+        throw UsageError(
+            fmt::format("size {}x{} is out of range: 1 to {} a side", o.size.width, o.size.height, k_max_side));
+    if (o.max_depth < 0 || o.max_depth > 64) throw UsageError("max depth is out of range: 0 to 64");
+    if (o.samples < 1 || o.samples > 4096) throw UsageError("samples are out of range: 1 to 4096");
+    if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
+    if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
+}
+
+}   // namespace
+
+// What stands still is kept here from frame to frame, as long as the scene is the same.
+struct Renderer::Inside {
+    explicit Inside(RenderOptions o) : options(std::move(o)), tasks(options.threads) {}
+
+    RenderOptions options;
+    Tasks tasks;
+    std::shared_ptr<const scene::Scene> scene;
+    std::unique_ptr<scene::SceneState> state;
+    std::unique_ptr<ray::RayScene> rays;
+    render::FrameBuffers buffers;
+
+    void follow(const std::shared_ptr<const scene::Scene>& wanted, double time)
+    {
+        if (wanted != scene) {
+            rays.reset();
+            state = std::make_unique<scene::SceneState>(wanted, time);
+            rays = std::make_unique<ray::RayScene>(*state);
+            scene = wanted;
+            return;
+        }
+        state->advance(time);
+        rays->update(*state);
+    }
+};
+
+Renderer::Renderer(RenderOptions options)
+{
+    check_options(options);
+    inside_ = std::make_unique<Inside>(std::move(options));
+}
+
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+const RenderOptions& Renderer::options() const
+{
+    return inside_->options;
+}
+
+Picture Renderer::render(const Scene& scene, int frame, const Progress& progress)
+{
+    Inside& in = *inside_;
+    const RenderOptions& options = in.options;
+    if (frame < 1 || frame > scene.frame_count())
+        throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
+
+    const scene::CameraId camera = find_camera(*scene.inside(), options.camera);
+    const auto start = Clock::now();
+    const double time = scene.time_of(frame);
+    in.follow(scene.inside(), time);
+
+    const Size size = options.size.width > 0 ? options.size : default_size(scene, options.camera);
+    render::View view = render::make_view(*in.state, camera, size);
+    if (options.turntable_seconds > 0) {
+        const double turn = (frame - 1) / scene.fps() / options.turntable_seconds;
+        view = render::turned(view, in.rays->bounds().centre(), 2 * k_pi * turn);
+    }
+
+    render::TracedOptions traced;
+    traced.max_depth = options.max_depth;
+    traced.samples = options.samples;
+    traced.layers = options.layers;
+    Picture picture;
+    picture.counters = render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, nullptr, progress);
+
+    // Hand the buffers over as layers.
+    const auto give = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {
+        picture.layers.push_back({name, std::move(channels), image.data});
+    };
+    give("", {"R", "G", "B"}, in.buffers.color);
+    if (options.layers) {
+        give("depth", {"Z"}, in.buffers.depth);
+        give("normal", {"X", "Y", "Z"}, in.buffers.normal);
+        give("albedo", {"R", "G", "B"}, in.buffers.albedo);
+        give("direct", {"R", "G", "B"}, in.buffers.direct);
+        std::vector<std::string> lights;
+        for (std::size_t l = 0; l < scene.inside()->lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
+        if (!lights.empty()) give("shadow", std::move(lights), in.buffers.shadow);
+    }
+    picture.size = size;
+    picture.tonemap = options.tonemap;
+    picture.exposure = options.exposure ? *options.exposure : render::auto_exposure(in.buffers.color);
+    picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    picture.time = time;
+    picture.frame = frame;
+    return picture;
+}
+
+Size default_size(const Scene& scene, const std::string& camera)
+{
+    const Size own = scene.inside()->cameras[find_camera(*scene.inside(), camera)].resolution;
+    return own.width > 0 ? own : k_default_size;
+}
+
+}   // namespace gnomon

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// How a surface answers light: Phong for AFF [Whitted 1980], GGX for glTF [Walter et al. 2007; Khronos glTF 2.0,
+// appendix B], and what goes on as mirror and refracted rays.
+//
+// AFF's convention has no pi: radiance = diffuse * irradiance. Its pictures are pi times brighter than radiometry says,
+// in all parts alike.
+
+#include "render/surface.h"
+
+namespace gnomon::render {
+
+/// Radiance towards the viewer from light that arrives from one direction.
+/// @param to_light    unit
+/// @param irradiance  on a surface that faces the light
+/// Black where the light is behind the geometric surface. Near the geometric horizon of a smooth-shaded surface the
+/// light fades out, so that its facets do not show as a jagged terminator [Chiang et al. 2019].
+glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
+
+/// Light that comes from everywhere: used with indirect light off.
+glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene);
+
+/// Rays that go on from a surface, each with the share of what it brings. A share of zero: no such ray.
+struct Continuation {
+    glm::vec3 reflected_share{0}, reflected{0};
+    glm::vec3 refracted_share{0}, refracted{0};
+    glm::vec3 straight_share{0};     // through the uncovered part of a BLEND surface
+    glm::vec3 unresolved_share{0};   // mirror light of rough surfaces, taken from the background alone
+};
+Continuation continue_from(const SurfacePoint& s);
+
+/// Fresnel reflectance of unpolarised light at a dielectric boundary.
+/// @param cosine  of the angle of incidence, 0 to 1
+/// @param eta     index behind over index before; 1 on total reflection
+float fresnel_dielectric(float cosine, float eta);
+
+}   // namespace gnomon::render

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/surface.h"
+
+#include <algorithm>
+
+namespace gnomon::render {
+
+namespace {
+
+// A position interpolated from corners of this size is off its plane by a few units in the last place; new rays start
+// this much above it, which also covers the rounding of the instance transforms on the way.
+constexpr float k_offset_per_coordinate = 2e-6f;
+
+float largest(const glm::vec3& v)
+{
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
+{
+    const float square = glm::dot(v, v);
+    return square > 0 && std::isfinite(square) ? v * (1.0f / std::sqrt(square)) : otherwise;
+}
+
+// Everything about the triangle that texture look-ups need.
+struct TextureFrame {
+    const scene::Scene& scene;
+    const scene::Mesh& mesh;
+    glm::uvec3 index;
+    float u, v;
+    float width;         // of the cone on the surface, scene units
+    float double_area;   // of the triangle in space
+
+    glm::vec2 texcoord(int set) const
+    {
+        const auto& t = mesh.texcoords[set];
+        return (1 - u - v) * t[index[0]] + u * t[index[1]] + v * t[index[2]];
+    }
+    bool has(const scene::TextureUse& use) const { return use.used() && !mesh.texcoords[use.texcoord].empty(); }
+
+    glm::vec4 look_up(const scene::TextureUse& use) const
+    {
+        const scene::Texture& texture = scene.textures[use.texture];
+        const auto& t = mesh.texcoords[use.texcoord];
+        const glm::vec2 a = (t[index[1]] - t[index[0]]) * use.scale, b = (t[index[2]] - t[index[0]]) * use.scale;
+        const float double_area_uv = std::abs(a.x * b.y - a.y * b.x);
+        const float texels =
+            double_area_uv * static_cast<float>(texture.width()) * static_cast<float>(texture.height());
+        const float footprint = double_area > 0 ? width * std::sqrt(texels / double_area) : 0.0f;
+        return texture.sample(use.apply(texcoord(use.texcoord)), footprint);
+    }
+};
+
+// Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle.
+glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
+                        const glm::vec3& normal)
+{
+    const auto& t = frame.mesh.texcoords[material.normal_texture.texcoord];
+    const glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
+    const float determinant = a.x * b.y - a.y * b.x;
+    if (determinant == 0) return normal;
+    const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
+    const glm::vec3 along_u = (e1 * b.y - e2 * a.y) / determinant;
+    const glm::vec3 along_v = (e2 * a.x - e1 * b.x) / determinant;
+    // glTF: green points up, that is against v, which runs down.
+    const glm::vec3 tangent = unit_or(along_u - normal * glm::dot(normal, along_u), glm::vec3(0));
+    glm::vec3 bitangent = glm::cross(normal, tangent);
+    if (glm::dot(bitangent, along_v) > 0) bitangent = -bitangent;
+    if (tangent == glm::vec3(0)) return normal;
+    const glm::vec4 texel = frame.look_up(material.normal_texture);
+    const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) *
+                        glm::vec3(material.normal_scale, material.normal_scale, 1);
+    return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
+}
+
+void fill_whitted(const scene::Material& material, const TextureFrame& frame, SurfacePoint& s)
+{
+    glm::vec3 tint(1);
+    if (frame.has(material.base_color_texture)) tint = glm::vec3(frame.look_up(material.base_color_texture));
+    s.diffuse = material.base_color * tint;
+    s.ambient = material.ambient * tint;
+    s.specular = material.specular;
+    s.shine = material.shine;
+    if (material.transmittance > 0) {
+        s.transmitted = glm::vec3(material.transmittance);
+        s.ior = material.ior;
+    }
+}
+
+void fill_metallic_roughness(const scene::Material& material, const TextureFrame& frame, SurfacePoint& s)
+{
+    glm::vec3 base = material.base_color;
+    float alpha = material.alpha;
+    if (!frame.mesh.colors.empty()) {
+        const auto& c = frame.mesh.colors;
+        const glm::vec4 color =
+            (1 - frame.u - frame.v) * c[frame.index[0]] + frame.u * c[frame.index[1]] + frame.v * c[frame.index[2]];
+        base *= glm::vec3(color);
+        alpha *= color.w;
+    }
+    if (frame.has(material.base_color_texture)) {
+        const glm::vec4 texel = frame.look_up(material.base_color_texture);
+        base *= glm::vec3(texel);
+        alpha *= texel.w;
+    }
+    float metallic = material.metallic, roughness = material.roughness;
+    if (frame.has(material.metallic_roughness_texture)) {
+        const glm::vec4 texel = frame.look_up(material.metallic_roughness_texture);
+        roughness *= texel.y;
+        metallic *= texel.z;
+    }
+    s.emissive = material.emissive;
+    if (s.emissive != glm::vec3(0) && frame.has(material.emissive_texture))
+        s.emissive *= glm::vec3(frame.look_up(material.emissive_texture));
+    if (material.alpha_mode == scene::AlphaMode::blend) s.coverage = std::clamp(alpha, 0.0f, 1.0f);
+
+    if (material.model == scene::ShadingModel::unlit) {
+        s.emissive = base;
+        return;
+    }
+    const float f0 = (material.ior - 1) / (material.ior + 1);
+    s.specular = glm::mix(glm::vec3(f0 * f0), base, metallic);
+    s.diffuse = base * ((1 - metallic) * (1 - material.transmission));
+    s.transmitted = base * ((1 - metallic) * material.transmission);
+    s.ior = material.ior;
+    s.roughness = std::clamp(roughness, 0.0f, 1.0f);
+    s.ambient = s.diffuse;
+    if (frame.has(material.occlusion_texture)) {
+        const float occlusion = frame.look_up(material.occlusion_texture).x;
+        s.ambient *= 1 + material.occlusion_strength * (occlusion - 1);
+    }
+}
+
+}   // namespace
+
+SurfacePoint surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
+                        float v, float distance, const glm::vec3& direction, const RayCone& cone)
+{
+    const scene::Mesh& mesh = *geometry.mesh;
+    const glm::uvec3 index = mesh.triangles[triangle];
+    const scene::Material& material = scene.materials[mesh.part_of(triangle).material];
+    SurfacePoint s;
+
+    // Place the point from the corners, not along the ray: it lies on the triangle whatever the distance.
+    glm::vec3 p[3];
+    geometry.corners(triangle, p);
+    const float w = std::max(0.0f, 1 - u - v);
+    s.position = w * p[0] + u * p[1] + v * p[2];
+    s.offset = k_offset_per_coordinate * std::max({largest(p[0]), largest(p[1]), largest(p[2])});
+    s.to_viewer = -direction;
+
+    // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
+    const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const float double_area = std::sqrt(glm::dot(cross, cross));
+    glm::vec3 outward = double_area > 0 ? cross / double_area : -direction;
+    if (geometry.to_world && glm::determinant(glm::mat3(*geometry.to_world)) < 0) outward = -outward;
+    s.front = glm::dot(outward, direction) < 0;
+    s.geometric_normal = s.front ? outward : -outward;
+
+    // Interpolate the shading normal, and keep it on the viewer's side.
+    s.normal = s.geometric_normal;
+    if (geometry.normals) {
+        glm::vec3 n = w * geometry.normals[index[0]] + u * geometry.normals[index[1]] + v * geometry.normals[index[2]];
+        if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
+        s.normal = unit_or(s.front ? n : -n, s.geometric_normal);
+    }
+
+    s.cone.width = cone.width + distance * cone.spread;
+    s.cone.spread = cone.spread;
+    const float cosine = std::max(std::abs(glm::dot(s.geometric_normal, direction)), 0.02f);
+    const TextureFrame frame{scene, mesh, index, u, v, s.cone.width / std::sqrt(cosine), double_area};
+    if (frame.has(material.normal_texture)) s.normal = mapped_normal(material, frame, p, s.normal);
+
+    // Bend a shading normal that looks away from the viewer back to the horizon.
+    if (const float facing = glm::dot(s.normal, s.to_viewer); facing < 0)
+        s.normal = unit_or(s.normal - (facing - 1e-3f) * s.to_viewer, s.geometric_normal);
+
+    s.model = material.model;
+    if (material.model == scene::ShadingModel::whitted)
+        fill_whitted(material, frame, s);
+    else
+        fill_metallic_roughness(material, frame, s);
+    return s;
+}
+
+}   // namespace gnomon::render

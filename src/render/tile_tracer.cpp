@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/tile_tracer.h"
+
+#include <algorithm>
+
+namespace gnomon::render {
+
+namespace {
+
+// A shadow ray ends this fraction short of its lamp, so that a lamp drawn as a surface does not shadow itself.
+constexpr float k_shadow_end = 0.9999f;
+
+// Every second bit of a Morton code.
+std::uint32_t even_bits(std::uint32_t code)
+{
+    code &= 0x55555555u;
+    code = (code | (code >> 1)) & 0x33333333u;
+    code = (code | (code >> 2)) & 0x0f0f0f0fu;
+    code = (code | (code >> 4)) & 0x00ff00ffu;
+    return (code | (code >> 8)) & 0x0000ffffu;
+}
+
+float largest_share(const glm::vec3& share)
+{
+    return std::max({share.x, share.y, share.z});
+}
+
+}   // namespace
+
+TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
+                       const TracedOptions& options, TraceLog* log)
+    : state_(state), scene_(state.scene()), rays_(rays), view_(view), options_(options), log_(log)
+{
+}
+
+void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
+{
+    const auto pixels = static_cast<std::size_t>(options_.tile) * options_.tile;
+    color_.assign(pixels, glm::vec3(0));
+    if (options_.layers) {
+        direct_.assign(pixels, glm::vec3(0));
+        albedo_.assign(pixels, glm::vec3(0));
+        normal_.assign(pixels, glm::vec3(0));
+        depth_.assign(pixels, 0);
+        shadow_.assign(pixels * scene_.lights.size(), 0);
+    }
+
+    for (int sample = 0; sample < options_.samples; ++sample) {
+        queue_primary(tile, sample);
+        points_.clear();
+        trace_queue(primary_);
+        shade_hits(primary_, true, sample);
+        light_points(true);
+
+        for (int depth = 0; depth < options_.max_depth; ++depth) {
+            queue_continuations();
+            if (reflected_.rays.empty() && refracted_.rays.empty()) break;
+            counters_.reflection_rays += reflected_.rays.size();
+            counters_.refraction_rays += refracted_.rays.size();
+            points_.clear();
+            for (const PathQueue* queue : {&reflected_, &refracted_}) {
+                trace_queue(*queue);
+                shade_hits(*queue, false, sample);
+            }
+            light_points(false);
+        }
+    }
+    store(tile, out);
+}
+
+// Primary rays in Morton order: a packet covers a block of 4 x 2 or 4 x 4 pixels.
+void TileTracer::queue_primary(const TileRect& tile, int sample)
+{
+    primary_.clear();
+    const glm::vec2 offset = sample_offset(sample, options_.samples);
+    const auto count = static_cast<std::uint32_t>(options_.tile * options_.tile);
+    for (std::uint32_t code = 0; code < count; ++code) {
+        const int x = static_cast<int>(even_bits(code)), y = static_cast<int>(even_bits(code >> 1));
+        if (x >= tile.width || y >= tile.height) continue;
+        glm::vec3 origin, direction;
+        float tnear, tfar;
+        view_.ray(static_cast<float>(tile.x + x) + offset.x, static_cast<float>(tile.y + y) + offset.y, origin,
+                  direction, tnear, tfar);
+        const Path path{
+            static_cast<std::uint32_t>(y * options_.tile + x), glm::vec3(1), {view_.pixel_width, view_.pixel_spread}};
+        primary_.push(path, origin, tnear, direction, tfar);
+    }
+    counters_.primary_rays += primary_.rays.size();
+}
+
+void TileTracer::trace_queue(const PathQueue& queue)
+{
+    if (queue.rays.empty()) return;
+    hits_.resize(queue.rays.size());
+    rays_.closest(queue.rays, 0, queue.rays.size(), hits_, ray::Sides::front);
+    if (log_) log_->entries.push_back({queue.rays, false});
+}
+
+// Brings hits on the same object together, each object's in queue order: neighbours in the shadow queues then start on
+// the same surface, and materials and textures are met in runs.
+void TileTracer::sort_hits(std::size_t count)
+{
+    order_.resize(count);
+    bool sorted = true;
+    for (std::size_t i = 0; i < count; ++i) {
+        order_[i] = (static_cast<std::uint64_t>(hits_.object[i]) << 32) | i;
+        sorted = sorted && (i == 0 || order_[i - 1] < order_[i]);
+    }
+    if (!sorted) std::sort(order_.begin(), order_.end());
+}
+
+void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
+{
+    const std::size_t count = queue.rays.size();
+    sort_hits(count);
+    for (const std::uint64_t key : order_) {
+        const auto i = static_cast<std::uint32_t>(key);
+        const Path& path = queue.paths[i];
+        const glm::vec3 direction = queue.rays.direction(i);
+
+        // Add the background where the ray left the scene.
+        if (hits_.object[i] == scene::none) {
+            color_[path.pixel] += path.share * scene_.background.radiance(direction);
+            continue;
+        }
+        Point point;
+        point.surface = surface_at(scene_, rays_.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i],
+                                   hits_.t[i], direction, path.cone);
+        point.pixel = path.pixel;
+        point.share = path.share;
+        const SurfacePoint& s = point.surface;
+
+        point.next = continue_from(s);
+
+        // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
+        glm::vec3 own = s.emissive * s.coverage + ambient_light(s, scene_);
+        if (point.next.unresolved_share != glm::vec3(0))
+            own += point.next.unresolved_share * scene_.background.ambient(point.next.reflected);
+        color_[path.pixel] += path.share * own;
+        if (primary && options_.layers) {
+            albedo_[path.pixel] += s.diffuse + s.specular;
+            if (sample == 0) {
+                normal_[path.pixel] = s.normal;
+                depth_[path.pixel] = hits_.t[i] * glm::dot(direction, view_.forward);
+            }
+        }
+        points_.push_back(point);
+    }
+}
+
+// Per light: one queue of shadow rays from all points that face it, then light where nothing was in the way.
+void TileTracer::light_points(bool primary)
+{
+    const std::size_t lights = scene_.lights.size();
+    for (std::size_t l = 0; l < lights; ++l) {
+        const scene::Light& light = scene_.lights[l];
+        const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+        shadow_rays_.clear();
+        shadow_point_.clear();
+        shadow_irradiance_.clear();
+        for (std::size_t p = 0; p < points_.size(); ++p) {
+            const SurfacePoint& s = points_[p].surface;
+            if (s.model == scene::ShadingModel::unlit) continue;
+            const scene::LightSample sample = scene::illuminate(light, at, s.position);
+            if (glm::dot(sample.to_light, s.geometric_normal) <= 0 || glm::dot(sample.to_light, s.normal) <= 0)
+                continue;
+            if (sample.irradiance == glm::vec3(0)) continue;
+            const glm::vec3 origin = s.position + s.offset * s.geometric_normal;
+            if (light.type == scene::LightType::directional)
+                shadow_rays_.push(origin, 0, sample.to_light, k_infinity);
+            else
+                shadow_rays_.push(origin, 0, at.position - origin, k_shadow_end);
+            shadow_point_.push_back(static_cast<std::uint32_t>(p));
+            shadow_irradiance_.push_back(sample.irradiance);
+        }
+        const std::size_t count = shadow_rays_.size();
+        if (count == 0) continue;
+        counters_.shadow.rays += count;
+        blocked_.resize(count + ray::k_packet_pad);
+        rays_.blocked(shadow_rays_, 0, count, blocked_.data());
+        if (log_) log_->entries.push_back({shadow_rays_, true});
+
+        for (std::size_t i = 0; i < count; ++i) {
+            if (blocked_[i]) continue;
+            const Point& point = points_[shadow_point_[i]];
+            const glm::vec3 to_light = glm::normalize(shadow_rays_.direction(i));
+            const glm::vec3 radiance = point.share * reflect_light(point.surface, to_light, shadow_irradiance_[i]);
+            color_[point.pixel] += radiance;
+            if (primary && options_.layers) {
+                direct_[point.pixel] += radiance;
+                shadow_[point.pixel * lights + l] += 1;
+            }
+        }
+    }
+}
+
+// Queues the rays that go on from the points just shaded, each kind by itself.
+void TileTracer::queue_continuations()
+{
+    next_reflected_.clear();
+    next_refracted_.clear();
+    for (const Point& point : points_) {
+        const SurfacePoint& s = point.surface;
+        const Continuation& c = point.next;
+        const glm::vec3 lift = s.offset * s.geometric_normal;
+        const auto queue = [&](PathQueue& to, const glm::vec3& share, const glm::vec3& origin,
+                               const glm::vec3& direction) {
+            const glm::vec3 total = point.share * share;
+            if (largest_share(total) < options_.min_share) return;
+            to.push({point.pixel, total, s.cone}, origin, 0, direction, k_infinity);
+        };
+        queue(next_reflected_, c.reflected_share, s.position + lift, c.reflected);
+        queue(next_refracted_, c.refracted_share, s.position - lift, c.refracted);
+        queue(next_refracted_, c.straight_share, s.position - lift, -s.to_viewer);
+    }
+    std::swap(reflected_, next_reflected_);
+    std::swap(refracted_, next_refracted_);
+}
+
+void TileTracer::store(const TileRect& tile, FrameBuffers& out) const
+{
+    const float weight = 1.0f / static_cast<float>(options_.samples);
+    const std::size_t lights = scene_.lights.size();
+    const auto put = [](ImageF& image, int x, int y, const glm::vec3& value) {
+        float* to = image.pixel(x, y);
+        to[0] = value.x, to[1] = value.y, to[2] = value.z;
+    };
+    for (int y = 0; y < tile.height; ++y)
+        for (int x = 0; x < tile.width; ++x) {
+            const auto from = static_cast<std::size_t>(y * options_.tile + x);
+            const int px = tile.x + x, py = tile.y + y;
+            put(out.color, px, py, color_[from] * weight);
+            if (!options_.layers) continue;
+            put(out.direct, px, py, direct_[from] * weight);
+            put(out.albedo, px, py, albedo_[from] * weight);
+            put(out.normal, px, py, normal_[from]);
+            out.depth.pixel(px, py)[0] = depth_[from];
+            for (std::size_t l = 0; l < lights; ++l) out.shadow.pixel(px, py)[l] = shadow_[from * lights + l] * weight;
+        }
+}
+
+}   // namespace gnomon::render

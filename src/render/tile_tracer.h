@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The work of one tile of the traced frame, with the memory it needs. One a thread, reused from tile to tile.
+
+#include "render/shading.h"
+#include "render/traced_frame.h"
+
+namespace gnomon::render {
+
+struct TileRect {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
+class TileTracer {
+ public:
+    TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
+               const TracedOptions& options, TraceLog* log);
+
+    void trace(const TileRect& tile, FrameBuffers& out);
+    const FrameCounters& counters() const { return counters_; }
+
+ private:
+    // What a ray in a queue belongs to.
+    struct Path {
+        std::uint32_t pixel;   // of the tile
+        glm::vec3 share;       // of the pixel's colour
+        RayCone cone;
+    };
+    struct PathQueue {
+        ray::RayQueue rays;
+        std::vector<Path> paths;
+        void clear() { rays.clear(), paths.clear(); }
+        void push(const Path& path, const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar)
+        {
+            rays.push(origin, tnear, direction, tfar);
+            paths.push_back(path);
+        }
+    };
+    struct Point {
+        SurfacePoint surface;
+        Continuation next;
+        std::uint32_t pixel;
+        glm::vec3 share;
+    };
+
+    void queue_primary(const TileRect& tile, int sample);
+    void trace_queue(const PathQueue& queue);
+    void shade_hits(const PathQueue& queue, bool primary, int sample);
+    void sort_hits(std::size_t count);
+    void light_points(bool primary);
+    void queue_continuations();
+    void store(const TileRect& tile, FrameBuffers& out) const;
+
+    const scene::SceneState& state_;
+    const scene::Scene& scene_;
+    const ray::RayScene& rays_;
+    const View& view_;
+    const TracedOptions& options_;
+    TraceLog* log_;
+    FrameCounters counters_;
+
+    PathQueue primary_, reflected_, refracted_, next_reflected_, next_refracted_;
+    ray::Hits hits_;
+    std::vector<std::uint64_t> order_;
+    std::vector<Point> points_;
+    ray::RayQueue shadow_rays_;
+    std::vector<std::uint32_t> shadow_point_;
+    std::vector<glm::vec3> shadow_irradiance_;
+    std::vector<std::uint8_t> blocked_;
+
+    std::vector<glm::vec3> color_, direct_, albedo_, normal_;   // by pixel of the tile
+    std::vector<float> depth_, shadow_;
+};
+
+}   // namespace gnomon::render

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/traced_frame.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "base/check.h"
+#include "render/tile_tracer.h"
+
+namespace gnomon::render {
+
+namespace {
+
+void add(FrameCounters& sum, const FrameCounters& part)
+{
+    sum.shadow.rays += part.shadow.rays;
+    sum.shadow.rays_skipped += part.shadow.rays_skipped;
+    sum.shadow.rays_dynamic_only += part.shadow.rays_dynamic_only;
+    sum.primary_rays += part.primary_rays;
+    sum.reflection_rays += part.reflection_rays;
+    sum.refraction_rays += part.refraction_rays;
+}
+
+void resize(ImageF& image, Size size, int channels)
+{
+    if (image.width != size.width || image.height != size.height || image.channels != channels)
+        image = ImageF(size.width, size.height, channels);
+}
+
+}   // namespace
+
+FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
+                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out, TraceLog* log,
+                          const Progress& progress)
+{
+    GNOMON_CHECK(!log || tasks.threads() == 1);
+    GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
+    const Size size = view.size;
+    resize(out.color, size, 3);
+    if (options.layers) {
+        for (ImageF* image : {&out.direct, &out.albedo, &out.normal}) resize(*image, size, 3);
+        resize(out.depth, size, 1);
+        resize(out.shadow, size, static_cast<int>(state.scene().lights.size()));
+    }
+
+    const int columns = (size.width + options.tile - 1) / options.tile;
+    const int rows = (size.height + options.tile - 1) / options.tile;
+    const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+
+    std::vector<std::unique_ptr<TileTracer>> workers(static_cast<std::size_t>(tasks.threads()));
+    std::atomic<std::size_t> done = 0;
+    std::atomic<bool> stopped = false;
+    std::mutex progress_mutex;
+    tasks.for_each(tiles, [&](std::size_t index, int worker) {
+        if (stopped) return;
+        auto& tracer = workers[static_cast<std::size_t>(worker)];
+        if (!tracer) tracer = std::make_unique<TileTracer>(state, rays, view, options, log);
+        TileRect tile;
+        tile.x = static_cast<int>(index) % columns * options.tile;
+        tile.y = static_cast<int>(index) / columns * options.tile;
+        tile.width = std::min(options.tile, size.width - tile.x);
+        tile.height = std::min(options.tile, size.height - tile.y);
+        tracer->trace(tile, out);
+        const std::size_t finished = ++done;
+        if (progress) {
+            const std::lock_guard lock(progress_mutex);
+            if (!progress({"tracing", static_cast<double>(finished) / static_cast<double>(tiles)})) stopped = true;
+        }
+    });
+    if (stopped) throw InterruptedError("interrupted");
+
+    FrameCounters counters;
+    for (const auto& worker : workers)
+        if (worker) add(counters, worker->counters());
+    return counters;
+}
+
+std::uint64_t TraceLog::rays() const
+{
+    std::uint64_t sum = 0;
+    for (const Entry& entry : entries) sum += entry.rays.size();
+    return sum;
+}
+
+std::uint64_t TraceLog::replay(const ray::RayScene& scene) const
+{
+    std::uint64_t result = 0;
+    ray::Hits hits;
+    std::vector<std::uint8_t> blocked;
+    for (const Entry& entry : entries) {
+        const std::size_t count = entry.rays.size();
+        if (entry.any_hit) {
+            blocked.resize(count + ray::k_packet_pad);
+            scene.blocked(entry.rays, 0, count, blocked.data());
+            result += blocked[count / 2];
+        } else {
+            hits.resize(count);
+            scene.closest(entry.rays, 0, count, hits, ray::Sides::front);
+            result += hits.triangle[count / 2];
+        }
+    }
+    return result;
+}
+
+}   // namespace gnomon::render

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// One frame by ray tracing, Whitted's way [Whitted 1980], in packets and queues.
+//
+// The picture is cut into tiles; a tile is one task. Within it nothing recurses: all rays of one kind and depth wait in
+// a queue and are traced together, neighbours side by side, so that packets stay full and coherent:
+//
+//   primary rays -> hits, sorted by object -> points to shade -> per light one queue of shadow rays
+//                                                             -> reflection queue, refraction queue -> next depth
+//
+// Cost: the rays. The picture depends on the scene, the view and the options alone: a tile's order of work is fixed,
+// and tiles share nothing that is written.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/image.h"
+#include "base/tasks.h"
+#include "gnomon/types.h"
+#include "ray/ray_scene.h"
+#include "render/view.h"
+
+namespace gnomon::render {
+
+struct TracedOptions {
+    int max_depth = 10;            // reflections and refractions in a row
+    int samples = 1;               // per pixel
+    bool layers = false;           // fill all of FrameBuffers, not `color` alone
+    float min_share = 1 / 300.f;   // a ray that would bring less than this share of a pixel is not traced
+    int tile = 32;                 // pixels a side; a power of two
+};
+
+/// Linear, averaged over samples; depth and normal are the first sample's.
+struct FrameBuffers {
+    ImageF color;    // 3
+    ImageF depth;    // 1: along the view's forward axis; 0 where nothing was hit
+    ImageF normal;   // 3: shading normal in world space
+    ImageF albedo;   // 3
+    ImageF direct;   // 3: what lights add at primary hits
+    ImageF shadow;   // one channel a light: 1 lit, 0 in shadow or unlit, at primary hits
+};
+
+/// Every bulk trace of a frame, in order: the rays alone can then be traced again, for comparison (bench trace).
+struct TraceLog {
+    struct Entry {
+        ray::RayQueue rays;
+        bool any_hit = false;
+    };
+    std::vector<Entry> entries;
+
+    std::uint64_t rays() const;
+    /// Traces it all again on the caller's thread and returns a number that depends on the results.
+    std::uint64_t replay(const ray::RayScene& scene) const;
+};
+
+/// @param log  optional; only with one thread
+/// @throws InterruptedError  progress returned false
+FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
+                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out, TraceLog* log = nullptr,
+                          const Progress& progress = {});
+
+}   // namespace gnomon::render
