@@ -126,7 +126,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     }
     picture.size = size;
     picture.tonemap = options.tonemap;
-    picture.exposure = options.exposure ? *options.exposure : render::auto_exposure(in.buffers.color);
+    picture.exposure = options.exposure ? *options.exposure : render::auto_exposure(in.buffers.color.data);
     picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     picture.time = time;
     picture.frame = frame;

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mobility: what advance() lists, and that it costs what moves.
+#include "scene/state.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "scene/mobility.h"
+
+namespace gnomon::scene {
+namespace {
+
+// Slides along +X between two times, at one unit a second.
+class Slide : public TransformTrack {
+ public:
+    Slide(double first, double last, glm::dvec3 from = {}) : first_(first), last_(last), from_(from) {}
+    glm::dmat4 evaluate(double time) const override
+    {
+        return glm::translate(glm::dmat4(1), from_ + glm::dvec3(std::clamp(time, first_, last_) - first_, 0, 0));
+    }
+    std::vector<Interval> changing() const override { return {{first_, last_}}; }
+
+ private:
+    double first_, last_;
+    glm::dvec3 from_;
+};
+
+Mesh one_triangle()
+{
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.parts = {{0, 0, 1}};
+    return mesh;
+}
+
+Scene scene_with_triangle_mesh()
+{
+    Scene scene;
+    scene.materials.emplace_back();
+    scene.meshes.push_back(one_triangle());
+    return scene;
+}
+
+NodeId add_object(Scene& scene, NodeId parent = none)
+{
+    const NodeId node = scene.add_node("", parent);
+    scene.nodes[node].mesh = 0;
+    return node;
+}
+
+std::vector<ObjectId> ids(std::initializer_list<ObjectId> list)
+{
+    return list;
+}
+
+TEST(SceneState, ListsWhatStartsMovesAndStops)
+{
+    Scene scene = scene_with_triangle_mesh();
+    add_object(scene);   // object 0, still
+    const NodeId mover = add_object(scene);
+    scene.nodes[mover].transform = std::make_shared<Slide>(1, 2);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+
+    EXPECT_FALSE(state.advance(0.5).anything());
+    const FrameChanges& first = state.advance(1.5);
+    EXPECT_EQ(first.moved, ids({1}));
+    EXPECT_EQ(first.started, ids({1}));
+    EXPECT_EQ(first.groups_moved, std::vector<GroupId>{0});
+    EXPECT_FLOAT_EQ(state.object_matrix(1)[3].x, 0.5f);
+    const FrameChanges& second = state.advance(1.75);
+    EXPECT_EQ(second.moved, ids({1}));
+    EXPECT_TRUE(second.started.empty());
+    state.advance(3);
+    const FrameChanges& rest = state.advance(4);
+    EXPECT_TRUE(rest.moved.empty());
+    EXPECT_EQ(rest.stopped, ids({1}));
+    EXPECT_EQ(rest.touched_nodes, 0u);
+    EXPECT_TRUE(state.advance(5).stopped.empty());
+    // Backwards works alike.
+    EXPECT_EQ(state.advance(0).moved, ids({1}));
+    EXPECT_FLOAT_EQ(state.object_matrix(1)[3].x, 0.0f);
+}
+
+TEST(SceneState, AppearsAndVanishesByTheFlagFromItsTimeOn)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const NodeId parent = scene.add_node("", none);
+    auto track = std::make_shared<VisibilityTrack>();
+    track->times = {1, 2};
+    track->visible = {false, true};
+    scene.nodes[parent].visibility = track;
+    add_object(scene, parent);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    EXPECT_TRUE(state.object_visible(0));
+    EXPECT_FALSE(state.advance(0.999).anything());
+    EXPECT_EQ(state.advance(1).vanished, ids({0}));
+    EXPECT_FALSE(state.object_visible(0));
+    EXPECT_EQ(state.advance(2).appeared, ids({0}));
+    EXPECT_EQ(state.changes().groups_moved, std::vector<GroupId>{0});
+    EXPECT_EQ(state.advance(1.5).vanished, ids({0}));
+    EXPECT_EQ(state.advance(0.5).appeared, ids({0}));
+}
+
+TEST(SceneState, CarriesMovementDownAndToLights)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const NodeId root = scene.add_node("", none);
+    scene.nodes[root].transform = std::make_shared<Slide>(0, 10);
+    const NodeId arm = scene.add_node("", root, glm::translate(glm::dmat4(1), glm::dvec3(0, 1, 0)));
+    const NodeId leaf = add_object(scene, arm);
+    scene.nodes[leaf].transform = std::make_shared<Slide>(0, 10);
+    Light light;
+    light.node = arm;
+    scene.lights.push_back(light);
+    scene.finish();
+    EXPECT_EQ(scene.objects[0].group, 0u);
+    EXPECT_EQ(scene.groups[0].anchor, leaf);
+
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    const FrameChanges& changes = state.advance(2);
+    EXPECT_EQ(changes.moved, ids({0}));
+    EXPECT_EQ(changes.lights_moved, std::vector<LightId>{0});
+    EXPECT_EQ(state.light(0).position, glm::vec3(2, 1, 0));
+    EXPECT_EQ(state.world(leaf)[3], glm::dvec4(4, 1, 0, 1));
+    EXPECT_TRUE(state.advance(20).lights_moved.size() == 1 && state.advance(21).lights_stopped.size() == 1);
+}
+
+TEST(SceneState, AgreesWithAFreshStateAtAnyTime)
+{
+    Scene scene = scene_with_triangle_mesh();
+    NodeId parent = none;
+    for (int i = 0; i < 20; ++i) {
+        const NodeId node = add_object(scene, i % 3 ? parent : none);
+        if (i % 2) scene.nodes[node].transform = std::make_shared<Slide>(0.3 * i, 0.3 * i + 2);
+        parent = node;
+    }
+    scene.finish();
+    const auto shared = std::make_shared<Scene>(scene);
+    SceneState walked(shared, 0);
+    for (const double time : {0.1, 3.0, 2.9, 2.9, 8.0, 0.0, 5.5}) {
+        walked.advance(time);
+        const SceneState fresh(shared, time);
+        for (NodeId n = 0; n < scene.nodes.size(); ++n)
+            EXPECT_EQ(walked.world(n), fresh.world(n)) << n << " at " << time;
+    }
+}
+
+TEST(SceneState, MovesByHandAndGivesBack)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const NodeId node = add_object(scene);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    const glm::dmat4 there = glm::translate(glm::dmat4(1), glm::dvec3(0, 5, 0));
+    state.override_transform(node, &there);
+    EXPECT_EQ(state.advance(0).moved, ids({0}));
+    EXPECT_EQ(state.object_matrix(0)[3].y, 5.0f);
+    state.override_transform(node, nullptr);
+    EXPECT_EQ(state.advance(0).moved, ids({0}));
+    EXPECT_EQ(state.object_matrix(0)[3].y, 0.0f);
+}
+
+// 10 movers among `count` objects: what one step touches.
+std::uint64_t touched_with(int count)
+{
+    Scene scene = scene_with_triangle_mesh();
+    for (int i = 0; i < count; ++i) {
+        const NodeId node = add_object(scene);
+        if (i < 10) scene.nodes[node].transform = std::make_shared<Slide>(0, 100);
+        // Those that can move, but rest now, must not cost either.
+        else if (i % 2)
+            scene.nodes[node].transform = std::make_shared<Slide>(50, 100);
+    }
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    Mobility mobility(scene.objects.size());
+    mobility.update(state.advance(1));
+    mobility.update(state.advance(2));
+    EXPECT_EQ(state.changes().moved.size(), 10u);
+    EXPECT_EQ(mobility.dynamic_objects().size(), 10u);
+    return state.changes().touched_nodes + mobility.touched();
+}
+
+TEST(SceneState, CostsWhatMovesNotWhatIsThere)
+{
+    const std::uint64_t few = touched_with(100);
+    EXPECT_EQ(few, touched_with(100'000));
+    EXPECT_LE(few, 40u);
+}
+
+TEST(SceneState, DeformsVertexKeysAndMorphsOnlyWhenTheyChange)
+{
+    Scene scene = scene_with_triangle_mesh();
+    Mesh& mesh = scene.meshes[0];
+    mesh.vertex_keys.emplace();
+    mesh.vertex_keys->times = {0, 2};
+    mesh.vertex_keys->positions = {mesh.positions, {{0, 0, 4}, {1, 0, 4}, {0, 1, 4}}};
+    add_object(scene);
+    scene.finish();
+    EXPECT_TRUE(scene.objects[0].dynamic);
+    EXPECT_TRUE(scene.objects[0].deforming);
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    EXPECT_EQ(state.advance(1).deformed, ids({0}));
+    EXPECT_EQ(state.deformed(0).positions[0], glm::vec3(0, 0, 2));
+    state.advance(3);
+    EXPECT_EQ(state.deformed(0).positions[0], glm::vec3(0, 0, 4));
+    EXPECT_TRUE(state.advance(4).deformed.empty());
+    EXPECT_EQ(state.changes().stopped, ids({0}));
+}
+
+TEST(SceneState, SkinsBlendJoints)
+{
+    Scene scene = scene_with_triangle_mesh();
+    Mesh& mesh = scene.meshes[0];
+    mesh.skin.emplace();
+    mesh.skin->joints[0] = {{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}};
+    mesh.skin->weights[0] = {{1, 0, 0, 0}, {0.5f, 0.5f, 0, 0}, {0, 1, 0, 0}};
+    const NodeId still = scene.add_node("", none), moving = scene.add_node("", none);
+    scene.nodes[moving].transform = std::make_shared<Slide>(0, 10);
+    scene.skins.push_back({"", {still, moving}, {glm::dmat4(1), glm::dmat4(1)}});
+    scene.nodes[add_object(scene)].skin = 0;
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    EXPECT_EQ(state.advance(4).deformed, ids({0}));
+    EXPECT_EQ(state.deformed(0).positions[0], glm::vec3(0, 0, 0));
+    EXPECT_EQ(state.deformed(0).positions[1], glm::vec3(3, 0, 0));
+    EXPECT_EQ(state.deformed(0).positions[2], glm::vec3(4, 1, 0));
+}
+
+FrameChanges moving(std::vector<ObjectId> moved)
+{
+    FrameChanges changes;
+    changes.moved = std::move(moved);
+    return changes;
+}
+
+TEST(Mobility, WakesAtOnceAndSleepsAfterItsRest)
+{
+    Mobility mobility(3, 2);
+    mobility.update(moving({1}));
+    EXPECT_EQ(mobility.became_dynamic(), ids({1}));
+    mobility.update(moving({}));
+    EXPECT_TRUE(mobility.is_dynamic(1));
+    mobility.update(moving({1}));   // moved again during its rest
+    mobility.update(moving({}));
+    EXPECT_TRUE(mobility.is_dynamic(1));
+    mobility.update(moving({}));
+    EXPECT_EQ(mobility.became_static(), ids({1}));
+    EXPECT_FALSE(mobility.is_dynamic(1));
+    mobility.update(moving({}));
+    EXPECT_EQ(mobility.touched(), 0u);
+}
+
+TEST(Mobility, ObeysItsAuthor)
+{
+    Mobility mobility(2, 1);
+    mobility.set_override(0, MobilityOverride::always_static);
+    mobility.set_override(1, MobilityOverride::always_dynamic);
+    for (int i = 0; i < 4; ++i) mobility.update(moving(i == 0 ? std::vector<ObjectId>{0} : std::vector<ObjectId>{}));
+    EXPECT_FALSE(mobility.is_dynamic(0));
+    EXPECT_TRUE(mobility.is_dynamic(1));
+    mobility.set_override(1, MobilityOverride::automatic);
+    mobility.update(moving({}));
+    EXPECT_FALSE(mobility.is_dynamic(1));
+}
+
+}   // namespace
+}   // namespace gnomon::scene

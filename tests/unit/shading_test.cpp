@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/shading.h"
+
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+
+namespace gnomon::render {
+namespace {
+
+SurfacePoint flat(scene::ShadingModel model)
+{
+    SurfacePoint s;
+    s.geometric_normal = s.normal = {0, 0, 1};
+    s.to_viewer = glm::normalize(glm::vec3(0.3f, 0, 1));
+    s.model = model;
+    s.diffuse = glm::vec3(0.5f);
+    return s;
+}
+
+glm::vec3 upper_direction(Random& random)
+{
+    const float z = random.uniform(), a = random.uniform(0, static_cast<float>(2 * k_pi));
+    const float r = std::sqrt(1 - z * z);
+    return {r * std::cos(a), r * std::sin(a), z};
+}
+
+TEST(Shading, WhittedDiffuseIsColourTimesCosine)
+{
+    const SurfacePoint s = flat(scene::ShadingModel::whitted);
+    const glm::vec3 to_light = glm::normalize(glm::vec3(0, 1, 1));
+    EXPECT_NEAR(reflect_light(s, to_light, glm::vec3(2)).x, 0.5f * 2 * std::sqrt(0.5f), 1e-6f);
+    EXPECT_EQ(reflect_light(s, {0, 0, -1}, glm::vec3(2)), glm::vec3(0));
+}
+
+TEST(Shading, WhittedHighlightIsWhereTheMirrorPoints)
+{
+    SurfacePoint s = flat(scene::ShadingModel::whitted);
+    s.diffuse = glm::vec3(0);
+    s.specular = glm::vec3(0.25f);
+    s.shine = 50;
+    const glm::vec3 mirror(-s.to_viewer.x, -s.to_viewer.y, s.to_viewer.z);
+    EXPECT_NEAR(reflect_light(s, mirror, glm::vec3(1)).x, 0.25f, 1e-5f);
+    EXPECT_LT(reflect_light(s, s.to_viewer, glm::vec3(1)).x, 0.01f);
+}
+
+// No surface may give back more light than it gets: integrates the GGX reflectance over the hemisphere.
+TEST(Shading, GgxKeepsEnergy)
+{
+    for (const float roughness : {0.3f, 0.6f, 1.0f})
+        for (const float f0 : {0.04f, 1.0f}) {
+            SurfacePoint s = flat(scene::ShadingModel::metallic_roughness);
+            s.diffuse = glm::vec3(f0 < 1 ? 1.0f : 0.0f);
+            s.specular = glm::vec3(f0);
+            s.roughness = roughness;
+            Random random(7);
+            double sum = 0;
+            constexpr int n = 200'000;
+            for (int i = 0; i < n; ++i) sum += reflect_light(s, upper_direction(random), glm::vec3(1)).x;
+            const double albedo = sum / n * 2 * k_pi;
+            EXPECT_LT(albedo, 1.02) << roughness << ' ' << f0;
+            EXPECT_GT(albedo, 0.5) << roughness << ' ' << f0;
+        }
+}
+
+TEST(Shading, FresnelAtKnownAngles)
+{
+    EXPECT_NEAR(fresnel_dielectric(1, 1.5f), 0.04f, 1e-6f);
+    EXPECT_NEAR(fresnel_dielectric(1, 1 / 1.5f), 0.04f, 1e-6f);
+    EXPECT_EQ(fresnel_dielectric(0.5f, 1 / 1.5f), 1.0f);   // beyond the critical angle of 41.8 degrees
+    EXPECT_NEAR(fresnel_dielectric(0.3f, 1.0f), 0.0f, 1e-6f);
+}
+
+TEST(Shading, RefractionObeysSnell)
+{
+    SurfacePoint s = flat(scene::ShadingModel::whitted);
+    s.diffuse = glm::vec3(0);
+    s.transmitted = glm::vec3(1);
+    s.ior = 1.5f;
+    for (const bool front : {true, false}) {
+        s.front = front;
+        const Continuation c = continue_from(s);
+        const float eta = front ? 1.5f : 1 / 1.5f;
+        const float sine_in = std::sqrt(1 - s.to_viewer.z * s.to_viewer.z);
+        EXPECT_NEAR(-c.refracted.x, sine_in / eta, 1e-5f);
+        EXPECT_LT(c.refracted.z, 0);
+        EXPECT_NEAR(c.reflected_share.x + c.refracted_share.x, 1, 1e-5f);
+    }
+}
+
+TEST(Shading, IndexOneDoesNotBend)
+{
+    SurfacePoint s = flat(scene::ShadingModel::whitted);
+    s.transmitted = glm::vec3(0.85f);
+    s.ior = 1;
+    const Continuation c = continue_from(s);
+    EXPECT_NEAR(glm::distance(c.refracted, -s.to_viewer), 0, 1e-5f);
+    EXPECT_NEAR(c.refracted_share.x, 0.85f, 1e-5f);
+}
+
+TEST(Shading, TerminatorFadesBeforeTheGeometricHorizon)
+{
+    SurfacePoint s = flat(scene::ShadingModel::whitted);
+    s.normal = glm::normalize(glm::vec3(0.5f, 0, 1));
+    float before = 1;
+    for (const float height : {0.5f, 0.1f, 0.01f, 0.001f}) {
+        const float light = reflect_light(s, glm::normalize(glm::vec3(1, 0, height)), glm::vec3(1)).x;
+        EXPECT_LT(light, before);
+        before = light;
+    }
+    EXPECT_LT(before, 0.005f);
+}
+
+}   // namespace
+}   // namespace gnomon::render
