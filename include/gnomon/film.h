@@ -20,6 +20,7 @@ struct FilmJob {
     double fps = 24;             // of a film
     int chunk = 1, chunks = 1;   // render only the chunk-th of so many contiguous parts; a film's parts are frames only
     bool resume = false;         // keep frames that are already complete
+    std::filesystem::path contact_sheet;   // .png: also a labelled grid of frames, evenly spaced over the range
 };
 
 struct FrameRecord {

@@ -8,3 +8,4 @@
 #include "gnomon/renderer.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"
+#include "gnomon/version.h"

@@ -26,4 +26,7 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
 /// @throws MissingError if it cannot be written
 void write_png(const std::filesystem::path& file, const Image8& image);
 
+/// Whether a file is a PNG of that size with nothing missing: every chunk's checksum is looked at, up to the last.
+bool is_whole_png(const std::filesystem::path& file, int width, int height);
+
 }   // namespace gnomon::io

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnomon/film.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gnomon/version.h"
+#include "io/image_file.h"
+#include "io/video.h"
+#include "render/film_files.h"
+#include "render/frames_folder.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+using render::FramesFolder;
+using render::OutputKind;
+
+namespace {
+// Smooth pictures take at least this much as PNG. Less room than that on the disk cannot be enough.
+constexpr double k_least_bytes_per_pixel = 0.1;
+constexpr int k_sheet_pictures = 12;
+constexpr int k_sheet_columns = 4;
+
+void check_job(const Scene& scene, const FilmJob& job, OutputKind kind)
+{
+    const std::string out = job.out.string();
+    if (job.frames.count() == 0 || job.frames.first < 1 || job.frames.last > scene.frame_count())
+        throw UsageError(fmt::format("frames {}-{}: the clip has frames 1 to {}", job.frames.first, job.frames.last,
+                                     scene.frame_count()));
+    if (kind == OutputKind::picture && job.frames.count() > 1)
+        throw UsageError(fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out,
+                                     job.frames.count()));
+    if (kind == OutputKind::film && !(job.fps > 0)) throw UsageError(fmt::format("{}: the film rate must be above 0", out));
+    if (job.contact_sheet.empty()) return;
+    if (render::output_kind(job.contact_sheet) != OutputKind::picture)
+        throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
+    if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
+}
+
+void check_room(const fs::path& file, Size size, int frames)
+{
+    std::error_code error;
+    const fs::space_info space = fs::space(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
+    if (error) return;   // unknown: writing will tell
+    const double needed = k_least_bytes_per_pixel * size.width * size.height * frames;
+    if (static_cast<double>(space.available) < needed)
+        throw MissingError(fmt::format("cannot write {}: {} frames need {:.0f} MB at least, the disk has {:.0f} MB left",
+                                       file.string(), frames, needed / 1e6, static_cast<double>(space.available) / 1e6));
+}
+
+// Evenly spaced over the range, first and last among them.
+std::vector<std::size_t> sheet_choice(std::size_t frames)
+{
+    const std::size_t count = std::min<std::size_t>(frames, k_sheet_pictures);
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < count; ++i) chosen.push_back(count == 1 ? 0 : i * (frames - 1) / (count - 1));
+    return chosen;
+}
+
+void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
+{
+    std::vector<fs::path> pngs;
+    std::vector<std::string> labels;
+    for (const std::size_t i : sheet_choice(frames.size())) {
+        pngs.push_back(frames[i].file);
+        labels.push_back(fmt::format("frame {}  {:.2f} s", frames[i].frame, frames[i].time));
+    }
+    write_contact_sheet(pngs, labels, std::min<int>(k_sheet_columns, static_cast<int>(pngs.size())), out);
+}
+}   // namespace
+
+FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& job, const Progress& progress,
+                       const std::function<void(const FrameRecord&)>& on_frame)
+{
+    // Refuse what cannot work before any frame is rendered.
+    const OutputKind kind = render::output_kind(job.out);
+    check_job(scene, job, kind);
+    const FrameRange range = chunk_of(job.frames, job.chunk, job.chunks);
+    const bool encodes = kind == OutputKind::film && job.chunks == 1;
+    if (encodes && !io::have_ffmpeg())
+        throw MissingError("ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
+    if (kind != OutputKind::film || encodes) render::check_writable(render::numbered_name(job.out, range.first));
+    if (!job.contact_sheet.empty()) render::check_writable(job.contact_sheet);
+
+    FilmResult result;
+    result.size = renderer.options().size;
+    if (result.size == Size{}) result.size = default_size(scene, renderer.options().camera);
+    check_room(job.out, result.size, range.count());
+
+    FramesFolder folder(job.out);
+    if (kind == OutputKind::film) {
+        const render::FilmIdentity identity{scene.info().name, result.size,
+                                            render::fingerprint_of(scene, renderer.options()), std::string(version())};
+        folder.open(identity, job.resume, job.chunks > 1);
+    }
+
+    // Render what is not there yet.
+    try {
+        for (int frame = range.first; frame <= range.last; ++frame) {
+            const int index = frame - range.first;
+            const auto step = [&](double part) {
+                return !progress || progress({"rendering", (index + part) / range.count()});
+            };
+            FrameRecord record;
+            record.frame = frame;
+            record.time = scene.time_of(frame);
+            record.file = kind == OutputKind::film ? folder.file(frame) : render::numbered_name(job.out, frame);
+            record.kept = job.resume && io::is_whole_png(record.file, result.size.width, result.size.height);
+            if (!step(0)) throw InterruptedError("interrupted");
+            if (!record.kept) {
+                const Picture picture = renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
+                picture.write(record.file);
+                record.milliseconds = picture.milliseconds;
+                record.counters = picture.counters;
+            }
+            if (on_frame) on_frame(record);
+            result.frames.push_back(std::move(record));
+        }
+    } catch (...) {
+        if (kind == OutputKind::film) folder.remove_if_empty();
+        throw;
+    }
+
+    if (!job.contact_sheet.empty()) write_sheet(result.frames, job.contact_sheet);
+    if (!encodes) {
+        for (const FrameRecord& record : result.frames) result.files.push_back(record.file);
+        return result;
+    }
+
+    // All are there: make the film, and let the frames go.
+    std::vector<fs::path> frames;
+    for (const FrameRecord& record : result.frames) frames.push_back(record.file);
+    io::encode_video(frames, job.fps, job.out, progress);
+    folder.remove();
+    for (FrameRecord& record : result.frames) record.file = job.out;
+    result.files.push_back(job.out);
+    return result;
+}
+
+}   // namespace gnomon

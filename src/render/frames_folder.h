@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// OUT.frames/: the frames of a film that is not whole yet.
+//
+// A small manifest says what the frames are of, so that frames of another scene, size or option are never taken for
+// these. Only files of ours are ever removed; a folder that holds others is refused.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "gnomon/film.h"
+
+namespace gnomon::render {
+
+/// What the frames of one film have in common.
+struct FilmIdentity {
+    std::string scene;   // its name: for people
+    Size size;
+    std::uint64_t fingerprint = 0;   // of everything that pixels depend on, see fingerprint_of
+    std::string version;             // ours: another one may paint otherwise
+};
+
+/// Hash of the scene's content, its clip and all options but the number of threads.
+std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
+
+class FramesFolder {
+ public:
+    explicit FramesFolder(const std::filesystem::path& film);
+
+    /// Makes the folder, or takes over one that is there.
+    /// @param keep    frames stay, if they are of the same film; otherwise they are removed
+    /// @param shared  other processes may be at work on it: frames of another film are then refused too
+    /// @throws UsageError if it holds frames of another film, or files that are not ours; MissingError
+    void open(const FilmIdentity& identity, bool keep, bool shared);
+
+    std::filesystem::path file(int frame) const;
+
+    /// Removes our files and the folder, if nothing else is in it.
+    void remove();
+    /// Removes the folder if it holds no frame.
+    void remove_if_empty();
+
+ private:
+    std::filesystem::path folder_;
+};
+
+}   // namespace gnomon::render
