@@ -34,6 +34,11 @@ function(gnomon_library name)
     if(NOT sources MATCHES "\\.cpp")
         return()   # a room that is still empty
     endif()
+    foreach(room base scene io ray)
+        if(NOT TARGET gnomon_${room})
+            list(REMOVE_ITEM ARG_LINK gnomon_${room})   # empty, too
+        endif()
+    endforeach()
     add_library(gnomon_${name} STATIC ${sources})
     set_target_properties(gnomon_${name} PROPERTIES LINKER_LANGUAGE CXX)
     target_link_libraries(gnomon_${name} PUBLIC gnomon_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE})

@@ -34,11 +34,11 @@ AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target)
 {
     if (target.filename().empty()) throw MissingError(fmt::format("cannot write '{}': no file name", target.string()));
     // Rename would replace a link, not what it names.
-    std::error_code error;
-    if (fs::is_symlink(target, error)) target_ = fs::weakly_canonical(target, error);
+    std::error_code error, ignored;
+    if (fs::is_symlink(target, ignored)) target_ = fs::weakly_canonical(target, error);
     if (error) fail(asked_, error.value());
     // Rename would also replace a device or a pipe.
-    const fs::file_status status = fs::status(target_, error);
+    const fs::file_status status = fs::status(target_, ignored);
     if (fs::is_directory(status)) fail(asked_, EISDIR);
     if (fs::exists(status) && !fs::is_regular_file(status))
         throw MissingError(fmt::format("cannot write {}: not an ordinary file", asked_.string()));

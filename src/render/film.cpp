@@ -30,9 +30,10 @@ void check_job(const Scene& scene, const FilmJob& job, OutputKind kind)
         throw UsageError(fmt::format("frames {}-{}: the clip has frames 1 to {}", job.frames.first, job.frames.last,
                                      scene.frame_count()));
     if (kind == OutputKind::picture && job.frames.count() > 1)
-        throw UsageError(fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out,
-                                     job.frames.count()));
-    if (kind == OutputKind::film && !(job.fps > 0)) throw UsageError(fmt::format("{}: the film rate must be above 0", out));
+        throw UsageError(
+            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, job.frames.count()));
+    if (kind == OutputKind::film && !(job.fps > 0))
+        throw UsageError(fmt::format("{}: the film rate must be above 0", out));
     if (job.contact_sheet.empty()) return;
     if (render::output_kind(job.contact_sheet) != OutputKind::picture)
         throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
@@ -46,8 +47,9 @@ void check_room(const fs::path& file, Size size, int frames)
     if (error) return;   // unknown: writing will tell
     const double needed = k_least_bytes_per_pixel * size.width * size.height * frames;
     if (static_cast<double>(space.available) < needed)
-        throw MissingError(fmt::format("cannot write {}: {} frames need {:.0f} MB at least, the disk has {:.0f} MB left",
-                                       file.string(), frames, needed / 1e6, static_cast<double>(space.available) / 1e6));
+        throw MissingError(
+            fmt::format("cannot write {}: {} frames need {:.0f} MB at least, the disk has {:.0f} MB left",
+                        file.string(), frames, needed / 1e6, static_cast<double>(space.available) / 1e6));
 }
 
 // Evenly spaced over the range, first and last among them.
@@ -80,7 +82,8 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
     const FrameRange range = chunk_of(job.frames, job.chunk, job.chunks);
     const bool encodes = kind == OutputKind::film && job.chunks == 1;
     if (encodes && !io::have_ffmpeg())
-        throw MissingError("ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
+        throw MissingError(
+            "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
     if (kind != OutputKind::film || encodes) render::check_writable(render::numbered_name(job.out, range.first));
     if (!job.contact_sheet.empty()) render::check_writable(job.contact_sheet);
 
@@ -110,7 +113,8 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
             record.kept = job.resume && io::is_whole_png(record.file, result.size.width, result.size.height);
             if (!step(0)) throw InterruptedError("interrupted");
             if (!record.kept) {
-                const Picture picture = renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
+                const Picture picture =
+                    renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
                 picture.write(record.file);
                 record.milliseconds = picture.milliseconds;
                 record.counters = picture.counters;

@@ -69,8 +69,8 @@ fs::path numbered_name(const fs::path& pattern, int frame)
     const std::optional<Pattern> place = find_pattern(pattern);
     if (!place) return pattern;
     const std::string name = pattern.filename().string();
-    return pattern.parent_path() / (name.substr(0, place->begin) +
-                                    fmt::format("{:0{}}", frame, place->digits) + name.substr(place->end));
+    return pattern.parent_path() /
+           (name.substr(0, place->begin) + fmt::format("{:0{}}", frame, place->digits) + name.substr(place->end));
 }
 
 void check_writable(const fs::path& out)

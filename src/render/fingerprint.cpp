@@ -13,11 +13,8 @@ namespace {
 class Fingerprint {
  public:
     template <class T>
-        requires std::is_arithmetic_v<T> || std::is_enum_v<T>
-    void add(T value)
-    {
-        hash_ = hash_bytes(&value, sizeof value, hash_);
-    }
+    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+    void add(T value) { hash_ = hash_bytes(&value, sizeof value, hash_); }
     void add(const std::string& text)
     {
         add(text.size());
@@ -68,7 +65,8 @@ void add_lights(Fingerprint& print, const scene::Scene& scene)
     print.add(scene.background.kind);
     print.add(scene.background.color);
     print.add(scene.ambient);
-    for (const scene::Camera& camera : scene.cameras) print.add(camera.vertical_fov), print.add(camera.orthographic_height);
+    for (const scene::Camera& camera : scene.cameras)
+        print.add(camera.vertical_fov), print.add(camera.orthographic_height);
 }
 }   // namespace
 

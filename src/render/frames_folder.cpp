@@ -78,7 +78,8 @@ void FramesFolder::open(const FilmIdentity& identity, bool keep, bool shared)
     for (const fs::path& entry : entries(folder_)) {
         const std::string name = entry.filename().string();
         if (!is_ours(name))
-            throw UsageError(fmt::format("{} holds '{}', which is no frame of a film: move it away", folder_.string(), name));
+            throw UsageError(
+                fmt::format("{} holds '{}', which is no frame of a film: move it away", folder_.string(), name));
         frames |= is_frame_name(name);
     }
 

@@ -32,9 +32,10 @@ std::vector<std::string> words_of(const std::string& text)
 scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3& direction)
 {
     const auto refuse = [&](const std::string& why) {
-        throw UsageError(fmt::format("light '{}': {}; expected \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y "
-                                     "Z R G B\"",
-                                     spec, why));
+        throw UsageError(
+            fmt::format("light '{}': {}; expected \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y "
+                        "Z R G B\"",
+                        spec, why));
     };
     const std::vector<std::string> words = words_of(spec);
     if (words.empty() || (words[0] != "spot" && words[0] != "point")) refuse("unknown kind");
@@ -76,7 +77,8 @@ std::shared_ptr<scene::Scene> copy_of(const std::shared_ptr<const scene::Scene>&
 // Lights that are gone leave no remark about them.
 void forget_default_light(scene::Scene& scene)
 {
-    std::erase_if(scene.warnings, [](const std::string& warning) { return warning.starts_with("no light in the scene"); });
+    std::erase_if(scene.warnings,
+                  [](const std::string& warning) { return warning.starts_with("no light in the scene"); });
 }
 }   // namespace
 
@@ -152,8 +154,8 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
         scene::Light light = light_of(spec, position, direction);
         light.name = fmt::format("light {}", changed->lights.size());
         const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
-        light.node = changed->add_node(light.name, scene::none,
-                                       glm::inverse(glm::lookAt(position, position + direction, up)));
+        light.node =
+            changed->add_node(light.name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
         changed->child_begin.push_back(changed->child_begin.back());   // no children: the index stays whole
         changed->lights.push_back(std::move(light));
     }

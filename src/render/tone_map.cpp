@@ -49,9 +49,9 @@ glm::vec3 agx(const glm::vec3& color)
     const glm::mat3 inset(0.842479062253094f, 0.0423282422610123f, 0.0423756549057051f,    //
                           0.0784335999999992f, 0.878468636469772f, 0.0784336f,             //
                           0.0792237451477643f, 0.0791661274605434f, 0.879142973793104f);   // columns
-    const glm::mat3 outset(1.19687900512017f, -0.0528968517574562f, -0.0529716355144438f,
-                           -0.0980208811401368f, 1.15190312990417f, -0.0980434501171241f,
-                           -0.0990297440797205f, -0.0989611768448433f, 1.15107367264116f);
+    const glm::mat3 outset(1.19687900512017f, -0.0528968517574562f, -0.0529716355144438f, -0.0980208811401368f,
+                           1.15190312990417f, -0.0980434501171241f, -0.0990297440797205f, -0.0989611768448433f,
+                           1.15107367264116f);
     constexpr float lowest = -12.47393f, highest = 4.026069f;   // stops
     constexpr float tiny = 1e-10f;
     constexpr float display_gamma = 2.2f;
@@ -82,8 +82,8 @@ class SrgbTable {
         threshold_[255] = k_infinity;
         for (int i = 0; i <= k_guesses; ++i) {
             const float linear = static_cast<float>(i) / k_guesses;
-            guess_[i] = static_cast<std::uint8_t>(
-                std::upper_bound(threshold_.begin(), threshold_.end(), linear) - threshold_.begin());
+            guess_[i] = static_cast<std::uint8_t>(std::upper_bound(threshold_.begin(), threshold_.end(), linear) -
+                                                  threshold_.begin());
         }
     }
     /// @param linear  in 0 ... 1
@@ -105,10 +105,17 @@ glm::vec3 tone_map(ToneMap curve, glm::vec3 linear)
 {
     linear = {sane(linear.x), sane(linear.y), sane(linear.z)};
     switch (curve) {
-        case ToneMap::none: break;
-        case ToneMap::neutral: linear = neutral(linear); break;
-        case ToneMap::agx: linear = agx(linear); break;
-        case ToneMap::aces: linear = aces(linear); break;
+        case ToneMap::none:
+            break;
+        case ToneMap::neutral:
+            linear = neutral(linear);
+            break;
+        case ToneMap::agx:
+            linear = agx(linear);
+            break;
+        case ToneMap::aces:
+            linear = aces(linear);
+            break;
     }
     return glm::clamp(linear, 0.0f, 1.0f);
 }

@@ -3,7 +3,8 @@
 // From linear light to what a screen shows: exposure, tone curve, sRGB bytes.
 //
 // Curves, on linear Rec. 709 colour:
-//   neutral  Khronos PBR Neutral (Khronos Group 2024, "PBR Neutral Tone Mapper"): keeps hue and the colour of materials,
+//   neutral  Khronos PBR Neutral (Khronos Group 2024, "PBR Neutral Tone Mapper"): keeps hue and the colour of
+//   materials,
 //            compresses only what is brighter than 0.8 - 0.04.
 //   agx      AgX (Sobotka 2022) by the sixth-degree fit of Wrensch 2023 ("Minimal AgX Implementation"), base look.
 //   aces     ACES RRT + ODT by the fit of Hill 2016 (in "BakingLab", after Narkowicz and Hill), without its factor of

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names of output files, parts of a range, and files that are whole or not there.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "base/random.h"
+#include "gnomon/error.h"
+#include "gnomon/film.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "render/bitmap_font.h"
+#include "render/film_files.h"
+#include "support.h"
+
+namespace gnomon {
+namespace {
+
+namespace fs = std::filesystem;
+using render::OutputKind;
+
+std::string bytes_of(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::size_t files_in(const fs::path& folder)
+{
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+Image8 noise(int width, int height, int channels)
+{
+    Image8 image(width, height, channels);
+    Random random(static_cast<std::uint64_t>(width * height * channels));
+    for (std::uint8_t& byte : image.data) byte = static_cast<std::uint8_t>(random.below(256));
+    return image;
+}
+
+TEST(OutputKind, FollowsExtensionAndPattern)
+{
+    EXPECT_EQ(render::output_kind("a/b.png"), OutputKind::picture);
+    EXPECT_EQ(render::output_kind("b.PNG"), OutputKind::picture);
+    EXPECT_EQ(render::output_kind("a{frame}.png"), OutputKind::numbered);
+    EXPECT_EQ(render::output_kind("{frame:04}.png"), OutputKind::numbered);
+    EXPECT_EQ(render::output_kind("{frame}/still.png"), OutputKind::picture);   // folders are not patterns
+    EXPECT_EQ(render::output_kind("b.mp4"), OutputKind::film);
+    for (const char* wrong : {"b", "b.jpg", "b.exr", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png",
+                              "b{frame:0x}.png", "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", ""})
+        EXPECT_THROW(render::output_kind(wrong), UsageError) << wrong;
+}
+
+TEST(NumberedName, PadsWithZeros)
+{
+    EXPECT_EQ(render::numbered_name("x/name-{frame:04}.png", 7), fs::path("x/name-0007.png"));
+    EXPECT_EQ(render::numbered_name("name-{frame:02}.png", 1234), fs::path("name-1234.png"));
+    EXPECT_EQ(render::numbered_name("{frame}", 7), fs::path("7"));
+    EXPECT_EQ(render::numbered_name("plain.png", 7), fs::path("plain.png"));
+}
+
+TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
+{
+    for (const FrameRange range : {FrameRange{1, 10}, FrameRange{5, 5}, FrameRange{100, 899}, FrameRange{2, 8}}) {
+        for (int chunks = 1; chunks <= 13; ++chunks) {
+            int next = range.first, least = range.count(), most = 0;
+            for (int chunk = 1; chunk <= chunks; ++chunk) {
+                const FrameRange part = chunk_of(range, chunk, chunks);
+                EXPECT_EQ(part.first, next);
+                next += part.count();
+                least = std::min(least, part.count());
+                most = std::max(most, part.count());
+            }
+            EXPECT_EQ(next, range.last + 1);
+            EXPECT_LE(most - least, 1);
+        }
+    }
+    EXPECT_EQ(chunk_of({1, 10}, 1, 1), (FrameRange{1, 10}));
+    EXPECT_THROW(chunk_of({1, 10}, 0, 3), UsageError);
+    EXPECT_THROW(chunk_of({1, 10}, 4, 3), UsageError);
+    EXPECT_THROW(chunk_of({1, 10}, 1, 0), UsageError);
+}
+
+TEST(AtomicFile, AppearsWholeOrNotAtAll)
+{
+    test::ScratchFolder folder;
+    {
+        io::AtomicFile file(folder / "a");
+        file.write("half");
+        EXPECT_FALSE(fs::exists(folder / "a"));
+    }
+    EXPECT_EQ(files_in(folder.path()), 0u);
+    {
+        io::AtomicFile file(folder / "a");
+        file.write("whole");
+        file.commit();
+    }
+    EXPECT_EQ(bytes_of(folder / "a"), "whole");
+    EXPECT_EQ(files_in(folder.path()), 1u);
+}
+
+TEST(AtomicFile, ReplacesTheFileThatALinkNames)
+{
+    test::ScratchFolder folder;
+    std::ofstream(folder / "real") << "old";
+    fs::create_symlink("real", folder / "link");
+    io::AtomicFile file(folder / "link");
+    file.write("new");
+    file.commit();
+    EXPECT_TRUE(fs::is_symlink(folder / "link"));
+    EXPECT_EQ(bytes_of(folder / "real"), "new");
+}
+
+TEST(AtomicFile, RefusesWhatCannotBeWritten)
+{
+    test::ScratchFolder folder;
+    std::ofstream(folder / "file") << "x";
+    for (const fs::path& target : {folder / "missing/a", folder / "file/a", folder.path(), fs::path("/dev/null"),
+                                   fs::path("/proc/a.png"), folder / "", fs::path()})
+        EXPECT_THROW(io::AtomicFile{target}, MissingError) << target;
+    EXPECT_EQ(files_in(folder.path()), 1u);
+    EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(WritePng, ReportsTheReason)
+{
+    try {
+        io::write_png("/proc/no/a.png", noise(2, 2, 3));
+        FAIL() << "nothing thrown";
+    } catch (const MissingError& error) {
+        EXPECT_NE(std::string(error.what()).find("/proc/no/a.png: No such file"), std::string::npos) << error.what();
+    }
+}
+
+TEST(WritePng, BytesDependOnPixelsAlone)
+{
+    test::ScratchFolder folder;
+    io::write_png(folder / "a.png", noise(33, 7, 3));
+    io::write_png(folder / "b.png", noise(33, 7, 3));
+    EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
+}
+
+TEST(WholePng, NoticesEveryMissingOrWrongByte)
+{
+    test::ScratchFolder folder;
+    const fs::path file = folder / "a.png";
+    io::write_png(file, noise(9, 5, 3));
+    EXPECT_TRUE(io::is_whole_png(file, 9, 5));
+    EXPECT_FALSE(io::is_whole_png(file, 9, 6));
+    EXPECT_FALSE(io::is_whole_png(file, 5, 9));
+    EXPECT_FALSE(io::is_whole_png(folder / "none.png", 9, 5));
+    EXPECT_FALSE(io::is_whole_png(folder.path(), 9, 5));
+
+    const std::string whole = bytes_of(file);
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        std::ofstream(file, std::ios::binary) << whole.substr(0, i);
+        EXPECT_FALSE(io::is_whole_png(file, 9, 5)) << "cut to " << i << " bytes";
+        std::string wrong = whole;
+        wrong[i] = static_cast<char>(wrong[i] ^ 0x10);
+        std::ofstream(file, std::ios::binary) << wrong;
+        EXPECT_FALSE(io::is_whole_png(file, 9, 5)) << "byte " << i << " changed";
+    }
+    std::ofstream(file, std::ios::binary) << whole << "x";
+    EXPECT_FALSE(io::is_whole_png(file, 9, 5));
+}
+
+TEST(BitmapFont, GlyphsDiffer)
+{
+    const std::string characters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ .,:-_/+=()%";
+    for (const char a : characters)
+        for (const char b : characters) EXPECT_EQ(a == b, render::glyph(a) == render::glyph(b)) << a << b;
+    EXPECT_EQ(render::glyph('q'), render::glyph('Q'));
+    EXPECT_EQ(render::glyph('\n'), render::glyph('~'));
+}
+
+}   // namespace
+}   // namespace gnomon

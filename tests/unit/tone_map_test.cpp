@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/tone_map.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "base/image.h"
+#include "base/random.h"
+
+namespace gnomon::render {
+namespace {
+
+constexpr ToneMap k_all[] = {ToneMap::none, ToneMap::neutral, ToneMap::agx, ToneMap::aces};
+
+TEST(ToneMap, RisesAlongTheGreysAndStaysInRange)
+{
+    for (const ToneMap curve : k_all) {
+        float before = -1;
+        for (float stop = -12; stop < 10; stop += 0.05f) {
+            const glm::vec3 shown = tone_map(curve, glm::vec3(std::exp2(stop)));
+            // The fits of AgX and ACES leave a grey grey up to the rounding of their matrices.
+            EXPECT_NEAR(shown.x, shown.y, 1e-3f);
+            EXPECT_NEAR(shown.x, shown.z, 1e-3f);
+            EXPECT_GE(shown.y, before - 1e-6f) << "curve " << static_cast<int>(curve) << " at " << stop << " stops";
+            EXPECT_LE(shown.y, 1.0f);
+            before = shown.y;
+        }
+        EXPECT_GT(before, 0.95f) << "curve " << static_cast<int>(curve);
+        EXPECT_LT(tone_map(curve, glm::vec3(0)).y, 0.5f / 255 / 12.92f) << "curve " << static_cast<int>(curve);
+    }
+}
+
+TEST(ToneMap, NeutralTakesOffTheReflectionAndNothingElseBelowTheShoulder)
+{
+    for (const float grey : {0.1f, 0.18f, 0.4f, 0.79f})
+        EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(grey)).x, grey - 0.04f, 1e-6f);
+    // Colour differences survive as well.
+    const glm::vec3 shown = tone_map(ToneMap::neutral, {0.5f, 0.3f, 0.2f});
+    EXPECT_NEAR(shown.x - shown.y, 0.2f, 1e-6f);
+    EXPECT_NEAR(shown.y - shown.z, 0.1f, 1e-6f);
+}
+
+TEST(ToneMap, NeutralFollowsItsFormulaAboveTheShoulder)
+{
+    // peak 1.96 after the offset: 1 - 0.24^2 / (1.96 + 0.24 - 0.76)
+    EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(2)).x, 1 - 0.0576f / 1.44f, 1e-6f);
+}
+
+TEST(ToneMap, KnownValuesOfTheFits)
+{
+    // Hill's rational function at 0.18: (0.18 * 0.2045786 - 0.000090537) / (0.18 * (0.983729 * 0.18 + 0.432951) +
+    // 0.238081)
+    EXPECT_NEAR(tone_map(ToneMap::aces, glm::vec3(0.18f)).y, 0.10557f, 2e-4f);
+    // AgX shows middle grey as middle grey, within its look.
+    EXPECT_NEAR(tone_map(ToneMap::agx, glm::vec3(0.18f)).y, 0.18f, 0.04f);
+}
+
+TEST(ToneMap, SurvivesWhatIsNoColour)
+{
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const ToneMap curve : k_all) {
+        for (const float value : {nan, -1.0f, k_infinity, -k_infinity, 1e38f}) {
+            const glm::vec3 shown = tone_map(curve, {value, 0.5f, value});
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_GE(shown[c], 0.0f);
+                EXPECT_LE(shown[c], 1.0f);
+            }
+        }
+    }
+}
+
+TEST(AutoExposure, BringsGreyToMiddleGrey)
+{
+    for (const float light : {1e-5f, 0.18f, 3.0f, 2e4f}) {
+        const std::vector<float> rgb(3 * 1000, light);
+        const auto factor = static_cast<float>(std::exp2(auto_exposure(rgb)));
+        EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(light * factor)).x, 0.18f, 0.025f) << light;
+    }
+}
+
+TEST(AutoExposure, IgnoresUnlitPixelsAndFewBrightOnes)
+{
+    std::vector<float> rgb(3 * 1000, 0.25f);
+    const double alone = auto_exposure(rgb);
+    rgb.insert(rgb.end(), 3 * 5000, 0.0f);
+    EXPECT_EQ(auto_exposure(rgb), alone);
+    for (int i = 0; i < 3 * 10; ++i) rgb[static_cast<std::size_t>(i)] = 1e5f;
+    EXPECT_NEAR(auto_exposure(rgb), alone, 0.01);
+}
+
+TEST(AutoExposure, DoesNotDependOnThePlaceOfPixels)
+{
+    Random random(7);
+    std::vector<float> rgb;
+    for (int i = 0; i < 3 * 4096; ++i) rgb.push_back(random.uniform(0, 4));
+    const double forward = auto_exposure(rgb);
+    std::vector<float> turned;
+    for (std::size_t i = rgb.size(); i > 0; i -= 3)
+        turned.insert(turned.end(), rgb.begin() + static_cast<std::ptrdiff_t>(i) - 3,
+                      rgb.begin() + static_cast<std::ptrdiff_t>(i));
+    EXPECT_EQ(auto_exposure(turned), forward);
+}
+
+TEST(AutoExposure, IsSaneForExtremes)
+{
+    EXPECT_EQ(auto_exposure({}), 0.0);
+    EXPECT_EQ(auto_exposure(std::vector<float>(300, 0.0f)), 0.0);
+    for (const float value : {1e-38f, k_infinity, 1e38f}) {
+        const double stops = auto_exposure(std::vector<float>(300, value));
+        EXPECT_TRUE(std::abs(stops) <= 20.0) << value << " gives " << stops;
+    }
+}
+
+TEST(EncodeSrgb8, RoundsExactly)
+{
+    Random random(3);
+    std::vector<float> rgb;
+    for (int i = 0; i < 3 * 20000; ++i) rgb.push_back(random.uniform(-0.05f, 1.1f));
+    for (int i = 0; i < 256; ++i) rgb.insert(rgb.end(), 3, linear_from_srgb8()[i]);
+    std::vector<std::uint8_t> bytes(rgb.size());
+    encode_srgb8(rgb, 0, ToneMap::none, bytes);
+    int off = 0;
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+        const long expected = std::lround(255.0f * srgb_from_linear(std::clamp(rgb[i], 0.0f, 1.0f)));
+        // The two ways to round may part at a tie in the last bit of a float.
+        ASSERT_LE(std::abs(expected - bytes[i]), 1) << rgb[i];
+        off += expected != bytes[i];
+    }
+    EXPECT_LE(off, 2);
+    for (int i = 0; i < 256; ++i) EXPECT_EQ(bytes[bytes.size() - 3 * 256 + 3 * static_cast<std::size_t>(i)], i);
+}
+
+TEST(EncodeSrgb8, ExposureIsInStops)
+{
+    const std::vector<float> rgb{0.1f, 0.1f, 0.1f}, twice{0.2f, 0.2f, 0.2f};
+    std::vector<std::uint8_t> a(3), b(3);
+    encode_srgb8(rgb, 1, ToneMap::agx, a);
+    encode_srgb8(twice, 0, ToneMap::agx, b);
+    EXPECT_EQ(a, b);
+}
+
+}   // namespace
+}   // namespace gnomon::render

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/video.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "gnomon/error.h"
+#include "io/image_file.h"
+#include "io/process.h"
+#include "support.h"
+
+namespace gnomon::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// A square that walks over a ramp; sides are odd, and names hold what a shell or a pattern would trip over.
+std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
+{
+    std::vector<fs::path> frames;
+    for (int i = 0; i < count; ++i) {
+        Image8 image(65, 49, 3);
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x)
+                for (int c = 0; c < 3; ++c)
+                    image.pixel(x, y)[c] =
+                        static_cast<std::uint8_t>(x / 8 == i % 8 && y / 8 == 2 ? 255 : (x * 3 + y * (c + 1)) % 200);
+        frames.push_back(folder / ("a '%d' frame; $(x) " + std::to_string(i) + ".png"));
+        write_png(frames.back(), image);
+    }
+    return frames;
+}
+
+// What `ffprobe` says about a film.
+std::string probe(const fs::path& film, const std::string& entries)
+{
+    Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=" + entries, "-of",
+                     "default=noprint_wrappers=1:nokey=1", film.string()});
+    EXPECT_EQ(ffprobe.wait(), 0) << ffprobe.errors();
+    return ffprobe.output();
+}
+
+class ScopedPath {
+ public:
+    explicit ScopedPath(const std::string& value) : before_(std::getenv("PATH")) { ::setenv("PATH", value.c_str(), 1); }
+    ~ScopedPath() { ::setenv("PATH", before_.c_str(), 1); }
+
+ private:
+    std::string before_;
+};
+
+void expect_no_film(const test::ScratchFolder& folder)
+{
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
+        EXPECT_EQ(entry.path().extension(), ".png") << entry.path();
+}
+
+TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
+{
+    if (!have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+    test::ScratchFolder folder;
+    const std::vector<fs::path> frames = make_frames(folder, 9);
+    encode_video(frames, 39.95, folder / "-a film.mp4", {});
+    encode_video(frames, 39.95, folder / "b.mp4", {});
+    EXPECT_EQ(bytes_of(folder / "-a film.mp4"), bytes_of(folder / "b.mp4"));
+    EXPECT_EQ(probe(folder / "b.mp4", "width,height,pix_fmt,r_frame_rate,nb_read_frames"),
+              "64\n48\nyuv420p\n799/20\n9\n");
+    const std::string film = bytes_of(folder / "b.mp4");
+    EXPECT_LT(film.find("moov"), film.find("mdat")) << "the index comes first, so that players can start at once";
+}
+
+TEST(Video, OneFrameIsAFilmToo)
+{
+    if (!have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+    test::ScratchFolder folder;
+    encode_video(make_frames(folder, 1), 24, folder / "one.mp4", {});
+    EXPECT_EQ(probe(folder / "one.mp4", "nb_read_frames"), "1\n");
+}
+
+TEST(Video, WithoutFfmpegSaysSo)
+{
+    test::ScratchFolder folder;
+    const std::vector<fs::path> frames = make_frames(folder, 2);
+    const ScopedPath path(folder.path().string());
+    EXPECT_FALSE(have_ffmpeg());
+    EXPECT_THROW(encode_video(frames, 24, folder / "a.mp4", {}), MissingError);
+    expect_no_film(folder);
+}
+
+// Stands in for ffmpeg with a script of one line.
+void install_script(const fs::path& folder, const std::string& line)
+{
+    const fs::path program = folder / "ffmpeg";
+    std::ofstream(program) << "#!/bin/sh\n" << line << "\n";
+    fs::permissions(program, fs::perms::owner_all);
+}
+
+std::string failure_with(const std::string& line)
+{
+    test::ScratchFolder folder, programs;
+    const std::vector<fs::path> frames = make_frames(folder, 40);
+    install_script(programs.path(), line);
+    const ScopedPath path(programs.path().string() + ":/usr/bin:/bin");
+    std::string message;
+    try {
+        encode_video(frames, 24, folder / "a.mp4", {});
+        ADD_FAILURE() << "nothing thrown with " << line;
+    } catch (const MissingError& error) {
+        message = error.what();
+    }
+    expect_no_film(folder);
+    return message;
+}
+
+TEST(Video, AFailingFfmpegIsQuoted)
+{
+    EXPECT_NE(failure_with("echo no room >&2; echo >&2; echo 'Conversion failed!' >&2; exit 1").find("no room"),
+              std::string::npos);
+    EXPECT_NE(failure_with("cat >/dev/null; echo late >&2; exit 3").find("late"), std::string::npos);
+    EXPECT_NE(failure_with("exit 0").find("ffmpeg could not write"), std::string::npos) << "it wrote nothing";
+    EXPECT_NE(failure_with("kill -9 $$").find("signal 9"), std::string::npos);
+}
+
+TEST(Video, CanBeInterrupted)
+{
+    test::ScratchFolder folder, programs;
+    const std::vector<fs::path> frames = make_frames(folder, 3);
+    install_script(programs.path(), "exec sleep 60");
+    const ScopedPath path(programs.path().string() + ":/usr/bin:/bin");
+    int asked = 0;
+    EXPECT_THROW(encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
+                 InterruptedError);
+    expect_no_film(folder);
+}
+
+TEST(Process, ADeadProgramIsNoSignal)
+{
+    Process program({"true"});
+    const std::vector<std::uint8_t> much(1 << 22, 'x');
+    EXPECT_FALSE(program.write(much));
+    EXPECT_EQ(program.wait(), 0);
+}
+
+TEST(Process, ArgumentsArePassedAsTheyAre)
+{
+    Process program({"printf", "%s|", "a b", "$(x)", "'", ""});
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_EQ(program.output(), "a b|$(x)|'||");
+    EXPECT_THROW(Process({"no-such-program-anywhere"}), MissingError);
+}
+
+TEST(Process, ReadsWhatItIsFed)
+{
+    Process program({"wc", "-c"});
+    const std::vector<std::uint8_t> much(1 << 20, 'x');
+    EXPECT_TRUE(program.write(much));
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_EQ(program.output(), "1048576\n");
+}
+
+}   // namespace
+}   // namespace gnomon::io
