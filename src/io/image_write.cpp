@@ -98,8 +98,9 @@ void write_png(const std::filesystem::path& file, const Image8& image)
 
 bool is_whole_png(const std::filesystem::path& file, int width, int height)
 {
+    std::error_code ignored;
     std::ifstream in(file, std::ios::binary);
-    if (!in) return false;
+    if (!in || !std::filesystem::is_regular_file(file, ignored)) return false;
     const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
     if (bytes.size() < k_signature.size() || std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
         return false;

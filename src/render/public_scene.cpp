@@ -6,14 +6,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/check.h"
-#include "gnomon/renderer.h"
 #include "gnomon/scene.h"
 #include "scene/scene.h"
 
 namespace gnomon {
 
 namespace {
-constexpr Size k_default_size{1280, 720};
 constexpr double k_highest_fps = 1000;
 constexpr float k_widest_half_angle = 90;   // degrees
 
@@ -160,18 +158,6 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
         changed->lights.push_back(std::move(light));
     }
     return Scene(std::move(changed));
-}
-
-Size default_size(const Scene& scene, const std::string& camera)
-{
-    // The file's own resolution, of the camera that is meant, else of the first that has one.
-    const std::vector<scene::Camera>& cameras = scene.inside()->cameras;
-    for (std::size_t i = 0; i < cameras.size(); ++i)
-        if ((cameras[i].name == camera || std::to_string(i) == camera) && cameras[i].resolution != Size{})
-            return cameras[i].resolution;
-    for (const scene::Camera& candidate : cameras)
-        if (candidate.resolution != Size{}) return candidate.resolution;
-    return k_default_size;
 }
 
 }   // namespace gnomon
