@@ -8,6 +8,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "gnomon/renderer.h"
@@ -15,9 +17,9 @@
 namespace gnomon {
 
 struct FilmJob {
-    std::filesystem::path out;   // .png, .mp4, or a numbered set: name-{frame:04}.png
-    FrameRange frames;           // inclusive
-    double fps = 24;             // of a film
+    std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png
+    std::optional<FrameRange> frames;   // inclusive; none: the whole clip, or frame 1 for a single picture
+    double fps = 24;                    // of a film
     int chunk = 1, chunks = 1;   // render only the chunk-th of so many contiguous parts; a film's parts are frames only
     bool resume = false;         // keep frames that are already complete
     std::filesystem::path contact_sheet;   // .png: also a labelled grid of frames, evenly spaced over the range

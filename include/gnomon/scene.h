@@ -47,6 +47,8 @@ class Scene {
 
     /// The same scene sampled at another rate (glTF), or shown at it (AFF, which numbers its own frames).
     Scene at_rate(double fps) const;
+    /// A scene without animation as a clip of that length: for a turntable. Others stay as they are.
+    Scene lasting(double seconds) const;
     /// Keeps the first `count` lights in file order.
     Scene with_lights(int count) const;
     /// Replaces all lights. Each spec is "spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B" or "point X Y Z R G B", in candela.

@@ -23,15 +23,15 @@ constexpr double k_least_bytes_per_pixel = 0.1;
 constexpr int k_sheet_pictures = 12;
 constexpr int k_sheet_columns = 4;
 
-void check_job(const Scene& scene, const FilmJob& job, OutputKind kind)
+void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, OutputKind kind)
 {
     const std::string out = job.out.string();
-    if (job.frames.count() == 0 || job.frames.first < 1 || job.frames.last > scene.frame_count())
-        throw UsageError(fmt::format("frames {}-{}: the clip has frames 1 to {}", job.frames.first, job.frames.last,
-                                     scene.frame_count()));
-    if (kind == OutputKind::picture && job.frames.count() > 1)
+    if (frames.count() == 0 || frames.first < 1 || frames.last > scene.frame_count())
         throw UsageError(
-            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, job.frames.count()));
+            fmt::format("frames {}-{}: the clip has frames 1 to {}", frames.first, frames.last, scene.frame_count()));
+    if (kind == OutputKind::picture && frames.count() > 1)
+        throw UsageError(
+            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, frames.count()));
     if (kind == OutputKind::film && !(job.fps > 0))
         throw UsageError(fmt::format("{}: the film rate must be above 0", out));
     if (job.contact_sheet.empty()) return;
@@ -78,8 +78,9 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
 {
     // Refuse what cannot work before any frame is rendered.
     const OutputKind kind = render::output_kind(job.out);
-    check_job(scene, job, kind);
-    const FrameRange range = chunk_of(job.frames, job.chunk, job.chunks);
+    const FrameRange whole = job.frames.value_or(FrameRange{1, kind == OutputKind::picture ? 1 : scene.frame_count()});
+    check_job(scene, job, whole, kind);
+    const FrameRange range = chunk_of(whole, job.chunk, job.chunks);
     const bool encodes = kind == OutputKind::film && job.chunks == 1;
     if (encodes && !io::have_ffmpeg())
         throw MissingError(

@@ -13,6 +13,7 @@ namespace gnomon {
 
 namespace {
 constexpr double k_highest_fps = 1000;
+constexpr double k_longest_clip = 1e6;      // frames
 constexpr float k_widest_half_angle = 90;   // degrees
 
 std::vector<std::string> words_of(const std::string& text)
@@ -130,6 +131,18 @@ Scene Scene::at_rate(double fps) const
         throw UsageError(fmt::format("a rate of {} frames a second: expected above 0, at most {}", fps, k_highest_fps));
     auto changed = copy_of(inside_);
     changed->timeline = inside_->timeline.at_rate(fps);
+    return Scene(std::move(changed));
+}
+
+Scene Scene::lasting(double seconds) const
+{
+    const double frames = std::round(seconds * fps());
+    if (!(seconds > 0 && frames <= k_longest_clip))
+        throw UsageError(fmt::format("a clip of {} s: expected above 0 s, at most {} frames", seconds, k_longest_clip));
+    if (frame_count() > 1) return *this;
+    auto changed = copy_of(inside_);
+    changed->timeline.frames = std::max(1, static_cast<int>(frames));
+    changed->timeline.end = changed->timeline.start + (changed->timeline.frames - 1) / fps();
     return Scene(std::move(changed));
 }
 

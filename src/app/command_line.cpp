@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "gnomon/error.h"
+
+namespace gnomon::app {
+
+namespace {
+constexpr const char* k_standard_output = "-";
+
+// "bench culling" is two words on the command line.
+const VerbInfo& take_verb(std::vector<std::string>& words)
+{
+    std::string name = words.front();
+    words.erase(words.begin());
+    if (name == "bench") {
+        if (words.empty() || words.front().starts_with("-"))
+            throw UsageError("bench needs to know what to measure; see gnomon --help");
+        name += " " + words.front();
+        words.erase(words.begin());
+    }
+    if (const VerbInfo* verb = find_verb(name)) return *verb;
+    std::vector<std::string> names;
+    for (const VerbInfo& verb : verbs()) names.emplace_back(verb.name);
+    const std::string near = nearest(name, names);
+    throw UsageError(fmt::format("no verb '{}'{}", name,
+                                 near.empty() ? "; see gnomon --help" : fmt::format("; did you mean '{}'?", near)));
+}
+
+void refuse_unknown(const VerbInfo& verb, const std::vector<std::string>& words)
+{
+    for (const std::string& word : words) {
+        if (!word.starts_with("-") || word == "-") continue;
+        const std::string name = word.substr(0, word.find('='));
+        std::vector<std::string> names;
+        for (const Option& option : options())
+            if (option.verbs & bit(verb.verb)) names.push_back(fmt::format("--{}", option.name));
+        const std::string near = nearest(name, names);
+        throw UsageError(fmt::format(
+            "{} has no option {}{}", verb.name, name,
+            near.empty() ? fmt::format("; see gnomon {} --help", verb.name) : fmt::format("; did you mean {}?", near)));
+    }
+}
+
+CLI::Option* add(CLI::App& parser, const Option& option)
+{
+    std::string names = fmt::format("--{}", option.name);
+    if (option.kind == Kind::optional_file) return parser.add_flag(fmt::format("{}{{{}}}", names, k_standard_output));
+    if (option.letter) names += fmt::format(",-{}", option.letter);
+    if (option.kind == Kind::flag) return parser.add_flag(names);
+    return parser.add_option(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+}
+}   // namespace
+
+CommandLine parse_command_line(const std::vector<std::string>& arguments)
+{
+    CommandLine line;
+    std::vector<std::string> words = arguments;
+    if (words.empty()) throw UsageError("nothing to do; see gnomon --help");
+    if (words.front() == "--version") return line.version = true, line;
+    if (words.front() == "--help" || words.front() == "-h" || words.front() == "help") return line.help = true, line;
+    line.verb = &take_verb(words);
+    line.values = OptionValues(line.verb->verb);
+
+    // Build a parser of this verb's options from the table.
+    CLI::App parser;
+    parser.set_help_flag();
+    parser.allow_extras();
+    std::vector<std::pair<const Option*, CLI::Option*>> known;
+    for (const Option& option : options())
+        if (option.verbs & bit(line.verb->verb)) known.emplace_back(&option, add(parser, option));
+    try {
+        parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));   // CLI11 takes them from the back
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(fmt::format("{}: {}", line.verb->name, error.what()));
+    }
+
+    // Read its results: unknown options first, since their values look like positionals.
+    const std::vector<std::string> rest = parser.remaining();
+    refuse_unknown(*line.verb, rest);
+    for (const auto& [option, parsed] : known) {
+        if (parsed->count() == 0) continue;
+        if (option->name == "help") line.help = true;
+        if (option->name == "version") line.version = true;
+    }
+    if (line.help || line.version) return line;
+    if (!line.verb->built) throw UsageError(fmt::format("{}: not built yet", line.verb->name));
+    for (const auto& [option, parsed] : known)
+        if (parsed->count() > 0) line.values.set(*option, parsed->results());
+    line.positionals = rest;
+    if (line.positionals.size() != static_cast<std::size_t>(line.verb->positionals))
+        throw UsageError(fmt::format("{} takes {} argument{} and got {}: gnomon {} {}", line.verb->name,
+                                     line.verb->positionals, line.verb->positionals == 1 ? "" : "s",
+                                     line.positionals.size(), line.verb->name, line.verb->arguments));
+    if (line.values.given("config")) read_config(line.values.text("config"), *line.verb, line.values);
+    return line;
+}
+
+}   // namespace gnomon::app

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/option_table.h"
+
+namespace gnomon::app {
+
+namespace {
+using enum Verb;
+
+constexpr std::uint32_t k_every = ~0u;
+constexpr std::uint32_t k_pictures = bit(render) | bit(view);
+constexpr std::uint32_t k_benches =
+    bit(bench_trace) | bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect);
+constexpr std::uint32_t k_sized = k_pictures | k_benches;
+constexpr std::uint32_t k_ranged = bit(render) | bit(bench_culling) | bit(bench_indirect);
+
+constexpr VerbInfo k_verbs[] = {
+    {render, "render", "SCENE -o OUT", 1, "render a picture, numbered pictures, or a film", true},
+    {view, "view", "SCENE", 1, "look at a scene in a window", false},
+    {info, "info", "SCENE", 1, "say what a scene holds", true},
+    {compare, "compare", "A B", 2, "compare two pictures", false},
+    {devices, "devices", "", 0, "list processor and Vulkan devices, and what they can do", true},
+    {bench_trace, "bench trace", "SCENE", 1, "measure the traced frame against its bare rays", true},
+    {bench_culling, "bench culling", "SCENE", 1, "measure shadow culling", false},
+    {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures", false},
+    {bench_indirect, "bench indirect", "SCENE", 1, "measure indirect light", false},
+    {bench_all, "bench all", "", 0, "measure everything, as one page", false},
+};
+
+constexpr std::string_view k_output = "Output";
+constexpr std::string_view k_frames = "Frames";
+constexpr std::string_view k_scene = "Camera and lights";
+constexpr std::string_view k_quality = "Rays";
+constexpr std::string_view k_look = "Look";
+constexpr std::string_view k_shadows = "Shadows";
+constexpr std::string_view k_indirect = "Indirect light";
+constexpr std::string_view k_reference = "Reference";
+constexpr std::string_view k_common = "Everywhere";
+
+constexpr double k_many = 1e9;
+constexpr double k_side = 32768;
+
+// clang-format off
+constexpr Option k_options[] = {
+    {.name = "out", .letter = 'o', .argument = "OUT", .kind = Kind::text, .verbs = bit(render), .group = k_output,
+     .help = "what to write: .png, .mp4, or a numbered set such as name-{frame:04}.png"},
+    {.name = "size", .argument = "WxH", .kind = Kind::size, .low = 1, .high = k_side, .verbs = k_sized, .group = k_output,
+     .help = "in pixels; keeps the vertical field of view (default: the file's own, else 1280x720)"},
+    {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .verbs = bit(render), .group = k_output,
+     .help = "also write a labelled grid of up to 12 frames, evenly spaced over the range"},
+    {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = "trace|raster",
+     .built_choices = "trace", .verbs = k_pictures | bit(bench_indirect), .group = k_output,
+     .help = "CPU ray tracer, or Vulkan"},
+
+    {.name = "frame", .argument = "N", .kind = Kind::integer, .low = 1, .high = k_many,
+     .verbs = bit(render) | bit(bench_trace), .group = k_frames, .help = "one frame, from 1"},
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .verbs = k_ranged, .group = k_frames,
+     .help = "a range, both ends included (default: the whole clip for a film or a numbered set, 1 for a picture)"},
+    {.name = "fps", .argument = "F", .kind = Kind::number, .low = 0.001, .high = 1000,
+     .verbs = k_pictures | bit(info), .group = k_frames,
+     .help = "frames a second (default: the file's own frames, else 24)"},
+    {.name = "chunk", .argument = "I/N", .kind = Kind::chunk, .verbs = bit(render), .group = k_frames,
+     .help = "only the I-th of N contiguous parts of the range; of a film, its frames alone"},
+    {.name = "resume", .verbs = bit(render), .group = k_frames,
+     .help = "keep frames that are already complete"},
+
+    {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .verbs = k_sized, .group = k_scene,
+     .help = "by name, by number from 0, or the first"},
+    {.name = "turntable", .argument = "SECONDS", .kind = Kind::number, .low = 0.001, .high = 1e6, .verbs = k_pictures,
+     .group = k_scene, .help = "the camera circles the scene in that time instead"},
+    {.name = "lights", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_sized, .group = k_scene,
+     .help = "keep the first N lights of the file (default: all)"},
+    {.name = "light", .argument = "\"...\"", .kind = Kind::text, .repeats = true, .verbs = k_sized, .group = k_scene,
+     .help = "instead of the file's lights: \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y Z R G B\", in "
+             "candela; may be given again"},
+    {.name = "environment", .argument = "FILE", .kind = Kind::text, .built = false, .verbs = k_pictures, .group = k_scene,
+     .help = "light from a picture of the surroundings"},
+
+    {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 4096,
+     .verbs = k_pictures, .group = k_quality, .help = "per pixel"},
+    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64, .verbs = k_sized,
+     .group = k_quality, .help = "reflections and refractions in a row"},
+    {.name = "accelerator", .argument = "NAME", .kind = Kind::choice, .fallback = "embree", .choices = "embree|kdtree",
+     .built_choices = "embree", .verbs = k_pictures, .group = k_quality, .help = "what finds a ray's hit"},
+
+    {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "auto", .low = -100, .high = 100,
+     .verbs = k_pictures, .group = k_look, .help = "in stops; auto: from each frame alone"},
+    {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = "none|neutral|agx|aces",
+     .verbs = k_pictures, .group = k_look, .help = "how light becomes screen colour"},
+    {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters", .built = false,
+     .verbs = k_pictures, .group = k_look, .help = "colours what was remembered, redrawn, chosen"},
+
+    {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "off", .choices = "off|paper|certified",
+     .built_choices = "off", .verbs = k_pictures, .group = k_shadows, .help = "remember traced shadows"},
+    {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent",
+     .built = false, .verbs = k_pictures, .group = k_shadows, .help = "rasterised shadows"},
+    {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64, .built = false,
+     .verbs = k_pictures, .group = k_shadows, .help = "edge of rasterised shadows in texels; 0: hard"},
+
+    {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "off", .choices = "off|rsm|quadtree|visible",
+     .built_choices = "off", .verbs = k_pictures, .group = k_indirect, .help = "one-bounce light"},
+    {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = k_many,
+     .built = false, .verbs = k_pictures, .group = k_indirect, .help = "of the reflective shadow map"},
+    {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6, .built = false,
+     .verbs = k_pictures, .group = k_indirect, .help = "coarsest level of the light's tree"},
+    {.name = "depth-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.05", .low = 0, .high = 1, .built = false,
+     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "as a fraction of the light view's depth range"},
+    {.name = "normal-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.9", .low = -1, .high = 1,
+     .built = false, .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "cosine between normals"},
+    {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full", .built = false,
+     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "points that gather, per side"},
+
+    {.name = "reference", .built = false, .verbs = bit(render), .group = k_reference,
+     .help = "path-traced truth instead"},
+    {.name = "spp", .argument = "N", .kind = Kind::integer, .low = 1, .high = k_many, .built = false,
+     .verbs = bit(render) | bit(bench_indirect), .group = k_reference, .help = "its samples per pixel"},
+    {.name = "bounces", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .built = false,
+     .verbs = bit(render), .group = k_reference, .help = "its diffuse bounces"},
+    {.name = "seed", .argument = "S", .kind = Kind::integer, .low = 0, .high = k_many, .built = false,
+     .verbs = bit(render), .group = k_reference, .help = "of its random numbers"},
+
+    {.name = "json", .argument = "FILE", .kind = Kind::optional_file, .verbs = k_every, .group = k_common,
+     .help = "one JSON document on standard output, all else to standard error; or, as --json=FILE, to a file"},
+    {.name = "config", .argument = "FILE", .kind = Kind::text, .verbs = k_every, .group = k_common,
+     .help = "options as a JSON object, such as {\"size\": \"640x360\"}; the command line wins"},
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 1024, .verbs = k_every,
+     .group = k_common, .help = "0: all; pictures do not depend on it"},
+    {.name = "quiet", .verbs = k_every, .group = k_common, .help = "say nothing but errors"},
+    {.name = "verbose", .letter = 'v', .verbs = k_every, .group = k_common, .help = "say more"},
+    {.name = "help", .letter = 'h', .verbs = k_every, .group = k_common, .help = "show this"},
+    {.name = "version", .verbs = k_every, .group = k_common, .help = "show the version"},
+};
+// clang-format on
+}   // namespace
+
+std::span<const VerbInfo> verbs()
+{
+    return k_verbs;
+}
+
+std::span<const Option> options()
+{
+    return k_options;
+}
+
+const VerbInfo* find_verb(std::string_view name)
+{
+    for (const VerbInfo& verb : k_verbs)
+        if (verb.name == name) return &verb;
+    return nullptr;
+}
+
+const Option* find_option(Verb verb, std::string_view name)
+{
+    for (const Option& option : k_options)
+        if (option.name == name && (option.verbs & bit(verb))) return &option;
+    return nullptr;
+}
+
+}   // namespace gnomon::app

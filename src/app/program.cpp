@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/program.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "app/command_line.h"
+#include "app/output.h"
+#include "app/signals.h"
+#include "app/verbs.h"
+#include "gnomon/error.h"
+#include "gnomon/version.h"
+
+namespace gnomon::app {
+
+namespace {
+int run_verb(const CommandLine& line)
+{
+    Output output(line.values);
+    switch (line.verb->verb) {
+        case Verb::render:
+            return run_render(line, output);
+        case Verb::info:
+            return run_info(line, output);
+        case Verb::devices:
+            return run_devices(line, output);
+        case Verb::bench_trace:
+            return run_bench_trace(line, output);
+        default:
+            throw UsageError(fmt::format("{}: not built yet", line.verb->name));
+    }
+}
+
+int fail(int code, std::string message)
+{
+    // One line, whatever a name in it holds.
+    for (char& c : message)
+        if (c == '\n' || c == '\r') c = ' ';
+    std::fprintf(stderr, "gnomon: %s\n", message.c_str());
+    return code;
+}
+}   // namespace
+
+int run_program(const std::vector<std::string>& arguments)
+{
+    install_signal_handlers();
+    try {
+        const CommandLine line = parse_command_line(arguments);
+        if (line.help || line.version) {
+            write_standard_output(line.version ? fmt::format("gnomon {}\n", version()) : help_text(line.verb));
+            return k_exit_done;
+        }
+        return run_verb(line);
+    } catch (const UsageError& error) {
+        return fail(k_exit_usage, error.what());
+    } catch (const InputError& error) {
+        return fail(k_exit_input, error.what());
+    } catch (const MissingError& error) {
+        return fail(k_exit_missing, error.what());
+    } catch (const InterruptedError& error) {
+        return fail(k_exit_interrupted, error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(k_exit_missing, "out of memory");
+    } catch (const std::exception& error) {
+        return fail(k_exit_internal, fmt::format("internal error: {}", error.what()));
+    } catch (...) {
+        return fail(k_exit_internal, "internal error");
+    }
+}
+
+}   // namespace gnomon::app

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnomon render: through the public interface alone.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "app/machine.h"
+#include "app/progress_line.h"
+#include "app/verbs.h"
+#include "gnomon/gnomon.h"
+
+namespace gnomon::app {
+
+namespace {
+using Json = nlohmann::ordered_json;
+
+ToneMap tonemap_of(const std::string& name)
+{
+    if (name == "none") return ToneMap::none;
+    if (name == "agx") return ToneMap::agx;
+    return name == "aces" ? ToneMap::aces : ToneMap::neutral;
+}
+
+RenderOptions render_options(const OptionValues& values)
+{
+    RenderOptions options;
+    if (values.given("size")) options.size = *parse_size(values.text("size"));
+    options.camera = values.text("camera");
+    if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
+    options.max_depth = values.integer("max-depth");
+    options.samples = values.integer("samples");
+    if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
+    options.tonemap = tonemap_of(values.text("tonemap"));
+    options.threads = values.integer("threads");
+    return options;
+}
+
+FilmJob film_job(const OptionValues& values, const Scene& scene)
+{
+    FilmJob job;
+    if (!values.given("out")) throw UsageError("render needs -o OUT: .png, .mp4, or name-{frame:04}.png");
+    job.out = values.text("out");
+    if (values.given("frame") && values.given("frames")) throw UsageError("--frame and --frames exclude each other");
+    if (values.given("frame")) job.frames = FrameRange{values.integer("frame"), values.integer("frame")};
+    if (values.given("frames")) job.frames = parse_range(values.text("frames"));
+    job.fps = scene.fps();
+    if (values.given("chunk")) {
+        const Chunk chunk = *parse_chunk(values.text("chunk"));
+        job.chunk = chunk.number, job.chunks = chunk.of;
+    }
+    job.resume = values.flag("resume");
+    job.contact_sheet = values.text("contact-sheet");
+    return job;
+}
+
+Json document_of(const CommandLine& line, const FilmResult& result)
+{
+    Json frames = Json::array();
+    for (const FrameRecord& record : result.frames) {
+        const FrameCounters& counters = record.counters;
+        frames.push_back({{"frame", record.frame},
+                          {"time", record.time},
+                          {"file", record.file.string()},
+                          {"ms", record.milliseconds},
+                          {"shadow",
+                           {{"rays", counters.shadow.rays},
+                            {"rays_skipped", counters.shadow.rays_skipped},
+                            {"rays_dynamic_only", counters.shadow.rays_dynamic_only}}},
+                          {"indirect", {{"clusters", counters.indirect.clusters}, {"rays", counters.indirect.rays}}},
+                          {"draws", counters.draws}});
+    }
+    return {{"version", std::string(version())},
+            {"scene", line.positionals[0]},
+            {"renderer", line.values.text("renderer")},
+            {"device", processor_name()},
+            {"width", result.size.width},
+            {"height", result.size.height},
+            {"frames", std::move(frames)},
+            {"peak_memory_bytes", peak_memory_bytes()}};
+}
+
+std::string summary_of(const FilmResult& result, double seconds)
+{
+    const std::size_t count = result.frames.size();
+    const std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
+                                           result.size.height, duration_text(seconds));
+    if (result.files.empty()) return fmt::format("nothing to do ({})", frames);
+    if (result.files.size() == 1) return fmt::format("{} ({})", result.files[0].string(), frames);
+    return fmt::format("{} ... {} ({})", result.files.front().string(), result.files.back().string(), frames);
+}
+}   // namespace
+
+int run_render(const CommandLine& line, Output& output)
+{
+    const auto start = std::chrono::steady_clock::now();
+    const OptionValues& values = line.values;
+    const Progress progress = output.progress();
+    Renderer renderer(render_options(values));   // refuses options before the scene is loaded
+    Scene scene = load_scene(line, progress);
+    if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
+
+    const FilmResult result =
+        render_film(scene, renderer, film_job(values, scene), progress, [&](const FrameRecord& r) {
+            output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
+                                 : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted",
+                                               r.frame, r.milliseconds, r.counters.shadow.rays,
+                                               r.counters.reflection_rays, r.counters.refraction_rays));
+        });
+    for (const std::string& warning : scene.info().warnings) output.warn(warning);
+    const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
+    output.say(summary_of(result, span.count()));
+    output.finish(document_of(line, result));
+    return 0;
+}
+
+Scene load_scene(const CommandLine& line, const Progress& progress)
+{
+    const OptionValues& values = line.values;
+    const auto has = [&](const char* name) { return find_option(line.verb->verb, name) && values.given(name); };
+    Scene scene = load(line.positionals.at(0), {.progress = progress, .threads = values.integer("threads")});
+    if (has("fps")) scene = scene.at_rate(values.number("fps"));
+    if (has("light")) scene = scene.with_light_specs(values.all("light"));
+    if (has("lights")) scene = scene.with_lights(values.integer("lights"));
+    return scene;
+}
+
+}   // namespace gnomon::app
