@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/patterns.h"
+
+#include <algorithm>
+
+namespace gnomon::scene {
+
+namespace {
+
+float lattice(std::uint32_t x, std::uint32_t y, std::uint32_t seed)
+{
+    std::uint32_t h = x * 0x8da6b343u ^ y * 0xd8163841u ^ seed * 0xcb1ab31fu;
+    h = (h ^ (h >> 16)) * 0x7feb352du;
+    h = (h ^ (h >> 15)) * 0x846ca68bu;
+    return static_cast<float>((h ^ (h >> 16)) >> 8) * 0x1p-24f;
+}
+
+float smooth_step(float low, float high, float x)
+{
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+// Colours are linear while they are mixed.
+void write(Image8& image, int x, int y, const glm::vec3& linear)
+{
+    // A table of square roots would be faster than the exact curve, and different; 4096 steps are below 8 bits.
+    static const std::vector<std::uint8_t> encode = [] {
+        std::vector<std::uint8_t> table(4097);
+        for (std::size_t i = 0; i < table.size(); ++i)
+            table[i] = static_cast<std::uint8_t>(255 * srgb_from_linear(static_cast<float>(i) / 4096) + 0.5f);
+        return table;
+    }();
+    for (int c = 0; c < 3; ++c)
+        image.pixel(x, y)[c] = encode[static_cast<std::size_t>(std::clamp(linear[c], 0.0f, 1.0f) * 4096)];
+}
+
+template <class Shade>
+Image8 paint(int size, Shade&& shade)
+{
+    Image8 image(size, size, 3);
+    const float scale = 1.0f / static_cast<float>(size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            write(image, x, y, shade(glm::vec2((static_cast<float>(x) + 0.5f) * scale,
+                                               (static_cast<float>(y) + 0.5f) * scale)));
+    return image;
+}
+
+}   // namespace
+
+float tiled_noise(glm::vec2 p, int cells, int octaves, std::uint32_t seed)
+{
+    float sum = 0, weight = 0.5f, total = 0;
+    for (int octave = 0; octave < octaves; ++octave, cells *= 2, weight *= 0.5f) {
+        const float x = (p.x - std::floor(p.x)) * static_cast<float>(cells);
+        const float y = (p.y - std::floor(p.y)) * static_cast<float>(cells);
+        const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+        float tx = x - static_cast<float>(ix), ty = y - static_cast<float>(iy);
+        tx = tx * tx * (3 - 2 * tx), ty = ty * ty * (3 - 2 * ty);
+        const auto at = [&](int i, int j) {
+            return lattice(static_cast<std::uint32_t>((ix + i) % cells), static_cast<std::uint32_t>((iy + j) % cells),
+                           seed + static_cast<std::uint32_t>(octave));
+        };
+        const float top = at(0, 0) + (at(1, 0) - at(0, 0)) * tx;
+        const float bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * tx;
+        sum += weight * (top + (bottom - top) * ty);
+        total += weight;
+    }
+    return sum / total;
+}
+
+Image8 stone_pattern(int size, const glm::vec3& light, const glm::vec3& dark, float pores, std::uint32_t seed)
+{
+    return paint(size, [&](glm::vec2 p) {
+        const float clouds = tiled_noise(p, 4, 5, seed);
+        const float grain = tiled_noise(p, 64, 2, seed + 77);
+        const float pit = smooth_step(0.70f, 0.78f, tiled_noise(p, 32, 2, seed + 154));
+        const glm::vec3 color = glm::mix(dark, light, smooth_step(0.25f, 0.75f, clouds));
+        return color * (0.86f + 0.28f * grain) * (1 - pores * pit);
+    });
+}
+
+Image8 plaster_pattern(int size, const glm::vec3& color, std::uint32_t seed)
+{
+    return paint(size, [&](glm::vec2 p) {
+        const float patches = smooth_step(0.35f, 0.65f, tiled_noise(p, 3, 5, seed));
+        const float grain = tiled_noise(p, 48, 3, seed + 31);
+        // Streaks run down the wall.
+        const float streak = smooth_step(0.55f, 0.8f, tiled_noise({p.x * 3, p.y * 0.34f}, 9, 3, seed + 62));
+        return color * (0.80f + 0.22f * patches) * (0.90f + 0.2f * grain) * (1 - 0.16f * streak);
+    });
+}
+
+Image8 marble_pattern(int size, std::uint32_t seed)
+{
+    return paint(size, [&](glm::vec2 p) {
+        const glm::vec2 bent = p + 0.22f * glm::vec2(tiled_noise(p, 3, 5, seed), tiled_noise(p, 3, 5, seed + 9));
+        const float ridge = std::abs(2 * tiled_noise(bent, 4, 4, seed + 18) - 1);
+        const float vein = 1 - smooth_step(0.0f, 0.10f, ridge);
+        const float clouds = tiled_noise(p, 4, 4, seed + 27);
+        const glm::vec3 body = glm::mix(glm::vec3(0.62f, 0.60f, 0.57f), glm::vec3(0.78f, 0.76f, 0.72f), clouds);
+        return glm::mix(body, glm::vec3(0.36f, 0.36f, 0.38f), 0.55f * vein);
+    });
+}
+
+Image8 dial_pattern(int size)
+{
+    const glm::vec2 foot(0.5f, 0.22f);   // where the gnomon begins; noon runs down from it
+    const glm::vec3 ink(0.05f, 0.045f, 0.05f), bronze(0.42f, 0.25f, 0.09f);
+    constexpr float k_hour_angle = static_cast<float>(k_pi) / 12;
+    constexpr float k_latitude_sine = 0.72f;
+    return paint(size, [&](glm::vec2 p) {
+        const float clouds = tiled_noise(p, 4, 5, 5);
+        glm::vec3 color = glm::mix(glm::vec3(0.60f, 0.55f, 0.46f), glm::vec3(0.80f, 0.76f, 0.68f), clouds);
+        const float radius = glm::length(p - glm::vec2(0.5f));
+        const auto line = [](float distance, float width) {
+            return 1 - smooth_step(width, width + 0.003f, std::abs(distance));
+        };
+        // The chapter ring.
+        float mark = std::max(line(radius - 0.455f, 0.0035f), line(radius - 0.385f, 0.0025f));
+        mark = std::max(mark, line(radius - 0.375f, 0.0012f));
+        // Hour lines: tan(angle from noon) = sin(latitude) tan(hour angle).
+        const glm::vec2 d = p - foot;
+        const float from_foot = glm::length(d);
+        for (int half = -11; half <= 11; ++half) {
+            const float hour = k_hour_angle * 0.5f * static_cast<float>(half);
+            const float angle = std::atan2(k_latitude_sine * std::sin(hour), std::cos(hour));
+            const glm::vec2 along(std::sin(angle), std::cos(angle));
+            const float forward = glm::dot(d, along), off = d.x * along.y - d.y * along.x;
+            if (forward < 0.09f || radius > 0.455f) continue;
+            const bool whole = half % 2 == 0;
+            if (!whole && radius < 0.385f) continue;
+            mark = std::max(mark, line(off, whole ? 0.0030f : 0.0014f));
+            // A lozenge at each whole hour.
+            if (whole && radius > 0.385f) {
+                const float across = std::abs(off) / 0.013f, rim = std::abs(radius - 0.42f) / 0.024f;
+                mark = std::max(mark, 1 - smooth_step(0.9f, 1.1f, across + rim));
+            }
+        }
+        color = glm::mix(color, ink, 0.9f * mark);
+        // A small sun around the gnomon's foot.
+        const float ray = 0.060f + 0.018f * std::cos(16 * std::atan2(d.x, d.y));
+        return glm::mix(color, bronze, 1 - smooth_step(ray, ray + 0.004f, from_foot));
+    });
+}
+
+Image8 ramp_pattern()
+{
+    Image8 image(256, 1, 1);
+    for (int x = 0; x < 256; ++x) image.pixel(x, 0)[0] = static_cast<std::uint8_t>(x);
+    return image;
+}
+
+}   // namespace gnomon::scene

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Pictures made in code: stone, plaster, marble, the face of a sundial. Value noise on a lattice that wraps, so that
+// every pattern but the dial tiles. sRGB, a function of the arguments alone. Cost: size squared times octaves.
+
+#include "base/image.h"
+#include "base/math.h"
+
+namespace gnomon::scene {
+
+/// Sums octaves of smooth value noise over [0, 1) x [0, 1), which wraps.
+/// @param cells  lattice cells across at the first octave; doubles with each
+/// @return 0 to 1, about 0.5 in the mean
+float tiled_noise(glm::vec2 p, int cells, int octaves, std::uint32_t seed);
+
+/// Speckled stone: two colours mixed by noise, with pores.
+Image8 stone_pattern(int size, const glm::vec3& light, const glm::vec3& dark, float pores, std::uint32_t seed);
+/// Plaster, patchy and stained.
+Image8 plaster_pattern(int size, const glm::vec3& color, std::uint32_t seed);
+/// Marble with bent veins.
+Image8 marble_pattern(int size, std::uint32_t seed);
+/// A sundial's face: rings, hour lines that meet at the foot of the gnomon, half hours, a sun. Covers the unit square.
+Image8 dial_pattern(int size);
+/// One row, u = grey value.
+Image8 ramp_pattern();
+
+}   // namespace gnomon::scene
