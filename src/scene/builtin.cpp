@@ -14,7 +14,10 @@ namespace {
 constexpr const char* k_known =
     "builtin:cornell, builtin:kinetic, builtin:spheres?objects=N&dynamic=PERCENT (or movers=N; vertices=N, seed=N)";
 
-[[noreturn]] void refuse(const std::string& what) { throw UsageError(what + "; known: " + k_known); }
+[[noreturn]] void refuse(const std::string& what)
+{
+    throw UsageError(what + "; known: " + k_known);
+}
 
 template <class T>
 T parse_number(std::string_view key, std::string_view text, T low, T high)

@@ -40,18 +40,18 @@ Scene make_kinetic()
     const Materials materials = add_materials(scene);
 
     // The sun stands low at the left, a little before the picture.
-    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.72, 0.62, 0.40));
+    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.66, 0.62, 0.36));
     Light sun;
     sun.name = "sun";
     sun.type = LightType::directional;
-    sun.color = {4.6f, 3.65f, 2.45f};   // lux, scaled so that a sunlit wall is about 1
+    sun.color = {5.4f, 4.2f, 2.75f};   // lux, scaled so that a sunlit wall is about 1
     sun.node = scene.add_node("sun", none, glm::inverse(glm::lookAt(glm::dvec3(0), -to_sun, glm::dvec3(0, 1, 0))));
     scene.lights.push_back(sun);
 
     scene.background.kind = Background::Kind::sky;
-    scene.background.zenith = {0.13f, 0.25f, 0.52f};
-    scene.background.horizon = {0.66f, 0.60f, 0.52f};
-    scene.background.ground = {0.17f, 0.13f, 0.09f};
+    scene.background.zenith = {0.09f, 0.24f, 0.62f};
+    scene.background.horizon = {0.78f, 0.76f, 0.72f};
+    scene.background.ground = {0.20f, 0.15f, 0.10f};
     scene.background.sun_direction = glm::vec3(to_sun);
     scene.background.sun_radiance = {60, 46, 28};
 

@@ -2,8 +2,8 @@
 #pragma once
 // builtin:kinetic, from the inside: what its parts share. A file a part; builtin_kinetic.cpp puts them together.
 //
-// The courtyard in metres, +Y up, the camera on the +Z side: the sundial at the origin, a pool before it, arcades at the
-// back and at the right, a balustrade with a view at the left, where the sun stands.
+// The courtyard in metres, +Y up, the camera on the +Z side: the sundial at the origin, a pool before it, arcades at
+// the back and at the right, a balustrade with a view at the left, where the sun stands.
 
 #include <span>
 
@@ -14,16 +14,16 @@
 namespace gnomon::scene::kinetic {
 
 // Plan of the courtyard.
-inline constexpr float k_bay = 2.4f;                // from column to column
+inline constexpr float k_bay = 2.4f;   // from column to column
 inline constexpr int k_back_bays = 6;
 inline constexpr int k_right_bays = 5;
-inline constexpr float k_back_z = -6.2f;            // axis of the back arcade's columns
-inline constexpr float k_right_x = 7.2f;            // axis of the right arcade's columns
-inline constexpr float k_left_x = -7.2f;            // axis of the balustrade
-inline constexpr float k_arcade_depth = 2.7f;       // from the columns' axis to the wall behind
-inline constexpr float k_arcade_floor = 0.32f;      // two steps above the yard
-inline constexpr float k_springing = 3.05f;         // where the arches begin
-inline constexpr float k_eaves = 4.75f;             // top of the arcades' walls
+inline constexpr float k_back_z = -6.2f;         // axis of the back arcade's columns
+inline constexpr float k_right_x = 7.2f;         // axis of the right arcade's columns
+inline constexpr float k_left_x = -7.2f;         // axis of the balustrade
+inline constexpr float k_arcade_depth = 2.7f;    // from the columns' axis to the wall behind
+inline constexpr float k_arcade_floor = 0.32f;   // two steps above the yard
+inline constexpr float k_springing = 3.05f;      // where the arches begin
+inline constexpr float k_eaves = 4.75f;          // top of the arcades' walls
 
 // Time.
 inline constexpr int k_frames = 120;
@@ -31,9 +31,9 @@ inline constexpr double k_fps = 24;
 inline constexpr double k_end = (k_frames - 1) / k_fps;
 
 struct Materials {
-    MaterialId limestone, paving, plaster, marble, dial, terracotta, roof, iron, bronze, gold, mirror, water, pool_floor,
-        glass, amber_glass, blue_glass, red, black, yellow, blue, white, bark, soil, ivy, orange_leaf, box_leaf,
-        cypress, blossom, orange, lamp, grass, hill_near, hill_far;
+    MaterialId limestone, paving, plaster, marble, dial, terracotta, roof, iron, bronze, gold, mirror, water,
+        pool_floor, glass, amber_glass, blue_glass, red, black, yellow, blue, white, bark, soil, ivy, orange_leaf,
+        box_leaf, cypress, blossom, orange, lamp, grass, hill_near, hill_far;
 };
 Materials add_materials(Scene& scene);
 

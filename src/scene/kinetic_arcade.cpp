@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arcades: columns, arches, cornice, a tiled roof, and what is seen behind them. A run is built along its own +x, its
-// yard on its +z side, and set in its place as a whole.
+// The arcades: columns, arches, cornice, a tiled roof, and what is seen behind them. A run is built along its own +x,
+// its yard on its +z side, and set in its place as a whole.
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -11,7 +11,7 @@ namespace gnomon::scene::kinetic {
 namespace {
 
 constexpr float k_half_wall = 0.26f;
-constexpr float k_arch = 0.97f;          // radius
+constexpr float k_arch = 0.97f;   // radius
 constexpr float k_ceiling = 4.30f;
 constexpr int k_arch_steps = 32;
 
@@ -93,6 +93,8 @@ void add_roof(Run& run, Random& random)
         b.tint(glm::vec3(0.8f + 0.35f * random.uniform()) * glm::vec3(1, 0.95f + 0.1f * random.uniform(), 1));
         b.shift_texture({random.uniform(), random.uniform()});
         std::vector<Frame> frames;
+        // A clay disc closes the barrel at the eaves.
+        frames.push_back({along * x + low - slope * 0.055f, along * 0.02f, up * 0.02f, 0});
         for (float s = -0.06f; s < rise; s += tile) {
             const glm::vec3 a = low + slope * s, c = low + slope * std::min(s + tile, rise);
             frames.push_back({along * x + a + up * 0.035f, along * 0.115f, up * 0.105f, s});
@@ -200,7 +202,7 @@ MeshId make_column(Scene& scene, const Materials& m)
     // Base, shaft with entasis, neck and capital.
     std::vector<glm::vec2> p{{0.25f, 0.11f}};
     const auto bulge = [&](float r, float y, float size) {
-        for (const glm::vec2& q : arc({r, y + size}, size, -1.35f, 1.35f, 8)) p.push_back(q);
+        for (const glm::vec2& q : arc({r, y + size}, size, -1.35f, 1.35f, 6)) p.push_back(q);
     };
     bulge(0.225f, 0.11f, 0.045f);
     p.insert(p.end(), {{0.225f, 0.205f}, {0.205f, 0.225f}, {0.205f, 0.24f}});
@@ -218,21 +220,24 @@ MeshId make_column(Scene& scene, const Materials& m)
         p.emplace_back(0.162f + 0.098f * t * t, top + 0.15f + 0.15f * t);
     }
     p.insert(p.end(), {{0.262f, top + 0.32f}, {0.2f, top + 0.325f}});
-    b.lathe(make_outline(p, false), 40);
+    b.lathe(make_outline(p, false), 32);
     // Eight leaves under the abacus.
     for (int i = 0; i < 8; ++i) {
         b.place(glm::rotate(glm::mat4(1), static_cast<float>(i) * 0.7854f, glm::vec3(0, 1, 0)));
-        const glm::vec3 stem[] = {{0.165f, top + 0.06f, 0}, {0.19f, top + 0.15f, 0}, {0.25f, top + 0.25f, 0},
-                                  {0.29f, top + 0.27f, 0},  {0.30f, top + 0.24f, 0}};
+        const glm::vec3 stem[] = {{0.165f, top + 0.06f, 0},
+                                  {0.19f, top + 0.15f, 0},
+                                  {0.25f, top + 0.25f, 0},
+                                  {0.29f, top + 0.27f, 0},
+                                  {0.30f, top + 0.24f, 0}};
         const float widths[] = {0.02f, 0.045f, 0.05f, 0.035f, 0.015f};
         std::vector<float> radii;
-        const auto path = smooth_path(stem, 4);
+        const auto path = smooth_path(stem, 2);
         for (std::size_t k = 0; k < path.size(); ++k) {
-            const float at = static_cast<float>(k) / 4;
+            const float at = static_cast<float>(k) / 2;
             const auto j = std::min<std::size_t>(static_cast<std::size_t>(at), 3);
             radii.push_back(glm::mix(widths[j], widths[j + 1], at - static_cast<float>(j)));
         }
-        b.tube(path, radii, 8);
+        b.tube(path, radii, 6);
     }
     b.place(glm::mat4(1));
     b.box({-0.29f, height - 0.10f, -0.29f}, {0.29f, height, 0.29f}, 0.015f);

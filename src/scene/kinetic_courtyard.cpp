@@ -95,13 +95,13 @@ void add_balustrade(Scene& scene, const Materials& m)
         return (n.y < 0 ? 0.6f : 0.95f) * (0.65f + 0.35f * glm::smoothstep(0.0f, 0.35f, p.y));
     });
     std::vector<glm::vec2> p{{0.075f, 0}, {0.075f, 0.05f}, {0.055f, 0.06f}, {0.055f, 0.08f}};
-    for (int i = 0; i <= 18; ++i) {   // the belly and the neck
-        const float t = static_cast<float>(i) / 18;
+    for (int i = 0; i <= 14; ++i) {   // the belly and the neck
+        const float t = static_cast<float>(i) / 14;
         const float belly = std::exp(-18 * (t - 0.3f) * (t - 0.3f)), neck = std::exp(-40 * (t - 0.95f) * (t - 0.95f));
         p.emplace_back(0.036f + 0.048f * belly + 0.012f * neck, 0.085f + 0.44f * t);
     }
     p.insert(p.end(), {{0.06f, 0.54f}, {0.06f, 0.565f}, {0.075f, 0.575f}, {0.075f, 0.62f}});
-    b.lathe(make_outline(p, false), 24);
+    b.lathe(make_outline(p, false), 20);
     const MeshId baluster = add_mesh(scene, b, "baluster");
 
     // Six piers, five stretches between them.
@@ -142,9 +142,10 @@ void add_landscape(Scene& scene, const Materials& m)
     b.use(m.grass);
     // A meadow that falls away from the yard and rolls; rings widen with distance.
     constexpr int around = 96, rings = 18;
-    const auto ground = [](float radius, float angle) {
+    const TiledNoise rolling(6, 3, 71), dryness(24, 3, 72);
+    const auto ground = [&rolling](float radius, float angle) {
         const glm::vec2 p(radius * std::cos(angle), -radius * std::sin(angle));
-        const float roll = tiled_noise(p / 160.0f, 6, 3, 71) - 0.5f;
+        const float roll = rolling(p / 160.0f) - 0.5f;
         const float away = glm::smoothstep(13.0f, 60.0f, radius);
         return glm::vec3(p.x, -0.09f - 3.5f * away + 7.0f * away * roll, p.y);
     };
@@ -157,7 +158,7 @@ void add_landscape(Scene& scene, const Materials& m)
         const glm::vec3 out = ground(radius + 0.1f, angle) - ground(std::max(radius - 0.1f, 0.0f), angle);
         glm::vec3 n = ring == 0 ? glm::vec3(0, 1, 0) : glm::normalize(glm::cross(along, out));
         if (n.y < 0) n = -n;
-        const float dry = tiled_noise(glm::vec2(p.x, p.z) / 160.0f, 24, 3, 72);
+        const float dry = dryness(glm::vec2(p.x, p.z) / 160.0f);
         b.tint(glm::mix(glm::vec3(0.75f, 1.0f, 0.7f), glm::vec3(1.25f, 1.05f, 0.8f), dry));
         return b.vertex(p, n, glm::vec2(p.x, p.z));
     };
@@ -174,9 +175,10 @@ void add_landscape(Scene& scene, const Materials& m)
     for (const Range& range : {Range{m.hill_near, 170, 16, 5}, Range{m.hill_far, 240, 40, 8}}) {
         b.use(range.material);
         constexpr int steps = 240;
+        const TiledNoise ridge(9, 5, range.seed);
         const auto crest = [&](int i) {
             const float u = static_cast<float>(i % steps) / steps;
-            return range.height * (0.25f + tiled_noise({u, 0.3f}, 9, 5, range.seed));
+            return range.height * (0.25f + ridge({u, 0.3f}));
         };
         for (int i = 0; i < steps; ++i) {
             const float a0 = static_cast<float>(2 * k_pi) * static_cast<float>(i) / steps;

@@ -84,13 +84,13 @@ Materials add_materials(Scene& scene)
         palette.texture("limestone", stone_pattern(512, {0.72f, 0.64f, 0.51f}, {0.52f, 0.44f, 0.33f}, 0.35f, 11));
     const TextureId flag =
         palette.texture("flagstone", stone_pattern(512, {0.60f, 0.53f, 0.44f}, {0.38f, 0.33f, 0.28f}, 0.25f, 23));
-    const TextureId wall = palette.texture("plaster", plaster_pattern(512, {0.74f, 0.46f, 0.26f}, 37));
-    const TextureId marble = palette.texture("marble", marble_pattern(512, 41));
+    const TextureId wall = palette.texture("plaster", plaster_pattern(384, {0.80f, 0.57f, 0.36f}, 37));
+    const TextureId marble = palette.texture("marble", marble_pattern(256, 41));
     const TextureId clay =
         palette.texture("terracotta", stone_pattern(256, {0.58f, 0.24f, 0.12f}, {0.42f, 0.16f, 0.08f}, 0.15f, 53));
     Sampler once;
     once.wrap_u = once.wrap_v = Wrap::clamp;
-    const TextureId dial = palette.texture("dial", dial_pattern(768), once);
+    const TextureId dial = palette.texture("dial", dial_pattern(640), once);
 
     Materials m{};
     m.limestone = palette.textured("limestone", stone, 0.55f, 0.85f);
@@ -100,6 +100,7 @@ Materials add_materials(Scene& scene)
     m.dial = palette.textured("dial", dial, 1, 0.45f);
     m.terracotta = palette.textured("terracotta", clay, 1.1f, 0.75f);
     m.roof = palette.textured("roof tiles", clay, 0.9f, 0.8f, {1.0f, 0.92f, 0.85f});
+    scene.materials[m.roof].double_sided = true;
     m.iron = palette.add("iron", {0.05f, 0.05f, 0.055f}, 0.5f);
     m.bronze = palette.add("bronze", {0.62f, 0.37f, 0.16f}, 0.32f, 1);
     m.gold = palette.add("gold", {1.0f, 0.73f, 0.30f}, 0.18f, 1);

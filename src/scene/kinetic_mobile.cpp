@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mobile: arms that hang from arms, each turning about its own wire at its own speed. Six rigid groups; all that moves
-// in this scene but the camera.
+// The mobile: arms that hang from arms, each turning about its own wire at its own speed. Six rigid groups; all that
+// moves in this scene but the camera.
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -80,26 +80,29 @@ void add_drop(MeshBuilder& b, const Materials& m, MaterialId glass, const glm::v
     b.use(m.gold);
     b.sphere(at - glm::vec3(0, wire + 0.01f, 0), 0.025f, 16, 9);
     b.use(glass);
-    b.sphere(at - glm::vec3(0, wire + 0.03f + radius, 0), radius, 64, 31);
+    b.sphere(at - glm::vec3(0, wire + 0.03f + radius, 0), radius, 48, 23);
 }
 
-// An arm from -left to +right that bows up in between, with beads at its ends and its middle.
-void add_arm(MeshBuilder& b, const Materials& m, float wire, float left, float right)
+// An arm that hangs from the origin and bows up between its ends, with beads at the ends and the middle.
+struct Arm {
+    float wire, left, right;   // lengths
+
+    float bow() const { return 0.10f * (left + right); }
+    glm::vec3 left_end() const { return {-left, -wire - bow(), 0}; }
+    glm::vec3 right_end() const { return {right, -wire - bow(), 0}; }
+};
+void add_arm(MeshBuilder& b, const Materials& m, const Arm& arm)
 {
+    const glm::vec3 middle(0, -arm.wire, 0), sag(0, -0.28f * arm.bow(), 0);
     b.use(m.iron);
-    const glm::vec3 line[] = {{0, 0, 0}, {0, -wire, 0}};
+    const glm::vec3 line[] = {{0, 0, 0}, middle};
     b.tube(line, 0.007f, 6);
     b.use(m.bronze);
-    const float bow = 0.10f * (left + right);
-    const glm::vec3 knots[] = {{-left, -wire - bow, 0}, {-0.55f * left, -wire - 0.28f * bow, 0}, {0, -wire, 0},
-                               {0.55f * right, -wire - 0.28f * bow, 0}, {right, -wire - bow, 0}};
-    b.tube(smooth_path(knots, 10), 0.020f, 12);
+    const glm::vec3 knots[] = {arm.left_end(), middle + sag - glm::vec3(0.55f * arm.left, 0, 0), middle,
+                               middle + sag + glm::vec3(0.55f * arm.right, 0, 0), arm.right_end()};
+    b.tube(smooth_path(knots, 10), 0.024f, 12);
     b.use(m.gold);
-    for (const int i : {0, 2, 4}) b.sphere(knots[i], 0.034f, 20, 11);
-}
-glm::vec3 arm_end(float wire, float left, float right, float x)
-{
-    return {x, -wire - 0.10f * (left + right), 0};
+    for (const int i : {0, 2, 4}) b.sphere(knots[i], 0.040f, 20, 11);
 }
 
 }   // namespace
@@ -116,34 +119,38 @@ void add_mobile(Scene& scene, const Materials& m)
     };
 
     // The great arm.
-    add_arm(b, m, 0.35f, 1.75f, 1.35f);
-    const NodeId great = hang("mobile: great arm", none, {0, 6.42f, 0}, 0.35, 0.21, 0.03);
-    const glm::vec3 left = arm_end(0.35f, 1.75f, 1.35f, -1.75f), right = arm_end(0.35f, 1.75f, 1.35f, 1.35f);
+    const Arm great_arm{0.30f, 2.2f, 1.7f};
+    add_arm(b, m, great_arm);
+    const NodeId great = hang("mobile: great arm", none, {0, 6.0f, 0}, 0.35, 0.21, 0.03);
 
     // On its left: a red sail, and an arm of leaves.
-    add_arm(b, m, 0.25f, 0.95f, 0.75f);
-    add_petal(b, m, m.red, arm_end(0.25f, 0.95f, 0.75f, -0.95f), 0.06f, 1.30f, 0.78f, 0.25f);
-    const NodeId second = hang("mobile: second arm", great, left, 0.9, -0.34, 0.05);
+    const Arm second_arm{0.25f, 1.15f, 0.95f};
+    add_arm(b, m, second_arm);
+    add_petal(b, m, m.red, second_arm.left_end(), 0.06f, 1.55f, 0.95f, 0.25f);
+    const NodeId second = hang("mobile: second arm", great, great_arm.left_end(), 0.9, -0.34, 0.05);
 
-    add_arm(b, m, 0.28f, 0.55f, 0.50f);
-    add_petal(b, m, m.black, arm_end(0.28f, 0.55f, 0.50f, -0.55f), 0.05f, 0.80f, 0.46f, 0.5f);
-    add_drop(b, m, m.amber_glass, arm_end(0.28f, 0.55f, 0.50f, 0.50f), 0.28f, 0.16f);
-    hang("mobile: third arm", second, arm_end(0.25f, 0.95f, 0.75f, 0.75f), 2.1, 0.55, 0.06);
+    const Arm third_arm{0.28f, 0.70f, 0.62f};
+    add_arm(b, m, third_arm);
+    add_petal(b, m, m.black, third_arm.left_end(), 0.05f, 0.95f, 0.55f, 0.5f);
+    add_drop(b, m, m.amber_glass, third_arm.right_end(), 0.28f, 0.20f);
+    hang("mobile: third arm", second, second_arm.right_end(), 2.1, 0.55, 0.06);
 
     // On its right: discs, and glass below them.
-    add_arm(b, m, 0.45f, 0.80f, 0.90f);
-    add_disc(b, m, m.yellow, arm_end(0.45f, 0.80f, 0.90f, 0.90f), 0.08f, 0.40f, 0.3f);
-    const NodeId fourth = hang("mobile: fourth arm", great, right, 0.4, -0.42, 0.05);
+    const Arm fourth_arm{0.40f, 1.0f, 1.1f};
+    add_arm(b, m, fourth_arm);
+    add_disc(b, m, m.yellow, fourth_arm.right_end(), 0.08f, 0.50f, 0.3f);
+    const NodeId fourth = hang("mobile: fourth arm", great, great_arm.right_end(), 0.4, -0.42, 0.05);
 
-    add_arm(b, m, 0.30f, 0.55f, 0.62f);
-    add_disc(b, m, m.blue, arm_end(0.30f, 0.55f, 0.62f, -0.55f), 0.06f, 0.27f, -0.2f);
-    const NodeId fifth =
-        hang("mobile: fifth arm", fourth, arm_end(0.45f, 0.80f, 0.90f, -0.80f), 1.2, 0.62, 0.06);
+    const Arm fifth_arm{0.28f, 0.65f, 0.72f};
+    add_arm(b, m, fifth_arm);
+    add_disc(b, m, m.blue, fifth_arm.left_end(), 0.06f, 0.34f, -0.2f);
+    const NodeId fifth = hang("mobile: fifth arm", fourth, fourth_arm.left_end(), 1.2, 0.62, 0.06);
 
-    add_arm(b, m, 0.25f, 0.36f, 0.40f);
-    add_petal(b, m, m.white, arm_end(0.25f, 0.36f, 0.40f, -0.36f), 0.04f, 0.55f, 0.30f, 0.1f);
-    add_drop(b, m, m.blue_glass, arm_end(0.25f, 0.36f, 0.40f, 0.40f), 0.20f, 0.11f);
-    hang("mobile: sixth arm", fifth, arm_end(0.30f, 0.55f, 0.62f, 0.62f), 0.2, -0.75, 0.07);
+    const Arm sixth_arm{0.25f, 0.42f, 0.46f};
+    add_arm(b, m, sixth_arm);
+    add_petal(b, m, m.white, sixth_arm.left_end(), 0.04f, 0.66f, 0.38f, 0.1f);
+    add_drop(b, m, m.blue_glass, sixth_arm.right_end(), 0.20f, 0.14f);
+    hang("mobile: sixth arm", fifth, fifth_arm.right_end(), 0.2, -0.75, 0.07);
 }
 
 }   // namespace gnomon::scene::kinetic

@@ -109,7 +109,8 @@ MeshId make_orange_tree(Scene& scene, const Materials& m)
         glm::vec3 out = on_sphere(random);
         out.y = 0.35f + 0.5f * std::abs(out.y);
         const glm::vec3 branch[] = {{0, 1.25f + 0.04f * static_cast<float>(i), 0},
-                                    glm::vec3(0, 1.4f, 0) + 0.25f * out, glm::vec3(0, 1.55f, 0) + 0.55f * out};
+                                    glm::vec3(0, 1.4f, 0) + 0.25f * out,
+                                    glm::vec3(0, 1.55f, 0) + 0.55f * out};
         const float thick[] = {0.025f, 0.018f, 0.008f};
         b.tube(branch, thick, 7);
     }
@@ -126,7 +127,7 @@ MeshId make_orange_tree(Scene& scene, const Materials& m)
         out.y = 0.6f * out.y - 0.15f;
         b.tint(glm::vec3(1, 0.85f + 0.3f * random.uniform(), 1));
         b.open_sky([](const glm::vec3&, const glm::vec3& n) { return 0.6f + 0.3f * n.y; });
-        b.sphere(glm::vec3(0, 1.82f, 0) + glm::vec3(0.60f, 0.52f, 0.60f) * out, random.uniform(0.038f, 0.048f), 20, 11);
+        b.sphere(glm::vec3(0, 1.82f, 0) + glm::vec3(0.60f, 0.52f, 0.60f) * out, random.uniform(0.038f, 0.048f), 14, 7);
     }
     return add_mesh(scene, b, "orange tree");
 }
@@ -153,7 +154,7 @@ MeshId make_cypress(Scene& scene, const Materials& m)
     const glm::vec3 trunk[] = {{0, -0.5f, 0}, {0, 1.0f, 0}};
     b.tube(trunk, 0.10f, 10);
     b.use(m.cypress);
-    constexpr int leaves = 6000;
+    constexpr int leaves = 4600;
     for (int i = 0; i < leaves; ++i) {
         // A flame of sprays: wide below the middle, pointed above.
         const float t = std::pow(random.uniform(), 0.85f);
@@ -167,19 +168,19 @@ MeshId make_cypress(Scene& scene, const Materials& m)
         b.open_sky([seen](const glm::vec3&, const glm::vec3&) { return seen; });
         b.tint(vary(random, 0.35f));
         add_leaf(b, p, glm::vec3(0, 1, 0) + 0.45f * out + 0.35f * on_sphere(random), out + 0.6f * on_sphere(random),
-                 random.uniform(0.16f, 0.30f), random.uniform(0.05f, 0.09f), true);
+                 random.uniform(0.18f, 0.33f), random.uniform(0.06f, 0.10f), true);
     }
     return add_mesh(scene, b, "cypress");
 }
 
 // Climbs on a wall: along a few wandering stems, leaves lie flat with their tips down.
 struct Climber {
-    glm::vec3 foot;              // where it comes out of the ground
-    glm::vec3 along, out;        // the wall's direction and its normal
-    float reach, height;         // how far it spreads
-    int stems, leaves;           // leaves a stem
+    glm::vec3 foot;         // where it comes out of the ground
+    glm::vec3 along, out;   // the wall's direction and its normal
+    float reach, height;    // how far it spreads
+    int stems, leaves;      // leaves a stem
     MaterialId leaf, blossom;
-    float blossoms;              // share of leaves that flower
+    float blossoms;   // share of leaves that flower
 };
 void add_climber(MeshBuilder& b, const Materials& m, Random& random, const Climber& c)
 {
@@ -194,7 +195,7 @@ void add_climber(MeshBuilder& b, const Materials& m, Random& random, const Climb
             const float x = c.reach * spread * std::pow(t, 0.8f) + wave * std::sin(phase + 7 * t);
             knots.push_back(c.foot + c.along * x + c.out * 0.025f + glm::vec3(0, top * t, 0));
         }
-        const auto path = smooth_path(knots, 4);
+        const auto path = smooth_path(knots, 2);
         std::vector<float> radii;
         for (std::size_t i = 0; i < path.size(); ++i)
             radii.push_back(0.016f * (1 - 0.8f * static_cast<float>(i) / static_cast<float>(path.size())));
@@ -209,7 +210,8 @@ void add_climber(MeshBuilder& b, const Materials& m, Random& random, const Climb
             const glm::vec3 stem = glm::mix(path[k], path[k + 1], at - static_cast<float>(k));
             const float away = random.uniform(0.005f, 0.13f);
             const float sideways = 0.16f * (random.uniform() + random.uniform() - 1);
-            const glm::vec3 p = stem + c.along * sideways + c.out * away + glm::vec3(0, random.uniform(-0.12f, 0.12f), 0);
+            const glm::vec3 p =
+                stem + c.along * sideways + c.out * away + glm::vec3(0, random.uniform(-0.12f, 0.12f), 0);
             const float seen = 0.40f + 3.4f * away;
             b.open_sky([seen](const glm::vec3&, const glm::vec3&) { return seen; });
             const bool flower = random.uniform() < c.blossoms * glm::smoothstep(0.1f, 0.8f, t);
@@ -237,9 +239,13 @@ void add_plants(Scene& scene, const Materials& m)
     for (const double x : {-2.4, 2.4}) add_object(scene, box, "box tree", placed({x, 0.01, -4.6}, 0.9 * x, 1.1));
 
     const MeshId cypress = make_cypress(scene, m);
-    const glm::dvec3 places[] = {{-10.2, -0.2, -4.8}, {-10.8, -0.4, -1.4}, {-11.5, -0.6, 2.2}, {-14.5, -0.9, -9.5}};
-    double turn = 0;
-    for (const glm::dvec3& at : places) add_object(scene, cypress, "cypress", placed(at, turn += 1.9, 0.85 + 0.06 * turn));
+    struct Place {
+        glm::dvec3 at;
+        double turn, scale;
+    };
+    for (const Place& p : {Place{{-10.2, -0.2, -4.8}, 1.9, 1.0}, Place{{-10.8, -0.4, -1.4}, 3.8, 1.1},
+                           Place{{-11.5, -0.6, 2.2}, 5.7, 0.95}, Place{{-14.5, -0.9, -9.5}, 0.6, 1.2}})
+        add_object(scene, cypress, "cypress", placed(p.at, p.turn, p.scale));
 
     MeshBuilder b;
     Random random(109);
@@ -247,11 +253,11 @@ void add_plants(Scene& scene, const Materials& m)
     // Bougainvillea on the left end of the back arcade, ivy on the tower and on the right arcade's end.
     add_climber(b, m, random,
                 {{k_left_x + 0.15f, 0, front}, {1, 0, 0}, {0, 0, 1}, 0.9f, 5.3f, 16, 170, m.ivy, m.blossom, 0.75f});
-    add_climber(b, m, random,
-                {{k_right_x - 0.32f, 0.3f, k_back_z + 0.02f}, {0, 0, 1}, {-1, 0, 0}, 0.35f, 4.6f, 7, 150, m.ivy, m.ivy, 0});
+    add_climber(
+        b, m, random,
+        {{k_right_x - 0.32f, 0.3f, k_back_z + 0.02f}, {0, 0, 1}, {-1, 0, 0}, 0.35f, 4.6f, 7, 150, m.ivy, m.ivy, 0});
     const float end = k_back_z + k_right_bays * k_bay + 0.34f;
-    add_climber(b, m, random,
-                {{k_right_x + 0.6f, 0, end}, {1, 0, 0}, {0, 0, 1}, 1.4f, 4.7f, 18, 170, m.ivy, m.ivy, 0});
+    add_climber(b, m, random, {{k_right_x + 0.6f, 0, end}, {1, 0, 0}, {0, 0, 1}, 1.4f, 4.7f, 18, 170, m.ivy, m.ivy, 0});
     add_climber(b, m, random,
                 {{k_right_x - 0.40f, 0, end - 0.3f}, {0, 0, 1}, {-1, 0, 0}, 0.25f, 4.4f, 8, 150, m.ivy, m.ivy, 0});
     add_object(scene, add_mesh(scene, b, "climbers"), "climbers", glm::dmat4(1));

@@ -23,7 +23,7 @@ void add_step(MeshBuilder& b, float radius, float y0, float y1)
         p.push_back(q);
     p.emplace_back(radius * 0.6f, y1);
     p.emplace_back(0.0f, y1);
-    b.lathe(make_outline(p, false), 128);
+    b.lathe(make_outline(p, false), 96);
 }
 
 // The fin: its long edge points to the celestial pole, its back is cut to a curve.
@@ -58,6 +58,8 @@ void add_sundial(Scene& scene, const Materials& m)
     b.shift_texture({0.7f, 0.1f});
     add_step(b, 1.25f, 0.30f, 0.45f);
 
+    b.shift_texture({0, 0});
+
     // The pedestal.
     b.use(m.marble);
     std::vector<glm::vec2> p{{0.52f, 0.45f}, {0.52f, 0.53f}, {0.50f, 0.55f}};
@@ -72,17 +74,17 @@ void add_sundial(Scene& scene, const Materials& m)
     b.lathe(make_outline(p, false), 64);
 
     // The dial leans towards the camera; its own space has the face in y = 0 and noon along +z.
-    const glm::mat4 dial = glm::translate(glm::mat4(1), glm::vec3(0, 1.50f, 0.02f)) *
-                           glm::rotate(glm::mat4(1), 0.62f, glm::vec3(1, 0, 0));
+    const glm::mat4 dial =
+        glm::translate(glm::mat4(1), glm::vec3(0, 1.50f, 0.02f)) * glm::rotate(glm::mat4(1), 0.62f, glm::vec3(1, 0, 0));
     b.place(dial);
     b.open_sky([](const glm::vec3&, const glm::vec3& n) { return n.y > 0 ? 0.95f : 0.45f; });
     std::vector<glm::vec2> rim{{0, -0.12f}, {0.50f, -0.12f}, {0.80f, -0.085f}, {0.98f, -0.08f}};
     for (const glm::vec2& q : arc({0.98f, -0.04f}, 0.04f, -1.5f, 1.57f, 10)) rim.push_back(q);
     rim.emplace_back(0.955f, 0.0f);
-    b.lathe(make_outline(rim, false), 128);
+    b.lathe(make_outline(rim, false), 96);
     b.use(m.bronze);
     const glm::vec2 band[] = {{0.965f, -0.005f}, {0.965f, 0.012f}, {0.95f, 0.014f}, {0.94f, 0.012f}, {0.94f, -0.005f}};
-    b.lathe(make_outline(band, false), 128);
+    b.lathe(make_outline(band, false), 96);
     b.use(m.dial);
     constexpr int around = 96;
     const glm::vec3 up(0, 1, 0);
@@ -133,8 +135,8 @@ MeshId make_lantern(Scene& scene, const Materials& m)
         b.tube(bar, 0.006f, 6);
     }
     b.use(m.lamp);
-    const glm::vec2 flame[] = {{0.0f, -0.70f}, {0.02f, -0.69f}, {0.032f, -0.665f}, {0.028f, -0.635f}, {0.012f, -0.595f},
-                               {0.0f, -0.575f}};
+    const glm::vec2 flame[] = {{0.0f, -0.70f},    {0.02f, -0.69f},   {0.032f, -0.665f},
+                               {0.028f, -0.635f}, {0.012f, -0.595f}, {0.0f, -0.575f}};
     b.lathe(make_outline(flame, false, 1.5f), 16);
     return add_mesh(scene, b, "lantern");
 }
@@ -157,8 +159,8 @@ MeshId make_vase(Scene& scene, MaterialId glass)
     MeshBuilder b;
     b.use(glass);
     std::vector<glm::vec2> out, in;
-    for (int i = 0; i <= 32; ++i) {
-        const float t = static_cast<float>(i) / 32;
+    for (int i = 0; i <= 24; ++i) {
+        const float t = static_cast<float>(i) / 24;
         const float belly = 0.10f + 0.09f * std::sin(static_cast<float>(k_pi) * (0.18f + 1.12f * t));
         const float lip = 0.05f * glm::smoothstep(0.86f, 1.0f, t);
         out.emplace_back(belly + lip, 0.46f * t);
@@ -168,7 +170,7 @@ MeshId make_vase(Scene& scene, MaterialId glass)
     p.insert(p.end(), out.begin(), out.end());
     p.insert(p.end(), in.rbegin(), in.rend());
     p.emplace_back(0.0f, 0.03f);
-    b.lathe(make_outline(p, false, 1.2f), 64);
+    b.lathe(make_outline(p, false, 1.2f), 48);
     return add_mesh(scene, b, "vase");
 }
 
@@ -202,23 +204,25 @@ void add_ornaments(Scene& scene, const Materials& m)
     b.lathe(make_outline(ring, false, 1.5f), 48);
     b.open_sky({});
     b.use(m.mirror);
-    b.sphere({0, 1.03f, 0}, 0.33f, 128, 63);
+    b.sphere({0, 1.03f, 0}, 0.33f, 96, 47);
     add_object(scene, add_mesh(scene, b, "mirror ball"), "mirror ball", placed({3.05, 0, 5.6}));
 
-    // Glass on the pool's rim.
-    add_object(scene, make_vase(scene, m.glass), "vase", placed({1.74, 0.2, 3.3}));
+    // Glass on the pool's rim, a hair above it: equal heights would let rays into the stone.
+    constexpr double k_on_rim = 0.203;
+    add_object(scene, make_vase(scene, m.glass), "vase", placed({1.74, k_on_rim, 3.3}));
     b.use(m.blue_glass);
-    b.sphere({0, 0.13f, 0}, 0.13f, 64, 31);
-    add_object(scene, add_mesh(scene, b, "blue ball"), "blue ball", placed({1.72, 0.2, 4.1}));
+    b.sphere({0, 0.13f, 0}, 0.13f, 48, 23);
+    add_object(scene, add_mesh(scene, b, "blue ball"), "blue ball", placed({1.72, k_on_rim, 4.1}));
     b.use(m.amber_glass);
-    b.sphere({0, 0.09f, 0}, 0.09f, 64, 31);
-    add_object(scene, add_mesh(scene, b, "amber ball"), "amber ball", placed({1.80, 0.2, 3.78}));
+    b.sphere({0, 0.09f, 0}, 0.09f, 48, 23);
+    add_object(scene, add_mesh(scene, b, "amber ball"), "amber ball", placed({1.80, k_on_rim, 3.78}));
 
     // Masts in the corners carry the wires from which the mobile hangs.
-    const glm::vec3 corners[] = {{k_left_x - 0.05f, 5.3f, k_back_z}, {k_right_x + 1.4f, 7.0f, k_back_z - 1.4f},
+    const glm::vec3 corners[] = {{k_left_x - 0.05f, 5.3f, k_back_z},
+                                 {k_right_x + 1.4f, 7.0f, k_back_z - 1.4f},
                                  {k_right_x, 5.3f, k_back_z + k_right_bays * k_bay + 0.1f},
                                  {k_left_x, 1.0f, k_back_z + 0.45f + 5 * 2.9f}};
-    const glm::vec3 knot(0, 6.45f, 0);
+    const glm::vec3 knot(0, 6.03f, 0);
     for (const glm::vec3& foot : corners) {
         const glm::vec3 top(foot.x, 8.1f, foot.z);
         b.use(m.bronze);

@@ -3,15 +3,28 @@
 // Pictures made in code: stone, plaster, marble, the face of a sundial. Value noise on a lattice that wraps, so that
 // every pattern but the dial tiles. sRGB, a function of the arguments alone. Cost: size squared times octaves.
 
+#include <vector>
+
 #include "base/image.h"
 #include "base/math.h"
 
 namespace gnomon::scene {
 
-/// Sums octaves of smooth value noise over [0, 1) x [0, 1), which wraps.
-/// @param cells  lattice cells across at the first octave; doubles with each
-/// @return 0 to 1, about 0.5 in the mean
-float tiled_noise(glm::vec2 p, int cells, int octaves, std::uint32_t seed);
+/// Octaves of smooth value noise over [0, 1) x [0, 1), which wraps.
+class TiledNoise {
+ public:
+    /// @param cells  lattice cells across at the first octave; doubles with each
+    TiledNoise(int cells, int octaves, std::uint32_t seed);
+    /// 0 to 1, about 0.5 in the mean.
+    float operator()(glm::vec2 p) const;
+
+ private:
+    struct Octave {
+        int cells;
+        std::vector<float> value;   // cells * cells
+    };
+    std::vector<Octave> octaves_;
+};
 
 /// Speckled stone: two colours mixed by noise, with pores.
 Image8 stone_pattern(int size, const glm::vec3& light, const glm::vec3& dark, float pores, std::uint32_t seed);

@@ -12,7 +12,10 @@ namespace {
 constexpr float k_tau = static_cast<float>(2 * k_pi);
 constexpr float k_no_area = 1e-12f;   // square metres
 
-glm::vec2 right_of(const glm::vec2& direction) { return glm::normalize(glm::vec2(direction.y, -direction.x)); }
+glm::vec2 right_of(const glm::vec2& direction)
+{
+    return glm::normalize(glm::vec2(direction.y, -direction.x));
+}
 }   // namespace
 
 Outline make_outline(std::span<const glm::vec2> points, bool closed, float crease)
@@ -58,8 +61,7 @@ std::uint32_t MeshBuilder::vertex(const glm::vec3& position, const glm::vec3& no
 
 void MeshBuilder::triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c)
 {
-    const glm::vec3 face =
-        glm::cross(mesh_.positions[b] - mesh_.positions[a], mesh_.positions[c] - mesh_.positions[a]);
+    const glm::vec3 face = glm::cross(mesh_.positions[b] - mesh_.positions[a], mesh_.positions[c] - mesh_.positions[a]);
     if (!(glm::dot(face, face) > k_no_area * k_no_area)) return;
     // Wind by the normals.
     if (glm::dot(face, mesh_.normals[a] + mesh_.normals[b] + mesh_.normals[c]) < 0) std::swap(b, c);

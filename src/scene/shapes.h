@@ -4,8 +4,8 @@
 //
 // Every shape is a set of faces with outward normals; a triangle is wound by the normals of its corners, so a shape can
 // not come out inside out, and triangles without area are left out. Texture coordinates are metres along the surface.
-// Set 1 is a device for unshadowed light without rays: its u is how much of the sky the point sees, to be looked up in a
-// ramp (kinetic_materials.cpp). Cost: linear in the triangles made.
+// Set 1 is a device for unshadowed light without rays: its u is how much of the sky the point sees, to be looked up in
+// a ramp (kinetic_materials.cpp). Cost: linear in the triangles made.
 
 #include <functional>
 #include <span>
@@ -43,9 +43,15 @@ class MeshBuilder {
     /// Applies to what is added from now on.
     void use(MaterialId material) { material_ = material; }
     void tint(const glm::vec3& color) { color_ = color; }
-    void place(const glm::mat4& matrix) { matrix_ = matrix, normal_matrix_ = glm::transpose(glm::inverse(glm::mat3(matrix))); }
+    void place(const glm::mat4& matrix)
+    {
+        matrix_ = matrix, normal_matrix_ = glm::transpose(glm::inverse(glm::mat3(matrix)));
+    }
     /// How much of the sky a point with this normal sees (0 to 1), in the space of the mesh. Empty: 1.
-    void open_sky(std::function<float(const glm::vec3& point, const glm::vec3& normal)> seen) { sky_ = std::move(seen); }
+    void open_sky(std::function<float(const glm::vec3& point, const glm::vec3& normal)> seen)
+    {
+        sky_ = std::move(seen);
+    }
     /// Moves the texture of what follows, so that equal shapes do not look alike.
     void shift_texture(const glm::vec2& offset) { texture_offset_ = offset; }
 
@@ -53,12 +59,13 @@ class MeshBuilder {
     void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
     /// Corners in order around.
     void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
-    /// Four points around a flat face with one normal; texture coordinates by projection along the normal's largest axis.
+    /// Four points around a flat face with one normal; texture coordinates by projection along the normal's largest
+    /// axis.
     void flat_quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d,
                    const glm::vec3& normal);
 
-    /// Draws the outline through the frames, one after the other; `caps` closes a closed outline at both ends (convex or
-    /// star-shaped around its centroid).
+    /// Draws the outline through the frames, one after the other; `caps` closes a closed outline at both ends (convex
+    /// or star-shaped around its centroid).
     void sweep(const Outline& outline, std::span<const Frame> frames, bool caps = false);
     /// Turns an outline of (radius, height), bottom to top, around +Y.
     void lathe(const Outline& outline, int segments);
