@@ -22,7 +22,7 @@ struct RayQueue {
     void clear() { count_ = 0; }
     void reserve(std::size_t n)
     {
-        const std::size_t padded = (n + k_packet_pad) / k_packet_pad * k_packet_pad;
+        const std::size_t padded = (n + 2 * k_packet_pad) / k_packet_pad * k_packet_pad;
         if (padded <= ox.size()) return;
         for (auto* a : {&ox, &oy, &oz, &tnear, &dx, &dy, &dz, &tfar}) a->resize(padded);
     }
@@ -50,7 +50,7 @@ struct Hits {
 
     void resize(std::size_t n)
     {
-        const std::size_t padded = (n + k_packet_pad) / k_packet_pad * k_packet_pad;
+        const std::size_t padded = (n + 2 * k_packet_pad) / k_packet_pad * k_packet_pad;
         if (padded <= t.size()) return;
         t.resize(padded), u.resize(padded), v.resize(padded), object.resize(padded), triangle.resize(padded);
     }

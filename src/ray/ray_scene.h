@@ -33,6 +33,7 @@ struct ObjectGeometry {
     const glm::vec4* tangents = nullptr;   // null: none
     const glm::mat4* to_world = nullptr;
     const glm::mat3* normal_to_world = nullptr;   // inverse transpose, not normalised; null with to_world
+    bool mirrored = false;   // world winding is the reverse of the mesh's: the front is clockwise in corners()
 
     /// World-space corners of one triangle.
     void corners(std::uint32_t triangle, glm::vec3 (&p)[3]) const

@@ -3,18 +3,11 @@
 
 #include <algorithm>
 
+#include "ray/origin.h"
+
 namespace gnomon::render {
 
 namespace {
-
-// A position interpolated from corners of this size is off its plane by a few units in the last place; new rays start
-// this much above it, which also covers the rounding of the instance transforms on the way.
-constexpr float k_offset_per_coordinate = 2e-6f;
-
-float largest(const glm::vec3& v)
-{
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
 {
@@ -146,14 +139,14 @@ SurfacePoint surface_at(const scene::Scene& scene, const ray::ObjectGeometry& ge
     geometry.corners(triangle, p);
     const float w = std::max(0.0f, 1 - u - v);
     s.position = w * p[0] + u * p[1] + v * p[2];
-    s.offset = k_offset_per_coordinate * std::max({largest(p[0]), largest(p[1]), largest(p[2])});
+    s.offset = ray::origin_lift(p);
     s.to_viewer = -direction;
 
     // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
     const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float double_area = std::sqrt(glm::dot(cross, cross));
     glm::vec3 outward = double_area > 0 ? cross / double_area : -direction;
-    if (geometry.to_world && glm::determinant(glm::mat3(*geometry.to_world)) < 0) outward = -outward;
+    if (geometry.mirrored) outward = -outward;
     s.front = glm::dot(outward, direction) < 0;
     s.geometric_normal = s.front ? outward : -outward;
 

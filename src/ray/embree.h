@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Embree's handles with one owner each, and its errors as ours. Private to this folder: a move to another version of
+// Embree should end here.
+
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <cstddef>
+#include <utility>
+
+namespace gnomon::ray {
+
+/// The device all scenes share: it builds with one thread, so that trees come out the same every time.
+class EmbreeDevice {
+ public:
+    EmbreeDevice();
+    ~EmbreeDevice();
+    EmbreeDevice(const EmbreeDevice&) = delete;
+    EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+
+    RTCDevice get() const { return device_; }
+    std::size_t bytes() const { return bytes_; }
+    /// Throws what the last calls left behind: MissingError for want of memory, else InternalError.
+    void check() const;
+
+ private:
+    static bool count_memory(void* self, ssize_t bytes, bool post);
+    RTCDevice device_ = nullptr;
+    std::atomic<std::size_t> bytes_ = 0;
+};
+
+template <class Handle, void (*release)(Handle)>
+class EmbreeHandle {
+ public:
+    EmbreeHandle() = default;
+    explicit EmbreeHandle(Handle handle) : handle_(handle) {}
+    ~EmbreeHandle()
+    {
+        if (handle_) release(handle_);
+    }
+    EmbreeHandle(EmbreeHandle&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    EmbreeHandle& operator=(EmbreeHandle&& other) noexcept
+    {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    Handle get() const { return handle_; }
+
+ private:
+    Handle handle_ = nullptr;
+};
+using SceneHandle = EmbreeHandle<RTCScene, rtcReleaseScene>;
+using GeometryHandle = EmbreeHandle<RTCGeometry, rtcReleaseGeometry>;
+
+/// Bits that rays and geometries share.
+inline constexpr unsigned k_mask_seen = 1;     // met by closest-hit rays
+inline constexpr unsigned k_mask_blocks = 2;   // met by shadow rays
+
+/// What filters know of a ray, behind Embree's own context.
+struct TraceContext {
+    RTCIntersectContext embree;   // first: filters get a pointer to it
+    bool front_only = false;
+
+    explicit TraceContext(bool front = false) : front_only(front)
+    {
+        rtcInitIntersectContext(&embree);
+        embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    }
+};
+
+}   // namespace gnomon::ray

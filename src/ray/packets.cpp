@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ray/packets.h"
+
+#include <cstring>
+
+#include "base/check.h"
+
+namespace gnomon::ray {
+
+namespace {
+
+template <int W>
+struct Packet;
+template <>
+struct Packet<16> {
+    using Ray = RTCRay16;
+    using RayHit = RTCRayHit16;
+    static void intersect(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r)
+    {
+        rtcIntersect16(valid, s, c, r);
+    }
+    static void occluded(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r)
+    {
+        rtcOccluded16(valid, s, c, r);
+    }
+};
+template <>
+struct Packet<8> {
+    using Ray = RTCRay8;
+    using RayHit = RTCRayHit8;
+    static void intersect(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r)
+    {
+        rtcIntersect8(valid, s, c, r);
+    }
+    static void occluded(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded8(valid, s, c, r); }
+};
+template <>
+struct Packet<4> {
+    using Ray = RTCRay4;
+    using RayHit = RTCRayHit4;
+    static void intersect(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r)
+    {
+        rtcIntersect4(valid, s, c, r);
+    }
+    static void occluded(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded4(valid, s, c, r); }
+};
+
+template <int W, class Ray>
+void load(Ray& ray, const RayQueue& rays, std::size_t begin, unsigned mask)
+{
+    constexpr std::size_t bytes = W * sizeof(float);
+    std::memcpy(ray.org_x, &rays.ox[begin], bytes);
+    std::memcpy(ray.org_y, &rays.oy[begin], bytes);
+    std::memcpy(ray.org_z, &rays.oz[begin], bytes);
+    std::memcpy(ray.dir_x, &rays.dx[begin], bytes);
+    std::memcpy(ray.dir_y, &rays.dy[begin], bytes);
+    std::memcpy(ray.dir_z, &rays.dz[begin], bytes);
+    std::memcpy(ray.tnear, &rays.tnear[begin], bytes);
+    std::memcpy(ray.tfar, &rays.tfar[begin], bytes);
+    for (int i = 0; i < W; ++i) ray.time[i] = 0, ray.mask[i] = mask, ray.id[i] = 0, ray.flags[i] = 0;
+}
+
+template <int W>
+void intersect_width(RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin, int count,
+                     const float* tfar, RawHits& hits)
+{
+    typename Packet<W>::RayHit packet;
+    alignas(64) int valid[W];
+    load<W>(packet.ray, rays, begin, k_mask_seen);
+    for (int i = 0; i < W; ++i) {
+        valid[i] = i < count ? -1 : 0;
+        if (tfar) packet.ray.tfar[i] = tfar[i];
+        packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.primID[i] = 0, packet.hit.u[i] = 0, packet.hit.v[i] = 0;
+    }
+    Packet<W>::intersect(valid, scene, &context.embree, &packet);
+    std::memcpy(hits.t, packet.ray.tfar, sizeof packet.ray.tfar);
+    std::memcpy(hits.u, packet.hit.u, sizeof packet.hit.u);
+    std::memcpy(hits.v, packet.hit.v, sizeof packet.hit.v);
+    std::memcpy(hits.geometry, packet.hit.geomID, sizeof packet.hit.geomID);
+    std::memcpy(hits.instance, packet.hit.instID[0], sizeof packet.hit.instID[0]);
+    std::memcpy(hits.triangle, packet.hit.primID, sizeof packet.hit.primID);
+}
+
+template <int W>
+bool occlude_width(RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin, int count,
+                   int* active)
+{
+    typename Packet<W>::Ray packet;
+    alignas(64) int valid[W];
+    load<W>(packet, rays, begin, k_mask_blocks);
+    for (int i = 0; i < W; ++i) valid[i] = i < count ? active[i] : 0;
+    Packet<W>::occluded(valid, scene, &context.embree, &packet);
+    bool any = false;
+    for (int i = 0; i < count; ++i) {
+        if (valid[i] && packet.tfar[i] < 0) active[i] = 0;   // Embree's mark of a blocked ray
+        any = any || active[i];
+    }
+    return any;
+}
+
+}   // namespace
+
+void intersect_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
+                      int count, const float* tfar, RawHits& hits)
+{
+    switch (width) {
+        case 16:
+            intersect_width<16>(scene, context, rays, begin, count, tfar, hits);
+            break;
+        case 8:
+            intersect_width<8>(scene, context, rays, begin, count, tfar, hits);
+            break;
+        default:
+            intersect_width<4>(scene, context, rays, begin, count, tfar, hits);
+            break;
+    }
+}
+
+bool occlude_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
+                    int count, int* active)
+{
+    switch (width) {
+        case 16:
+            return occlude_width<16>(scene, context, rays, begin, count, active);
+        case 8:
+            return occlude_width<8>(scene, context, rays, begin, count, active);
+        default:
+            return occlude_width<4>(scene, context, rays, begin, count, active);
+    }
+}
+
+}   // namespace gnomon::ray

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Proofs about all shadow rays from a piece of a triangle at once.
+//
+//   NONE  no static triangle meets the shaft to the light: every ray is free.
+//   FULL  one connected patch of static triangles closes the shaft's cross-section: every ray is blocked. The patch is
+//         flooded from a triangle known to be in the way, over every edge that meets the shaft; each such edge must be
+//         shared by exactly two triangles and not be a silhouette seen from the light. Then the patch, projected from
+//         the light, covers the cross-section: its edge cannot lie inside.
+// A failed proof says nothing. Cost of one: a few microseconds (a tree walk with a tetrahedron, or up to `max_patch`
+// triangles).
+
+#include "shadow_culling/shaft.h"
+#include "shadow_culling/static_triangles.h"
+
+namespace gnomon::shadow_culling {
+
+struct CertificateOptions {
+    double margin = 4e-6;       // of shaft planes, as a fraction of the largest coordinate in play
+    int max_patch = 64;         // triangles of a FULL patch
+    double min_facing = 1e-5;   // sine under which a triangle counts as edge-on to the light
+    double end_gap = 1e-3;      // occluders this near the light, as a fraction of its height, prove nothing
+};
+
+/// No static blocker meets the shaft.
+bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, TriangleId receiver);
+
+/// The patch around `occluder` closes the shaft.
+/// @param occluder   an opaque static triangle that the ray from the piece's centroid to the light meets
+/// @param clearance  height above the shaft's base that all of the patch inside the shaft must exceed
+bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId receiver, TriangleId occluder,
+                  double clearance, const CertificateOptions& options);
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Certified shadow culling: the idea of [Nah 2009] made exact.
+//
+// The paper remembers, per whole triangle, what the pixels it happened to see said. Here every static triangle is cut
+// into small parts as fine as the picture needs, and a part's shadow is remembered only once it is proven for all of
+// its points (certificates.h): NONE, then only what moves is traced; FULL, then nothing is; else PARTIAL, and the ray
+// is cast. So the picture is the same to the bit as with every ray traced, whatever the memory holds.
+//
+// A frame goes: `begin_frame` follows what moved. `classify` and `resolve`, from many threads, answer batches of shadow
+// queries, tracing what is not known and noting what those rays saw as evidence. `end_frame` judges the parts with new
+// evidence: rays blocked and free in one part make it PARTIAL at no cost; else the one certificate that the evidence
+// allows is tried, from the coarsest open part down.
+//
+// Cost a frame: one look-up a query, the rays of PARTIAL parts and of moving receivers, and certificates for what came
+// into view. What stands still and was seen before costs the look-up alone.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/tasks.h"
+#include "gnomon/types.h"
+#include "shadow_culling/certificates.h"
+#include "shadow_culling/mover_bounds.h"
+#include "shadow_culling/shadow_memory.h"
+
+namespace gnomon::shadow_culling {
+
+struct CertifiedOptions {
+    double pixels_per_part = 16;       // refine until a part covers about so many pixels
+    std::size_t memory = 256u << 20;   // bytes for states and evidence; least recently seen go first
+    CertificateOptions certificates;
+    float ray_end = 0.9999f;   // shadow rays end at this fraction of the way to a lamp
+};
+
+/// From where the picture is taken: sets how fine parts get, never what they say.
+struct CullingView {
+    glm::vec3 eye{0};
+    float pixel_spread = 0;   // growth of a pixel's width per unit of distance; 0: orthographic
+    float pixel_width = 0;    // its width at the eye
+};
+
+/// One shading point's side of a query.
+struct ShadowPoint {
+    glm::vec3 origin;   // where its shadow rays start: above the surface on the viewer's side
+    scene::ObjectId object = scene::none;
+    std::uint32_t triangle = 0;
+    float u = 0, v = 0;
+    bool front = true;   // the viewer, and so the ray, is on the triangle's front
+};
+
+struct CullingCounters {
+    std::uint64_t queries = 0;   // (point, light) pairs asked
+    std::uint64_t skipped = 0;   // answered without a ray
+    std::uint64_t dynamic_only =
+        0;                       // traced against movers alone (those that could meet one); the rest of NONE is skipped
+    std::uint64_t traced = 0;    // traced against everything
+    std::uint64_t partial = 0;   // of these, on parts known to be partial
+    std::uint64_t certificates = 0;   // tried
+    std::uint64_t certified = 0;      // that held
+    void add(const CullingCounters& other);
+};
+
+class CertifiedCulling {
+ public:
+    CertifiedCulling(const scene::SceneState& state, const ray::RayScene& rays, const CertifiedOptions& options);
+    ~CertifiedCulling();
+
+    /// After the state advanced and the ray scene followed.
+    void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view);
+
+    /// A thread's batch: the points of one tile. Reused from batch to batch.
+    class Batch;
+    std::unique_ptr<Batch> make_batch() const;
+
+    /// Takes the points of a batch and finds their parts.
+    void classify(Batch& batch, std::span<const ShadowPoint> points);
+    /// Answers one light for some points of the batch.
+    /// @param which    indices into the batch's points, of points that face the light
+    /// @param blocked  one a query: 1 where something that blocks light lies between point and light
+    void resolve(Batch& batch, int light, std::span<const std::uint32_t> which, std::uint8_t* blocked);
+    /// Whether a whole group of queries needs no ray, asked before any per-light work: state of one point and light.
+    ShadowState state_of(const Batch& batch, std::uint32_t point, int light) const;
+
+    /// Judges what this frame's rays saw in the batches that took part. Order of batches does not matter.
+    void end_frame(std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks);
+
+    /// Sums since begin_frame; valid after end_frame.
+    const CullingCounters& counters() const { return counters_; }
+    /// States, evidence and records.
+    std::size_t bytes() const;
+    std::size_t visible_triangles() const { return memory_->live_records(); }
+
+ private:
+    void rebuild();
+    std::uint32_t wanted_level(TriangleId triangle) const;
+
+    const scene::SceneState* state_;
+    const ray::RayScene* rays_;
+    CertifiedOptions options_;
+    CullingView view_;
+    std::unique_ptr<StaticTriangles> triangles_;
+    std::unique_ptr<ShadowMemory> memory_;
+    std::unique_ptr<MoverBounds> movers_;
+    std::vector<char> light_on_;             // its states count: it stands still
+    std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
+    CullingCounters counters_;
+    std::uint32_t frame_ = 0;
+};
+
+class CertifiedCulling::Batch {
+ public:
+    CullingCounters counters;
+
+ private:
+    friend class CertifiedCulling;
+    std::span<const ShadowPoint> points;
+    Box3 bounds;
+    std::vector<std::uint32_t> slot;    // by point; k_no_slot: not remembered (moving receiver, or no room)
+    std::vector<RecordId> record;       // by point
+    std::vector<std::uint8_t> states;   // by group, then point
+    std::vector<RecordId> touched;      // records with new evidence, or partial where finer parts may help
+    // Scratch of resolve().
+    ray::RayQueue static_rays, dynamic_rays;
+    std::vector<std::uint32_t> static_query, dynamic_query;
+    std::vector<std::uint8_t> hit;
+    std::vector<Box3> movers;
+};
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Turns evidence into states, one record (one side of one static triangle) at a time.
+//
+// Top down: a part without evidence is left alone; one decided already needs nothing; one in which rays were both
+// blocked and free is PARTIAL without any proof; else the certificate that the evidence allows is tried. Where it fails
+// the part is PARTIAL and its quarters are judged.
+
+#include "shadow_culling/certified_culling.h"
+
+namespace gnomon::shadow_culling {
+
+class Judge {
+ public:
+    Judge(const scene::SceneState& state, const StaticTriangles& triangles, ShadowMemory& memory,
+          const std::vector<char>& light_on, const CertifiedOptions& options);
+
+    /// Judges all parts of a record with evidence, and clears the evidence.
+    void judge(RecordId record);
+    const CullingCounters& counters() const { return counters_; }
+
+ private:
+    void gather_evidence(int group, std::uint32_t base, std::uint32_t level);
+    void judge_part(const MicroTriangle& part, std::uint32_t at_level, int light);
+    ShadowState certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_blocked);
+    void fill_down(const MicroTriangle& part, std::uint32_t at_level, int light, ShadowState state);
+
+    const scene::SceneState& state_;
+    const StaticTriangles& triangles_;
+    ShadowMemory& memory_;
+    const std::vector<char>& light_on_;
+    const CertifiedOptions& options_;
+    CullingCounters counters_;
+
+    // The record under judgement.
+    TriangleId triangle_ = 0;
+    std::uint32_t base_ = 0, level_ = 0;
+    glm::dvec3 corner_[3], normal_;
+    double lift_ = 0, margin_ = 0;
+    std::vector<std::uint8_t> seen_;   // evidence of all levels, like the pyramid
+    std::vector<TriangleId> occluders_;
+};
+
+}   // namespace gnomon::shadow_culling

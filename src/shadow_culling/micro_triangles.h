@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// A triangle cut into 4^k equal parts, as opacity micromaps cut it: addresses, parents, corners.
+//
+// Level k divides both barycentric axes by n = 2^k. A part is (i, j, upper): lower parts have corners (i, j), (i+1, j),
+// (i, j+1) over n, upper ones (i+1, j+1), (i, j+1), (i+1, j). The n * n parts of a level fill a square array without
+// gaps: an upper part takes the place that its cell's mirror image leaves free.
+
+#include <cstdint>
+
+#include "base/math.h"
+
+namespace gnomon::shadow_culling {
+
+struct MicroTriangle {
+    std::uint32_t i = 0, j = 0;
+    std::uint32_t upper = 0;   // 0 or 1
+};
+
+/// Parts before level k in a pyramid: (4^k - 1) / 3.
+constexpr std::uint32_t pyramid_offset(std::uint32_t level)
+{
+    return ((1u << (2 * level)) - 1) / 3;
+}
+/// Parts of a pyramid with levels 0 ... k.
+constexpr std::uint32_t pyramid_size(std::uint32_t level)
+{
+    return pyramid_offset(level + 1);
+}
+
+constexpr std::uint32_t micro_index(const MicroTriangle& m, std::uint32_t level)
+{
+    const std::uint32_t n = 1u << level;
+    return m.upper ? (n - 1 - m.j) * n + (n - 1 - m.i) : m.j * n + m.i;
+}
+
+constexpr MicroTriangle micro_at(std::uint32_t index, std::uint32_t level)
+{
+    const std::uint32_t n = 1u << level;
+    const std::uint32_t i = index & (n - 1), j = index >> level;
+    return i + j < n ? MicroTriangle{i, j, 0} : MicroTriangle{n - 1 - i, n - 1 - j, 1};
+}
+
+/// The part that (u, v) lies in. Both at least 0; u + v beyond 1 is brought back.
+inline std::uint32_t micro_index_at(float u, float v, std::uint32_t level)
+{
+    const std::uint32_t n = 1u << level;
+    const float x = u * static_cast<float>(n), y = v * static_cast<float>(n);
+    std::uint32_t i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
+    const std::uint32_t upper = (x - static_cast<float>(i)) + (y - static_cast<float>(j)) > 1.0f;
+    // Rounding may put a point on the long edge into a cell beyond it.
+    if (i + j + upper >= n) {
+        i = i < n ? i : n - 1;
+        j = j < n - i ? j : n - 1 - i;
+        return j * n + i;
+    }
+    return micro_index({i, j, upper}, level);
+}
+
+constexpr MicroTriangle parent_of(const MicroTriangle& m)
+{
+    return {m.i >> 1, m.j >> 1, ((m.i & 1) + (m.j & 1) + m.upper) >= 2 ? 1u : 0u};
+}
+
+/// The four parts of the next level that make up a part.
+constexpr void children_of(const MicroTriangle& m, MicroTriangle (&child)[4])
+{
+    const std::uint32_t i = 2 * m.i, j = 2 * m.j;
+    if (!m.upper) {
+        child[0] = {i, j, 0}, child[1] = {i + 1, j, 0}, child[2] = {i, j + 1, 0}, child[3] = {i, j, 1};
+    } else {
+        child[0] = {i + 1, j + 1, 1}, child[1] = {i, j + 1, 1}, child[2] = {i + 1, j, 1}, child[3] = {i + 1, j + 1, 0};
+    }
+}
+
+/// Barycentric (u, v) of a part's corners.
+inline void corners_of(const MicroTriangle& m, std::uint32_t level, glm::dvec2 (&corner)[3])
+{
+    const double scale = 1.0 / static_cast<double>(1u << level);
+    const double i = m.i, j = m.j;
+    if (!m.upper)
+        corner[0] = {i, j}, corner[1] = {i + 1, j}, corner[2] = {i, j + 1};
+    else
+        corner[0] = {i + 1, j + 1}, corner[1] = {i, j + 1}, corner[2] = {i + 1, j};
+    for (glm::dvec2& c : corner) c *= scale;
+}
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_culling/mover_bounds.h"
+
+#include <algorithm>
+
+namespace gnomon::shadow_culling {
+
+namespace {
+
+// Boxes are widened by this fraction of their largest coordinate: rays are traced in single precision.
+constexpr float k_widen = 1e-5f;
+
+Box3 widened(Box3 box)
+{
+    if (box.empty()) return box;
+    float largest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        largest = std::max({largest, std::abs(box.low[axis]), std::abs(box.high[axis])});
+    box.low -= k_widen * largest;
+    box.high += k_widen * largest;
+    return box;
+}
+
+Box3 transformed(const Box3& box, const glm::mat4& m)
+{
+    Box3 result;
+    for (int corner = 0; corner < 8; ++corner)
+        result.add(
+            transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                         corner & 4 ? box.high.z : box.low.z)));
+    return result;
+}
+
+Box3 bounds_of(const ray::ObjectGeometry& geometry)
+{
+    Box3 box;
+    for (const glm::uvec3& t : geometry.mesh->triangles)
+        for (int i = 0; i < 3; ++i) box.add(geometry.positions[t[i]]);
+    return box;
+}
+
+// Narrows [first, last] to the t for which low + t * slope_low <= high_box and high + t * slope_high >= low_box: the
+// moving interval and the box's interval overlap.
+bool narrow(float low, float slope_low, float high, float slope_high, float box_low, float box_high, float& first,
+            float& last)
+{
+    const auto at_most = [&](float a, float slope, float limit) {   // a + t slope <= limit
+        if (slope == 0) return a <= limit;
+        const float t = (limit - a) / slope;
+        if (slope > 0)
+            last = std::min(last, t);
+        else
+            first = std::max(first, t);
+        return first <= last;
+    };
+    return at_most(low, slope_low, box_high) && at_most(-high, -slope_high, -box_low);
+}
+
+}   // namespace
+
+MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& rays)
+{
+    const scene::Scene& scene = state.scene();
+    by_group_.assign(scene.groups.size(), scene::none);
+    by_object_.assign(scene.objects.size(), scene::none);
+    for (scene::GroupId g = 0; g < scene.groups.size(); ++g) {
+        by_group_[g] = static_cast<std::uint32_t>(movers_.size());
+        Mover mover{scene.groups[g].objects.front(), g, {}, {}};
+        for (const scene::ObjectId o : scene.groups[g].objects) mover.own.add(bounds_of(rays.geometry(o)));
+        movers_.push_back(mover);
+    }
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
+        if (!scene.objects[o].dynamic || scene.objects[o].group != scene::none) continue;
+        by_object_[o] = static_cast<std::uint32_t>(movers_.size());
+        movers_.push_back({o, scene::none, {}, {}});
+    }
+    for (Mover& mover : movers_) place(mover, state, rays);
+}
+
+void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays) const
+{
+    mover.world = Box3{};
+    if (!state.object_visible(mover.object)) return;
+    const ray::ObjectGeometry& geometry = rays.geometry(mover.object);
+    const Box3 own = mover.group != scene::none ? mover.own : bounds_of(geometry);
+    mover.world = widened(geometry.to_world ? transformed(own, *geometry.to_world) : own);
+}
+
+void MoverBounds::update(const scene::SceneState& state, const ray::RayScene& rays)
+{
+    const scene::FrameChanges& changes = state.changes();
+    const scene::Scene& scene = state.scene();
+    for (const scene::GroupId g : changes.groups_moved) place(movers_[by_group_[g]], state, rays);
+    for (const auto* list : {&changes.vanished, &changes.appeared, &changes.deformed, &changes.moved})
+        for (const scene::ObjectId o : *list) {
+            const scene::GroupId g = scene.objects[o].group;
+            const std::uint32_t m = g != scene::none ? by_group_[g] : by_object_[o];
+            if (m != scene::none && (g == scene::none || movers_[m].object == o)) place(movers_[m], state, rays);
+        }
+}
+
+void MoverBounds::select(const Box3& points, const glm::vec3& light, bool directional,
+                         std::vector<Box3>& selected) const
+{
+    selected.clear();
+    const glm::vec3 slope_low = directional ? light : light - points.low;
+    const glm::vec3 slope_high = directional ? light : light - points.high;
+    for (const Mover& mover : movers_) {
+        if (mover.world.empty()) continue;
+        float first = 0, last = directional ? k_infinity : 1;
+        bool meets = true;
+        for (int axis = 0; axis < 3 && meets; ++axis)
+            meets = narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis],
+                           mover.world.low[axis], mover.world.high[axis], first, last);
+        if (meets) selected.push_back(mover.world);
+    }
+}
+
+bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end)
+{
+    float first = 0, last = end;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!narrow(origin[axis], direction[axis], origin[axis], direction[axis], box.low[axis], box.high[axis], first,
+                    last))
+            return false;
+    return true;
+}
+
+}   // namespace gnomon::shadow_culling

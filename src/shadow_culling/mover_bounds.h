@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Where what moves is now, as boxes, and which of it can shadow a patch of points from a light: the mask that keeps
+// rays from static, unshadowed points away from the movers' tree.
+//
+// Cost a frame: the groups that moved. Cost a query: the boxes.
+
+#include <vector>
+
+#include "ray/ray_scene.h"
+
+namespace gnomon::shadow_culling {
+
+class MoverBounds {
+ public:
+    MoverBounds(const scene::SceneState& state, const ray::RayScene& rays);
+    /// Follows one advance() of the state, after the ray scene did.
+    void update(const scene::SceneState& state, const ray::RayScene& rays);
+
+    /// Boxes that a ray from anywhere in `points` to the light may meet. Conservative.
+    /// @param light  its place, or for a directional light the direction towards it
+    void select(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
+
+ private:
+    struct Mover {
+        scene::ObjectId object;   // of a deforming mover; or the first of its group
+        scene::GroupId group;
+        Box3 own;     // in the space of its matrix (rigid)
+        Box3 world;   // empty while it is hidden
+    };
+    void place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays) const;
+
+    std::vector<Mover> movers_;
+    std::vector<std::uint32_t> by_group_, by_object_;
+};
+
+/// Whether the segment from origin along direction * [0, end] meets a box, with a little room for rounding.
+bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end);
+
+}   // namespace gnomon::shadow_culling

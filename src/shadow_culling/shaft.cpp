@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_culling/shaft.h"
+
+#include <algorithm>
+
+namespace gnomon::shadow_culling {
+
+namespace {
+// Side planes of a piece this much thinner than it is long would point anywhere.
+constexpr double k_min_sine = 1e-9;
+}   // namespace
+
+Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double lift,
+             double margin)
+    : light_(light), centroid_((corner[0] + corner[1] + corner[2]) / 3.0)
+{
+    // Base: rays start `lift` above the receiver; half of it leaves room for their rounding on either side.
+    planes_[3] = {normal, -glm::dot(normal, centroid_) - 0.5 * lift};
+
+    // Sides: through each edge and the light, the third corner inside.
+    for (int e = 0; e < 3; ++e) {
+        const glm::dvec3& a = corner[e];
+        const glm::dvec3 along = corner[(e + 1) % 3] - a;
+        const glm::dvec3 up = light.directional ? light.place : light.place - a;
+        glm::dvec3 n = glm::cross(along, up);
+        const double length = glm::length(n);
+        if (!(length > k_min_sine * glm::length(along) * glm::length(up))) return;
+        n /= length;
+        Plane& side = planes_[static_cast<std::size_t>(e)];
+        side = {n, -glm::dot(n, a)};
+        const double third = side.at(corner[(e + 2) % 3]);
+        if (third < 0) side = {-n, -side.distance};
+        if (!(std::abs(third) > margin)) return;   // thinner than the margin: hopeless
+        side.distance += margin;
+    }
+
+    // Bound it: the piece and the light, widened; an endless prism runs to infinity where the light is.
+    constexpr double widen = 4;   // margins: planes that meet at an acute angle reach further out than one margin
+    glm::dvec3 low = glm::min(glm::min(corner[0], corner[1]), corner[2]) - widen * (margin + lift);
+    glm::dvec3 high = glm::max(glm::max(corner[0], corner[1]), corner[2]) + widen * (margin + lift);
+    if (light.directional) {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (light.place[axis] > 0) high[axis] = std::numeric_limits<double>::infinity();
+            if (light.place[axis] < 0) low[axis] = -std::numeric_limits<double>::infinity();
+        }
+        light_height_ = std::numeric_limits<double>::infinity();
+    } else {
+        low = glm::min(low, light.place - widen * margin);
+        high = glm::max(high, light.place + widen * margin);
+        light_height_ = planes_[3].at(light.place);
+    }
+    low_ = glm::vec3(low), high_ = glm::vec3(high);
+    for (int axis = 0; axis < 3; ++axis) {
+        low_[axis] = std::nextafter(low_[axis], -k_infinity);
+        high_[axis] = std::nextafter(high_[axis], k_infinity);
+    }
+    valid_ = true;
+}
+
+bool Shaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
+{
+    for (int axis = 0; axis < 3; ++axis)
+        if (box_low[axis] > high_[axis] || box_high[axis] < low_[axis]) return false;
+    for (const Plane& plane : planes_) {
+        // The corner furthest inside.
+        const double d = plane.normal.x * static_cast<double>(plane.normal.x > 0 ? box_high.x : box_low.x) +
+                         plane.normal.y * static_cast<double>(plane.normal.y > 0 ? box_high.y : box_low.y) +
+                         plane.normal.z * static_cast<double>(plane.normal.z > 0 ? box_high.z : box_low.z);
+        if (d + plane.distance < 0) return false;
+    }
+    return true;
+}
+
+bool Shaft::clip(const glm::dvec3 (&p)[3], ClippedPolygon& clipped) const
+{
+    clipped.corner[0] = p[0], clipped.corner[1] = p[1], clipped.corner[2] = p[2];
+    clipped.count = 3;
+    ClippedPolygon next;
+    for (const Plane& plane : planes_) {
+        next.count = 0;
+        glm::dvec3 before = clipped.corner[static_cast<std::size_t>(clipped.count - 1)];
+        double before_at = plane.at(before);
+        for (int c = 0; c < clipped.count; ++c) {
+            const glm::dvec3& here = clipped.corner[static_cast<std::size_t>(c)];
+            const double here_at = plane.at(here);
+            if ((before_at < 0) != (here_at < 0)) {
+                const double t = before_at / (before_at - here_at);
+                next.corner[static_cast<std::size_t>(next.count++)] = before + t * (here - before);
+            }
+            if (here_at >= 0) next.corner[static_cast<std::size_t>(next.count++)] = here;
+            before = here, before_at = here_at;
+        }
+        if (next.count == 0) return false;
+        clipped = next;
+    }
+    return true;
+}
+
+bool Shaft::meets_segment(const glm::dvec3& a, const glm::dvec3& b) const
+{
+    double first = 0, last = 1;
+    for (const Plane& plane : planes_) {
+        const double at_a = plane.at(a), at_b = plane.at(b);
+        if (at_a < 0 && at_b < 0) return false;
+        if (at_a < 0)
+            first = std::max(first, at_a / (at_a - at_b));
+        else if (at_b < 0)
+            last = std::min(last, at_a / (at_a - at_b));
+        if (first > last) return false;
+    }
+    return true;
+}
+
+}   // namespace gnomon::shadow_culling
