@@ -77,6 +77,9 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
         if (option.verbs & bit(line.verb->verb)) known.emplace_back(&option, add(parser, option));
     try {
         parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));   // CLI11 takes them from the back
+    } catch (const CLI::ArgumentMismatch& error) {
+        const std::string text = error.what();   // "--out: 1 required ..."
+        throw UsageError(fmt::format("{}: a value is missing", text.substr(0, text.find(':'))));
     } catch (const CLI::ParseError& error) {
         throw UsageError(fmt::format("{}: {}", line.verb->name, error.what()));
     }

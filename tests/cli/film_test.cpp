@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Films: whole or not there, and the same bytes however they came about.
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+namespace fs = std::filesystem;
+const std::string k_scene = "builtin:cornell";
+
+class Film : public testing::Test {
+ protected:
+    void SetUp() override
+    {
+        if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    }
+    std::vector<std::string> arguments(const std::string& name, const std::vector<std::string>& more = {}) const
+    {
+        std::vector<std::string> all{"render", k_scene, "-o", folder / name, "--frames", "1-12", "--size", "65x49"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    void make(const std::string& name, const std::vector<std::string>& more = {}) const
+    {
+        const Outcome outcome = run(arguments(name, more));
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+    }
+    ScratchFolder folder;
+};
+
+TEST_F(Film, LeavesNothingButItself)
+{
+    make("a.mp4");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
+    EXPECT_NE(bytes_of(folder / "a.mp4").find("ftyp"), std::string::npos);
+}
+
+TEST_F(Film, IsTheSameForAnyThreadsAndChunks)
+{
+    make("one.mp4", {"--threads", "1"});
+    make("two.mp4", {"--threads", "2"});
+    for (const char* chunk : {"2/3", "1/3", "3/3"}) {   // in any order
+        make("parts.mp4", {"--chunk", chunk});
+        EXPECT_FALSE(fs::exists(folder / "parts.mp4")) << "a chunk makes frames only";
+    }
+    EXPECT_EQ(names_in(folder / "parts.mp4.frames").size(), 13u) << "12 frames and a manifest";
+    const Outcome last = run(arguments("parts.mp4", {"--resume", "--json"}));
+    ASSERT_EQ(last.code, 0) << last.err;
+    for (const auto& frame : last.json()["frames"]) EXPECT_EQ(frame["ms"], 0) << "rendered again: " << frame;
+    EXPECT_EQ(bytes_of(folder / "one.mp4"), bytes_of(folder / "two.mp4"));
+    EXPECT_EQ(bytes_of(folder / "one.mp4"), bytes_of(folder / "parts.mp4"));
+    EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"one.mp4", "parts.mp4", "two.mp4"}));
+}
+
+TEST_F(Film, ChunksNeedNoFfmpeg)
+{
+    EXPECT_EQ(run(arguments("a.mp4", {"--chunk", "1/6"}), {{"PATH", "/nonexistent"}}).code, 0);
+    EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 3u);
+}
+
+TEST_F(Film, InterruptedAndResumedIsTheSame)
+{
+    const std::vector<std::string> slow{"--samples", "64"};
+    const fs::path frame = folder / "b.mp4.frames/frame-000003.png";
+    for (const int signal : {SIGINT, SIGTERM}) {
+        RunningProgram program(arguments("b.mp4", {"--samples", "64", "--resume"}));
+        ASSERT_TRUE(wait_until([&] { return fs::exists(frame); }));
+        program.send(signal);
+        const Outcome outcome = program.wait();
+        expect_failure(outcome, 130, "interrupted");
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"b.mp4.frames"});
+        for (const std::string& name : names_in(folder / "b.mp4.frames"))
+            EXPECT_TRUE(name.starts_with("frame-") || name == "manifest.json") << name;
+        fs::remove(frame);   // so that the next round has to make it again
+    }
+    make("b.mp4", {"--samples", "64", "--resume"});
+    make("whole.mp4", slow);
+    EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
+}
+
+TEST_F(Film, InterruptedBeforeItsFirstFrameLeavesNothing)
+{
+    RunningProgram program({"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "4096"});
+    ASSERT_TRUE(wait_until([&] { return fs::exists(folder / "a.mp4.frames/manifest.json"); }));
+    program.send(SIGINT);
+    expect_failure(program.wait(), 130, "interrupted");
+    EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST_F(Film, TornFramesAreRenderedAgain)
+{
+    make("whole.mp4");
+    make("a.mp4", {"--chunk", "1/1"});   // one chunk is the film itself
+    EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "whole.mp4"));
+
+    make("b.mp4", {"--chunk", "1/2"});
+    const fs::path torn = folder / "b.mp4.frames/frame-000002.png";
+    const std::string bytes = bytes_of(torn);
+    std::ofstream(torn, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+    make("b.mp4", {"--resume"});
+    EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
+}
+
+TEST_F(Film, FramesOfAnotherFilmAreNotTaken)
+{
+    make("a.mp4", {"--chunk", "1/2"});
+    const auto frames = names_in(folder / "a.mp4.frames");
+    // Another exposure, size, light, scene: each is noticed, and what is there stays.
+    for (const std::vector<std::string>& other : {std::vector<std::string>{"--exposure", "1"},
+                                                  {"--light", "point 0 0 0 1 1 1"},
+                                                  {"--samples", "2"},
+                                                  {"--lights", "0"}}) {
+        std::vector<std::string> more = other;
+        more.emplace_back("--resume");
+        expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
+        more = other;
+        more.insert(more.end(), {"--chunk", "2/2"});
+        expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
+    }
+    EXPECT_EQ(names_in(folder / "a.mp4.frames"), frames);
+    // Without --resume, a film begins anew.
+    make("a.mp4", {"--exposure", "1"});
+    make("b.mp4", {"--exposure", "1"});
+    EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "b.mp4"));
+}
+
+TEST_F(Film, ForeignFilesAreLeftAlone)
+{
+    fs::create_directory(folder / "a.mp4.frames");
+    std::ofstream(folder / "a.mp4.frames/thesis.txt") << "precious";
+    expect_failure(run(arguments("a.mp4")), 2, "thesis.txt");
+    EXPECT_EQ(bytes_of(folder / "a.mp4.frames/thesis.txt"), "precious");
+}
+
+TEST_F(Film, AFailingEncoderLeavesTheFramesAndNoFilm)
+{
+    const ScratchFolder programs;
+    std::ofstream(programs / "ffmpeg") << "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n"
+                                          "cat >/dev/null; echo 'the disk is full' >&2; exit 1\n";
+    fs::permissions(programs / "ffmpeg", fs::perms::owner_all);
+    expect_failure(run(arguments("a.mp4"), {{"PATH", programs.path().string() + ":/usr/bin:/bin"}}), 4,
+                   "the disk is full");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4.frames"});
+    make("a.mp4", {"--resume"});
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
+}
+
+TEST(NumberedSet, ChunksAndResumeGiveTheSamePictures)
+{
+    const ScratchFolder folder;
+    const auto render = [&](const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> all{"render", k_scene,  "-o",    folder / name, "--frames",
+                                     "5-9",    "--size", "40x30", "--json"};
+        all.insert(all.end(), more.begin(), more.end());
+        const Outcome outcome = run(all);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return outcome.json();
+    };
+    EXPECT_EQ(render("a-{frame:03}.png", {})["frames"].size(), 5u);
+    EXPECT_EQ(render("b-{frame:03}.png", {"--chunk", "2/2"})["frames"].size(), 3u);
+    const auto document = render("b-{frame:03}.png", {"--resume"});
+    for (std::size_t i = 0; i < 5; ++i)
+        EXPECT_EQ(document["frames"][i]["ms"].get<double>() == 0, i >= 2) << "frame " << i + 5;
+    EXPECT_EQ(names_in(folder.path()).size(), 10u);
+    for (const char* frame : {"005", "006", "007", "008", "009"})
+        EXPECT_EQ(bytes_of(folder / ("a-" + std::string(frame) + ".png")),
+                  bytes_of(folder / ("b-" + std::string(frame) + ".png")));
+}
+
+TEST(ContactSheet, ShowsTwelveFrames)
+{
+    const ScratchFolder folder;
+    const Outcome outcome = run({"render", k_scene, "-o", folder / "{frame}.png", "--frames", "1-30", "--size", "40x30",
+                                 "--contact-sheet", folder / "sheet.png"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string sheet = bytes_of(folder / "sheet.png");
+    // 4 columns of 40 and 3 rows of 30 pixels, gaps of 8, and 22 for a line of text.
+    EXPECT_EQ(sheet.substr(16, 8), std::string("\0\0\0\xc8\0\0\0\xbc", 8));
+}
+
+}   // namespace
+}   // namespace gnomon::test

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// The JSON documents: their keys are a contract.
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> keys_of(const json& object)
+{
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : object.items()) keys.push_back(key);
+    std::sort(keys.begin(), keys.end());
+    return keys;
+}
+
+using Keys = std::vector<std::string>;
+
+TEST(Json, Render)
+{
+    const ScratchFolder folder;
+    const std::string out = folder / "{frame:03}.png";
+    const Outcome outcome =
+        run({"render", "builtin:cornell", "-o", out, "--frames", "2-4", "--size", "48x32", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document),
+              (Keys{"device", "frames", "height", "peak_memory_bytes", "renderer", "scene", "version", "width"}));
+    EXPECT_EQ(document["scene"], "builtin:cornell");
+    EXPECT_EQ(document["renderer"], "trace");
+    EXPECT_EQ(document["width"], 48);
+    EXPECT_EQ(document["height"], 32);
+    EXPECT_GT(document["peak_memory_bytes"].get<std::uint64_t>(), 1u << 20);
+    ASSERT_EQ(document["frames"].size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+        const json& frame = document["frames"][static_cast<std::size_t>(i)];
+        EXPECT_EQ(keys_of(frame), (Keys{"draws", "file", "frame", "indirect", "ms", "shadow", "time"}));
+        EXPECT_EQ(keys_of(frame["shadow"]), (Keys{"rays", "rays_dynamic_only", "rays_skipped"}));
+        EXPECT_EQ(keys_of(frame["indirect"]), (Keys{"clusters", "rays"}));
+        EXPECT_EQ(frame["frame"], i + 2);
+        EXPECT_NEAR(frame["time"].get<double>(), (i + 1) / 24.0, 1e-9);
+        EXPECT_GT(frame["ms"].get<double>(), 0);
+        EXPECT_GT(frame["shadow"]["rays"].get<int>(), 0);
+        EXPECT_TRUE(std::filesystem::exists(frame["file"].get<std::string>()));
+    }
+}
+
+TEST(Json, Info)
+{
+    const Outcome outcome = run({"info", "builtin:cornell", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    for (const char* key :
+         {"triangles", "triangles_dynamic", "objects", "objects_dynamic", "lights", "cameras", "frames", "warnings"})
+        ASSERT_TRUE(document.contains(key)) << key;
+    EXPECT_EQ(document["frames"], 40);
+    EXPECT_EQ(document["lights"], 1);
+    EXPECT_EQ(document["cameras"], 1);
+    EXPECT_EQ(document["objects_dynamic"], 1);   // the ball
+    EXPECT_GT(document["triangles"].get<int>(), document["triangles_dynamic"].get<int>());
+    EXPECT_EQ(document["warnings"], json::array());
+    EXPECT_NE(outcome.err.find("triangles"), std::string::npos) << "text goes to standard error";
+}
+
+TEST(Json, Devices)
+{
+    const Outcome outcome = run({"devices", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document), (Keys{"cpu", "vulkan"}));
+    EXPECT_GE(document["cpu"]["threads"].get<int>(), 1);
+    EXPECT_GE(document["cpu"]["packet_width"].get<int>(), 4);
+    EXPECT_TRUE(document["vulkan"]["devices"].is_array());
+}
+
+TEST(Json, BenchTrace)
+{
+    const Outcome outcome = run({"bench", "trace", "builtin:cornell", "--size", "64x64", "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document), (Keys{"bare_ms", "bytes", "frame_ms", "load_ms", "ratio", "rays", "update_ms"}));
+    for (const auto& [key, value] : document.items()) EXPECT_GE(value.get<double>(), 0) << key;
+    EXPECT_GE(document["rays"].get<int>(), 64 * 64);
+}
+
+TEST(Json, ToAFileLeavesStandardOutputToText)
+{
+    const ScratchFolder folder;
+    const Outcome outcome = run({"info", "builtin:cornell", "--json=" + (folder / "info.json").string()});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("triangles"), std::string::npos);
+    EXPECT_EQ(json::parse(bytes_of(folder / "info.json"))["frames"], 40);
+    EXPECT_EQ(names_in(folder.path()), Keys{"info.json"});
+}
+
+TEST(Json, OfAFailureIsNotWritten)
+{
+    const ScratchFolder folder;
+    expect_failure(run({"info", (folder / "no.aff").string(), "--json=" + (folder / "info.json").string()}), 3,
+                   "no.aff");
+    EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(Config, SetsOptionsAndTheCommandLineWins)
+{
+    const ScratchFolder folder;
+    std::ofstream(folder / "c.json") << R"({"size": "20x10", "samples": 2, "json": true, "frame": 3,
+                                            "light": ["point 0 0 0 1 1 1", "point 0 0.5 0 1 1 1"], "resume": false})";
+    const Outcome outcome =
+        run({"render", "builtin:cornell", "--config", folder / "c.json", "-o", folder / "a.png", "--frame", "2"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.json()["width"], 20);
+    EXPECT_EQ(outcome.json()["frames"][0]["frame"], 2);
+}
+
+TEST(Config, FaultsAreNamedByPlace)
+{
+    const ScratchFolder folder;
+    const std::string file = folder / "c.json";
+    const std::vector<std::pair<std::string, std::string>> faults = {
+        {"", "byte"},
+        {"[1]", "object"},
+        {"{\"size\": \"20x10\"", "byte"},
+        {"{\"sise\": \"20x10\"}", "/sise: render has no such option; did you mean 'size'"},
+        {"{\"size\": 20}", "/size: --size 20: expected WxH"},
+        {"{\"samples\": \"many\"}", "/samples"},
+        {"{\"resume\": 1}", "/resume: expected true or false"},
+        {"{\"light\": [1]}", "/light"},
+        {"{\"size\": null}", "/size"},
+        {"{\"indirect\": \"visible\"}", "not built"},
+    };
+    for (const auto& [text, about] : faults) {
+        std::ofstream(file) << text;
+        SCOPED_TRACE(text);
+        expect_failure(run({"render", "builtin:cornell", "--config", file, "-o", folder / "a.png"}), 3, about);
+    }
+    expect_failure(run({"info", "builtin:cornell", "--config", folder / "none.json"}), 3, "none.json");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"c.json"});
+}
+
+}   // namespace
+}   // namespace gnomon::test

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the world refuses: exit codes 3 and 4, one line, and nothing left behind. (Tests may run as root, whom no
+// permission stops: paths below a file or in /proc are refused to everyone.)
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+const std::string k_scene = "builtin:cornell";
+
+TEST(Refused, FoldersThatCannotBeWritten)
+{
+    const ScratchFolder folder;
+    std::ofstream(folder / "file") << "x";
+    for (const std::string& out : {(folder / "missing/a.png").string(), (folder / "file/a.png").string(),
+                                   std::string("/proc/a.png"), (folder / "missing/{frame}.png").string()})
+        expect_failure(run({"render", k_scene, "-o", out, "--size", "8x8"}), 4, "cannot write");
+    expect_failure(run({"render", k_scene, "-o", folder / "a.png", "--contact-sheet", "/proc/b.png"}), 4,
+                   "/proc/b.png");
+    expect_failure(run({"info", k_scene, "--json=" + (folder / "missing/a.json").string()}), 4, "cannot write");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"file"});
+}
+
+TEST(Refused, AFilmInAFolderThatCannotBeWritten)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    expect_failure(run({"render", k_scene, "-o", "/proc/a.mp4", "--size", "8x8"}), 4, "/proc/a.mp4");
+}
+
+TEST(Refused, FilmsWithoutFfmpegBeforeAnythingIsRendered)
+{
+    const ScratchFolder folder;
+    expect_failure(run({"render", k_scene, "-o", folder / "a.mp4"}, {{"PATH", "/nonexistent"}}), 4, "ffmpeg");
+    EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(Refused, ScenesThatAreNotThere)
+{
+    const ScratchFolder folder;
+    expect_failure(run({"info", folder / "no.aff"}), 3, "no.aff");
+    expect_failure(run({"render", folder / "no.aff", "-o", folder / "a.png"}), 3, "no.aff");
+    std::ofstream(folder / "bad.aff") << "v\n";
+    expect_failure(run({"render", folder / "bad.aff", "-o", folder / "a.png"}), 3, "bad.aff");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"bad.aff"});
+}
+
+TEST(Refused, AFullStandardOutput)
+{
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"info", k_scene, "--json", "--quiet"}, {"--help"}, {"devices"}}) {
+        const Outcome outcome = RunningProgram(arguments, {}, "/dev/full").wait();
+        EXPECT_EQ(outcome.code, 4);
+        EXPECT_EQ(outcome.err, "gnomon: cannot write to standard output: No space left on device\n");
+    }
+}
+
+TEST(Picture, HasTheSizeAskedForAndReplacesTheOldOne)
+{
+    const ScratchFolder folder;
+    std::ofstream(folder / "a.png") << "old";
+    const Outcome outcome = run({"render", k_scene, "-o", folder / "a.png", "--size", "33x17", "--quiet"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out + outcome.err, "");
+    const std::string png = bytes_of(folder / "a.png");
+    ASSERT_GT(png.size(), 24u);
+    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x21\0\0\0\x11", 8));
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
+}
+
+TEST(Picture, DoesNotDependOnThreads)
+{
+    const ScratchFolder folder;
+    for (const char* threads : {"1", "2", "3"})
+        ASSERT_EQ(run({"render", k_scene, "-o", folder / (threads + std::string(".png")), "--size", "101x67", "--frame",
+                       "7", "--threads", threads})
+                      .code,
+                  0);
+    EXPECT_EQ(bytes_of(folder / "1.png"), bytes_of(folder / "2.png"));
+    EXPECT_EQ(bytes_of(folder / "1.png"), bytes_of(folder / "3.png"));
+}
+
+TEST(Picture, OptionsChangeIt)
+{
+    const ScratchFolder folder;
+    const std::vector<std::vector<std::string>> variants = {
+        {},
+        {"--frame", "30"},
+        {"--exposure", "-1"},
+        {"--exposure", "-2.5"},
+        {"--tonemap", "agx"},
+        {"--tonemap", "aces"},
+        {"--tonemap", "none"},
+        {"--lights", "0"},
+        {"--light", "point 0 0.5 0 1 0.5 0.2"},
+        {"--light", "point 0 0.5 0 1 0.5 0.2", "--light", "spot 0 0.9 0 0 -1 0 40 3 3 3"},
+        {"--turntable", "4", "--frame", "12"},
+        {"--samples", "4"},
+    };
+    std::map<std::string, std::size_t> seen;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+        std::vector<std::string> arguments{"render", k_scene, "-o", folder / "a.png", "--size", "64x64"};
+        arguments.insert(arguments.end(), variants[i].begin(), variants[i].end());
+        const Outcome outcome = run(arguments);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const auto [other, fresh] = seen.emplace(bytes_of(folder / "a.png"), i);
+        EXPECT_TRUE(fresh) << testing::PrintToString(variants[i]) << " looks like "
+                           << testing::PrintToString(variants[other->second]);
+    }
+}
+
+}   // namespace
+}   // namespace gnomon::test

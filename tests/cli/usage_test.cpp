@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wrong usage: exit code 2 and one line that helps.
+#include "app/option_table.h"
+#include "app/option_values.h"
+#include "gnomon/version.h"
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+struct Wrong {
+    std::vector<std::string> arguments;
+    std::string about;
+};
+
+TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
+{
+    const ScratchFolder folder;
+    const std::string out = folder / "out.png";
+    const std::string scene = "builtin:cornell";
+    const std::vector<Wrong> mistakes = {
+        {{}, "--help"},
+        {{""}, "--help"},
+        {{"rendr", scene}, "did you mean 'render'"},
+        {{"bench"}, "--help"},
+        {{"bench", "trase", scene}, "did you mean 'bench trace'"},
+        {{"render"}, "render SCENE -o OUT"},
+        {{"render", scene}, "-o OUT"},
+        {{"render", scene, scene, "-o", out}, "takes 1 argument"},
+        {{"render", scene, "-o"}, "a value is missing"},
+        {{"render", scene, "-o", ""}, "--out"},
+        {{"render", scene, "-o", out, "--sizes", "8x8"}, "did you mean --size?"},
+        {{"render", scene, "-o", out, "--frobnicate"}, "--frobnicate"},
+        {{"render", scene, "-o", out, "-x"}, "-x"},
+        {{"render", scene, "-o", out, "--size", "8"}, "WxH"},
+        {{"render", scene, "-o", out, "--size", "0x8"}, "WxH"},
+        {{"render", scene, "-o", out, "--size", "8x8x8"}, "WxH"},
+        {{"render", scene, "-o", out, "--size", "99999999999x8"}, "WxH"},
+        {{"render", scene, "-o", out, "--samples", "0"}, "1 to 4096"},
+        {{"render", scene, "-o", out, "--samples", "2.5"}, "whole number"},
+        {{"render", scene, "-o", out, "--samples", "1", "--samples", "2"}, "given 2 times"},
+        {{"render", scene, "-o", out, "--max-depth", "65"}, "0 to 64"},
+        {{"render", scene, "-o", out, "--exposure", "bright"}, "auto or a number"},
+        {{"render", scene, "-o", out, "--exposure", "nan"}, "auto or a number"},
+        {{"render", scene, "-o", out, "--tonemap", "film"}, "none, neutral, agx or aces"},
+        {{"render", scene, "-o", out, "--frame", "0"}, "from 1"},
+        {{"render", scene, "-o", out, "--frame", "41"}, "1 to 40"},
+        {{"render", scene, "-o", out, "--frames", "5-4"}, "A-B"},
+        {{"render", scene, "-o", out, "--frames", "1-2"}, "2 frames need a name"},
+        {{"render", scene, "-o", out, "--frame", "1", "--frames", "1-2"}, "exclude each other"},
+        {{"render", scene, "-o", out, "--chunk", "3/2"}, "I/N"},
+        {{"render", scene, "-o", out, "--camera", "none such"}, "none such"},
+        {{"render", scene, "-o", out, "--light", "spot 1 2 3"}, "3 numbers instead of 10"},
+        {{"render", scene, "-o", out, "--light", "point 0 0 0 1 1 x"}, "'x'"},
+        {{"render", scene, "-o", out, "--light", "sun 0 0 0"}, "unknown kind"},
+        {{"render", scene, "-o", out, "--light", "spot 0 0 0 0 0 0 30 1 1 1"}, "no length"},
+        {{"render", scene, "-o", out, "--light", "spot 0 0 0 0 0 1 91 1 1 1"}, "half-angle"},
+        {{"render", scene, "-o", out, "--threads", "-1"}, "0 to 1024"},
+        {{"render", scene, "-o", out, "--turntable", "0"}, "--turntable"},
+        {{"render", scene, "-o", folder / "out.jpg"}, ".png or .mp4"},
+        {{"render", scene, "-o", folder / "out"}, ".png or .mp4"},
+        {{"render", scene, "-o", folder / "{frame:4}.png"}, "{frame:04}"},
+        {{"render", scene, "-o", folder / "{frame:04}.mp4"}, "leave out"},
+        {{"render", "builtin:nothing", "-o", out}, "nothing"},
+        {{"info", "scene.xyz"}, "xyz"},
+        {{"devices", "extra"}, "takes 0 arguments"},
+    };
+    for (const Wrong& wrong : mistakes) {
+        SCOPED_TRACE(testing::PrintToString(wrong.arguments));
+        expect_failure(run(wrong.arguments), 2, wrong.about);
+    }
+    EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(Usage, WhatIsNotBuiltIsRefused)
+{
+    const ScratchFolder folder;
+    const std::string out = folder / "out.png";
+    for (const app::Option& option : app::options()) {
+        if (!(option.verbs & app::bit(app::Verb::render))) continue;
+        std::vector<std::string> arguments{"render", "builtin:cornell", "-o", out, "--" + std::string(option.name)};
+        if (!option.built) {
+            if (option.kind != app::Kind::flag)
+                arguments.push_back(std::string(option.fallback.empty() ? "1" : option.fallback));
+            SCOPED_TRACE(option.name);
+            expect_failure(run(arguments), 2, "not built yet");
+        } else if (!option.built_choices.empty()) {
+            const std::size_t last = option.choices.rfind('|');
+            arguments.emplace_back(option.choices.substr(last + 1));
+            SCOPED_TRACE(option.name);
+            expect_failure(run(arguments), 2, "built: " + std::string(option.built_choices));
+        }
+    }
+    EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(Usage, DefaultsOfTheTableAreValidAndBuilt)
+{
+    for (const app::Option& option : app::options()) {
+        if (!option.built || option.fallback.empty()) continue;
+        EXPECT_NO_THROW(app::check_value(option, std::string(option.fallback))) << option.name;
+    }
+}
+
+TEST(Usage, HelpNamesEveryOptionAndFitsALine)
+{
+    for (const app::VerbInfo& verb : app::verbs()) {
+        std::vector<std::string> arguments;
+        const std::size_t blank = verb.name.find(' ');
+        arguments.emplace_back(verb.name.substr(0, blank));
+        if (blank != std::string_view::npos) arguments.emplace_back(verb.name.substr(blank + 1));
+        arguments.emplace_back("--help");
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, 0);
+        EXPECT_EQ(outcome.err, "");
+        for (const app::Option& option : app::options()) {
+            const std::size_t at =
+                outcome.out.find("  --" + std::string(option.name) + (option.argument.empty() ? "" : " "));
+            const bool short_form = outcome.out.find(", --" + std::string(option.name)) != std::string::npos;
+            const bool with_file = outcome.out.find("  --" + std::string(option.name) + "[=") != std::string::npos;
+            EXPECT_EQ(at != std::string::npos || short_form || with_file, (option.verbs & app::bit(verb.verb)) != 0)
+                << verb.name << " " << option.name;
+        }
+        for (std::size_t at = 0; at < outcome.out.size();) {
+            const std::size_t end = outcome.out.find('\n', at);
+            EXPECT_LE(end - at, 100u) << outcome.out.substr(at, end - at);
+            at = end + 1;
+        }
+    }
+}
+
+TEST(Usage, VersionAndHelpWithoutAVerb)
+{
+    EXPECT_EQ(run({"--version"}).out, "gnomon " + std::string(version()) + "\n");
+    EXPECT_EQ(run({"info", "--version"}).out, run({"--version"}).out);
+    const Outcome help = run({"--help"});
+    EXPECT_EQ(help.code, 0);
+    for (const app::VerbInfo& verb : app::verbs()) EXPECT_NE(help.out.find(verb.name), std::string::npos) << verb.name;
+}
+
+TEST(Usage, NearestWord)
+{
+    const std::vector<std::string> words{"render", "info", "devices"};
+    EXPECT_EQ(app::nearest("rendre", words), "render");
+    EXPECT_EQ(app::nearest("inf", words), "info");
+    EXPECT_EQ(app::nearest("xyzzy", words), "");
+    EXPECT_EQ(app::nearest("", words), "");
+}
+
+TEST(Usage, WordsForValues)
+{
+    using namespace app;
+    EXPECT_EQ(parse_size("640x480"), (Size{640, 480}));
+    EXPECT_EQ(parse_range("3-9"), (FrameRange{3, 9}));
+    EXPECT_EQ(parse_range("3"), (FrameRange{3, 3}));
+    EXPECT_EQ(parse_chunk("2/5")->of, 5);
+    EXPECT_EQ(parse_number("-2.5e1"), -25.0);
+    for (const char* wrong : {"", "x", "1x", "x1", "1x-1", "1 x1", "0x0", "1,x1"})
+        EXPECT_FALSE(parse_size(wrong)) << wrong;
+    for (const char* wrong : {"", "-", "1-", "-1", "0-2", "2-1", "1-2-3", "a"})
+        EXPECT_FALSE(parse_range(wrong)) << wrong;
+    for (const char* wrong : {"", "/", "0/1", "2/1", "1/", "1"}) EXPECT_FALSE(parse_chunk(wrong)) << wrong;
+    for (const char* wrong : {"", "inf", "nan", "1e999", "1.", "0x10", "1 "})
+        EXPECT_EQ(parse_number(wrong).has_value(), std::string(wrong) == "1.") << wrong;
+}
+
+}   // namespace
+}   // namespace gnomon::test

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Runs the program as a user would, and catches all it says.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support.h"
+
+namespace gnomon::test {
+
+inline std::string bytes_of(const std::filesystem::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Names in a folder, sorted; hidden ones too.
+inline std::vector<std::string> names_in(const std::filesystem::path& folder)
+{
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+struct Outcome {
+    int code = -1;   // exit status, or -signal
+    std::string out, err;
+
+    nlohmann::json json() const { return nlohmann::json::parse(out); }
+};
+
+using Environment = std::map<std::string, std::string>;
+
+/// A program that runs; killed with the object if it still does.
+class RunningProgram {
+ public:
+    explicit RunningProgram(const std::vector<std::string>& arguments, const Environment& environment = {},
+                            const std::string& standard_output = {})
+    {
+        const std::string out = standard_output.empty() ? folder_ / "out" : std::filesystem::path(standard_output);
+        const std::string err = folder_ / "err";
+        std::vector<std::string> words{GNOMON_PROGRAM};
+        words.insert(words.end(), arguments.begin(), arguments.end());
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        argv.push_back(nullptr);
+        process_ = ::fork();
+        if (process_ < 0) throw std::runtime_error("fork failed");
+        if (process_ > 0) return;
+
+        for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
+        ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
+        ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | (standard_output.empty() ? O_TRUNC : 0), 0600), STDOUT_FILENO);
+        ::dup2(::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+        ::execv(argv[0], argv.data());
+        ::_exit(127);
+    }
+    ~RunningProgram()
+    {
+        if (process_ <= 0) return;
+        ::kill(process_, SIGKILL);
+        ::waitpid(process_, nullptr, 0);
+    }
+    RunningProgram(const RunningProgram&) = delete;
+    RunningProgram& operator=(const RunningProgram&) = delete;
+
+    void send(int signal) { ::kill(process_, signal); }
+    Outcome wait()
+    {
+        int status = 0;
+        ::waitpid(process_, &status, 0);
+        process_ = -1;
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), bytes_of(folder_ / "out"),
+                bytes_of(folder_ / "err")};
+    }
+
+ private:
+    ScratchFolder folder_;
+    pid_t process_ = -1;
+};
+
+inline Outcome run(const std::vector<std::string>& arguments, const Environment& environment = {})
+{
+    return RunningProgram(arguments, environment).wait();
+}
+
+/// Waits for a condition, at most half a minute.
+template <class Condition>
+bool wait_until(const Condition& condition)
+{
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > limit) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+}
+
+/// A failure is an exit code, one line on standard error, and nothing on standard output.
+inline void expect_failure(const Outcome& outcome, int code, const std::string& about)
+{
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(outcome.err.starts_with("gnomon: ")) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(about), std::string::npos) << "'" << about << "' in: " << outcome.err;
+}
+
+/// Whether films can be made here.
+inline bool film_tools()
+{
+    return std::system("ffmpeg -version >/dev/null 2>&1") == 0;
+}
+
+}   // namespace gnomon::test
