@@ -17,9 +17,9 @@ constexpr float k_brightest = 1e6f;   // what an infinite channel counts as
 constexpr int k_bins_per_stop = 32;
 constexpr int k_lowest_stop = -32;
 constexpr int k_highest_stop = 32;
-constexpr double k_ignore_darkest = 0.10;
-constexpr double k_ignore_brightest = 0.02;
-constexpr double k_key = 0.20;   // comes out near 0.18 after the neutral curve's own loss in the dark
+constexpr double k_ignore_darkest = 0.05;
+constexpr double k_ignore_brightest = 0.05;
+constexpr double k_key = 0.25;   // an even grey comes out at 0.21, a sunlit courtyard as one expects
 constexpr double k_exposure_limit = 20;
 
 float sane(float value)

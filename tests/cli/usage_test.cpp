@@ -62,7 +62,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"render", scene, "-o", folder / "{frame:4}.png"}, "{frame:04}"},
         {{"render", scene, "-o", folder / "{frame:04}.mp4"}, "leave out"},
         {{"render", "builtin:nothing", "-o", out}, "nothing"},
-        {{"info", "scene.xyz"}, "xyz"},
+        {{"info", folder / "scene.xyz"}, "xyz"},
         {{"devices", "extra"}, "takes 0 arguments"},
     };
     for (const Wrong& wrong : mistakes) {

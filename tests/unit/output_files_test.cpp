@@ -141,6 +141,43 @@ TEST(WritePng, BytesDependOnPixelsAlone)
     EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
 }
 
+TEST(WritePng, ReadsBackTheSame)
+{
+    test::ScratchFolder folder;
+    for (int channels = 1; channels <= 4; ++channels) {
+        const Image8 image = noise(17, 13, channels);
+        io::write_png(folder / "a.png", image);
+        const Image8 back = io::read_image(folder / "a.png");
+        EXPECT_EQ(back.width, 17);
+        EXPECT_EQ(back.height, 13);
+        EXPECT_EQ(back.channels, channels);
+        EXPECT_EQ(back.data, image.data);
+    }
+}
+
+// Two pictures of one grey: whatever the sheet makes of them, their middle keeps its brightness.
+TEST(ContactSheet, MakesPicturesSmallerInLinearLight)
+{
+    test::ScratchFolder folder;
+    Image8 stripes(2000, 40, 3);   // black and white columns: half the light, not half the code
+    for (int y = 0; y < stripes.height; ++y)
+        for (int x = 0; x < stripes.width; ++x)
+            for (int c = 0; c < 3; ++c) stripes.pixel(x, y)[c] = x % 2 ? 255 : 0;
+    io::write_png(folder / "a.png", stripes);
+    write_contact_sheet({folder / "a.png", folder / "a.png"}, {"one", "two"}, 2, folder / "sheet.png");
+    const Image8 sheet = io::read_image(folder / "sheet.png");
+    EXPECT_LE(sheet.width, 1920);
+    const int x = sheet.width / 4;
+    double sum = 0;
+    for (int i = 0; i < 64; ++i) sum += linear_from_srgb8()[sheet.pixel(x + i, 12)[0]];
+    EXPECT_NEAR(sum / 64, 0.5, 0.02);
+    EXPECT_THROW(write_contact_sheet({}, {}, 1, folder / "b.png"), UsageError);
+    EXPECT_THROW(write_contact_sheet({folder / "a.png"}, {}, 1, folder / "b.png"), UsageError);
+    io::write_png(folder / "c.png", noise(8, 8, 3));
+    EXPECT_THROW(write_contact_sheet({folder / "a.png", folder / "c.png"}, {"", ""}, 1, folder / "b.png"), UsageError);
+    EXPECT_FALSE(fs::exists(folder / "b.png"));
+}
+
 TEST(WholePng, NoticesEveryMissingOrWrongByte)
 {
     test::ScratchFolder folder;
