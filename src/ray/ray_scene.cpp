@@ -69,6 +69,8 @@ struct RayScene::Inside {
     std::deque<Solid> solids;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
 
+    SceneHandle one;                              // both, for comparison; mostly absent
+
     std::vector<ObjectGeometry> geometry;
     Box3 bounds;
     RaySceneStatistics statistics;
@@ -359,6 +361,23 @@ void RayScene::update(const scene::SceneState& state)
 
     // Rebuild the movers' small top level, and nothing else.
     if (changed) rtcCommitScene(in.moving.get());
+    if (changed && in.one.get()) rtcCommitScene(in.one.get());
+    in.device.check();
+}
+
+void RayScene::keep_one_tree()
+{
+    Inside& in = *inside_;
+    in.one = in.new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+    unsigned past_still = 0;
+    for (const std::vector<unsigned>& ids : in.still_ids)
+        for (const unsigned id : ids) {
+            rtcAttachGeometryByID(in.one.get(), rtcGetGeometry(in.still.get(), id), id);
+            past_still = std::max(past_still, id + 1);
+        }
+    for (unsigned s = 0; s < in.solids.size(); ++s)
+        rtcAttachGeometryByID(in.one.get(), in.solids[s].instance.get(), past_still + s);
+    rtcCommitScene(in.one.get());
     in.device.check();
 }
 
@@ -413,6 +432,11 @@ void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end,
     for (std::size_t at = begin; at < end; at += step) {
         const int count = static_cast<int>(std::min(step, end - at));
         for (int i = 0; i < 16; ++i) active[i] = i < count ? -1 : 0;
+        if (against == Against::one_tree) {
+            occlude_packet(in.width, in.one.get(), context, rays, at, count, active);
+            for (int i = 0; i < count; ++i) blocked[at - begin + static_cast<std::size_t>(i)] = active[i] == 0;
+            continue;
+        }
         bool open = true;
         if (against != Against::dynamic_only)
             open = occlude_packet(in.width, in.still.get(), context, rays, at, count, active);

@@ -20,7 +20,9 @@
 
 namespace gnomon::ray {
 
-enum class Against : std::uint8_t { everything, static_only, dynamic_only };
+/// What rays are tested against. `one_tree`: everything, in a single tree: what a ray tracer without our split would do,
+/// for comparison (see keep_one_tree).
+enum class Against : std::uint8_t { everything, static_only, dynamic_only, one_tree };
 /// What closest-hit rays see of one-sided surfaces: both sides, or their front alone (camera and mirror rays).
 enum class Sides : std::uint8_t { both, front };
 
@@ -81,6 +83,10 @@ class RayScene {
     Hit closest_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides) const;
     bool blocked_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                         Against against = Against::everything) const;
+
+    /// Keeps one more tree over the same geometries and instances, rebuilt whenever something moves: the opponent of
+    /// benchmarks, never used by a renderer.
+    void keep_one_tree();
 
     const ObjectGeometry& geometry(scene::ObjectId object) const;
     Box3 bounds() const;

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/culling_bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "base/tasks.h"
+#include "ray/origin.h"
+#include "render/view.h"
+#include "shadow_culling/certified_culling.h"
+
+namespace gnomon::app {
+
+namespace {
+
+constexpr int k_tile = 32;
+
+double cpu_ms()
+{
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+double wall_ms()
+{
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The primary hits of one tile.
+struct TilePoints {
+    std::vector<shadow_culling::ShadowPoint> points;
+    std::vector<glm::vec3> normals;              // geometric, on the viewer's side
+    std::vector<std::uint8_t> off, certified;    // [light][point]: 1 blocked or behind
+};
+
+void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile)
+{
+    ray::RayQueue queue;
+    ray::Hits hits;
+    for (int block = 0; block < k_tile * k_tile; ++block) {
+        // 4 x 2 blocks, row by row: coherent packets.
+        const int in_block = block % 8, b = block / 8;
+        const int x = x0 + (b % (k_tile / 4)) * 4 + in_block % 4, y = y0 + (b / (k_tile / 4)) * 2 + in_block / 4;
+        if (x >= view.size.width || y >= view.size.height) continue;
+        glm::vec3 origin, direction;
+        float tnear, tfar;
+        view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
+        queue.push(origin, tnear, direction, tfar);
+    }
+    tile.points.clear();
+    tile.normals.clear();
+    if (queue.empty()) return;
+    hits.resize(queue.size());
+    rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        if (hits.object[i] == scene::none) continue;
+        glm::vec3 p[3];
+        rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
+        const float u = hits.u[i], v = hits.v[i];
+        const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
+        const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+        const float length = glm::length(cross);
+        if (!(length > 0)) continue;
+        const bool front = glm::dot(cross, queue.direction(i)) < 0;
+        const glm::vec3 normal = (front ? cross : -cross) / length;
+        tile.points.push_back(
+            {position + ray::origin_lift(p) * normal, hits.object[i], hits.triangle[i], u, v, front});
+        tile.normals.push_back(normal);
+    }
+}
+
+}  // namespace
+
+CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
+                                 const std::function<void(const CullingFrame&)>& on_frame)
+{
+    using namespace shadow_culling;
+    CullingBenchResult result;
+    scene::SceneState state(scene, scene->timeline.time_of(options.frames.first));
+    ray::RayScene rays(state);
+    rays.keep_one_tree();
+    Tasks tasks(options.threads);
+    CertifiedOptions certified_options;
+    certified_options.pixels_per_part = options.pixels_per_part;
+    CertifiedCulling culling(state, rays, certified_options);
+
+    const int lights = static_cast<int>(scene->lights.size());
+    const int columns = (options.size.width + k_tile - 1) / k_tile, rows = (options.size.height + k_tile - 1) / k_tile;
+    std::vector<TilePoints> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches;
+    for (int t = 0; t < tasks.threads(); ++t) batches.push_back(culling.make_batch());
+
+    double off_sum = 0, certified_sum = 0;
+    for (int frame = options.frames.first; frame <= options.frames.last; ++frame) {
+        state.advance(scene->timeline.time_of(frame));
+        rays.update(state);
+        const render::View view = render::make_view(state, 0, options.size);
+        tasks.for_each(tiles.size(), [&](std::size_t t, int) {
+            const int at = static_cast<int>(t);
+            trace_primary(view, rays, at % columns * k_tile, at / columns * k_tile, tiles[t]);
+            tiles[t].off.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
+            tiles[t].certified.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
+        });
+        CullingFrame record;
+        record.frame = frame;
+
+        // Off: every facing pair is a ray.
+        std::vector<std::uint64_t> off_rays(static_cast<std::size_t>(tasks.threads()));
+        std::vector<ray::RayQueue> queues(static_cast<std::size_t>(tasks.threads()));
+        std::vector<std::vector<std::uint32_t>> whose(static_cast<std::size_t>(tasks.threads()));
+        std::vector<std::vector<std::uint8_t>> answers(static_cast<std::size_t>(tasks.threads()));
+        const auto for_facing = [&](const TilePoints& tile, int l, const auto& take) {
+            const scene::Light& light = scene->lights[static_cast<std::size_t>(l)];
+            const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
+            const bool directional = light.type == scene::LightType::directional;
+            for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
+                const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
+                if (glm::dot(d, tile.normals[p]) > 0) take(p, d, directional);
+            }
+        };
+        const float end = certified_options.ray_end;
+        double cpu = cpu_ms(), wall = wall_ms();
+        tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
+            const auto worker = static_cast<std::size_t>(w);
+            TilePoints& tile = tiles[t];
+            for (int l = 0; l < lights; ++l) {
+                queues[worker].clear();
+                whose[worker].clear();
+                for_facing(tile, l, [&](std::uint32_t p, const glm::vec3& d, bool directional) {
+                    queues[worker].push(tile.points[p].origin, 0, d, directional ? k_infinity : end);
+                    whose[worker].push_back(p);
+                });
+                const std::size_t count = queues[worker].size();
+                off_rays[worker] += count;
+                answers[worker].resize(count + ray::k_packet_pad);
+                rays.blocked(queues[worker], 0, count, answers[worker].data(), ray::Against::one_tree);
+                std::uint8_t* out = tile.off.data() + static_cast<std::size_t>(l) * tile.points.size();
+                for (std::size_t i = 0; i < count; ++i) out[whose[worker][i]] = answers[worker][i];
+            }
+        });
+        record.off.ms = cpu_ms() - cpu;
+        record.off.wall_ms = wall_ms() - wall;
+        for (const std::uint64_t n : off_rays) record.off.rays += n;
+
+        // Certified: look-ups, what rays are left, and the judging of what they saw.
+        cpu = cpu_ms(), wall = wall_ms();
+        culling.begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
+        tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
+            const auto worker = static_cast<std::size_t>(w);
+            TilePoints& tile = tiles[t];
+            CertifiedCulling::Batch& batch = *batches[worker];
+            culling.classify(batch, tile.points);
+            for (int l = 0; l < lights; ++l) {
+                whose[worker].clear();
+                const scene::Light& light = scene->lights[static_cast<std::size_t>(l)];
+                const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
+                const bool directional = light.type == scene::LightType::directional;
+                for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
+                    // What is known to be dark is left at that: no ray, no test which way it faces.
+                    if (culling.state_of(batch, p, l) == ShadowState::full) continue;
+                    const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
+                    if (glm::dot(d, tile.normals[p]) > 0) whose[worker].push_back(p);
+                }
+                const std::size_t count = whose[worker].size();
+                answers[worker].resize(count + ray::k_packet_pad);
+                culling.resolve(batch, l, whose[worker], answers[worker].data());
+                std::uint8_t* out = tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size();
+                for (std::size_t i = 0; i < count; ++i) out[whose[worker][i]] = answers[worker][i];
+            }
+        });
+        const double before_judging = wall_ms();
+        culling.end_frame(batches, tasks);
+        record.certified.ms = cpu_ms() - cpu;
+        record.certified.wall_ms = wall_ms() - wall;
+        record.certified.judge_ms = wall_ms() - before_judging;
+        const CullingCounters& c = culling.counters();
+        record.certified.rays = record.off.rays;
+        record.certified.dynamic_only = c.dynamic_only;
+        record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
+        record.certified.partial = c.partial;
+        record.certified.certificates = c.certificates;
+        record.certified.certified = c.certified;
+        for (const TilePoints& tile : tiles)
+            for (std::size_t i = 0; i < tile.off.size(); ++i) record.certified.wrong += tile.off[i] != tile.certified[i];
+        result.wrong_total += record.certified.wrong;
+
+        off_sum += record.off.ms;
+        certified_sum += record.certified.ms;
+        const double ratio = record.certified.wall_ms / record.off.wall_ms;
+        if (result.frames.empty())
+            result.first_frame_ratio = ratio;
+        else
+            result.worst_frame_ratio = std::max(result.worst_frame_ratio, ratio);
+        result.frames.push_back(record);
+        if (on_frame) on_frame(record);
+    }
+    result.speedup_mean = off_sum / certified_sum;
+    double off_late = 0, certified_late = 0;
+    for (std::size_t f = result.frames.size() / 2; f < result.frames.size(); ++f) {
+        off_late += result.frames[f].off.ms;
+        certified_late += result.frames[f].certified.ms;
+    }
+    result.speedup_steady = certified_late > 0 ? off_late / certified_late : 0;
+    result.bytes = culling.bytes();
+    result.visible_triangles = culling.visible_triangles();
+    return result;
+}
+
+}  // namespace gnomon::app
