@@ -7,10 +7,11 @@
 
 namespace gnomon::io {
 
-scene::Scene load_scene(const std::filesystem::path& file, const Progress&)
+scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress)
 {
     const std::string extension = file.extension().string();
-    throw UsageError(fmt::format("{}: unknown kind of scene '{}'", file.string(), extension));
+    if (extension == ".aff") return load_aff(file, progress);
+    throw UsageError(fmt::format("{}: unknown kind of scene '{}'; .aff is read", file.string(), extension));
 }
 
 }   // namespace gnomon::io
