@@ -40,7 +40,7 @@ Scene make_kinetic()
     const Materials materials = add_materials(scene);
 
     // The sun stands low at the left, a little before the picture.
-    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.66, 0.62, 0.36));
+    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.66, 0.66, 0.33));
     Light sun;
     sun.name = "sun";
     sun.type = LightType::directional;
@@ -49,8 +49,8 @@ Scene make_kinetic()
     scene.lights.push_back(sun);
 
     scene.background.kind = Background::Kind::sky;
-    scene.background.zenith = {0.09f, 0.24f, 0.62f};
-    scene.background.horizon = {0.78f, 0.76f, 0.72f};
+    scene.background.zenith = {0.06f, 0.21f, 0.62f};
+    scene.background.horizon = {0.68f, 0.74f, 0.80f};
     scene.background.ground = {0.20f, 0.15f, 0.10f};
     scene.background.sun_direction = glm::vec3(to_sun);
     scene.background.sun_radiance = {60, 46, 28};

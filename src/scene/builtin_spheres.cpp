@@ -92,7 +92,7 @@ Scene make_spheres(const SpheresOptions& options)
     scene.name = "builtin:spheres";
     Material material;
     material.name = "chalk";
-    material.base_color = {0.72f, 0.60f, 0.42f};
+    material.base_color = {0.75f, 0.50f, 0.28f};
     material.roughness = 0.9f;
     scene.materials.push_back(material);
 
@@ -121,7 +121,7 @@ Scene make_spheres(const SpheresOptions& options)
     Light spot;
     spot.name = "spot";
     spot.type = LightType::spot;
-    spot.color = glm::vec3(12000);   // candela
+    spot.color = glm::vec3(9000);   // candela
     spot.profile = SpotProfile::cosine;
     const double corner = k_half * std::sqrt(2.0) / (k_light_height - k_half);
     spot.outer_angle = static_cast<float>(std::atan(k_cone_margin * corner));
@@ -137,6 +137,9 @@ Scene make_spheres(const SpheresOptions& options)
         scene.add_node("camera", none, glm::inverse(glm::lookAt(eye, glm::dvec3(0, -0.4, 0), glm::dvec3(0, 1, 0))));
     scene.cameras.push_back(camera);
     scene.background.kind = Background::Kind::sky;
+    scene.background.zenith = {0.10f, 0.13f, 0.19f};
+    scene.background.horizon = {0.16f, 0.17f, 0.19f};
+    scene.background.ground = {0.045f, 0.05f, 0.06f};
 
     scene.timeline = {0, (k_frames - 1) / k_fps, k_frames, k_fps, false};
     scene.finish();

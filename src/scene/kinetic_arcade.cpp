@@ -113,7 +113,7 @@ void add_walk(Run& run, float floor_from, float steps_from)
     const float back = -k_arcade_depth, length = run.length();
     constexpr int rows = 8;
     b.use(run.materials.plaster);
-    for (int bay = -1; bay <= run.bays; ++bay)
+    for (int bay = 0; bay < run.bays; ++bay)
         for (int half = 0; half < 2; ++half)
             for (int row = 0; row < rows; ++row) {
                 const float x0 = (static_cast<float>(bay) + 0.5f * static_cast<float>(half)) * k_bay;
@@ -122,9 +122,8 @@ void add_walk(Run& run, float floor_from, float steps_from)
                 const float y0 = glm::mix(k_arcade_floor, k_ceiling, t0), y1 = glm::mix(k_arcade_floor, k_ceiling, t1);
                 b.flat_quad({x0, y0, back}, {x1, y0, back}, {x1, y1, back}, {x0, y1, back}, {0, 0, 1});
                 const float z0 = glm::mix(back, k_half_wall, t0), z1 = glm::mix(back, k_half_wall, t1);
-                if (bay >= 0 && bay < run.bays)
-                    b.flat_quad({x0, k_ceiling, z0}, {x1, k_ceiling, z0}, {x1, k_ceiling, z1}, {x0, k_ceiling, z1},
-                                {0, -1, 0});
+                b.flat_quad({x0, k_ceiling, z0}, {x1, k_ceiling, z0}, {x1, k_ceiling, z1}, {x0, k_ceiling, z1},
+                            {0, -1, 0});
             }
     b.use(run.materials.limestone);
     for (int bay = 0; bay < run.bays; ++bay) {
@@ -155,15 +154,24 @@ void add_walk(Run& run, float floor_from, float steps_from)
     b.shift_texture({0, 0});
 }
 
-// A closing wall across the run's end, a little higher than the roof, with a coping.
+// A closing wall across the run's end: a gable that follows the roof, with a coping.
 void add_end(Run& run, float x0, float x1)
 {
     MeshBuilder& b = run.builder;
-    const float back = -k_arcade_depth - 0.3f, front = k_half_wall + 0.12f;
+    const float back = -k_arcade_depth - 0.45f, front = k_half_wall + 0.12f;
+    const float thickness = x1 - x0, low = 4.98f, high = 6.5f;
+    // A plate's own x runs along the wall, towards the yard.
+    const glm::mat4 before = b.placement();
+    b.place(before * glm::translate(glm::mat4(1), glm::vec3(0.5f * (x0 + x1), 0, 0)) *
+            glm::rotate(glm::mat4(1), static_cast<float>(-k_pi / 2), glm::vec3(0, 1, 0)));
     b.use(run.materials.plaster);
-    b.box({x0, -0.1f, back}, {x1, 5.25f, front}, 0.03f);
+    const glm::vec2 wall[] = {{back, -0.1f}, {front, -0.1f}, {front, low}, {back, high}};
+    b.plate(wall, {0.5f * (back + front), 2.5f}, thickness, 0.03f);
     b.use(run.materials.limestone);
-    b.box({x0 - 0.09f, 5.25f, back - 0.08f}, {x1 + 0.09f, 5.38f, front + 0.09f}, 0.03f);
+    const glm::vec2 coping[] = {
+        {back - 0.05f, high}, {front + 0.14f, low - 0.06f}, {front + 0.14f, low + 0.10f}, {back - 0.05f, high + 0.16f}};
+    b.plate(coping, 0.25f * (coping[0] + coping[1] + coping[2] + coping[3]), thickness + 0.18f, 0.03f);
+    b.place(before);
     b.box({x0 - 0.05f, -0.1f, back - 0.05f}, {x1 + 0.05f, 0.75f, front + 0.05f}, 0.03f);
     b.box({x0 - 0.05f, k_springing - 0.12f, front - 0.4f}, {x1 + 0.05f, k_springing + 0.02f, front + 0.05f}, 0.03f);
 }
@@ -274,7 +282,7 @@ void add_arcades(Scene& scene, const Materials& m)
     build("back arcade", back_place, k_back_bays, -0.3f, -0.3f, back_doors, true, false);
     build("right arcade", right_place, k_right_bays, 0.45f, 0.45f, right_doors, false, true);
 
-    // A tower fills the corner.
+    // A tower with shuttered windows fills the corner.
     MeshBuilder b;
     b.open_sky(open_sky);
     const float x0 = k_right_x - 0.3f, z1 = k_back_z + 0.3f, size = 3.4f, top = 6.1f;
@@ -285,6 +293,20 @@ void add_arcades(Scene& scene, const Materials& m)
     b.box({x0 - 0.06f, 4.42f, z1 - size}, {x0 + size, 4.56f, z1 + 0.06f}, 0.03f);
     b.box({x0 - 0.10f, top - 0.1f, z1 - size - 0.1f}, {x0 + size + 0.1f, top + 0.05f, z1 + 0.10f}, 0.03f);
     b.box({x0 - 0.20f, top + 0.05f, z1 - size - 0.2f}, {x0 + size + 0.2f, top + 0.16f, z1 + 0.20f}, 0.03f);
+    for (const bool to_yard : {true, false}) {
+        // Its own +z is out of the wall.
+        const glm::mat4 wall =
+            to_yard ? glm::mat4(placed({x0 + 1.5, 5.28, z1})) : glm::mat4(placed({x0, 5.28, z1 - 1.2}, -k_pi / 2));
+        b.place(wall);
+        b.use(m.limestone);
+        b.box({-0.34f, -0.42f, -0.1f}, {0.34f, -0.33f, 0.09f}, 0.02f);
+        b.use(m.iron);
+        b.box({-0.24f, -0.33f, -0.1f}, {0.24f, 0.36f, 0.01f}, 0);
+        b.use(m.blue);
+        for (const float side : {-1.0f, 1.0f})
+            b.box({side * 0.37f - 0.13f, -0.33f, 0}, {side * 0.37f + 0.13f, 0.36f, 0.05f}, 0.012f);
+    }
+    b.place(glm::mat4(1));
     b.use(m.roof);
     const glm::vec3 c(x0 + size / 2, top + 1.35f, z1 - size / 2);
     const float h = size / 2 + 0.3f;

@@ -85,6 +85,44 @@ void add_pool(Scene& scene, const Materials& m)
                 {k_pool_x + 0.03f, k_water, k_pool_near + 0.03f}, {-k_pool_x - 0.03f, k_water, k_pool_near + 0.03f},
                 {0, 1, 0});
     add_object(scene, add_mesh(scene, b, "water"), "water", glm::dmat4(1));
+
+    // Water lilies in two groups: notched pads, here and there a flower.
+    for (int i = 0; i < 15; ++i) {
+        const bool near_group = i < 9;
+        const float spread = near_group ? 0.75f : 0.5f;
+        const glm::vec3 at(near_group ? random.uniform(-1.3f, -0.2f) : random.uniform(0.6f, 1.35f), k_water,
+                           (near_group ? 4.2f : 6.3f) + random.uniform(-spread, spread));
+        const float radius = random.uniform(0.10f, 0.19f), turn = random.uniform(0, 6.28f);
+        b.place(glm::translate(glm::mat4(1), at + glm::vec3(0, 0.003f + 0.001f * static_cast<float>(i), 0)) *
+                glm::rotate(glm::mat4(1), turn, glm::vec3(0, 1, 0)));
+        b.use(m.lily);
+        b.tint(glm::vec3(0.8f + 0.5f * random.uniform()));
+        const std::uint32_t hub = b.vertex({0, 0, 0}, {0, 1, 0}, {0, 0});
+        std::uint32_t last = 0;
+        constexpr int around = 28;
+        for (int k = 0; k <= around; ++k) {
+            const float angle = 0.25f + (6.2832f - 0.5f) * static_cast<float>(k) / around;
+            const glm::vec3 p(radius * std::cos(angle), 0.004f, -radius * std::sin(angle));
+            const std::uint32_t v = b.vertex(p, {0, 1, 0}, {0, 0});
+            if (k > 0) b.triangle(hub, last, v);
+            last = v;
+        }
+        if (i % 4 != 1) continue;
+        b.use(m.blossom);
+        for (int k = 0; k < 18; ++k) {
+            const float angle = 2.4f * static_cast<float>(k), lift = 0.35f + 0.05f * static_cast<float>(k);
+            const glm::vec3 out(std::cos(angle) * std::cos(lift), std::sin(lift), std::sin(angle) * std::cos(lift));
+            const glm::vec3 side(-std::sin(angle), 0, std::cos(angle)), face = glm::cross(side, out);
+            const glm::vec3 foot(0, 0.01f, 0);
+            b.tint(glm::mix(glm::vec3(1.5f, 7.0f, 2.2f), glm::vec3(1.5f, 3.0f, 1.8f), static_cast<float>(k % 3) / 2));
+            const std::uint32_t s = b.vertex(foot, face, {0, 0}), t = b.vertex(foot + 0.095f * out, face, {0, 0});
+            b.triangle(s, b.vertex(foot + 0.05f * out + 0.022f * side, face, {0, 0}), t);
+            b.triangle(s, b.vertex(foot + 0.05f * out - 0.022f * side, face, {0, 0}), t);
+        }
+    }
+    b.place(glm::mat4(1));
+    b.tint(glm::vec3(1));
+    add_object(scene, add_mesh(scene, b, "water lilies"), "water lilies", glm::dmat4(1));
 }
 
 void add_balustrade(Scene& scene, const Materials& m)
@@ -145,20 +183,20 @@ void add_landscape(Scene& scene, const Materials& m)
     const TiledNoise rolling(6, 3, 71), dryness(24, 3, 72);
     const auto ground = [&rolling](float radius, float angle) {
         const glm::vec2 p(radius * std::cos(angle), -radius * std::sin(angle));
-        const float roll = rolling(p / 160.0f) - 0.5f;
-        const float away = glm::smoothstep(13.0f, 60.0f, radius);
-        return glm::vec3(p.x, -0.09f - 3.5f * away + 7.0f * away * roll, p.y);
+        const float roll = rolling(p / 80.0f) - 0.5f;
+        const float away = glm::smoothstep(13.0f, 45.0f, radius);
+        return glm::vec3(p.x, -0.09f - 2.5f * away + 4.0f * away * roll, p.y);
     };
     const auto at = [&](int ring, int i) {
         const float t = static_cast<float>(ring) / rings;
         const float angle = static_cast<float>(2 * k_pi) * static_cast<float>(i % around) / around;
-        const float radius = 160 * t * t;
+        const float radius = 80 * t * t;
         const glm::vec3 p = ground(radius, angle);
         const glm::vec3 along = ground(radius, angle + 0.01f) - ground(radius, angle - 0.01f);
         const glm::vec3 out = ground(radius + 0.1f, angle) - ground(std::max(radius - 0.1f, 0.0f), angle);
         glm::vec3 n = ring == 0 ? glm::vec3(0, 1, 0) : glm::normalize(glm::cross(along, out));
         if (n.y < 0) n = -n;
-        const float dry = dryness(glm::vec2(p.x, p.z) / 160.0f);
+        const float dry = dryness(glm::vec2(p.x, p.z) / 80.0f);
         b.tint(glm::mix(glm::vec3(0.75f, 1.0f, 0.7f), glm::vec3(1.25f, 1.05f, 0.8f), dry));
         return b.vertex(p, n, glm::vec2(p.x, p.z));
     };
@@ -172,7 +210,7 @@ void add_landscape(Scene& scene, const Materials& m)
         float distance, height;
         std::uint32_t seed;
     };
-    for (const Range& range : {Range{m.hill_near, 170, 16, 5}, Range{m.hill_far, 240, 40, 8}}) {
+    for (const Range& range : {Range{m.hill_near, 84, 7, 5}, Range{m.hill_far, 100, 15, 8}}) {
         b.use(range.material);
         constexpr int steps = 240;
         const TiledNoise ridge(9, 5, range.seed);
@@ -185,8 +223,8 @@ void add_landscape(Scene& scene, const Materials& m)
             const float a1 = static_cast<float>(2 * k_pi) * static_cast<float>((i + 1) % steps) / steps;
             const glm::vec3 p(range.distance * std::cos(a0), 0, -range.distance * std::sin(a0));
             const glm::vec3 q(range.distance * std::cos(a1), 0, -range.distance * std::sin(a1));
-            const glm::vec3 base(0, -12, 0);
-            b.flat_quad(p + base, q + base, q + glm::vec3(0, crest(i + 1) - 8, 0), p + glm::vec3(0, crest(i) - 8, 0),
+            const glm::vec3 base(0, -8, 0);
+            b.flat_quad(p + base, q + base, q + glm::vec3(0, crest(i + 1) - 4, 0), p + glm::vec3(0, crest(i) - 4, 0),
                         -glm::normalize(p + q));
         }
     }

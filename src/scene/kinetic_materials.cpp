@@ -81,9 +81,9 @@ Materials add_materials(Scene& scene)
 {
     Palette palette(scene);
     const TextureId stone =
-        palette.texture("limestone", stone_pattern(512, {0.72f, 0.64f, 0.51f}, {0.52f, 0.44f, 0.33f}, 0.35f, 11));
+        palette.texture("limestone", stone_pattern(512, {0.72f, 0.64f, 0.52f}, {0.56f, 0.48f, 0.37f}, 0.45f, 11));
     const TextureId flag =
-        palette.texture("flagstone", stone_pattern(512, {0.60f, 0.53f, 0.44f}, {0.38f, 0.33f, 0.28f}, 0.25f, 23));
+        palette.texture("flagstone", stone_pattern(512, {0.52f, 0.45f, 0.37f}, {0.36f, 0.31f, 0.26f}, 0.35f, 23));
     const TextureId wall = palette.texture("plaster", plaster_pattern(384, {0.80f, 0.57f, 0.36f}, 37));
     const TextureId marble = palette.texture("marble", marble_pattern(256, 41));
     const TextureId clay =
@@ -121,6 +121,7 @@ Materials add_materials(Scene& scene)
     m.orange_leaf = palette.leaf("orange leaf", {0.10f, 0.27f, 0.05f}, 0.38f);
     m.box_leaf = palette.leaf("box leaf", {0.13f, 0.29f, 0.07f});
     m.cypress = palette.leaf("cypress", {0.055f, 0.13f, 0.05f}, 0.7f);
+    m.lily = palette.leaf("lily pad", {0.12f, 0.24f, 0.06f}, 0.35f);
     m.blossom = palette.leaf("blossom", {0.62f, 0.05f, 0.30f}, 0.6f);
     m.orange = palette.add("orange", {0.95f, 0.36f, 0.03f}, 0.4f);
     m.lamp = palette.glowing("flame", {14.0f, 8.0f, 3.2f});
@@ -143,7 +144,7 @@ float open_sky(const glm::vec3& p, const glm::vec3& n)
     if (behind > -0.3f && p.y < k_eaves) {
         const float depth = fade(-0.3f, k_arcade_depth, behind);
         const float height = fade(k_springing - 0.6f, k_eaves, p.y);
-        seen *= glm::mix(1.0f, 0.30f - 0.12f * height, depth);
+        seen *= glm::mix(1.0f, 0.22f - 0.10f * height, depth);
     } else if (behind <= -0.3f && p.y < k_eaves) {
         // Before it, its wall hides a part of the sky.
         seen *= 1 - 0.22f * (1 - fade(0.0f, 3.0f, -behind)) * (1 - p.y / k_eaves);

@@ -17,10 +17,10 @@ class CameraTrack final : public TransformTrack {
         const double s = t * t * t * (10 + t * (6 * t - 15));   // no speed and no acceleration at either end
         // Polar coordinates about the sundial: angle from +Z, distance, height.
         const double angle = glm::mix(-0.40, 0.42, s);
-        const double distance = 11.6 - 1.4 * std::sin(k_pi * s);
-        const double height = glm::mix(2.35, 3.3, s);
+        const double distance = 12.0 - 1.4 * std::sin(k_pi * s);
+        const double height = glm::mix(2.9, 3.7, s);
         const glm::dvec3 eye(distance * std::sin(angle), height, distance * std::cos(angle));
-        const glm::dvec3 target(glm::mix(0.55, -0.25, s), glm::mix(2.2, 2.1, s), 0);
+        const glm::dvec3 target(glm::mix(0.55, -0.25, s), glm::mix(2.25, 2.2, s), 0);
         return glm::inverse(glm::lookAt(eye, target, glm::dvec3(0, 1, 0)));
     }
     std::vector<Interval> changing() const override { return {{0, k_end}}; }

@@ -231,7 +231,7 @@ void add_plants(Scene& scene, const Materials& m)
 {
     const MeshId orange = make_orange_tree(scene, m);
     add_object(scene, orange, "orange tree", placed({-4.35, 0.01, 5.6}, 0.4));
-    add_object(scene, orange, "orange tree", placed({5.2, 0.01, 1.9}, 2.3, 0.95));
+    add_object(scene, orange, "orange tree", placed({5.3, 0.01, -4.25}, 2.3, 0.95));
     add_object(scene, orange, "orange tree", placed({-5.6, 0.01, -4.1}, 4.0, 1.05));
 
     const MeshId box = make_box_ball(scene, m);
@@ -250,6 +250,18 @@ void add_plants(Scene& scene, const Materials& m)
     MeshBuilder b;
     Random random(109);
     const float front = k_back_z + 0.40f;
+    // Fallen petals below the bougainvillea.
+    b.use(m.blossom);
+    b.open_sky({});
+    for (int i = 0; i < 260; ++i) {
+        const float x = random.uniform() + random.uniform() - 0.7f, z = random.uniform() * random.uniform();
+        const float step = z < 0.26f ? k_arcade_floor : z < 0.66f ? 0.5f * k_arcade_floor : 0.008f;
+        const glm::vec3 at(k_left_x + 0.4f + 1.3f * x, step + 0.006f, k_back_z + 0.2f + 2.2f * z * 0.7f);
+        b.tint(vary(random, 0.35f));
+        glm::vec3 grow = on_sphere(random);
+        grow.y *= 0.1f;
+        add_leaf(b, at, grow, {0, 1, 0}, random.uniform(0.04f, 0.07f), 0.05f, true);
+    }
     // Bougainvillea on the left end of the back arcade, ivy on the tower and on the right arcade's end.
     add_climber(b, m, random,
                 {{k_left_x + 0.15f, 0, front}, {1, 0, 0}, {0, 0, 1}, 0.9f, 5.3f, 16, 170, m.ivy, m.blossom, 0.75f});

@@ -29,12 +29,12 @@ void add_step(MeshBuilder& b, float radius, float y0, float y1)
 // The fin: its long edge points to the celestial pole, its back is cut to a curve.
 void add_gnomon(MeshBuilder& b, const Materials& m)
 {
-    std::vector<glm::vec2> p{{0.02f, 0}, {0.80f, 0}};
+    std::vector<glm::vec2> p{{0.02f, 0}, {0.75f, 0}};
     const glm::vec2 top(0.62f, 0.64f);
-    p.emplace_back(0.80f, 0.025f);
+    p.emplace_back(0.75f, 0.05f);
     for (int i = 0; i <= 16; ++i) {   // the back, hollow
         const float t = static_cast<float>(i) / 16;
-        const glm::vec2 a(0.72f, 0.04f), c(0.53f, 0.32f);
+        const glm::vec2 a(0.70f, 0.09f), c(0.53f, 0.34f);
         p.push_back((1 - t) * (1 - t) * a + 2 * t * (1 - t) * c + t * t * (top + glm::vec2(0.02f, -0.01f)));
     }
     p.push_back(top);
@@ -75,7 +75,7 @@ void add_sundial(Scene& scene, const Materials& m)
 
     // The dial leans towards the camera; its own space has the face in y = 0 and noon along +z.
     const glm::mat4 dial =
-        glm::translate(glm::mat4(1), glm::vec3(0, 1.50f, 0.02f)) * glm::rotate(glm::mat4(1), 0.62f, glm::vec3(1, 0, 0));
+        glm::translate(glm::mat4(1), glm::vec3(0, 1.74f, 0.0f)) * glm::rotate(glm::mat4(1), 0.62f, glm::vec3(1, 0, 0));
     b.place(dial);
     b.open_sky([](const glm::vec3&, const glm::vec3& n) { return n.y > 0 ? 0.95f : 0.45f; });
     std::vector<glm::vec2> rim{{0, -0.12f}, {0.50f, -0.12f}, {0.80f, -0.085f}, {0.98f, -0.08f}};
@@ -108,7 +108,7 @@ void add_sundial(Scene& scene, const Materials& m)
     b.place(glm::mat4(1));
     b.use(m.marble);
     b.open_sky(shade_of_steps);
-    const glm::vec2 neck[] = {{0.24f, 1.25f}, {0.22f, 1.32f}, {0.26f, 1.40f}, {0.28f, 1.46f}};
+    const glm::vec2 neck[] = {{0.26f, 1.25f}, {0.20f, 1.30f}, {0.15f, 1.38f}, {0.13f, 1.48f}, {0.13f, 1.62f}};
     b.lathe(make_outline(neck, false), 48);
     add_object(scene, add_mesh(scene, b, "sundial"), "sundial", glm::dmat4(1));
 }
@@ -148,7 +148,7 @@ void add_lantern(Scene& scene, MeshId mesh, const glm::dvec3& hook)
     Light light;
     light.name = "lantern";
     light.type = LightType::point;
-    light.color = {5.2f, 2.7f, 1.0f};   // candela
+    light.color = {9.0f, 4.6f, 1.7f};   // candela
     light.node = scene.add_node("lantern light", node, placed({0, k_flame, 0}));
     scene.lights.push_back(light);
 }

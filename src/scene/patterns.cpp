@@ -86,11 +86,11 @@ float TiledNoise::operator()(glm::vec2 p) const
 
 Image8 stone_pattern(int size, const glm::vec3& light, const glm::vec3& dark, float pores, std::uint32_t seed)
 {
-    const TiledNoise cloud_noise(4, 5, seed), grain_noise(64, 2, seed + 77), pit_noise(32, 2, seed + 154);
+    const TiledNoise cloud_noise(4, 5, seed), grain_noise(64, 2, seed + 77), pit_noise(110, 1, seed + 154);
     return paint(size, [&](glm::vec2 p) {
         const float clouds = cloud_noise(p), grain = grain_noise(p);
-        const float pit = smooth_step(0.70f, 0.78f, pit_noise(p));
-        const glm::vec3 color = glm::mix(dark, light, smooth_step(0.25f, 0.75f, clouds));
+        const float pit = smooth_step(0.82f, 0.90f, pit_noise(p));
+        const glm::vec3 color = glm::mix(dark, light, smooth_step(0.2f, 0.8f, clouds));
         return color * (0.86f + 0.28f * grain) * (1 - pores * pit);
     });
 }

@@ -263,23 +263,29 @@ void MeshBuilder::plate(std::span<const glm::vec2> points, const glm::vec2& hub,
 {
     const Outline outline = make_outline(points, true);
     const float h = 0.5f * thickness, b = std::min(bevel, h);
-    for (const Outline::Segment& s : outline.segments) {
-        const auto add = [&](const glm::vec2& p, const glm::vec2& n, float inset, float z, const glm::vec3& normal) {
-            const glm::vec2 q = p - n * inset;
-            return vertex({q, z}, normal, q);
-        };
+    const std::size_t n = outline.segments.size();
+    // Where the bevel's inner edges meet: mitred at every corner, but not beyond twice its width.
+    std::vector<glm::vec2> inset(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const Outline::Segment &before = outline.segments[(i + n - 1) % n], &after = outline.segments[i];
+        const glm::vec2 u = right_of(before.to - before.from), v = right_of(after.to - after.from);
+        inset[i] = after.from - (u + v) * (b / std::max(1 + glm::dot(u, v), 0.5f));
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const Outline::Segment& s = outline.segments[i];
+        const glm::vec2 inner[2] = {inset[i], inset[(i + 1) % n]}, rim[2] = {s.from, s.to};
+        const glm::vec3 out[2] = {glm::vec3(s.normal_from, 0), glm::vec3(s.normal_to, 0)};
         for (const float side : {-1.0f, 1.0f}) {
             const glm::vec3 up(0, 0, side);
+            const auto add = [&](const glm::vec2& p, float z, const glm::vec3& normal) {
+                return vertex({p, side * z}, glm::normalize(normal), p);
+            };
             // Face, bevel, and half of the rim.
-            const std::uint32_t c = vertex({hub, side * h}, up, hub);
-            triangle(c, add(s.from, s.normal_from, b, side * h, up), add(s.to, s.normal_to, b, side * h, up));
-            const glm::vec3 n0(s.normal_from, 0), n1(s.normal_to, 0);
-            const std::uint32_t i0 = add(s.from, s.normal_from, b, side * h, glm::normalize(up + 0.4f * n0));
-            const std::uint32_t i1 = add(s.to, s.normal_to, b, side * h, glm::normalize(up + 0.4f * n1));
-            const std::uint32_t o0 = add(s.from, s.normal_from, 0, side * (h - b), glm::normalize(0.4f * up + n0));
-            const std::uint32_t o1 = add(s.to, s.normal_to, 0, side * (h - b), glm::normalize(0.4f * up + n1));
-            quad(i0, i1, o1, o0);
-            quad(o0, o1, add(s.to, s.normal_to, 0, 0, n1), add(s.from, s.normal_from, 0, 0, n0));
+            triangle(add(hub, h, up), add(inner[0], h, up), add(inner[1], h, up));
+            const std::uint32_t o0 = add(rim[0], h - b, 0.4f * up + out[0]),
+                                o1 = add(rim[1], h - b, 0.4f * up + out[1]);
+            quad(add(inner[0], h, up + 0.4f * out[0]), add(inner[1], h, up + 0.4f * out[1]), o1, o0);
+            quad(o0, o1, add(rim[1], 0, out[1]), add(rim[0], 0, out[0]));
         }
     }
 }

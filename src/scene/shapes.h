@@ -47,6 +47,7 @@ class MeshBuilder {
     {
         matrix_ = matrix, normal_matrix_ = glm::transpose(glm::inverse(glm::mat3(matrix)));
     }
+    const glm::mat4& placement() const { return matrix_; }
     /// How much of the sky a point with this normal sees (0 to 1), in the space of the mesh. Empty: 1.
     void open_sky(std::function<float(const glm::vec3& point, const glm::vec3& normal)> seen)
     {
