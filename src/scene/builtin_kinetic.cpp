@@ -40,18 +40,18 @@ Scene make_kinetic()
     const Materials materials = add_materials(scene);
 
     // The sun stands low at the left, a little before the picture.
-    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.66, 0.66, 0.33));
+    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.74, 0.53, 0.38));
     Light sun;
     sun.name = "sun";
     sun.type = LightType::directional;
-    sun.color = {5.4f, 4.2f, 2.75f};   // lux, scaled so that a sunlit wall is about 1
+    sun.color = {6.2f, 4.5f, 2.7f};   // lux, scaled so that a sunlit wall is about 1
     sun.node = scene.add_node("sun", none, glm::inverse(glm::lookAt(glm::dvec3(0), -to_sun, glm::dvec3(0, 1, 0))));
     scene.lights.push_back(sun);
 
     scene.background.kind = Background::Kind::sky;
-    scene.background.zenith = {0.06f, 0.21f, 0.62f};
-    scene.background.horizon = {0.68f, 0.74f, 0.80f};
-    scene.background.ground = {0.20f, 0.15f, 0.10f};
+    scene.background.zenith = {0.05f, 0.22f, 0.70f};
+    scene.background.horizon = {0.68f, 0.78f, 0.85f};
+    scene.background.ground = {0.30f, 0.21f, 0.14f};
     scene.background.sun_direction = glm::vec3(to_sun);
     scene.background.sun_radiance = {60, 46, 28};
 

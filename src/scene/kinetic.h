@@ -33,7 +33,7 @@ inline constexpr double k_end = (k_frames - 1) / k_fps;
 struct Materials {
     MaterialId limestone, paving, plaster, marble, dial, terracotta, roof, iron, bronze, gold, mirror, water,
         pool_floor, glass, amber_glass, blue_glass, red, black, yellow, blue, white, bark, soil, ivy, orange_leaf,
-        box_leaf, cypress, lily, blossom, orange, lamp, grass, hill_near, hill_far;
+        box_leaf, cypress, olive, lily, blossom, orange, lamp, grass, hill_near, hill_far;
 };
 Materials add_materials(Scene& scene);
 

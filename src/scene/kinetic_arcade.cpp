@@ -233,11 +233,11 @@ MeshId make_column(Scene& scene, const Materials& m)
     for (int i = 0; i < 8; ++i) {
         b.place(glm::rotate(glm::mat4(1), static_cast<float>(i) * 0.7854f, glm::vec3(0, 1, 0)));
         const glm::vec3 stem[] = {{0.165f, top + 0.06f, 0},
-                                  {0.19f, top + 0.15f, 0},
-                                  {0.25f, top + 0.25f, 0},
-                                  {0.29f, top + 0.27f, 0},
-                                  {0.30f, top + 0.24f, 0}};
-        const float widths[] = {0.02f, 0.045f, 0.05f, 0.035f, 0.015f};
+                                  {0.185f, top + 0.14f, 0},
+                                  {0.235f, top + 0.225f, 0},
+                                  {0.285f, top + 0.265f, 0},
+                                  {0.315f, top + 0.26f, 0}};
+        const float widths[] = {0.02f, 0.045f, 0.042f, 0.026f, 0.010f};
         std::vector<float> radii;
         const auto path = smooth_path(stem, 2);
         for (std::size_t k = 0; k < path.size(); ++k) {

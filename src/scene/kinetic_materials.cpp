@@ -6,6 +6,9 @@ namespace gnomon::scene::kinetic {
 
 namespace {
 
+// What the middle of the yard gets of a clear sky: the rest is behind walls and trees.
+constexpr float k_sky_over_yard = 0.58f;
+
 class Palette {
  public:
     explicit Palette(Scene& scene) : scene_(scene)
@@ -14,7 +17,7 @@ class Palette {
         Sampler clamp;
         clamp.wrap_u = clamp.wrap_v = Wrap::clamp;
         clamp.mipmaps = false;
-        ramp_ = texture("sky seen", ramp_pattern(), clamp, false);
+        ramp_ = texture("sky seen", ramp_pattern(k_sky_over_yard), clamp, false);
     }
 
     TextureId texture(const char* name, const Image8& image, Sampler sampler = {}, bool srgb = true)
@@ -121,6 +124,7 @@ Materials add_materials(Scene& scene)
     m.orange_leaf = palette.leaf("orange leaf", {0.10f, 0.27f, 0.05f}, 0.38f);
     m.box_leaf = palette.leaf("box leaf", {0.13f, 0.29f, 0.07f});
     m.cypress = palette.leaf("cypress", {0.055f, 0.13f, 0.05f}, 0.7f);
+    m.olive = palette.leaf("olive leaf", {0.20f, 0.25f, 0.14f}, 0.55f);
     m.lily = palette.leaf("lily pad", {0.12f, 0.24f, 0.06f}, 0.35f);
     m.blossom = palette.leaf("blossom", {0.62f, 0.05f, 0.30f}, 0.6f);
     m.orange = palette.add("orange", {0.95f, 0.36f, 0.03f}, 0.4f);
@@ -144,7 +148,7 @@ float open_sky(const glm::vec3& p, const glm::vec3& n)
     if (behind > -0.3f && p.y < k_eaves) {
         const float depth = fade(-0.3f, k_arcade_depth, behind);
         const float height = fade(k_springing - 0.6f, k_eaves, p.y);
-        seen *= glm::mix(1.0f, 0.22f - 0.10f * height, depth);
+        seen *= glm::mix(1.0f, 0.30f - 0.13f * height, depth);
     } else if (behind <= -0.3f && p.y < k_eaves) {
         // Before it, its wall hides a part of the sky.
         seen *= 1 - 0.22f * (1 - fade(0.0f, 3.0f, -behind)) * (1 - p.y / k_eaves);

@@ -127,7 +127,7 @@ void add_mobile(Scene& scene, const Materials& m)
     const Arm second_arm{0.25f, 1.15f, 0.95f};
     add_arm(b, m, second_arm);
     add_petal(b, m, m.red, second_arm.left_end(), 0.06f, 1.55f, 0.95f, 0.25f);
-    const NodeId second = hang("mobile: second arm", great, great_arm.left_end(), -1.2, -0.30, 0.05);
+    const NodeId second = hang("mobile: second arm", great, great_arm.left_end(), -1.2, -0.12, 0.05);
 
     const Arm third_arm{0.28f, 0.70f, 0.62f};
     add_arm(b, m, third_arm);
@@ -139,7 +139,7 @@ void add_mobile(Scene& scene, const Materials& m)
     const Arm fourth_arm{0.40f, 1.0f, 1.1f};
     add_arm(b, m, fourth_arm);
     add_disc(b, m, m.yellow, fourth_arm.right_end(), 0.08f, 0.50f, -0.65f);
-    const NodeId fourth = hang("mobile: fourth arm", great, great_arm.right_end(), -0.2, -0.42, 0.05);
+    const NodeId fourth = hang("mobile: fourth arm", great, great_arm.right_end(), -0.2, -0.10, 0.05);
 
     const Arm fifth_arm{0.28f, 0.65f, 0.72f};
     add_arm(b, m, fifth_arm);

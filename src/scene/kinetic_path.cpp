@@ -20,7 +20,7 @@ class CameraTrack final : public TransformTrack {
         const double distance = 12.0 - 1.4 * std::sin(k_pi * s);
         const double height = glm::mix(2.9, 3.7, s);
         const glm::dvec3 eye(distance * std::sin(angle), height, distance * std::cos(angle));
-        const glm::dvec3 target(glm::mix(0.55, -0.25, s), glm::mix(2.25, 2.2, s), 0);
+        const glm::dvec3 target(glm::mix(0.55, -0.25, s), glm::mix(1.85, 1.9, s), 0);
         return glm::inverse(glm::lookAt(eye, target, glm::dvec3(0, 1, 0)));
     }
     std::vector<Interval> changing() const override { return {{0, k_end}}; }
@@ -32,7 +32,7 @@ void add_camera(Scene& scene)
 {
     Camera camera;
     camera.name = "walk";
-    camera.vertical_fov = 0.80;
+    camera.vertical_fov = 0.75;
     camera.node = scene.add_node("camera", none);
     scene.nodes[camera.node].transform = std::make_shared<CameraTrack>();
     scene.cameras.push_back(camera);

@@ -173,11 +173,34 @@ MeshId make_cypress(Scene& scene, const Materials& m)
     return add_mesh(scene, b, "cypress");
 }
 
+// Stands outside the picture: its shade falls into it.
+MeshId make_olive(Scene& scene, const Materials& m)
+{
+    MeshBuilder b;
+    Random random(113);
+    b.use(m.bark);
+    const glm::vec3 trunk[] = {{0, -0.5f, 0}, {0.1f, 1.2f, 0}, {-0.15f, 2.6f, 0.1f}, {0.1f, 4.2f, 0}};
+    const float thick[] = {0.30f, 0.22f, 0.16f, 0.08f};
+    b.tube(trunk, thick, 12);
+    std::vector<glm::vec3> clumps;
+    for (int i = 0; i < 9; ++i) {
+        const float angle = 2.4f * static_cast<float>(i), reach = 0.5f + 0.2f * static_cast<float>(i);
+        clumps.emplace_back(reach * std::cos(angle), 4.1f + 0.9f * random.uniform(), reach * std::sin(angle));
+        const glm::vec3 branch[] = {{-0.1f, 2.4f, 0.1f}, 0.5f * clumps.back() + glm::vec3(0, 1.4f, 0), clumps.back()};
+        const float thin[] = {0.08f, 0.05f, 0.02f};
+        b.tube(branch, thin, 6);
+    }
+    b.use(m.olive);
+    for (const glm::vec3& clump : clumps) add_crown(b, random, {clump, {0.95f, 0.65f, 0.95f}, 420, 0.17f, 0.05f, true});
+    return add_mesh(scene, b, "olive tree");
+}
+
 // Climbs on a wall: along a few wandering stems, leaves lie flat with their tips down.
 struct Climber {
     glm::vec3 foot;         // where it comes out of the ground
     glm::vec3 along, out;   // the wall's direction and its normal
     float reach, height;    // how far it spreads
+    float drift;            // and how far its tops lean over along the wall
     int stems, leaves;      // leaves a stem
     MaterialId leaf, blossom;
     float blossoms;   // share of leaves that flower
@@ -186,14 +209,19 @@ void add_climber(MeshBuilder& b, const Materials& m, Random& random, const Climb
 {
     for (int s = 0; s < c.stems; ++s) {
         // Walk upwards, drifting to one side.
-        const float spread = random.uniform(-1, 1), top = c.height * random.uniform(0.55f, 1.0f);
+        const float spread = random.uniform(-1, 1), top = c.height * random.uniform(c.drift > 0 ? 0.9f : 0.55f, 1.0f);
+        const float drift = c.drift * random.uniform();
         const float phase = random.uniform(0, 6.28f), wave = random.uniform(0.08f, 0.22f);
         std::vector<glm::vec3> knots;
         constexpr int pieces = 9;
         for (int i = 0; i <= pieces; ++i) {
             const float t = static_cast<float>(i) / pieces;
-            const float x = c.reach * spread * std::pow(t, 0.8f) + wave * std::sin(phase + 7 * t);
-            knots.push_back(c.foot + c.along * x + c.out * 0.025f + glm::vec3(0, top * t, 0));
+            // Up first, then along.
+            const float up = std::min(t / 0.6f, 1.0f), lean = std::max(t - 0.45f, 0.0f) / 0.55f;
+            const float x = c.reach * spread * std::pow(t, 0.8f) + drift * lean;
+            const float y = top * up * (2 - up) + wave * lean * std::sin(phase + 9 * t);
+            knots.push_back(c.foot + c.along * (x + 0.5f * wave * std::sin(phase + 7 * t)) + c.out * 0.025f +
+                            glm::vec3(0, y, 0));
         }
         const auto path = smooth_path(knots, 2);
         std::vector<float> radii;
@@ -230,7 +258,7 @@ void add_climber(MeshBuilder& b, const Materials& m, Random& random, const Climb
 void add_plants(Scene& scene, const Materials& m)
 {
     const MeshId orange = make_orange_tree(scene, m);
-    add_object(scene, orange, "orange tree", placed({-4.35, 0.01, 5.6}, 0.4));
+    add_object(scene, orange, "orange tree", placed({-4.3, 0.01, 4.9}, 0.4));
     add_object(scene, orange, "orange tree", placed({5.3, 0.01, -4.25}, 2.3, 0.95));
     add_object(scene, orange, "orange tree", placed({-5.6, 0.01, -4.1}, 4.0, 1.05));
 
@@ -246,6 +274,8 @@ void add_plants(Scene& scene, const Materials& m)
     for (const Place& p : {Place{{-10.2, -0.2, -4.8}, 1.9, 1.0}, Place{{-10.8, -0.4, -1.4}, 3.8, 1.1},
                            Place{{-11.5, -0.6, 2.2}, 5.7, 0.95}, Place{{-14.5, -0.9, -9.5}, 0.6, 1.2}})
         add_object(scene, cypress, "cypress", placed(p.at, p.turn, p.scale));
+
+    add_object(scene, make_olive(scene, m), "olive tree", placed({-11.2, -0.3, 7.4}, 0.7));
 
     MeshBuilder b;
     Random random(109);
@@ -264,14 +294,15 @@ void add_plants(Scene& scene, const Materials& m)
     }
     // Bougainvillea on the left end of the back arcade, ivy on the tower and on the right arcade's end.
     add_climber(b, m, random,
-                {{k_left_x + 0.15f, 0, front}, {1, 0, 0}, {0, 0, 1}, 0.9f, 5.3f, 16, 170, m.ivy, m.blossom, 0.75f});
-    add_climber(
-        b, m, random,
-        {{k_right_x - 0.32f, 0.3f, k_back_z + 0.02f}, {0, 0, 1}, {-1, 0, 0}, 0.35f, 4.6f, 7, 150, m.ivy, m.ivy, 0});
-    const float end = k_back_z + k_right_bays * k_bay + 0.34f;
-    add_climber(b, m, random, {{k_right_x + 0.6f, 0, end}, {1, 0, 0}, {0, 0, 1}, 1.4f, 4.7f, 18, 170, m.ivy, m.ivy, 0});
+                {{k_left_x, 0.1f, front}, {1, 0, 0}, {0, 0, 1}, 0.22f, 4.9f, 0, 8, 150, m.ivy, m.blossom, 0.75f});
     add_climber(b, m, random,
-                {{k_right_x - 0.40f, 0, end - 0.3f}, {0, 0, 1}, {-1, 0, 0}, 0.25f, 4.4f, 8, 150, m.ivy, m.ivy, 0});
+                {{k_left_x, 0.1f, front}, {1, 0, 0}, {0, 0, 1}, 0.15f, 4.55f, 4.4f, 12, 230, m.ivy, m.blossom, 0.8f});
+    const glm::vec3 to_yard(-1, 0, 0), tower(k_right_x - 0.32f, 0.3f, k_back_z + 0.02f);
+    add_climber(b, m, random, {tower, {0, 0, 1}, to_yard, 0.22f, 4.3f, 0.2f, 7, 150, m.ivy, m.ivy, 0});
+    const float end = k_back_z + k_right_bays * k_bay + 0.34f;
+    const glm::vec3 gable(k_right_x + 0.6f, 0, end), corner(k_right_x - 0.42f, 0, end - 0.3f);
+    add_climber(b, m, random, {gable, {1, 0, 0}, {0, 0, 1}, 0.9f, 4.7f, 0.6f, 18, 170, m.ivy, m.ivy, 0});
+    add_climber(b, m, random, {corner, {0, 0, -1}, to_yard, 0.2f, 4.4f, 1.6f, 9, 170, m.ivy, m.ivy, 0});
     add_object(scene, add_mesh(scene, b, "climbers"), "climbers", glm::dmat4(1));
 }
 

@@ -163,10 +163,10 @@ Image8 dial_pattern(int size)
     });
 }
 
-Image8 ramp_pattern()
+Image8 ramp_pattern(float top)
 {
     Image8 image(256, 1, 1);
-    for (int x = 0; x < 256; ++x) image.pixel(x, 0)[0] = static_cast<std::uint8_t>(x);
+    for (int x = 0; x < 256; ++x) image.pixel(x, 0)[0] = static_cast<std::uint8_t>(top * static_cast<float>(x) + 0.5f);
     return image;
 }
 

@@ -34,7 +34,7 @@ Image8 plaster_pattern(int size, const glm::vec3& color, std::uint32_t seed);
 Image8 marble_pattern(int size, std::uint32_t seed);
 /// A sundial's face: rings, hour lines that meet at the foot of the gnomon, half hours, a sun. Covers the unit square.
 Image8 dial_pattern(int size);
-/// One row, u = grey value.
-Image8 ramp_pattern();
+/// One row of grey that rises from 0 to `top` (0 to 1).
+Image8 ramp_pattern(float top);
 
 }   // namespace gnomon::scene
