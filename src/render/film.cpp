@@ -123,6 +123,10 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
             if (on_frame) on_frame(record);
             result.frames.push_back(std::move(record));
         }
+    } catch (const InterruptedError& error) {
+        if (kind != OutputKind::film || folder.remove_if_empty()) throw;
+        throw InterruptedError(
+            fmt::format("{}; --resume goes on from the frames in {}", error.what(), folder.path().string()));
     } catch (...) {
         if (kind == OutputKind::film) folder.remove_if_empty();
         throw;

@@ -105,11 +105,12 @@ void FramesFolder::remove()
     fs::remove(folder_, ignored);
 }
 
-void FramesFolder::remove_if_empty()
+bool FramesFolder::remove_if_empty()
 {
     for (const fs::path& entry : entries(folder_))
-        if (entry.filename().string() != k_manifest) return;
+        if (is_frame_name(entry.filename().string())) return false;
     remove();
+    return true;
 }
 
 }   // namespace gnomon::render

@@ -38,8 +38,9 @@ class FramesFolder {
 
     /// Removes our files and the folder, if nothing else is in it.
     void remove();
-    /// Removes the folder if it holds no frame.
-    void remove_if_empty();
+    /// Removes the folder if it holds no frame; whether it did.
+    bool remove_if_empty();
+    const std::filesystem::path& path() const { return folder_; }
 
  private:
     std::filesystem::path folder_;
