@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The layer check finds every kind of forbidden include, and nothing in a tree without one."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+k_tool = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check_layers.py"
+
+
+def check(files: dict[str, str]) -> subprocess.CompletedProcess:
+    with tempfile.TemporaryDirectory() as folder:
+        for name, included in files.items():
+            path = pathlib.Path(folder) / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(f'// text\n#include "{included}"\n#include <vector>\n')
+        return subprocess.run([sys.executable, k_tool, folder], capture_output=True, text=True)
+
+
+class CheckLayers(unittest.TestCase):
+    def test_allowed(self):
+        for name, included in [
+            ("src/scene/a.cpp", "base/b.h"), ("src/scene/a.cpp", "scene/c.h"), ("src/base/a.h", "gnomon/types.h"),
+            ("src/render/a.cpp", "shadow_culling/b.h"), ("src/app/verb_view.cpp", "render/b.h"),
+            ("src/app/verb_render.cpp", "app/verbs.h"), ("examples/a.cpp", "gnomon/gnomon.h"),
+            ("include/gnomon/a.h", "gnomon/b.h"), ("src/light_quadtree/a.cpp", "shadow_culling/remembered_visibility.h"),
+        ]:
+            with self.subTest(name=name, included=included):
+                result = check({name: included})
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_forbidden(self):
+        for name, included in [
+            ("src/base/a.cpp", "scene/b.h"), ("src/io/a.cpp", "ray/b.h"), ("src/ray/a.cpp", "io/b.h"),
+            ("src/vk/a.cpp", "scene/b.h"), ("src/scene/a.cpp", "render/b.h"), ("src/render/a.cpp", "app/b.h"),
+            ("src/shadow_culling/a.cpp", "light_quadtree/b.h"), ("src/light_quadtree/a.cpp", "shadow_culling/b.h"),
+            ("src/app/verb_render.cpp", "render/b.h"), ("src/app/verb_info_text.cpp", "scene/b.h"),
+            ("examples/a.cpp", "scene/b.h"), ("include/gnomon/a.h", "base/b.h"), ("src/scene/a.cpp", "b.h"),
+            ("src/scene/a.cpp", "../base/b.h"), ("src/unheard_of/a.cpp", "base/b.h"), ("src/base/a.cpp", "unheard_of/b.h"),
+        ]:
+            with self.subTest(name=name, included=included):
+                result = check({"src/base/fine.cpp": "gnomon/types.h", name: included})
+                self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+                self.assertIn(f"{name}:2: ", result.stdout)
+
+    def test_empty_tree_is_a_fault(self):
+        self.assertEqual(check({}).returncode, 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
