@@ -2,12 +2,17 @@
 #include "ray/embree.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "gnomon/error.h"
 
 namespace gnomon::ray {
 
-EmbreeDevice::EmbreeDevice() : device_(rtcNewDevice("threads=1,set_affinity=0"))
+struct EmbreeDevice::Arena {
+    tbb::task_arena one_thread{1};
+};
+
+EmbreeDevice::EmbreeDevice() : arena_(std::make_unique<Arena>()), device_(rtcNewDevice("set_affinity=0"))
 {
     if (!device_)
         throw MissingError(
@@ -24,6 +29,11 @@ bool EmbreeDevice::count_memory(void* self, ssize_t bytes, bool)
 {
     static_cast<EmbreeDevice*>(self)->bytes_ += static_cast<std::size_t>(bytes);
     return true;
+}
+
+void EmbreeDevice::commit(RTCScene scene) const
+{
+    arena_->one_thread.execute([scene] { rtcCommitScene(scene); });
 }
 
 void EmbreeDevice::check() const

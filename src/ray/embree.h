@@ -7,11 +7,14 @@
 
 #include <atomic>
 #include <cstddef>
+#include <memory>
 #include <utility>
 
 namespace gnomon::ray {
 
-/// The device all scenes share: it builds with one thread, so that trees come out the same every time.
+/// The device all scenes share. Trees are built by one thread, so that they come out the same every time; only `commit`
+/// may build them. (Embree's own option threads=1 would hold the whole process to one thread for the device's lifetime:
+/// it is a limit of oneTBB's, not of the device.)
 class EmbreeDevice {
  public:
     EmbreeDevice();
@@ -21,11 +24,15 @@ class EmbreeDevice {
 
     RTCDevice get() const { return device_; }
     std::size_t bytes() const { return bytes_; }
+    /// Builds or rebuilds a scene on the caller's thread alone.
+    void commit(RTCScene scene) const;
     /// Throws what the last calls left behind: MissingError for want of memory, else InternalError.
     void check() const;
 
  private:
     static bool count_memory(void* self, ssize_t bytes, bool post);
+    struct Arena;
+    std::unique_ptr<Arena> arena_;
     RTCDevice device_ = nullptr;
     std::atomic<std::size_t> bytes_ = 0;
 };

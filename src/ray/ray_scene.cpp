@@ -134,13 +134,13 @@ void RayScene::Inside::build(const scene::SceneState& state)
     first_instance = static_cast<unsigned>(still_records.size());
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (!scene->objects[o].dynamic && instanced(scene->objects[o])) add_still_instance(state, o);
-    rtcCommitScene(still.get());
+    device.commit(still.get());
     device.check();
 
     for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
-    rtcCommitScene(moving.get());
+    device.commit(moving.get());
     device.check();
 
     RTCBounds box;
@@ -199,7 +199,7 @@ void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene:
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         shared->vertices.emplace_back().bake(mesh.positions, mesh.normals, mesh.tangents, glm::dmat4(1));
         attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
-        rtcCommitScene(shared->tree.get());
+        device.commit(shared->tree.get());
     }
     const glm::dmat4& world = state.world(object.node);
     const glm::mat4& matrix = still_matrices.emplace_back(world);
@@ -240,7 +240,7 @@ void RayScene::Inside::add_group(const scene::SceneState& state, scene::GroupId 
         describe(o, vertices, &solid, mirrors(relative));
         solid.objects.push_back(o);
     }
-    rtcCommitScene(solid.tree.get());
+    device.commit(solid.tree.get());
     place_new(solid, state);
 }
 
@@ -261,7 +261,7 @@ void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId
     attach_object(device.get(), solid.tree.get(), *scene, o, vertices, false, solid.records);
     describe(o, vertices, &solid, false);
     solid.objects.push_back(o);
-    rtcCommitScene(solid.tree.get());
+    device.commit(solid.tree.get());
     if (solid.deforming) refit(solid, state);
     place_new(solid, state);
 }
@@ -280,7 +280,7 @@ void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
         rtcUpdateGeometryBuffer(part, RTC_BUFFER_TYPE_VERTEX, 0);
         rtcCommitGeometry(part);
     }
-    rtcCommitScene(solid.tree.get());
+    device.commit(solid.tree.get());
     if (solid.instance.get()) rtcCommitGeometry(solid.instance.get());
 }
 
@@ -322,7 +322,7 @@ void RayScene::Inside::lift_out(const scene::SceneState& state, scene::ObjectId 
 {
     for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
     still_ids[o].clear();
-    rtcCommitScene(still.get());
+    device.commit(still.get());
     add_alone(state, o);
 }
 
@@ -360,8 +360,8 @@ void RayScene::update(const scene::SceneState& state)
         if (const std::uint32_t s = solid_of(o); s != scene::none) in.show(touch(s), true);
 
     // Rebuild the movers' small top level, and nothing else.
-    if (changed) rtcCommitScene(in.moving.get());
-    if (changed && in.one.get()) rtcCommitScene(in.one.get());
+    if (changed) in.device.commit(in.moving.get());
+    if (changed && in.one.get()) in.device.commit(in.one.get());
     in.device.check();
 }
 
@@ -377,7 +377,7 @@ void RayScene::keep_one_tree()
         }
     for (unsigned s = 0; s < in.solids.size(); ++s)
         rtcAttachGeometryByID(in.one.get(), in.solids[s].instance.get(), past_still + s);
-    rtcCommitScene(in.one.get());
+    in.device.commit(in.one.get());
     in.device.check();
 }
 
