@@ -58,9 +58,11 @@ Scene make_kinetic()
     add_landscape(scene, materials);
     add_courtyard(scene, materials);
     add_arcades(scene, materials);
+    add_tower(scene, materials);
     add_sundial(scene, materials);
     add_ornaments(scene, materials);
-    add_plants(scene, materials);
+    add_trees(scene, materials);
+    add_climbers(scene, materials);
     add_mobile(scene, materials);
     add_camera(scene);
 

@@ -46,11 +46,14 @@ NodeId add_object(Scene& scene, MeshId mesh, const char* name, const glm::dmat4&
 /// A placement: turn about +Y in radians, then shift.
 glm::dmat4 placed(const glm::dvec3& at, double turn = 0, double scale = 1);
 
+MeshId make_column(Scene& scene, const Materials& materials);
 void add_arcades(Scene& scene, const Materials& materials);
+void add_tower(Scene& scene, const Materials& materials);
 void add_courtyard(Scene& scene, const Materials& materials);
 void add_sundial(Scene& scene, const Materials& materials);
 void add_ornaments(Scene& scene, const Materials& materials);
-void add_plants(Scene& scene, const Materials& materials);
+void add_trees(Scene& scene, const Materials& materials);
+void add_climbers(Scene& scene, const Materials& materials);
 void add_mobile(Scene& scene, const Materials& materials);
 void add_landscape(Scene& scene, const Materials& materials);
 void add_camera(Scene& scene);

@@ -39,7 +39,7 @@ void add_paving(Scene& scene, const Materials& m)
             const float z0 = z_start + sz * static_cast<float>(row), z1 = z0 + sz;
             const float tone = random.uniform(), warm = random.uniform();
             const float height = 0.006f * random.uniform();
-            const glm::vec2 offset(random.uniform(), random.uniform());
+            const glm::vec2 offset{random.uniform(), random.uniform()};
             // None under the pool, none hidden by the sundial's steps.
             const float farthest = std::max(std::abs(x0), std::abs(x1)), z_far = std::max(std::abs(z0), std::abs(z1));
             if (farthest * farthest + z_far * z_far < 2.0f * 2.0f) continue;
@@ -90,8 +90,9 @@ void add_pool(Scene& scene, const Materials& m)
     for (int i = 0; i < 15; ++i) {
         const bool near_group = i < 9;
         const float spread = near_group ? 0.75f : 0.5f;
-        const glm::vec3 at(near_group ? random.uniform(-1.3f, -0.2f) : random.uniform(0.6f, 1.35f), k_water,
-                           (near_group ? 4.2f : 6.3f) + random.uniform(-spread, spread));
+        const float x = near_group ? random.uniform(-1.3f, -0.2f) : random.uniform(0.6f, 1.35f);
+        const float z = (near_group ? 4.2f : 6.3f) + random.uniform(-spread, spread);
+        const glm::vec3 at(x, k_water, z);
         const float radius = random.uniform(0.10f, 0.19f), turn = random.uniform(0, 6.28f);
         b.place(glm::translate(glm::mat4(1), at + glm::vec3(0, 0.003f + 0.001f * static_cast<float>(i), 0)) *
                 glm::rotate(glm::mat4(1), turn, glm::vec3(0, 1, 0)));
@@ -201,7 +202,10 @@ void add_landscape(Scene& scene, const Materials& m)
         return b.vertex(p, n, glm::vec2(p.x, p.z));
     };
     for (int ring = 0; ring < rings; ++ring)
-        for (int i = 0; i < around; ++i) b.quad(at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i));
+        for (int i = 0; i < around; ++i) {
+            const std::uint32_t corner[] = {at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i)};
+            b.quad(corner[0], corner[1], corner[2], corner[3]);
+        }
     b.tint(glm::vec3(1));
 
     // Two ranges of hills, flat and pale as distance makes them.

@@ -204,7 +204,7 @@ void add_ornaments(Scene& scene, const Materials& m)
     b.lathe(make_outline(ring, false, 1.5f), 48);
     b.open_sky({});
     b.use(m.mirror);
-    b.sphere({0, 1.03f, 0}, 0.33f, 96, 47);
+    b.sphere({0, 1.03f, 0}, 0.33f, 72, 35);
     add_object(scene, add_mesh(scene, b, "mirror ball"), "mirror ball", placed({3.05, 0, 5.6}));
 
     // Glass on the pool's rim, a hair above it: equal heights would let rays into the stone.

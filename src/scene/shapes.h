@@ -27,6 +27,9 @@ struct Outline {
     std::vector<Segment> segments;
 };
 
+/// The normal to the right of a direction.
+glm::vec2 right_of(const glm::vec2& direction);
+
 /// @param points  at least two
 /// @param crease  angle in radians at and above which a corner stays sharp
 Outline make_outline(std::span<const glm::vec2> points, bool closed, float crease = 0.7f);
