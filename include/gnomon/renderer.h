@@ -13,12 +13,12 @@
 namespace gnomon {
 
 struct RenderOptions {
-    Size size{};                      // 0 x 0: the file's own, else 1280 x 720
-    std::string camera = "auto";      // a name, a number from 0, or auto: the first
-    double turntable_seconds = 0;     // > 0: the camera circles the scene in that time instead
-    int max_depth = 10;               // reflections and refractions in a row, 0 to 64
-    int samples = 1;                  // per pixel, 1 to 4096
-    std::optional<double> exposure;   // stops; none: automatic, from this frame alone
+    Size size{};                        // 0 x 0: the file's own, else 1280 x 720
+    std::string camera = "auto";        // a name, a number from 0, or auto: the first
+    double turntable_seconds = 0;       // > 0: the camera circles the scene in that time instead
+    int max_depth = 10;                 // reflections and refractions in a row, 0 to 64
+    int samples = 1;                    // per pixel, 1 to 4096
+    std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, shadow

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shortest whole program: a scene in, one picture out.
+//
+//   example_render_one_frame [SCENE [FRAME [OUT.png]]]
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "gnomon/gnomon.h"
+
+int main(int argc, char** argv)
+try {
+    const gnomon::Scene scene = gnomon::load(argc > 1 ? argv[1] : "builtin:cornell");
+    const int frame = argc > 2 ? std::atoi(argv[2]) : 1;
+
+    gnomon::Renderer renderer({.size = {512, 512}});
+    const gnomon::Picture picture = renderer.render(scene, frame);
+    picture.write(argc > 3 ? argv[3] : "frame.png");
+
+    std::printf("%.1f ms, %llu shadow rays\n", picture.milliseconds,
+                static_cast<unsigned long long>(picture.counters.shadow.rays));
+    return 0;
+} catch (const gnomon::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}

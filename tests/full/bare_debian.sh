@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# From a bare Debian 12 to a film: debootstrap's smallest system in a folder, this repository's HEAD in it, and
+# `./dev demo` and `./dev test` as the README says. Everything else that is needed must be installed by ./dev itself.
+#
+# Needs root, debootstrap, git and the package archive of this machine's own apt configuration; exit 77 (skipped) without.
+# Mounts live in a mount namespace of their own and go with it, however this ends.
+#
+# GNOMON_DEMO_ARGS: options for the demo's film (default: a short and small one).
+set -euo pipefail
+source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+
+skip() { echo "bare_debian: skipped: $*"; exit 77; }
+fail() { echo "bare_debian: FAILED: $*"; exit 1; }
+
+# The first Debian mirror of this machine's apt, whichever of the two file formats it is written in.
+debian_mirror() {
+    { cat /etc/apt/sources.list.d/*.sources 2>/dev/null | sed -n 's/^URIs: *\([^ ]*\).*/\1/p'
+      cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
+          sed -n 's/^deb  *\(\[[^]]*\]  *\)\?\([^ ]*\)  *bookworm .*/\2/p'; } |
+        grep -v -e security | grep '/debian/*$' | head -n 1
+}
+
+# Runs in the mount namespace.
+in_namespace() {
+    local root=$1
+    mount -t proc proc "$root/proc"
+    mount --rbind /dev "$root/dev"
+    enter() {
+        env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root TERM=dumb GNOMON_DEMO_ARGS="$GNOMON_DEMO_ARGS" \
+            ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
+            chroot "$root" "$@"
+    }
+    ! enter sh -c 'command -v g++ || command -v cmake || command -v python3' || fail "the system is not bare"
+
+    echo "bare_debian: ./dev demo, with nothing installed"
+    time enter /gnomon/dev demo
+    [[ -s $root/gnomon/out/kinetic.mp4 ]] || fail "no film"
+    [[ -s $root/gnomon/out/kinetic.png ]] || fail "no contact sheet"
+    enter ffmpeg -v error -i /gnomon/out/kinetic.mp4 -f null - || fail "the film does not play"
+
+    local turn
+    for turn in 1 2; do
+        echo "bare_debian: ./dev test, turn $turn"
+        enter /gnomon/dev test -R '^(layers|machine_paths|Texture\..*|Builtin.*)$' >"$root/log" 2>&1 || { cat "$root/log"; fail "./dev test"; }
+        tail -n 4 "$root/log"
+        grep -q '^100% tests passed' "$root/log" || fail "no closing line"
+        ! grep -q 'dev: installing' "$root/log" || fail "installs again what is there"
+    done
+    echo "bare_debian: ok"
+}
+
+if [[ ${1:-} == --in-namespace ]]; then
+    in_namespace "$2"
+    exit
+fi
+
+[[ $EUID -eq 0 ]] || skip "needs root"
+command -v debootstrap >/dev/null || skip "needs debootstrap"
+command -v git >/dev/null || skip "needs git"
+git -C "$source_folder" rev-parse HEAD >/dev/null 2>&1 || skip "not a git checkout"
+unshare --mount true 2>/dev/null || skip "may not mount"
+mirror=$(debian_mirror) || true
+[[ -n $mirror ]] || skip "no Debian mirror in /etc/apt"
+
+scratch=$(mktemp -d)
+trap 'rm -rf --one-file-system "$scratch"' EXIT
+trap 'exit 130' INT TERM
+root=$scratch/root
+
+more=()
+[[ $mirror != https:* ]] || more+=(--include=ca-certificates)
+if ! debootstrap --variant=minbase "${more[@]}" bookworm "$root" "$mirror" >"$scratch/debootstrap.log" 2>&1; then
+    tail -n 5 "$scratch/debootstrap.log"
+    skip "debootstrap could not make a system from $mirror"
+fi
+# This machine's way to the archive: sources, options, keys, names, certificates.
+rm -rf "$root/etc/apt"
+cp -a /etc/apt "$root/etc/apt"
+cp -a /usr/share/keyrings/. "$root/usr/share/keyrings/"
+cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
+if [[ $mirror == https:* && -d /usr/local/share/ca-certificates ]]; then
+    cp -a /usr/local/share/ca-certificates "$root/usr/local/share/"
+    chroot "$root" update-ca-certificates >/dev/null
+fi
+
+mkdir "$root/gnomon"
+git -C "$source_folder" archive HEAD | tar -x -C "$root/gnomon"
+export GNOMON_DEMO_ARGS="${GNOMON_DEMO_ARGS:---frames 1-12 --size 320x180}"
+unshare --mount --propagation private "${BASH_SOURCE[0]}" --in-namespace "$root"
