@@ -48,6 +48,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
     for (int sample = 0; sample < options_.samples; ++sample) {
         queue_primary(tile, sample);
         points_.clear();
+        facing_.clear();
         trace_queue(primary_);
         shade_hits(primary_, true, sample);
         light_points(true);
@@ -58,6 +59,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
             counters_.reflection_rays += reflected_.rays.size();
             counters_.refraction_rays += refracted_.rays.size();
             points_.clear();
+            facing_.clear();
             for (const PathQueue* queue : {&reflected_, &refracted_}) {
                 trace_queue(*queue);
                 shade_hits(*queue, false, sample);
@@ -123,7 +125,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             color_[path.pixel] += path.share * scene_.background.radiance(direction);
             continue;
         }
-        Point point;
+        Point& point = points_.emplace_back();
         point.surface = surface_at(scene_, rays_.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i],
                                    hits_.t[i], direction, path.cone);
         point.pixel = path.pixel;
@@ -144,7 +146,9 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                 depth_[path.pixel] = hits_.t[i] * glm::dot(direction, view_.forward);
             }
         }
-        points_.push_back(point);
+        // An unlit surface faces no light.
+        const bool lit = s.model != scene::ShadingModel::unlit;
+        facing_.push_back({s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0), s.normal});
     }
 }
 
@@ -157,21 +161,16 @@ void TileTracer::light_points(bool primary)
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
         shadow_rays_.clear();
         shadow_point_.clear();
-        shadow_irradiance_.clear();
-        for (std::size_t p = 0; p < points_.size(); ++p) {
-            const SurfacePoint& s = points_[p].surface;
-            if (s.model == scene::ShadingModel::unlit) continue;
-            const scene::LightSample sample = scene::illuminate(light, at, s.position);
-            if (glm::dot(sample.to_light, s.geometric_normal) <= 0 || glm::dot(sample.to_light, s.normal) <= 0)
-                continue;
-            if (sample.irradiance == glm::vec3(0)) continue;
-            const glm::vec3 origin = s.position + s.offset * s.geometric_normal;
-            if (light.type == scene::LightType::directional)
-                shadow_rays_.push(origin, 0, sample.to_light, k_infinity);
-            else
-                shadow_rays_.push(origin, 0, at.position - origin, k_shadow_end);
-            shadow_point_.push_back(static_cast<std::uint32_t>(p));
-            shadow_irradiance_.push_back(sample.irradiance);
+        const bool directional = light.type == scene::LightType::directional;
+        const bool bounded = light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
+        if (!at.visible || light.color == glm::vec3(0)) continue;
+        for (std::uint32_t p = 0; p < facing_.size(); ++p) {
+            const Facing& f = facing_[p];
+            const glm::vec3 to_light = directional ? -at.direction : at.position - f.origin;
+            if (glm::dot(to_light, f.geometric_normal) <= 0 || glm::dot(to_light, f.normal) <= 0) continue;
+            if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
+            shadow_rays_.push(f.origin, 0, to_light, directional ? k_infinity : k_shadow_end);
+            shadow_point_.push_back(p);
         }
         const std::size_t count = shadow_rays_.size();
         if (count == 0) continue;
@@ -183,8 +182,8 @@ void TileTracer::light_points(bool primary)
         for (std::size_t i = 0; i < count; ++i) {
             if (blocked_[i]) continue;
             const Point& point = points_[shadow_point_[i]];
-            const glm::vec3 to_light = glm::normalize(shadow_rays_.direction(i));
-            const glm::vec3 radiance = point.share * reflect_light(point.surface, to_light, shadow_irradiance_[i]);
+            const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+            const glm::vec3 radiance = point.share * reflect_light(point.surface, sample.to_light, sample.irradiance);
             color_[point.pixel] += radiance;
             if (primary && options_.layers) {
                 direct_[point.pixel] += radiance;

@@ -43,6 +43,12 @@ class TileTracer {
         glm::vec3 share;
     };
 
+    // What decides whether a point faces a light; apart from the rest, since every light reads all of them.
+    struct Facing {
+        glm::vec3 origin;   // of its shadow rays
+        glm::vec3 geometric_normal, normal;
+    };
+
     void queue_primary(const TileRect& tile, int sample);
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample);
@@ -65,7 +71,7 @@ class TileTracer {
     std::vector<Point> points_;
     ray::RayQueue shadow_rays_;
     std::vector<std::uint32_t> shadow_point_;
-    std::vector<glm::vec3> shadow_irradiance_;
+    std::vector<Facing> facing_;   // by point
     std::vector<std::uint8_t> blocked_;
 
     std::vector<glm::vec3> color_, direct_, albedo_, normal_;   // by pixel of the tile

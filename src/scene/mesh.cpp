@@ -16,6 +16,7 @@ Box3 Mesh::bounds() const
 
 const MeshPart& Mesh::part_of(std::uint32_t triangle) const
 {
+    if (parts.size() == 1) return parts.front();
     const auto after = std::upper_bound(parts.begin(), parts.end(), triangle,
                                         [](std::uint32_t t, const MeshPart& part) { return t < part.first_triangle; });
     return *(after - 1);

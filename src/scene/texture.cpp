@@ -9,7 +9,7 @@ namespace gnomon::scene {
 namespace {
 
 // Brings a coordinate into one period before it becomes a texel: large coordinates lose their fraction in 32 bits.
-int wrap_texel(int i, int size, Wrap wrap)
+[[gnu::always_inline]] inline int wrap_texel(int i, int size, Wrap wrap)
 {
     switch (wrap) {
         case Wrap::clamp:
@@ -43,7 +43,7 @@ float reduce(float x, Wrap wrap)
     return std::clamp(x, -1.0f, 2.0f);
 }
 
-glm::vec4 decode(const std::uint8_t* p, bool srgb)
+[[gnu::always_inline]] inline glm::vec4 decode(const std::uint8_t* p, bool srgb)
 {
     constexpr float scale = 1.0f / 255.0f;
     if (!srgb) return {p[0] * scale, p[1] * scale, p[2] * scale, p[3] * scale};
@@ -132,13 +132,18 @@ glm::vec4 Texture::nearest(const Image8& level, glm::vec2 uv) const
 
 glm::vec4 Texture::bilinear(const Image8& level, glm::vec2 uv) const
 {
-    const float x = uv.x * level.width - 0.5f;
-    const float y = uv.y * level.height - 0.5f;
+    const float x = uv.x * static_cast<float>(level.width) - 0.5f;
+    const float y = uv.y * static_cast<float>(level.height) - 0.5f;
     const float fx = std::floor(x), fy = std::floor(y);
     const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
     const float wx = x - fx, wy = y - fy;
-    const glm::vec4 top = texel(level, ix, iy) * (1 - wx) + texel(level, ix + 1, iy) * wx;
-    const glm::vec4 bottom = texel(level, ix, iy + 1) * (1 - wx) + texel(level, ix + 1, iy + 1) * wx;
+
+    // Wrap each column and row once, then blend four texels.
+    const int x0 = wrap_texel(ix, level.width, sampler_.wrap_u), x1 = wrap_texel(ix + 1, level.width, sampler_.wrap_u);
+    const std::uint8_t* const upper = level.pixel(0, wrap_texel(iy, level.height, sampler_.wrap_v));
+    const std::uint8_t* const lower = level.pixel(0, wrap_texel(iy + 1, level.height, sampler_.wrap_v));
+    const glm::vec4 top = decode(upper + 4 * x0, srgb_) * (1 - wx) + decode(upper + 4 * x1, srgb_) * wx;
+    const glm::vec4 bottom = decode(lower + 4 * x0, srgb_) * (1 - wx) + decode(lower + 4 * x1, srgb_) * wx;
     return top * (1 - wy) + bottom * wy;
 }
 

@@ -6,6 +6,27 @@
 
 namespace gnomon::shadow_culling {
 
+namespace {
+
+// Whether a neighbour goes on, seen from the light, on the other side of the edge a-b than the triangle with corner c: the
+// edge then is no silhouette. By corners, not by winding: not all meshes are wound consistently.
+bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const StaticTriangle& neighbour,
+                      const LightPoint& light)
+{
+    const glm::dvec3 edge_plane = glm::cross(b - a, light.directional ? light.place : light.place - a);
+    const double own = glm::dot(edge_plane, c - a);
+    double other = 0;   // of the neighbour's corner that is not on the edge: the one furthest from the plane
+    for (const glm::vec3& corner : neighbour.p) {
+        const glm::dvec3 q(corner);
+        if (q == a || q == b) continue;
+        const double at = glm::dot(edge_plane, q - a);
+        if (std::abs(at) > std::abs(other)) other = at;
+    }
+    return (own > 0 && other < 0) || (own < 0 && other > 0);
+}
+
+}  // namespace
+
 bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, TriangleId receiver)
 {
     return shaft.valid() && !triangles.any_in(shaft, receiver);
@@ -24,21 +45,17 @@ bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, Triangle
     const LightPoint& light = shaft.light();
     const double highest =
         light.directional ? std::numeric_limits<double>::infinity() : shaft.light_height() * (1 - options.end_gap);
-    int orientation = 0;
     for (int next = 0; next < count; ++next) {
         const TriangleId id = patch[static_cast<std::size_t>(next)];
         if (id == receiver || triangles.role(id) != StaticTriangles::Role::opaque) return false;
         const StaticTriangle& t = triangles[id];
         const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
 
-        // Refuse triangles edge-on to the light, and a change of side: that edge is a silhouette.
+        // Refuse triangles edge-on to the light.
         const glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
         const glm::dvec3 to_light = light.directional ? light.place : light.place - p[0];
         const double facing = glm::dot(n, to_light);
         if (!(std::abs(facing) > options.min_facing * glm::length(n) * glm::length(to_light))) return false;
-        const int side = facing > 0 ? 1 : -1;
-        if (orientation == 0) orientation = side;
-        if (side != orientation) return false;
 
         // What lies in the shaft must lie strictly between receiver and light.
         ClippedPolygon inside;
@@ -56,6 +73,7 @@ bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, Triangle
             if (!shaft.meets_segment(p[e], p[(e + 1) % 3])) continue;
             const TriangleId neighbour = triangles.across(id, e);
             if (neighbour == no_triangle) return false;
+            if (!continues_behind(p[e], p[(e + 1) % 3], p[(e + 2) % 3], triangles[neighbour], light)) return false;
             if (std::find(patch.begin(), patch.begin() + count, neighbour) != patch.begin() + count) continue;
             if (count >= most) return false;
             patch[static_cast<std::size_t>(count++)] = neighbour;
