@@ -45,8 +45,9 @@ struct Packet<4> {
     static void occluded(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded4(valid, s, c, r); }
 };
 
+// @param valid  what is not traceable is struck out
 template <int W, class Ray>
-void load(Ray& ray, const RayQueue& rays, std::size_t begin, unsigned mask)
+void load(Ray& ray, const RayQueue& rays, std::size_t begin, unsigned mask, int (&valid)[W])
 {
     constexpr std::size_t bytes = W * sizeof(float);
     std::memcpy(ray.org_x, &rays.ox[begin], bytes);
@@ -58,6 +59,9 @@ void load(Ray& ray, const RayQueue& rays, std::size_t begin, unsigned mask)
     std::memcpy(ray.tnear, &rays.tnear[begin], bytes);
     std::memcpy(ray.tfar, &rays.tfar[begin], bytes);
     for (int i = 0; i < W; ++i) ray.time[i] = 0, ray.mask[i] = mask, ray.id[i] = 0, ray.flags[i] = 0;
+    for (int i = 0; i < W; ++i)
+        valid[i] &= -static_cast<int>(traceable(ray.org_x[i], ray.org_y[i], ray.org_z[i], ray.tnear[i], ray.dir_x[i],
+                                                ray.dir_y[i], ray.dir_z[i], ray.tfar[i]));
 }
 
 template <int W>
@@ -66,9 +70,9 @@ void intersect_width(RTCScene scene, TraceContext& context, const RayQueue& rays
 {
     typename Packet<W>::RayHit packet;
     alignas(64) int valid[W];
-    load<W>(packet.ray, rays, begin, k_mask_seen);
+    for (int i = 0; i < W; ++i) valid[i] = i < count ? -1 : 0;
+    load<W>(packet.ray, rays, begin, k_mask_seen, valid);
     for (int i = 0; i < W; ++i) {
-        valid[i] = i < count ? -1 : 0;
         if (tfar) packet.ray.tfar[i] = tfar[i];
         packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         packet.hit.primID[i] = 0, packet.hit.u[i] = 0, packet.hit.v[i] = 0;
@@ -88,8 +92,8 @@ bool occlude_width(RTCScene scene, TraceContext& context, const RayQueue& rays, 
 {
     typename Packet<W>::Ray packet;
     alignas(64) int valid[W];
-    load<W>(packet, rays, begin, k_mask_blocks);
     for (int i = 0; i < W; ++i) valid[i] = i < count ? active[i] : 0;
+    load<W>(packet, rays, begin, k_mask_blocks, valid);
     Packet<W>::occluded(valid, scene, &context.embree, &packet);
     bool any = false;
     for (int i = 0; i < count; ++i) {

@@ -20,8 +20,8 @@
 
 namespace gnomon::ray {
 
-/// What rays are tested against. `one_tree`: everything, in a single tree: what a ray tracer without our split would do,
-/// for comparison (see keep_one_tree).
+/// What rays are tested against. `one_tree`: everything, in a single tree: what a ray tracer without our split would
+/// do, for comparison (see keep_one_tree).
 enum class Against : std::uint8_t { everything, static_only, dynamic_only, one_tree };
 /// What closest-hit rays see of one-sided surfaces: both sides, or their front alone (camera and mirror rays).
 enum class Sides : std::uint8_t { both, front };
@@ -75,7 +75,8 @@ class RayScene {
 
     /// Nearest surface along each ray; transparent ones count. rays[begin, end) only; hits must be sized. Thread-safe.
     void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides) const;
-    /// blocked[i] = 1 where something that blocks light lies between tnear and tfar, else 0. Thread-safe.
+    /// blocked[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.
+    /// Thread-safe.
     void blocked(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
                  Against against = Against::everything) const;
 
@@ -89,6 +90,7 @@ class RayScene {
     void keep_one_tree();
 
     const ObjectGeometry& geometry(scene::ObjectId object) const;
+    /// Around everything visible, as of the last update.
     Box3 bounds() const;
     RaySceneStatistics statistics() const;
 

@@ -107,7 +107,8 @@ std::size_t BakedVertices::bytes() const
 }
 
 void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& description, scene::ObjectId object,
-                   const BakedVertices& vertices, bool mirrored, std::deque<GeometryRecord>& records)
+                   const BakedVertices& vertices, bool mirrored, std::deque<GeometryRecord>& records,
+                   RTCBuildQuality quality)
 {
     const scene::Mesh& mesh = description.meshes[description.objects[object].mesh];
     const auto material_of = [&](const scene::MeshPart& part) -> const scene::Material& {
@@ -141,6 +142,7 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
         const bool masked = surface == scene::SurfaceClass::masked;
         if (one_sided || masked) rtcSetGeometryIntersectFilterFunction(geometry.get(), &filter_closest);
         if (masked) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_any);
+        rtcSetGeometryBuildQuality(geometry.get(), quality);
         rtcCommitGeometry(geometry.get());
         rtcAttachGeometryByID(scene, geometry.get(), id);
     }

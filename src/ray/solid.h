@@ -35,8 +35,9 @@ struct BakedVertices {
 /// Attaches an object's geometries to a scene under ids that follow the records. Triangles keep the mesh's numbers.
 /// @param vertices  must outlive the geometries and stay in place
 /// @param records   gets one entry a geometry, at the index of its geometry id
-/// @param quality   RTC_BUILD_QUALITY_REFIT for deforming meshes after their first build
+/// @param quality   RTC_BUILD_QUALITY_REFIT for deforming meshes
 void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& description, scene::ObjectId object,
-                   const BakedVertices& vertices, bool mirrored, std::deque<GeometryRecord>& records);
+                   const BakedVertices& vertices, bool mirrored, std::deque<GeometryRecord>& records,
+                   RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM);
 
 }   // namespace gnomon::ray

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// Construction: which triangles go where.
+#include <algorithm>
+
+#include "ray/inside.h"
+#include "ray/packets.h"
+
+namespace gnomon::ray {
+
+namespace {
+
+// A mesh that this many static objects share, with at least so many triangles in all, is kept once and instanced;
+// below, flattened copies trace faster than instances.
+constexpr std::size_t k_instancing_copies = 8;
+constexpr std::size_t k_instancing_triangles = 1u << 20;
+
+}   // namespace
+
+glm::mat3 normal_matrix(const glm::mat4& m)
+{
+    const glm::mat3 linear(m);
+    const glm::mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                             glm::cross(linear[0], linear[1]));
+    return glm::determinant(linear) < 0 ? -1.0f * cofactor : cofactor;
+}
+
+bool mirrors(const glm::dmat4& m)
+{
+    return glm::determinant(glm::dmat3(m)) < 0;
+}
+
+bool has_volume(const glm::mat4& m)
+{
+    // The determinant in float, since Embree inverts in float.
+    if (!std::isnormal(glm::determinant(glm::mat3(m)))) return false;
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3(m));
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row) {
+            if (!(std::abs(m[column][row]) <= k_largest_coordinate)) return false;
+            if (column < 3 && !(std::abs(inverse[column][row]) <= k_largest_inverse)) return false;
+        }
+    return true;
+}
+
+SceneHandle RayScene::Inside::new_scene(RTCBuildQuality quality, unsigned flags) const
+{
+    SceneHandle handle(rtcNewScene(device.get()));
+    rtcSetSceneFlags(handle.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | flags));
+    rtcSetSceneBuildQuality(handle.get(), quality);
+    return handle;
+}
+
+void RayScene::Inside::build(const scene::SceneState& state)
+{
+    scene = state.shared_scene();
+    width = packet_width();
+    geometry.resize(scene->objects.size());
+    still_ids.resize(scene->objects.size());
+    solid_of_group.assign(scene->groups.size(), scene::none);
+    solid_of_object.assign(scene->objects.size(), scene::none);
+    still = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+    moving = new_scene(RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC);
+
+    // Decide which static meshes are worth keeping once.
+    std::vector<std::size_t> copies(scene->meshes.size(), 0);
+    for (const scene::Object& object : scene->objects) copies[object.mesh] += !object.dynamic;
+    const auto instanced = [&](const scene::Object& object) {
+        const std::size_t n = copies[object.mesh];
+        return !object.deforming && n >= k_instancing_copies &&
+               n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles;
+    };
+
+    // Flattened objects first: their geometry ids are the records' indices.
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (!scene->objects[o].dynamic && !instanced(scene->objects[o])) add_still(state, o);
+    first_instance = static_cast<unsigned>(still_records.size());
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (!scene->objects[o].dynamic && instanced(scene->objects[o])) add_still_instance(state, o);
+    device.commit(still.get());
+    device.check();
+
+    for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    device.commit(moving.get());
+    device.check();
+}
+
+void RayScene::Inside::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)
+{
+    vertices.bake(mesh.positions, mesh.normals, mesh.tangents, matrix);
+    baked_bytes += vertices.bytes();
+}
+
+// What shading needs to know about an object.
+void RayScene::Inside::describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid,
+                                bool mirrored)
+{
+    ObjectGeometry& g = geometry[object];
+    g.mesh = &scene->meshes[scene->objects[object].mesh];
+    g.positions = vertices.positions.data();
+    g.normals = vertices.normals.empty() ? nullptr : vertices.normals.data();
+    g.tangents = vertices.tangents.empty() ? nullptr : vertices.tangents.data();
+    g.to_world = solid ? &solid->to_world : nullptr;
+    g.normal_to_world = solid ? &solid->normal_to_world : nullptr;
+    g.mirrored = mirrored;
+}
+
+void RayScene::Inside::add_still(const scene::SceneState& state, scene::ObjectId o)
+{
+    const scene::Object& object = scene->objects[o];
+    const scene::Mesh& mesh = scene->meshes[object.mesh];
+    const glm::dmat4& world = state.world(object.node);
+    BakedVertices& vertices = still_vertices.emplace_back();
+    if (object.deforming) {   // a morph that stands still
+        const scene::DeformedMesh& shape = state.deformed(o);
+        vertices.bake(shape.positions, shape.normals, shape.tangents,
+                      object.skin != scene::none ? glm::dmat4(1) : world);
+        baked_bytes += vertices.bytes();
+    } else {
+        bake(vertices, mesh, world);
+    }
+    const bool mirrored = mirrors(world);
+    describe(o, vertices, nullptr, mirrored);
+    statistics.static_triangles += mesh.triangles.size();
+    if (!state.object_visible(o)) return;
+    const auto first = static_cast<unsigned>(still_records.size());
+    attach_object(device.get(), still.get(), *scene, o, vertices, mirrored, still_records);
+    for (auto id = first; id < still_records.size(); ++id) still_ids[o].push_back(id);
+}
+
+void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene::ObjectId o)
+{
+    const scene::Object& object = scene->objects[o];
+    const scene::Mesh& mesh = scene->meshes[object.mesh];
+    std::unique_ptr<Solid>& shared = shared_meshes[object.mesh];
+    if (!shared) {
+        shared = std::make_unique<Solid>();
+        shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+        bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
+        attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
+        device.commit(shared->tree.get());
+    }
+    const glm::dmat4& world = state.world(object.node);
+    const unsigned id = first_instance + static_cast<unsigned>(still_instances.size());
+    Placed& placed = still_instances.emplace_back();
+    placed = {o, shared.get(), glm::mat4(world), normal_matrix(glm::mat4(world))};
+    describe(o, shared->vertices.front(), nullptr, mirrors(world));
+    geometry[o].to_world = &placed.to_world;
+    geometry[o].normal_to_world = &placed.normal_to_world;
+    statistics.static_triangles += mesh.triangles.size();
+    if (!has_volume(placed.to_world) || !state.object_visible(o)) return;
+    const GeometryHandle instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(instance.get(), shared->tree.get());
+    rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &placed.to_world);
+    rtcSetGeometryMask(instance.get(), k_mask_seen | k_mask_blocks);
+    rtcCommitGeometry(instance.get());
+    rtcAttachGeometryByID(still.get(), instance.get(), id);
+    still_ids[o].push_back(id);
+}
+
+// Objects that move as one share a tree, in the space of the node that moves them.
+void RayScene::Inside::add_group(const scene::SceneState& state, scene::GroupId g)
+{
+    const scene::RigidGroup& group = scene->groups[g];
+    solid_of_group[g] = static_cast<std::uint32_t>(solids.size());
+    Solid& solid = solids.emplace_back();
+    solid.anchor = group.anchor;
+    solid.tree = new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE);
+    for (const scene::ObjectId o : group.objects) {
+        glm::dmat4 relative(1);
+        for (scene::NodeId n = scene->objects[o].node; n != group.anchor; n = scene->nodes[n].parent)
+            relative = scene->nodes[n].local * relative;
+        const scene::Mesh& mesh = scene->meshes[scene->objects[o].mesh];
+        BakedVertices& vertices = solid.vertices.emplace_back();
+        bake(vertices, mesh, relative);
+        attach_object(device.get(), solid.tree.get(), *scene, o, vertices, mirrors(relative), solid.records);
+        describe(o, vertices, &solid, mirrors(relative));
+        solid.objects.push_back(o);
+    }
+    device.commit(solid.tree.get());
+    add_to_moving(solid, state);
+}
+
+// Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the frame in which
+// it was first seen. (A geometry of quality `refit` is built when it is committed for the first time.)
+void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId o)
+{
+    const scene::Object& object = scene->objects[o];
+    const scene::Mesh& mesh = scene->meshes[object.mesh];
+    solid_of_object[o] = static_cast<std::uint32_t>(solids.size());
+    Solid& solid = solids.emplace_back();
+    solid.anchor = object.skin != scene::none ? scene::none : object.node;
+    solid.deforming = object.deforming;
+    solid.tree = new_scene(object.deforming ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM,
+                           object.deforming ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
+    BakedVertices& vertices = solid.vertices.emplace_back();
+    bake(vertices, mesh, glm::dmat4(1));
+    attach_object(device.get(), solid.tree.get(), *scene, o, vertices, false, solid.records,
+                  object.deforming ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    describe(o, vertices, &solid, false);
+    solid.objects.push_back(o);
+    device.commit(solid.tree.get());
+    if (solid.deforming) refit(solid, state);
+    add_to_moving(solid, state);
+}
+
+void RayScene::Inside::add_to_moving(Solid& solid, const scene::SceneState& state)
+{
+    solid.instance = GeometryHandle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
+    rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
+    rtcAttachGeometryByID(moving.get(), solid.instance.get(), static_cast<unsigned>(solids.size() - 1));
+    place(solid, state);
+    show(solid, state.object_visible(solid.objects.front()));
+}
+
+void RayScene::Inside::build_one_tree()
+{
+    one = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+    unsigned past_still = 0;
+    for (const std::vector<unsigned>& ids : still_ids)
+        for (const unsigned id : ids) {
+            rtcAttachGeometryByID(one.get(), rtcGetGeometry(still.get(), id), id);
+            past_still = std::max(past_still, id + 1);
+        }
+    for (unsigned s = 0; s < solids.size(); ++s)
+        rtcAttachGeometryByID(one.get(), solids[s].instance.get(), past_still + s);
+    device.commit(one.get());
+    device.check();
+}
+
+}   // namespace gnomon::ray

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What a RayScene is made of. Private to this folder: construction is in build.cpp, what happens from frame to frame in
+// update.cpp, questions are in ray_scene.cpp.
+//
+// Two trees of everything: `still`, where geometries carry world-space vertices (or are instances of meshes that many
+// objects share), and `moving`, where each solid is an instance of a tree of its own. An object is in one of them.
+
+#include <deque>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "ray/embree.h"
+#include "ray/ray_scene.h"
+#include "ray/solid.h"
+
+namespace gnomon::ray {
+
+/// A tree of its own, placed in the world by an instance: a rigid group, or one object.
+struct Solid {
+    SceneHandle tree;
+    GeometryHandle instance;
+    std::deque<GeometryRecord> records;   // by geometry id
+    std::deque<BakedVertices> vertices;
+    std::vector<scene::ObjectId> objects;
+    scene::NodeId anchor = scene::none;   // whose world matrix places it; none: a skin, already in the world
+    bool deforming = false;
+
+    glm::mat4 to_world{1};
+    glm::mat3 normal_to_world{1};
+    bool mirrored = false;          // by to_world
+    bool visible = true;            // as the scene has it
+    bool has_volume = true;         // to_world can be inverted; what is squeezed flat is met by no ray
+    bool enabled = true;            // in the tree: visible and with volume
+    std::uint64_t touched_at = 0;   // the update that last touched it
+};
+
+/// A static object that is an instance of a shared mesh.
+struct Placed {
+    scene::ObjectId object = scene::none;
+    const Solid* shared = nullptr;
+    glm::mat4 to_world{1};
+    glm::mat3 normal_to_world{1};
+};
+
+/// The object and its mesh's triangle behind Embree's numbers.
+struct Met {
+    scene::ObjectId object;
+    std::uint32_t triangle;
+};
+
+struct RayScene::Inside {
+    EmbreeDevice device;
+    std::shared_ptr<const scene::Scene> scene;
+    int width = 8;
+
+    // Everything static.
+    SceneHandle still;
+    std::deque<GeometryRecord> still_records;   // by geometry id
+    std::deque<BakedVertices> still_vertices;
+    std::unordered_map<scene::MeshId, std::unique_ptr<Solid>> shared_meshes;
+    std::deque<Placed> still_instances;   // by geometry id - first_instance
+    unsigned first_instance = 0;
+    std::vector<std::vector<unsigned>> still_ids;   // by object: its geometry ids in `still`
+
+    // What moves.
+    SceneHandle moving;
+    std::deque<Solid> solids;   // by instance id in `moving`
+    std::vector<std::uint32_t> solid_of_group, solid_of_object;
+
+    SceneHandle one;   // both, for comparison; mostly absent
+
+    std::vector<ObjectGeometry> geometry;
+    RaySceneStatistics statistics;
+    std::uint64_t updates = 0;
+    std::size_t baked_bytes = 0;
+
+    // build.cpp
+    void build(const scene::SceneState& state);
+    void add_still(const scene::SceneState& state, scene::ObjectId object);
+    void add_still_instance(const scene::SceneState& state, scene::ObjectId object);
+    void add_group(const scene::SceneState& state, scene::GroupId group);
+    /// A deforming object, or one that somebody took out of its surroundings by hand.
+    void add_alone(const scene::SceneState& state, scene::ObjectId object);
+    void add_to_moving(Solid& solid, const scene::SceneState& state);
+    void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
+    void bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix);
+    void build_one_tree();
+    SceneHandle new_scene(RTCBuildQuality quality, unsigned flags) const;
+
+    // ray_scene.cpp
+    Met met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const;
+
+    // update.cpp
+    void update(const scene::SceneState& state);
+    void place(Solid& solid, const scene::SceneState& state);
+    void show(Solid& solid, bool visible);
+    void refit(Solid& solid, const scene::SceneState& state);
+    bool lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates);
+    bool rides_along(const scene::SceneState& state, scene::ObjectId object) const;
+    std::uint32_t solid_of(scene::ObjectId object) const;
+};
+
+/// Inverse transpose up to a positive factor; exists for flattening matrices too.
+glm::mat3 normal_matrix(const glm::mat4& m);
+bool mirrors(const glm::dmat4& m);
+/// Whether it can be inverted. Embree takes rays into the space of an instance: a matrix without an inverse (a scale of
+/// 0 is a usual way of hiding things) must not reach it.
+bool has_volume(const glm::mat4& m);
+
+}   // namespace gnomon::ray

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// RayScene: packets against single rays, and a scene that was updated against one that was built afresh.
+#include "ray/ray_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "base/tasks.h"
+#include "ray_helpers.h"
+#include "scene_helpers.h"
+
+namespace gnomon::test {
+namespace {
+
+using scene::SceneState;
+
+TEST(RayScene, PacketsAnswerAsSingleRaysDo)
+{
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        const SceneState state(make_random_scene(seed), 0.3 * static_cast<double>(seed));
+        const ray::RayScene rays(state);
+        const ray::RayQueue queue = random_rays(seed, 4003);   // the last packet is not full
+        const Answers single = ask_singly(rays, queue);
+        EXPECT_GT(count_hits(single), 500u);
+        EXPECT_EQ(differences(ask(rays, queue), single), 0u) << "seed " << seed;
+        EXPECT_EQ(differences(ask(rays, queue, 37), single), 0u) << "in pieces, seed " << seed;
+    }
+}
+
+TEST(RayScene, AnsweringFromManyThreadsChangesNothing)
+{
+    const SceneState state(make_random_scene(3), 1);
+    const ray::RayScene rays(state);
+    const ray::RayQueue queue = random_rays(5, 4000);
+    const Answers alone = ask(rays, queue);
+    std::vector<std::size_t> wrong(16);
+    Tasks tasks(4);
+    tasks.for_each(wrong.size(), [&](std::size_t i, int) { wrong[i] = differences(ask(rays, queue, 500 + i), alone); });
+    for (const std::size_t count : wrong) EXPECT_EQ(count, 0u);
+}
+
+// The library that builds the trees must not hold everybody else to one thread.
+TEST(RayScene, LeavesOtherThreadsAtWork)
+{
+    const SceneState state(make_random_scene(1), 0);
+    const ray::RayScene rays(state);
+    Tasks tasks(4);
+    std::atomic<int> arrived = 0;
+    std::atomic<bool> together = false;
+    tasks.for_each(4, [&](std::size_t, int) {
+        ++arrived;
+        const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+        while (!together && std::chrono::steady_clock::now() < give_up) {
+            if (arrived > 1) together = true;
+            std::this_thread::yield();
+        }
+    });
+    EXPECT_TRUE(together) << "one body ended before the next began";
+}
+
+TEST(RayScene, FollowsAnUpdateToTheBit)
+{
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const auto scene = make_random_scene(seed);
+        const ray::RayQueue queue = random_rays(seed, 3000);
+        SceneState state(scene, 0);
+        ray::RayScene followed(state);
+        const Answers first = ask(followed, queue);
+        Random random(seed);
+        for (int step = 0; step < 8; ++step) {
+            const double time = static_cast<double>(random.uniform(0, 6));
+            state.advance(time);
+            followed.update(state);
+            const SceneState at_once(scene, time);
+            const ray::RayScene fresh(at_once);
+            const Answers expected = ask(fresh, queue);
+            EXPECT_EQ(differences(ask(followed, queue), expected), 0u) << "seed " << seed << ", time " << time;
+            EXPECT_GT(differences(first, expected), 50u) << "nothing moved";
+        }
+    }
+}
+
+// Surfaces that lie in one another: which one is reported rests on the trees alone, so they must be the same trees.
+TEST(RayScene, BreaksTiesAsAFreshSceneDoes)
+{
+    scene::Scene scene = scene_with_balls();
+    scene::Mesh doubled = ball(two_sided, 12, 16);
+    const std::vector<glm::uvec3> once = doubled.triangles;
+    doubled.triangles.insert(doubled.triangles.end(), once.rbegin(), once.rend());
+    doubled.parts.front().triangle_count *= 2;
+    scene.meshes.push_back(doubled);
+    add_vertex_keys(doubled);
+    scene.meshes.push_back(doubled);
+    const auto track = std::make_shared<SwayTrack>(glm::dvec3(0), 4, 3);
+    for (int i = 0; i < 5; ++i) scene.nodes[add_object(scene, 1)].transform = track;
+    for (int i = 0; i < 5; ++i) add_object(scene, 2, scene::none, translation(3, 0, 0));
+    for (int i = 0; i < 5; ++i) add_object(scene, 2);
+    const auto shared = finished(scene);
+
+    const ray::RayQueue queue = random_rays(1, 4000, 4);
+    SceneState state(shared, 0.1);
+    ray::RayScene followed(state);
+    for (const double time : {0.4, 1.9, 4.8, 0.1, 3.0}) {
+        state.advance(time);
+        followed.update(state);
+        const SceneState at_once(shared, time);
+        const ray::RayScene fresh(at_once);
+        EXPECT_EQ(differences(ask(followed, queue), ask(fresh, queue)), 0u) << "time " << time;
+    }
+}
+
+TEST(RayScene, AppearsAndVanishes)
+{
+    scene::Scene scene = scene_with_balls();
+    scene::Mesh keyed = ball(two_sided);
+    add_vertex_keys(keyed);
+    scene.meshes.push_back(keyed);
+    const scene::NodeId blinking = add_object(scene, 0);
+    scene.nodes[blinking].visibility = visibility({1, 2}, {false, true});
+    // Deforms and jumps while nobody sees it.
+    const scene::NodeId sleeper = add_object(scene, 1);
+    scene.nodes[sleeper].transform = std::make_shared<JumpTrack>(1.5, translation(10, 0, 0), translation(20, 0, 0));
+    scene.nodes[sleeper].visibility = visibility({1, 3}, {false, true});
+    const auto shared = finished(scene);
+    const ray::RayQueue queue = random_rays(2, 2000, 25);
+
+    SceneState state(shared, 0);
+    ray::RayScene rays(state);
+    EXPECT_EQ(look_at(rays, 0).object, 0u);
+    EXPECT_EQ(look_at(rays, 10).object, 1u);
+    for (const double time : {1.1, 1.7, 2.5, 3.5, 1.2, 0.5}) {
+        state.advance(time);
+        rays.update(state);
+        const bool first_seen = time < 1 || time >= 2, second_seen = time < 1 || time >= 3;
+        EXPECT_EQ(look_at(rays, 0).object, first_seen ? 0u : scene::none) << time;
+        EXPECT_EQ(look_at(rays, 10).object, second_seen && time < 1.5 ? 1u : scene::none) << time;
+        EXPECT_EQ(look_at(rays, 20).object, second_seen && time >= 1.5 ? 1u : scene::none) << time;
+        const SceneState at_once(shared, time);
+        EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(at_once), queue)), 0u) << time;
+    }
+}
+
+TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
+{
+    scene::Scene scene = scene_with_balls();
+    scene::Mesh mesh = ball(two_sided);
+    mesh.skin.emplace();
+    mesh.skin->joints[0].assign(mesh.positions.size(), glm::u16vec4(0));
+    mesh.skin->weights[0].assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
+    scene.meshes.push_back(mesh);
+    const scene::NodeId joint = scene.add_node("joint", scene::none);
+    scene.nodes[joint].transform = std::make_shared<JumpTrack>(1, glm::dmat4(1), translation(7, 0, 0));
+    scene.skins.push_back({"", {joint}, {glm::dmat4(1)}});
+    // The node's own matrix means nothing for a skinned mesh.
+    const scene::NodeId node = add_object(scene, 1, scene::none, translation(-30, 0, 0));
+    scene.nodes[node].skin = 0;
+    SceneState state(finished(scene), 0);
+    ray::RayScene rays(state);
+    EXPECT_EQ(look_at(rays, 0).object, 0u);
+    EXPECT_EQ(look_at(rays, -30).object, scene::none);
+    state.advance(2);
+    rays.update(state);
+    EXPECT_EQ(look_at(rays, 0).object, scene::none);
+    EXPECT_EQ(look_at(rays, 7).object, 0u);
+}
+
+TEST(RayScene, FollowsWhatIsMovedByHand)
+{
+    scene::Scene scene = scene_with_balls();
+    const scene::NodeId shelf = scene.add_node("shelf", scene::none);
+    const scene::NodeId still = add_object(scene, 0, shelf);
+    add_object(scene, 0, shelf, translation(5, 0, 0));
+    const scene::NodeId anchor = scene.add_node("anchor", scene::none);
+    scene.nodes[anchor].transform = std::make_shared<JumpTrack>(4.5, translation(10, 0, 0), translation(12, 0, 0));
+    add_object(scene, 0, anchor);
+    const scene::NodeId passenger = add_object(scene, 0, anchor, translation(5, 0, 0));
+    SceneState state(finished(scene), 0);
+    ray::RayScene rays(state);
+    const auto expect_at = [&](std::initializer_list<std::pair<float, scene::ObjectId>> places) {
+        for (const auto& [x, object] : places) {
+            EXPECT_EQ(look_at(rays, x).object, object) << x;
+            EXPECT_EQ(rays.blocked_single({x, 0, 50}, 0, {0, 0, -1}, 100), object != scene::none) << x;
+        }
+    };
+    double time = 0;
+    const auto step = [&] {
+        state.advance(++time);
+        rays.update(state);
+    };
+    expect_at({{0, 0}, {5, 1}, {10, 2}, {15, 3}});
+
+    // A static object.
+    const glm::dmat4 aside = translation(-6, 0, 0);
+    state.override_transform(still, &aside);
+    step();
+    expect_at({{0, scene::none}, {-6, 0}, {5, 1}, {10, 2}});
+    EXPECT_EQ(rays.statistics().touched, 1u);
+    // One of two objects that moved as one, against its companion.
+    const glm::dmat4 further = translation(8, 0, 0);
+    state.override_transform(passenger, &further);
+    step();
+    expect_at({{10, 2}, {15, scene::none}, {18, 3}, {-6, 0}});
+    // Back to where the file has them.
+    state.override_transform(still, nullptr);
+    state.override_transform(passenger, nullptr);
+    step();
+    expect_at({{0, 0}, {-6, scene::none}, {15, 3}, {18, scene::none}});
+    // What was taken out still follows its anchor; a whole shelf can be moved.
+    const glm::dmat4 left = translation(-20, 0, 0);
+    state.override_transform(shelf, &left);
+    step();
+    step();
+    expect_at({{0, scene::none}, {5, scene::none}, {-20, 0}, {-15, 1}, {12, 2}, {17, 3}});
+}
+
+TEST(RayScene, TouchesWhatMovesAndNothingElse)
+{
+    scene::Scene scene = scene_with_balls();
+    Random random(1);
+    for (int i = 0; i < 1000; ++i) {
+        const scene::NodeId node = add_object(scene, 0, scene::none, random_placement(random, 50));
+        if (i % 100 == 0) scene.nodes[node].transform = std::make_shared<SwayTrack>(glm::dvec3(i), 1);
+    }
+    const scene::NodeId late = add_object(scene, 0);   // moves, but not yet; then appears as well
+    scene.nodes[late].transform =
+        std::make_shared<JumpTrack>(5, glm::dmat4(1), glm::scale(glm::dmat4(1), glm::dvec3(2)));
+    scene.nodes[late].visibility = visibility({0, 5}, {false, true});
+    SceneState state(finished(scene), 0);
+    ray::RayScene rays(state);
+    const std::size_t triangles = 990 * ball(two_sided).triangles.size();
+    EXPECT_EQ(rays.statistics().static_triangles, triangles);
+    EXPECT_EQ(rays.statistics().instances, 11u);
+    EXPECT_GT(rays.statistics().bytes, 36 * triangles);
+    state.advance(1);
+    rays.update(state);
+    EXPECT_EQ(rays.statistics().touched, 10u);
+    state.advance(1);
+    rays.update(state);
+    EXPECT_EQ(rays.statistics().touched, 0u);
+    state.advance(6);
+    rays.update(state);
+    EXPECT_EQ(rays.statistics().touched, 11u) << "each must count once, whatever happened to it";
+}
+
+TEST(RayScene, AnEmptySceneLetsEverythingPass)
+{
+    scene::Scene scene;
+    SceneState state(finished(scene), 0);
+    ray::RayScene rays(state);
+    const Answers answers = ask(rays, random_rays(1, 100));
+    EXPECT_EQ(count_hits(answers), 0u);
+    EXPECT_EQ(std::count(answers.blocked.begin(), answers.blocked.end(), 0), 100);
+    EXPECT_TRUE(rays.bounds().empty());
+    EXPECT_EQ(rays.statistics().static_triangles, 0u);
+    state.advance(1);
+    rays.update(state);
+    EXPECT_TRUE(ask(rays, ray::RayQueue()).both.empty());
+}
+
+// Not numbers, infinite and huge corners, triangles without area, objects squeezed to nothing: neither crash nor
+// disturb what else is there.
+TEST(RayScene, SurvivesDegenerateGeometry)
+{
+    scene::Scene scene = scene_with_balls();
+    scene::Mesh bad = ball(cut_out_one_sided);
+    const float values[] = {std::nanf(""), k_infinity, -k_infinity, 3e38f, 1e-40f, 0};
+    for (std::size_t i = 0; i < bad.positions.size(); ++i)
+        bad.positions[i] = glm::vec3(values[i % 6], values[(i / 6) % 6], values[(i / 2) % 6]);
+    scene.meshes.push_back(bad);
+    scene::Mesh flat = ball(one_sided);
+    for (glm::uvec3& t : flat.triangles) t = {t.x, t.x, t.y};
+    scene.meshes.push_back(flat);
+    add_object(scene, 0);
+    for (const scene::MeshId mesh : {1u, 2u}) {
+        add_object(scene, mesh);
+        scene.nodes[add_object(scene, mesh)].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
+    }
+    // A mover that shrinks to a point, and one that always is one.
+    const glm::dmat4 there = translation(10, 0, 0);
+    const scene::NodeId shrinking = add_object(scene, 0);
+    scene.nodes[shrinking].transform = std::make_shared<JumpTrack>(1, there, glm::scale(there, glm::dvec3(0)));
+    const scene::NodeId point = add_object(scene, 0, scene::none, glm::scale(translation(20, 0, 0), glm::dvec3(0)));
+    scene.nodes[point].animated = true;
+    // Movers of sizes no ray can be taken to, and one whose vertices go astray.
+    const double sizes[] = {1e-30, 1e30, 1e-12, std::nan(""), k_infinity};
+    for (const double size : sizes)
+        for (const glm::dvec3& shape : {glm::dvec3(1, size, 1), glm::dvec3(size)})
+            scene.nodes[add_object(scene, 0, scene::none, glm::scale(translation(0, 30, 0), shape))].animated = true;
+    scene::Mesh astray = ball(two_sided);
+    add_vertex_keys(astray);
+    for (std::size_t i = 0; i < astray.positions.size(); i += 5)
+        for (const int key : {0, 2}) astray.vertex_keys->positions[static_cast<std::size_t>(key)][i].x = values[i % 6];
+    scene.meshes.push_back(astray);
+    add_object(scene, 3, scene::none, translation(0, 40, 0));
+    SceneState state(finished(scene), 0);
+    ray::RayScene rays(state);
+    const ray::RayQueue queue = random_rays(1, 3000, 3);
+    EXPECT_EQ(look_at(rays, 10).object, 5u);
+    for (const double time : {1.5, 0.5}) {
+        state.advance(time);
+        rays.update(state);
+        EXPECT_EQ(look_at(rays, 10).object, time < 1 ? 5u : scene::none);
+        EXPECT_EQ(look_at(rays, 20).object, scene::none);
+        const Answers answers = ask(rays, queue);
+        EXPECT_GT(count_hits(answers), 300u);
+        EXPECT_EQ(differences(answers, ask_singly(rays, queue)), 0u);
+        for (const ray::Hit& hit : answers.both)
+            EXPECT_TRUE(hit.object == scene::none || hit.object == 0u || (time < 1 && hit.object == 5u)) << hit.object;
+    }
+    // The rest of the stray one is still there once its vertices have come back.
+    state.advance(2);
+    rays.update(state);
+    const scene::ObjectId last = static_cast<scene::ObjectId>(state.scene().objects.size() - 1);
+    EXPECT_EQ(rays.closest_single({0.01f, 60, 0.02f}, 0, {0, -1, 0}, 100, ray::Sides::both).object, last);
+    // Rays without a direction or a place do no harm.
+    ray::RayQueue odd;
+    for (const float x : values) {
+        odd.push({x, 0, 0}, 0, {0, 0, 1}, 10);
+        odd.push({0, 0, 0}, 0, {x, 0, x}, 10);
+        odd.push({0, 0, 0}, x, {0, 0, 1}, x);
+    }
+    EXPECT_EQ(differences(ask(rays, odd), ask_singly(rays, odd)), 0u);
+}
+
+TEST(RayScene, BoundsFollow)
+{
+    scene::Scene scene = scene_with_balls();
+    add_object(scene, 0);
+    scene.nodes[add_object(scene, 0)].transform = std::make_shared<JumpTrack>(1, glm::dmat4(1), translation(100, 0, 0));
+    SceneState state(finished(scene), 0);
+    ray::RayScene rays(state);
+    EXPECT_LT(rays.bounds().high.x, 2);
+    EXPECT_LT(rays.bounds().low.x, -0.5f);
+    state.advance(2);
+    rays.update(state);
+    EXPECT_GT(rays.bounds().high.x, 99);
+    EXPECT_LT(rays.bounds().low.x, -0.5f);
+}
+
+}   // namespace
+}   // namespace gnomon::test

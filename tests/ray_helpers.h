@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Random rays, and the answers of a RayScene to them as one thing that can be compared to the bit.
+
+#include <cstring>
+#include <tuple>
+
+#include "base/random.h"
+#include "ray/ray_scene.h"
+
+namespace gnomon::test {
+
+/// Rays between random points of a cube, some of them far-reaching, some short; directions are not unit.
+inline ray::RayQueue random_rays(std::uint64_t seed, std::size_t count, float reach = 8)
+{
+    Random random(seed);
+    const auto point = [&] {
+        const float x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
+        return glm::vec3(x, y, random.uniform(-reach, reach));
+    };
+    ray::RayQueue rays;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 from = point(), to = point();
+        const float tnear = i % 7 == 0 ? 0.1f : 0.0f;
+        rays.push(from, tnear, to - from, i % 3 == 0 ? 1.0f : i % 3 == 1 ? 0.4f : k_infinity);
+    }
+    return rays;
+}
+
+struct Answers {
+    std::vector<ray::Hit> both, front;
+    std::vector<std::uint8_t> blocked, blocked_static, blocked_dynamic;
+};
+
+inline bool same_bits(const ray::Hit& a, const ray::Hit& b)
+{
+    if (a.object == scene::none || b.object == scene::none) return a.object == b.object;
+    const auto bits = [](const ray::Hit& h) {
+        std::uint32_t t, u, v;
+        std::memcpy(&t, &h.t, 4), std::memcpy(&u, &h.u, 4), std::memcpy(&v, &h.v, 4);
+        return std::tuple(t, u, v, h.object, h.triangle);
+    };
+    return bits(a) == bits(b);
+}
+
+/// How many rays two sets of answers disagree about.
+inline std::size_t differences(const Answers& a, const Answers& b)
+{
+    std::size_t count = a.both.size() == b.both.size() ? 0 : 1;
+    for (std::size_t i = 0; i < std::min(a.both.size(), b.both.size()); ++i)
+        count += !same_bits(a.both[i], b.both[i]) || !same_bits(a.front[i], b.front[i]) ||
+                 a.blocked[i] != b.blocked[i] || a.blocked_static[i] != b.blocked_static[i] ||
+                 a.blocked_dynamic[i] != b.blocked_dynamic[i];
+    return count;
+}
+
+inline std::size_t count_hits(const Answers& answers)
+{
+    std::size_t count = 0;
+    for (const ray::Hit& hit : answers.both) count += hit.object != scene::none;
+    return count;
+}
+
+/// What stands at (x, 0), seen from far up the Z axis (a little beside, so as to miss edges and poles)?
+inline ray::Hit look_at(const ray::RayScene& rays, float x, ray::Sides sides = ray::Sides::both)
+{
+    return rays.closest_single({x + 0.013f, 0.017f, 50}, 0, {0, 0, -1}, 1000, sides);
+}
+
+/// By packets. @param cut  rays are asked for in pieces of this length; 0: all at once
+inline Answers ask(const ray::RayScene& scene, const ray::RayQueue& rays, std::size_t cut = 0)
+{
+    using ray::Against;
+    const std::size_t n = rays.size(), piece = cut == 0 ? n : cut;
+    Answers answers;
+    ray::Hits hits;
+    hits.resize(n);
+    for (const ray::Sides sides : {ray::Sides::both, ray::Sides::front}) {
+        for (std::size_t at = 0; at < n; at += piece) scene.closest(rays, at, std::min(n, at + piece), hits, sides);
+        auto& out = sides == ray::Sides::both ? answers.both : answers.front;
+        for (std::size_t i = 0; i < n; ++i)
+            out.push_back({hits.t[i], hits.u[i], hits.v[i], hits.object[i], hits.triangle[i]});
+    }
+    for (const auto& [against, out] :
+         {std::pair(Against::everything, &answers.blocked), std::pair(Against::static_only, &answers.blocked_static),
+          std::pair(Against::dynamic_only, &answers.blocked_dynamic)}) {
+        out->assign(n, 2);
+        for (std::size_t at = 0; at < n; at += piece)
+            scene.blocked(rays, at, std::min(n, at + piece), out->data() + at, against);
+    }
+    return answers;
+}
+
+/// By single rays.
+inline Answers ask_singly(const ray::RayScene& scene, const ray::RayQueue& rays)
+{
+    using ray::Against;
+    Answers answers;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const glm::vec3 from = rays.origin(i), along = rays.direction(i);
+        const float tnear = rays.tnear[i], tfar = rays.tfar[i];
+        answers.both.push_back(scene.closest_single(from, tnear, along, tfar, ray::Sides::both));
+        answers.front.push_back(scene.closest_single(from, tnear, along, tfar, ray::Sides::front));
+        answers.blocked.push_back(scene.blocked_single(from, tnear, along, tfar));
+        answers.blocked_static.push_back(scene.blocked_single(from, tnear, along, tfar, Against::static_only));
+        answers.blocked_dynamic.push_back(scene.blocked_single(from, tnear, along, tfar, Against::dynamic_only));
+    }
+    return answers;
+}
+
+}   // namespace gnomon::test
