@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// OpenEXR pictures with named layers, through the OpenEXR library.
+//
+// A layer's channel is called "layer.channel" in the file; those of the picture itself (layer "") by their own name.
+// Written as 32-bit float, scan lines from the top, ZIP: the bytes depend on the pixels alone.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gnomon/picture.h"
+#include "io/float_image.h"
+
+namespace gnomon::io {
+
+/// The file appears whole or not at all.
+/// @throws MissingError if it cannot be written
+void write_exr(const std::filesystem::path& file, Size size, std::span<const Layer> layers);
+
+struct ExrPicture {
+    Size size;
+    std::vector<Layer> layers;   // the picture itself first if there is one, then by name
+};
+
+/// Half and integer channels become float. Colour channels come in the order R G B A, others by name.
+/// @param only  read this layer alone ("": the picture itself), or one channel by its full name ("shadow.L0"); layers
+/// is
+///              empty if there is none of that name
+/// @throws InputError
+ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
+                      const std::optional<std::string>& only = {}, const FloatImageLimits& limits = {});
+
+/// Names of the layers in a file, in the order of decode_exr.
+std::vector<std::string> exr_layer_names(std::span<const std::uint8_t> bytes, const std::string& name);
+
+}   // namespace gnomon::io

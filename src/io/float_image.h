@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Pictures as linear light: OpenEXR and Radiance HDR as they are, PNG, JPEG and PPM decoded from sRGB.
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+
+namespace gnomon::io {
+
+struct FloatImageLimits {
+    int max_side = 16384;
+    std::uint64_t max_pixels = 1ull << 25;         // 8192 x 4096
+    std::uint64_t max_values = 1ull << 27;         // pixels times channels: 512 MB
+    std::uint64_t max_file_bytes = 1ull << 30;     // read into memory whole
+    int max_channels = 1024;                       // of one file
+    std::uint64_t max_values_per_byte = 1 << 12;   // no compression we read packs more into one byte of the file
+};
+
+enum class PictureFormat { exr, hdr, other };
+
+/// By content, not by name.
+PictureFormat picture_format(std::span<const std::uint8_t> bytes);
+
+/// The bytes of an ordinary file; never opens a pipe or a device for reading.
+/// @throws InputError
+std::vector<std::uint8_t> read_picture_bytes(const std::filesystem::path& file, const FloatImageLimits& limits = {});
+
+/// Linear RGB. Grey becomes three equal channels; alpha is left out.
+/// @throws InputError
+ImageF read_float_image(const std::filesystem::path& file, const FloatImageLimits& limits = {});
+/// The same from memory; `name` is for messages.
+ImageF decode_float_image(std::span<const std::uint8_t> bytes, const std::string& name,
+                          const FloatImageLimits& limits = {});
+
+}   // namespace gnomon::io
