@@ -2,6 +2,7 @@
 #pragma once
 // Everything: scene in, pictures out.
 
+#include "gnomon/compare.h"
 #include "gnomon/error.h"
 #include "gnomon/film.h"
 #include "gnomon/picture.h"

@@ -30,7 +30,7 @@ struct Picture {
     const Layer* layer(const std::string& name) const;
     /// Exposed, tone-mapped and encoded: width * height * 3 bytes.
     std::vector<std::uint8_t> to_srgb8() const;
-    /// Writes .png (tone-mapped). The file appears whole or not at all.
+    /// Writes .png (tone-mapped), or .exr (all layers, linear, without exposure). The file appears whole or not at all.
     /// @throws UsageError for another extension; MissingError if it cannot be written
     void write(const std::filesystem::path& file) const;
 };

@@ -55,6 +55,14 @@ class Scene {
     /// @throws UsageError  for a spec that is not of that form
     Scene with_light_specs(const std::vector<std::string>& specs) const;
 
+    /// Lit by a picture of the surroundings as well: OpenEXR, Radiance HDR, PNG or JPEG, longitude by latitude, its
+    /// upper edge towards +Y, its centre towards -Z, its right quarter towards +X. It replaces the background and the
+    /// default sky and sun; the file's own lights stay.
+    /// @param lights  directional lights that stand for it, a power of two from 1 to 1024
+    /// @throws InputError for a file that is missing or wrong; UsageError for a number of lights that is not of that
+    ///         form
+    Scene with_environment(const std::filesystem::path& file, int lights = 16) const;
+
     const std::shared_ptr<const scene::Scene>& inside() const { return inside_; }
 
  private:

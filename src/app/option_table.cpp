@@ -17,7 +17,7 @@ constexpr VerbInfo k_verbs[] = {
     {render, "render", "SCENE -o OUT", 1, "render a picture, numbered pictures, or a film", true},
     {view, "view", "SCENE", 1, "look at a scene in a window", false},
     {info, "info", "SCENE", 1, "say what a scene holds", true},
-    {compare, "compare", "A B", 2, "compare two pictures", false},
+    {compare, "compare", "A B", 2, "compare two pictures, the second being the reference", true},
     {devices, "devices", "", 0, "list processor and Vulkan devices, and what they can do", true},
     {bench_trace, "bench trace", "SCENE", 1, "measure the traced frame against its bare rays", true},
     {bench_culling, "bench culling", "SCENE", 1, "measure shadow culling", false},
@@ -34,6 +34,7 @@ constexpr std::string_view k_look = "Look";
 constexpr std::string_view k_shadows = "Shadows";
 constexpr std::string_view k_indirect = "Indirect light";
 constexpr std::string_view k_reference = "Reference";
+constexpr std::string_view k_comparison = "Comparison";
 constexpr std::string_view k_common = "Everywhere";
 
 constexpr double k_many = 1e9;
@@ -42,7 +43,7 @@ constexpr double k_side = 32768;
 // clang-format off
 constexpr Option k_options[] = {
     {.name = "out", .letter = 'o', .argument = "OUT", .kind = Kind::text, .verbs = bit(render), .group = k_output,
-     .help = "what to write: .png, .mp4, or a numbered set such as name-{frame:04}.png"},
+     .help = "what to write: .png, .exr (linear light, all layers), .mp4, or a numbered set: name-{frame:04}.png"},
     {.name = "size", .argument = "WxH", .kind = Kind::size, .low = 1, .high = k_side, .verbs = k_sized, .group = k_output,
      .help = "in pixels; keeps the vertical field of view (default: the file's own, else 1280x720)"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .verbs = bit(render), .group = k_output,
@@ -72,8 +73,8 @@ constexpr Option k_options[] = {
     {.name = "light", .argument = "\"...\"", .kind = Kind::text, .repeats = true, .verbs = k_sized, .group = k_scene,
      .help = "instead of the file's lights: \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y Z R G B\", in "
              "candela; may be given again"},
-    {.name = "environment", .argument = "FILE", .kind = Kind::text, .built = false, .verbs = k_pictures, .group = k_scene,
-     .help = "light from a picture of the surroundings"},
+    {.name = "environment", .argument = "FILE", .kind = Kind::text, .verbs = k_pictures, .group = k_scene,
+     .help = "light from a picture of the surroundings, longitude by latitude: .exr, .hdr, .png, .jpg"},
 
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 4096,
      .verbs = k_pictures, .group = k_quality, .help = "per pixel"},
@@ -117,6 +118,15 @@ constexpr Option k_options[] = {
      .verbs = bit(render), .group = k_reference, .help = "its diffuse bounces"},
     {.name = "seed", .argument = "S", .kind = Kind::integer, .low = 0, .high = k_many, .built = false,
      .verbs = bit(render), .group = k_reference, .help = "of its random numbers"},
+
+    {.name = "layer", .argument = "NAME", .kind = Kind::text, .verbs = bit(compare), .group = k_comparison,
+     .help = "of OpenEXR files, such as depth, or one channel, such as shadow.L0 (default: the picture itself)"},
+    {.name = "metric", .argument = "NAME", .kind = Kind::choice, .fallback = "all",
+     .choices = "all|rmse|relmse|psnr|ssim|flip", .verbs = bit(compare), .group = k_comparison, .help = "what to measure"},
+    {.name = "fail-above", .argument = "METRIC=X", .kind = Kind::text, .repeats = true, .verbs = bit(compare),
+     .group = k_comparison, .help = "exit with 1 if a metric is above X (psnr, ssim: below X); may be given again"},
+    {.name = "heatmap", .argument = "OUT.png", .kind = Kind::text, .verbs = bit(compare), .group = k_comparison,
+     .help = "write FLIP's error map: black where pictures look alike, pale yellow where they do not"},
 
     {.name = "json", .argument = "FILE", .kind = Kind::optional_file, .verbs = k_every, .group = k_common,
      .help = "one JSON document on standard output, all else to standard error; or, as --json=FILE, to a file"},

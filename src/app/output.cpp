@@ -60,6 +60,12 @@ void Output::warn(std::string_view line)
     std::fputs(fmt::format("warning: {}\n", line).c_str(), stderr);
 }
 
+void Output::error(std::string_view line)
+{
+    inside_->progress.clear();
+    std::fputs(fmt::format("gnomon: {}\n", line).c_str(), stderr);
+}
+
 Progress Output::progress()
 {
     return [inside = inside_.get()](const ProgressStep& step) {

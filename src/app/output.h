@@ -31,6 +31,9 @@ class Output {
     /// "warning: ...", on standard error, unless --quiet.
     void warn(std::string_view line);
 
+    /// One line on standard error, even with --quiet.
+    void error(std::string_view line);
+
     /// Shows the way and listens to signals. Lives as long as this.
     Progress progress();
 

@@ -25,6 +25,8 @@ int run_verb(const CommandLine& line)
             return run_render(line, output);
         case Verb::info:
             return run_info(line, output);
+        case Verb::compare:
+            return run_compare(line, output);
         case Verb::devices:
             return run_devices(line, output);
         case Verb::bench_trace:

@@ -33,13 +33,14 @@ RenderOptions render_options(const OptionValues& values)
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = tonemap_of(values.text("tonemap"));
     options.threads = values.integer("threads");
+    options.layers = std::filesystem::path(values.text("out")).extension() == ".exr";
     return options;
 }
 
 FilmJob film_job(const OptionValues& values, const Scene& scene)
 {
     FilmJob job;
-    if (!values.given("out")) throw UsageError("render needs -o OUT: .png, .mp4, or name-{frame:04}.png");
+    if (!values.given("out")) throw UsageError("render needs -o OUT: .png, .exr, .mp4, or name-{frame:04}.png");
     job.out = values.text("out");
     if (values.given("frame") && values.given("frames")) throw UsageError("--frame and --frames exclude each other");
     if (values.given("frame")) job.frames = FrameRange{values.integer("frame"), values.integer("frame")};
@@ -122,6 +123,7 @@ Scene load_scene(const CommandLine& line, const Progress& progress)
     if (has("fps")) scene = scene.at_rate(values.number("fps"));
     if (has("light")) scene = scene.with_light_specs(values.all("light"));
     if (has("lights")) scene = scene.with_lights(values.integer("lights"));
+    if (has("environment")) scene = scene.with_environment(values.text("environment"));
     return scene;
 }
 

@@ -183,6 +183,15 @@ ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& na
     return picture;
 }
 
+bool is_whole_exr(const std::filesystem::path& file, Size size)
+{
+    try {
+        return check_exr(read_picture_bytes(file), file.string(), {}).size == size;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
 std::vector<std::string> exr_layer_names(std::span<const std::uint8_t> bytes, const std::string& name)
 {
     std::vector<std::string> names;

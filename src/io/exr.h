@@ -34,6 +34,9 @@ struct ExrPicture {
 ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
                       const std::optional<std::string>& only = {}, const FloatImageLimits& limits = {});
 
+/// Whether a file is an OpenEXR picture of this size with nothing missing: all its chunks are there.
+bool is_whole_exr(const std::filesystem::path& file, Size size);
+
 /// Names of the layers in a file, in the order of decode_exr.
 std::vector<std::string> exr_layer_names(std::span<const std::uint8_t> bytes, const std::string& name);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "gnomon/version.h"
+#include "io/exr.h"
 #include "io/image_file.h"
 #include "io/video.h"
 #include "render/film_files.h"
@@ -35,7 +36,8 @@ void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, Output
     if (kind == OutputKind::film && !(job.fps > 0))
         throw UsageError(fmt::format("{}: the film rate must be above 0", out));
     if (job.contact_sheet.empty()) return;
-    if (render::output_kind(job.contact_sheet) != OutputKind::picture)
+    if (render::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
+    if (render::output_kind(job.contact_sheet) != OutputKind::picture || render::is_exr_name(job.contact_sheet))
         throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
     if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
 }
@@ -50,6 +52,12 @@ void check_room(const fs::path& file, Size size, int frames)
         throw MissingError(
             fmt::format("cannot write {}: {} frames need {:.0f} MB at least, the disk has {:.0f} MB left",
                         file.string(), frames, needed / 1e6, static_cast<double>(space.available) / 1e6));
+}
+
+bool is_whole(const fs::path& frame, Size size)
+{
+    return render::is_exr_name(frame) ? io::is_whole_exr(frame, size)
+                                      : io::is_whole_png(frame, size.width, size.height);
 }
 
 // Evenly spaced over the range, first and last among them.
@@ -111,7 +119,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
             record.frame = frame;
             record.time = scene.time_of(frame);
             record.file = kind == OutputKind::film ? folder.file(frame) : render::numbered_name(job.out, frame);
-            record.kept = job.resume && io::is_whole_png(record.file, result.size.width, result.size.height);
+            record.kept = job.resume && is_whole(record.file, result.size);
             if (!step(0)) throw InterruptedError("interrupted");
             if (!record.kept) {
                 const Picture picture =

@@ -47,21 +47,30 @@ std::optional<Pattern> find_pattern(const fs::path& file)
     if (name.find("{frame", pattern.end) != std::string::npos) refuse();
     return pattern;
 }
+
+std::string extension_of(const fs::path& file)
+{
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
 }   // namespace
 
 OutputKind output_kind(const fs::path& out)
 {
-    std::string extension = out.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = extension_of(out);
     const bool numbered = find_pattern(out).has_value();
-    if (extension == ".png") return numbered ? OutputKind::numbered : OutputKind::picture;
-    if (extension == ".exr")
-        throw UsageError(fmt::format("{}: EXR is not built yet; write .png or .mp4", out.string()));
+    if (extension == ".png" || extension == ".exr") return numbered ? OutputKind::numbered : OutputKind::picture;
     if (extension != ".mp4")
-        throw UsageError(fmt::format("{}: cannot write '{}'; write .png or .mp4", out.string(), extension));
+        throw UsageError(fmt::format("{}: cannot write '{}'; write .png, .exr or .mp4", out.string(), extension));
     if (numbered) throw UsageError(fmt::format("{}: a film is one file; leave out {{frame}}", out.string()));
     return OutputKind::film;
+}
+
+bool is_exr_name(const fs::path& out)
+{
+    return extension_of(out) == ".exr";
 }
 
 fs::path numbered_name(const fs::path& pattern, int frame)

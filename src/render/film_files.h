@@ -12,6 +12,9 @@ enum class OutputKind { picture, numbered, film };
 /// @throws UsageError for an extension we do not write, or a pattern that makes no sense
 OutputKind output_kind(const std::filesystem::path& out);
 
+/// Whether the name asks for OpenEXR.
+bool is_exr_name(const std::filesystem::path& out);
+
 /// The name of one frame of a numbered set: name-{frame:04}.png and 7 give name-0007.png.
 std::filesystem::path numbered_name(const std::filesystem::path& pattern, int frame);
 

@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "render/frames_folder.h"
+#include "scene/environment.h"
 #include "scene/state.h"
 
 namespace gnomon::render {
@@ -59,11 +60,12 @@ void add_lights(Fingerprint& print, const scene::Scene& scene)
 {
     for (const scene::Light& light : scene.lights) {
         print.add(light.type), print.add(light.falloff), print.add(light.profile);
-        print.add(light.color);
+        print.add(light.color), print.add(light.of_environment);
         print.add(light.inner_angle), print.add(light.outer_angle), print.add(light.range);
     }
     print.add(scene.background.kind);
     print.add(scene.background.color);
+    if (scene.background.environment) print.add_all(scene.background.environment->image().data);
     print.add(scene.ambient);
     for (const scene::Camera& camera : scene.cameras)
         print.add(camera.vertical_fov), print.add(camera.orthographic_height);

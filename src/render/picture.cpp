@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "io/exr.h"
 #include "io/image_file.h"
 #include "render/film_files.h"
 #include "render/tone_map.h"
@@ -30,7 +31,11 @@ std::vector<std::uint8_t> Picture::to_srgb8() const
 void Picture::write(const std::filesystem::path& file) const
 {
     if (render::output_kind(file) == render::OutputKind::film)
-        throw UsageError(fmt::format("{}: one picture is not a film; write .png", file.string()));
+        throw UsageError(fmt::format("{}: one picture is not a film; write .png or .exr", file.string()));
+    if (render::is_exr_name(file)) {
+        io::write_exr(file, size, layers);
+        return;
+    }
     Image8 image(size.width, size.height, 3);
     image.data = to_srgb8();
     io::write_png(file, image);

@@ -7,6 +7,8 @@
 
 #include "base/check.h"
 #include "gnomon/scene.h"
+#include "io/float_image.h"
+#include "scene/environment.h"
 #include "scene/scene.h"
 
 namespace gnomon {
@@ -71,6 +73,17 @@ scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3&
 std::shared_ptr<scene::Scene> copy_of(const std::shared_ptr<const scene::Scene>& inside)
 {
     return std::make_shared<scene::Scene>(*inside);
+}
+
+// A node from where a light travels along a direction, or looks there.
+scene::NodeId add_looking_node(scene::Scene& scene, const std::string& name, const glm::dvec3& position,
+                               const glm::dvec3& direction)
+{
+    const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
+    const scene::NodeId node =
+        scene.add_node(name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
+    scene.child_begin.push_back(scene.child_begin.back());   // no children: the index stays whole
+    return node;
 }
 
 // Lights that are gone leave no remark about them.
@@ -164,12 +177,33 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
         glm::dvec3 position, direction;
         scene::Light light = light_of(spec, position, direction);
         light.name = fmt::format("light {}", changed->lights.size());
-        const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
-        light.node =
-            changed->add_node(light.name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
-        changed->child_begin.push_back(changed->child_begin.back());   // no children: the index stays whole
+        light.node = add_looking_node(*changed, light.name, position, direction);
         changed->lights.push_back(std::move(light));
     }
+    return Scene(std::move(changed));
+}
+
+Scene Scene::with_environment(const std::filesystem::path& file, int lights) const
+{
+    if (lights < 1 || lights > 1024 || (lights & (lights - 1)) != 0)
+        throw UsageError(fmt::format("{} lights for an environment: expected a power of two from 1 to 1024", lights));
+    auto environment = std::make_shared<const scene::Environment>(io::read_float_image(file));
+    auto changed = copy_of(inside_);
+    std::erase_if(changed->lights, [](const scene::Light& light) { return light.by_default || light.of_environment; });
+    forget_default_light(*changed);
+    int number = 0;
+    for (const scene::EnvironmentLight& part : environment->lights(lights)) {
+        scene::Light light;
+        light.name = fmt::format("environment {}", number++);
+        light.type = scene::LightType::directional;
+        light.color = part.irradiance;
+        light.of_environment = true;
+        light.node = add_looking_node(*changed, light.name, glm::dvec3(0), -glm::dvec3(part.to_light));
+        changed->lights.push_back(std::move(light));
+    }
+    changed->background = {};
+    changed->background.kind = scene::Background::Kind::image;
+    changed->background.environment = std::move(environment);
     return Scene(std::move(changed));
 }
 

@@ -79,6 +79,20 @@ glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const 
     return reflectance * irradiance * (soft * s.coverage);
 }
 
+glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance)
+{
+    const float cosine = glm::dot(s.normal, to_light);
+    const float cos_geometric = glm::dot(s.geometric_normal, to_light);
+    if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
+    const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
+    glm::vec3 reflectance = s.diffuse * k_inverse_pi;
+    if (s.model != scene::ShadingModel::whitted) {
+        const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
+        reflectance *= glm::vec3(1) - schlick(s.specular, glm::dot(s.to_viewer, half));
+    }
+    return reflectance * irradiance * (cosine * soft * s.coverage);
+}
+
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene)
 {
     glm::vec3 result(0);

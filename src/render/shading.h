@@ -17,6 +17,10 @@ namespace gnomon::render {
 /// light fades out, so that its facets do not show as a jagged terminator [Chiang et al. 2019].
 glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
 
+/// The same from a light that stands for a part of the surroundings: diffuse alone, since mirror rays and
+/// Continuation::unresolved_share bring the rest. With pi for AFF surfaces too: the surroundings are radiance.
+glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
+
 /// Light that comes from everywhere: used with indirect light off.
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene);
 

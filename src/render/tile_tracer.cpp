@@ -182,8 +182,9 @@ void TileTracer::light_points(bool primary)
         for (std::size_t i = 0; i < count; ++i) {
             if (blocked_[i]) continue;
             const Point& point = points_[shadow_point_[i]];
-            const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
-            const glm::vec3 radiance = point.share * reflect_light(point.surface, sample.to_light, sample.irradiance);
+const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+            const auto reflect = light.of_environment ? reflect_surroundings : reflect_light;
+            const glm::vec3 radiance = point.share * reflect(point.surface, sample.to_light, sample.irradiance);
             color_[point.pixel] += radiance;
             if (primary && options_.layers) {
                 direct_[point.pixel] += radiance;

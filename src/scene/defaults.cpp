@@ -35,6 +35,7 @@ void add_default_light(Scene& scene)
     sun.name = "default sun";
     sun.type = LightType::directional;
     sun.color = k_sun_color;
+    sun.by_default = true;
     sun.node = add_looking_node(scene, "default sun", glm::dvec3(0), -to_sun);
     scene.lights.push_back(sun);
     scene.background.kind = Background::Kind::sky;

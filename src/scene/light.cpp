@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "scene/environment.h"
+
 namespace gnomon::scene {
 
 LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point)
@@ -48,6 +50,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
 glm::vec3 Background::radiance(const glm::vec3& direction) const
 {
     if (kind == Kind::color) return color;
+    if (kind == Kind::image) return environment->radiance(direction);
     const float y = std::clamp(direction.y, -1.0f, 1.0f);
     glm::vec3 result;
     if (y >= 0) {
@@ -72,6 +75,7 @@ glm::vec3 Background::radiance(const glm::vec3& direction) const
 glm::vec3 Background::ambient(const glm::vec3& normal) const
 {
     if (kind == Kind::color) return glm::vec3(0);
+    if (kind == Kind::image) return environment->ambient(normal);
     // A surface that looks up sees the sky alone; level with the horizon, half sky and half ground.
     const glm::vec3 sky = 0.5f * (zenith + horizon);
     const float up = 0.5f + 0.5f * std::clamp(normal.y, -1.0f, 1.0f);

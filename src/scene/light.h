@@ -2,12 +2,15 @@
 #pragma once
 // Lights and what lies behind everything.
 
+#include <memory>
 #include <string>
 
 #include "base/math.h"
 #include "scene/ids.h"
 
 namespace gnomon::scene {
+
+class Environment;
 
 enum class LightType : std::uint8_t { point, spot, directional };
 /// How irradiance falls with distance: with its square (candela), or not at all (AFF: irradiance = colour * cos).
@@ -26,6 +29,9 @@ struct Light {
     float outer_angle = static_cast<float>(k_pi / 4);
     float range = 0;   // metres beyond which nothing is lit (smoothly); 0: unlimited
     NodeId node = none;
+    bool of_environment = false;   // stands for a part of the surroundings: lights diffusely alone, since mirrors show
+                                   // the surroundings themselves
+    bool by_default = false;       // not the file's own
 };
 
 /// A light where it is now.
@@ -46,7 +52,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
 
 /// Seen where a ray leaves the scene, and what it adds as unshadowed light with indirect light off.
 struct Background {
-    enum class Kind : std::uint8_t { color, sky };
+    enum class Kind : std::uint8_t { color, sky, image };
     Kind kind = Kind::color;
     glm::vec3 color{0};
     // sky: a smooth gradient over elevation (up = +Y), with the sun's disc where a directional light comes from
@@ -55,10 +61,11 @@ struct Background {
     glm::vec3 ground{0.25f, 0.22f, 0.19f};
     glm::vec3 sun_direction{0};   // unit, towards the sun; zero: none
     glm::vec3 sun_radiance{0};
+    std::shared_ptr<const Environment> environment;   // image
 
     glm::vec3 radiance(const glm::vec3& direction) const;
     /// Irradiance / pi on an unoccluded surface with this unit normal: the sky's ambient light (the sun's is the
-    /// light's).
+    /// light's), or the picture's, blurred.
     glm::vec3 ambient(const glm::vec3& normal) const;
 };
 
