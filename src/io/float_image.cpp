@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/float_image.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <fstream>
 
 #include "gnomon/error.h"
 #include "io/exr.h"
 #include "io/exr_header.h"
 #include "io/hdr.h"
 #include "io/image_file.h"
+#include "io/read_file.h"
 
 namespace gnomon::io {
 
@@ -57,20 +55,7 @@ PictureFormat picture_format(std::span<const std::uint8_t> bytes)
 
 std::vector<std::uint8_t> read_picture_bytes(const fs::path& file, const FloatImageLimits& limits)
 {
-    std::error_code error;
-    const fs::file_status status = fs::status(file, error);
-    if (!fs::exists(status)) throw InputError(file.string(), "", "no such file");
-    if (!fs::is_regular_file(status)) throw InputError(file.string(), "", "not an ordinary file");
-    const std::uint64_t size = fs::file_size(file, error);
-    if (error) throw InputError(file.string(), "", error.message());
-    if (size > limits.max_file_bytes)
-        throw InputError(file.string(), "", fmt::format("{} bytes are more than allowed", size));
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError(file.string(), "", "cannot be opened");
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    if (static_cast<std::uint64_t>(in.gcount()) != size) throw InputError(file.string(), "", "cannot be read whole");
-    return bytes;
+    return read_whole_file(file, file.string(), limits.max_file_bytes);
 }
 
 ImageF decode_float_image(std::span<const std::uint8_t> bytes, const std::string& name, const FloatImageLimits& limits)
