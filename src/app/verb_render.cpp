@@ -2,6 +2,7 @@
 // gnomon render: through the public interface alone.
 #include <fmt/format.h>
 
+#include <cctype>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -33,7 +34,9 @@ RenderOptions render_options(const OptionValues& values)
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = tonemap_of(values.text("tonemap"));
     options.threads = values.integer("threads");
-    options.layers = std::filesystem::path(values.text("out")).extension() == ".exr";
+    std::string extension = std::filesystem::path(values.text("out")).extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    options.layers = extension == ".exr";
     return options;
 }
 

@@ -8,16 +8,11 @@
 
 #include "base/check.h"
 #include "base/math.h"
+#include "render/flip_filters.h"
 
 namespace gnomon::render {
 
 namespace {
-// Contrast sensitivity: sums of Gaussians a sqrt(pi/b) exp(-pi^2 x^2 / b), x in degrees [2020, Table 1].
-struct Lobe {
-    double a, b;
-};
-constexpr Lobe k_achromatic{1, 0.0047}, k_red_green{1, 0.0053}, k_blue_yellow[2] = {{34.1, 0.04}, {13.5, 0.025}};
-constexpr double k_feature_width = 0.082;     // degrees [2020, 4.2]
 constexpr double k_color_power = 0.7;         // q_c
 constexpr double k_feature_power = 0.5;       // q_f
 constexpr double k_p_c = 0.4, k_p_t = 0.95;   // the share p_c of the largest difference becomes the error p_t
@@ -37,7 +32,7 @@ struct Curve {
     }
 };
 
-// ---- colour spaces: linear RGB (sRGB primaries, D65), XYZ, Y Cx Cz, L*a*b* ----
+// Colour spaces: linear RGB (sRGB primaries, D65), XYZ, Y Cx Cz, L*a*b*.
 
 const glm::mat3 k_xyz_from_rgb(10135552.0f / 24577794, 2613072.0f / 12288897, 1425312.0f / 73733382,   // column R
                                8788810.0f / 24577794, 8788810.0f / 12288897, 8788810.0f / 73733382,    // G
@@ -78,109 +73,6 @@ float hyab(const glm::vec3& p, const glm::vec3& q)
     return std::abs(p.x - q.x) + std::hypot(p.y - q.y, p.z - q.z);
 }
 
-// ---- filters: four separable ones at a time, one in each component ----
-
-struct Filter {
-    int radius = 0;
-    std::vector<glm::vec4> across, down;   // 2 radius + 1 taps
-};
-
-struct Filters {
-    Filter contrast;                     // A, RG, BY first lobe, BY second lobe
-    float blue_yellow_weight[2]{0, 0};   // how the two lobes add up
-    Filter features;                     // edge in x, point in x, edge in y, point in y
-};
-
-Filters make_filters(double pixels_per_degree)
-{
-    Filters filters;
-
-    // Gaussians of the contrast sensitivity, each of sum 1.
-    const double widest = std::max({k_achromatic.b, k_red_green.b, k_blue_yellow[0].b, k_blue_yellow[1].b});
-    const int r = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * k_pi * k_pi)) * pixels_per_degree));
-    const auto count = static_cast<std::size_t>(2 * r + 1);
-    filters.contrast.radius = r;
-    filters.contrast.across.resize(count);
-    const Lobe lobes[4] = {k_achromatic, k_red_green, k_blue_yellow[0], k_blue_yellow[1]};
-    double volume[4];   // of the two-dimensional lobe
-    for (int c = 0; c < 4; ++c) {
-        const auto tap = [&](int i) {
-            const double x = i / pixels_per_degree;
-            return std::exp(-k_pi * k_pi * x * x / lobes[c].b);
-        };
-        double sum = 0;
-        for (int i = -r; i <= r; ++i) sum += tap(i);
-        for (int i = -r; i <= r; ++i)
-            filters.contrast.across[static_cast<std::size_t>(i + r)][c] = static_cast<float>(tap(i) / sum);
-        volume[c] = lobes[c].a * std::sqrt(k_pi / lobes[c].b) * sum * sum;
-    }
-    filters.contrast.down = filters.contrast.across;
-    for (int c = 0; c < 2; ++c)
-        filters.blue_yellow_weight[c] = static_cast<float>(volume[2 + c] / (volume[2] + volume[3]));
-
-    // First and second derivative of a Gaussian; positive taps of sum 1, negative ones of sum -1.
-    const double sigma = 0.5 * k_feature_width * pixels_per_degree;
-    const int s = static_cast<int>(std::ceil(3 * sigma));
-    std::vector<double> gauss, edge, point;
-    for (int i = -s; i <= s; ++i) {
-        const double g = std::exp(-i * i / (2 * sigma * sigma));
-        gauss.push_back(g);
-        edge.push_back(-i * g);
-        point.push_back((i * i / (sigma * sigma) - 1) * g);
-    }
-    const auto normalise = [](std::vector<double>& taps) {
-        double positive = 0, negative = 0;
-        for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
-        for (double& t : taps) t /= t > 0 ? positive : std::max(negative, std::numeric_limits<double>::min());
-    };
-    for (auto* taps : {&gauss, &edge, &point}) normalise(*taps);
-    filters.features.radius = s;
-    for (std::size_t i = 0; i < gauss.size(); ++i) {
-        filters.features.across.emplace_back(edge[i], point[i], gauss[i], gauss[i]);
-        filters.features.down.emplace_back(gauss[i], gauss[i], edge[i], point[i]);
-    }
-    return filters;
-}
-
-// Rows of four floats, with a border on all sides.
-struct Field {
-    int width = 0, rows = 0;   // with the border
-    std::vector<glm::vec4> data;
-    void resize(int w, int h)
-    {
-        width = w, rows = h;
-        data.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-    }
-    glm::vec4* row(int y) { return data.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
-    const glm::vec4* row(int y) const { return const_cast<Field*>(this)->row(y); }
-};
-
-// Filters the inside of a field; `border` is its border, at least the filter's radius.
-void apply(const Filter& filter, const Field& in, int border, Field& between, Field& out)
-{
-    const int r = filter.radius, width = in.width - 2 * border, rows = in.rows - 2 * border;
-    between.resize(width, rows + 2 * r);
-    for (int y = 0; y < between.rows; ++y) {
-        const glm::vec4* from = in.row(y + border - r) + (border - r);
-        glm::vec4* to = between.row(y);
-        for (int x = 0; x < width; ++x) {
-            glm::vec4 sum(0);
-            for (int i = 0; i <= 2 * r; ++i) sum += filter.across[static_cast<std::size_t>(i)] * from[x + i];
-            to[x] = sum;
-        }
-    }
-    out.resize(width, rows);
-    for (int y = 0; y < rows; ++y) {
-        glm::vec4* to = out.row(y);
-        std::fill(to, to + width, glm::vec4(0));
-        for (int i = 0; i <= 2 * r; ++i) {
-            const glm::vec4 tap = filter.down[static_cast<std::size_t>(i)];
-            const glm::vec4* from = between.row(y + i);
-            for (int x = 0; x < width; ++x) to[x] += tap * from[x];
-        }
-    }
-}
-
 // A picture as one exposure shows it.
 struct Shown {
     const ImageF& image;
@@ -205,22 +97,22 @@ struct Shown {
 
 // How a band of rows of a picture looks to the eye.
 struct Appearance {
-    Field lab;        // L a' b' of the blurred picture
-    Field features;   // x: strength of edges, y: of points
+    FlipField lab;        // L a' b' of the blurred picture
+    FlipField features;   // x: strength of edges, y: of points
 };
 
 struct Scratch {
-    Field light, between, filtered;
+    FlipField light, between, filtered;
     Appearance test, reference;
 };
 
-void perceive(const Shown& shown, const Filters& filters, int first, int rows, Scratch& scratch, Appearance& out)
+void perceive(const Shown& shown, const FlipFilters& filters, int first, int rows, Scratch& scratch, Appearance& out)
 {
     const int width = shown.image.width, height = shown.image.height;
     const int border = std::max(filters.contrast.radius, filters.features.radius);
 
     // Opponent colours, the edge pixels repeated outwards.
-    Field& light = scratch.light;
+    FlipField& light = scratch.light;
     light.resize(width + 2 * border, rows + 2 * border);
     for (int y = 0; y < light.rows; ++y) {
         glm::vec4* row = light.row(y);
@@ -272,7 +164,7 @@ ImageF flip(const ImageF& test, const ImageF& reference, const std::vector<Expos
     GNOMON_CHECK(test.channels == 3 && reference.channels == 3);
     GNOMON_CHECK(test.width == reference.width && test.height == reference.height && !test.empty());
     GNOMON_CHECK(options.pixels_per_degree > 0);
-    const Filters filters = make_filters(options.pixels_per_degree);
+    const FlipFilters filters = make_flip_filters(options.pixels_per_degree);
     const float largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), static_cast<float>(k_color_power));
 
     ImageF errors(test.width, test.height, 1);

@@ -57,12 +57,16 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"render", scene, "-o", out, "--light", "spot 0 0 0 0 0 1 91 1 1 1"}, "half-angle"},
         {{"render", scene, "-o", out, "--threads", "-1"}, "0 to 1024"},
         {{"render", scene, "-o", out, "--turntable", "0"}, "--turntable"},
-        {{"render", scene, "-o", folder / "out.jpg"}, ".png or .mp4"},
-        {{"render", scene, "-o", folder / "out"}, ".png or .mp4"},
+        {{"render", scene, "-o", folder / "out.jpg"}, ".png, .exr or .mp4"},
+        {{"render", scene, "-o", folder / "out"}, ".png, .exr or .mp4"},
         {{"render", scene, "-o", folder / "{frame:4}.png"}, "{frame:04}"},
         {{"render", scene, "-o", folder / "{frame:04}.mp4"}, "leave out"},
         {{"render", "builtin:nothing", "-o", out}, "nothing"},
         {{"info", folder / "scene.xyz"}, "xyz"},
+        {{"compare", out}, "takes 2 arguments"},
+        {{"compare", out, out, "--fail-above", "rmse"}, "METRIC=X"},
+        {{"compare", out, out, "--fail-above", "beauty=1"}, "METRIC=X"},
+        {{"compare", out, out, "--metric", "beauty"}, "flip"},
         {{"devices", "extra"}, "takes 0 arguments"},
     };
     for (const Wrong& wrong : mistakes) {

@@ -47,7 +47,11 @@ TEST(OutputKind, FollowsExtensionAndPattern)
     EXPECT_EQ(render::output_kind("{frame:04}.png"), OutputKind::numbered);
     EXPECT_EQ(render::output_kind("{frame}/still.png"), OutputKind::picture);   // folders are not patterns
     EXPECT_EQ(render::output_kind("b.mp4"), OutputKind::film);
-    for (const char* wrong : {"b", "b.jpg", "b.exr", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png",
+    EXPECT_EQ(render::output_kind("b.Exr"), OutputKind::picture);
+    EXPECT_EQ(render::output_kind("{frame}.exr"), OutputKind::numbered);
+    EXPECT_TRUE(render::is_exr_name("b.EXR"));
+    EXPECT_FALSE(render::is_exr_name("exr.png"));
+    for (const char* wrong : {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png",
                               "b{frame:0x}.png", "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", ""})
         EXPECT_THROW(render::output_kind(wrong), UsageError) << wrong;
 }
