@@ -173,6 +173,10 @@ ImageF flip(const ImageF& test, const ImageF& reference, const std::vector<Expos
     tasks.for_each(static_cast<std::size_t>(bands), [&](std::size_t band, int worker) {
         Scratch& scratch = workers[static_cast<std::size_t>(worker)];
         const int first = static_cast<int>(band) * k_band, rows = std::min(k_band, test.height - first);
+        // Where all that a filter reaches is equal there is no error.
+        const int reach = std::max(filters.contrast.radius, filters.features.radius);
+        const int top = std::max(0, first - reach), bottom = std::min(test.height, first + rows + reach);
+        if (std::equal(test.pixel(0, top), test.pixel(0, bottom), reference.pixel(0, top))) return;
         for (const Exposure& e : exposures) {
             perceive({test, e.tone_mapped, e.factor}, filters, first, rows, scratch, scratch.test);
             perceive({reference, e.tone_mapped, e.factor}, filters, first, rows, scratch, scratch.reference);
