@@ -148,7 +148,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         }
         // An unlit surface faces no light.
         const bool lit = s.model != scene::ShadingModel::unlit;
-        facing_.push_back({s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0), s.normal});
+        facing_.push_back(
+            {s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0), s.normal});
     }
 }
 
@@ -162,13 +163,15 @@ void TileTracer::light_points(bool primary)
         shadow_rays_.clear();
         shadow_point_.clear();
         const bool directional = light.type == scene::LightType::directional;
-        const bool bounded = light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
+        const bool bounded =
+            light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
         if (!at.visible || light.color == glm::vec3(0)) continue;
         for (std::uint32_t p = 0; p < facing_.size(); ++p) {
             const Facing& f = facing_[p];
             const glm::vec3 to_light = directional ? -at.direction : at.position - f.origin;
             if (glm::dot(to_light, f.geometric_normal) <= 0 || glm::dot(to_light, f.normal) <= 0) continue;
-            if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
+            if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0))
+                continue;
             shadow_rays_.push(f.origin, 0, to_light, directional ? k_infinity : k_shadow_end);
             shadow_point_.push_back(p);
         }
@@ -182,7 +185,7 @@ void TileTracer::light_points(bool primary)
         for (std::size_t i = 0; i < count; ++i) {
             if (blocked_[i]) continue;
             const Point& point = points_[shadow_point_[i]];
-const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+            const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
             const auto reflect = light.of_environment ? reflect_surroundings : reflect_light;
             const glm::vec3 radiance = point.share * reflect(point.surface, sample.to_light, sample.irradiance);
             color_[point.pixel] += radiance;
