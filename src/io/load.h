@@ -17,4 +17,8 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
 /// BART's AFF.
 scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
 
+/// Wavefront OBJ with MTL. What the file says wrongly is an error; what it lacks (materials, textures, normals) is
+/// replaced, with a warning; what it says and we cannot show (lines, curves) is a warning, too.
+scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress = {});
+
 }   // namespace gnomon::io
