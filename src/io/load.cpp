@@ -9,9 +9,12 @@ namespace gnomon::io {
 
 scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress)
 {
-    const std::string extension = file.extension().string();
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     if (extension == ".aff") return load_aff(file, progress);
-    throw UsageError(fmt::format("{}: unknown kind of scene '{}'; .aff is read", file.string(), extension));
+    if (extension == ".obj") return load_obj(file, progress);
+    throw UsageError(fmt::format("{}: unknown kind of scene '{}'; .aff and .obj are read", file.string(), extension));
 }
 
 }   // namespace gnomon::io

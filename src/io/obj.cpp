@@ -22,6 +22,11 @@ constexpr std::uint64_t k_largest_mtl = 64ull << 20;
 constexpr std::size_t k_most_libraries = 256;   // files
 constexpr glm::vec3 k_default_grey{0.6f};       // of faces without a material
 
+std::string_view text_of(const std::vector<std::uint8_t>& bytes)
+{
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 // Names of libraries on one line: the whole line if there is such a file (names may hold blanks), else its words.
 std::vector<std::string> library_names(const std::string& line, const SceneFolder& folder)
 {
@@ -56,8 +61,8 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
                 warnings.push_back(fmt::format("material file '{}' is left out: {}", shown(name), problem));
                 continue;
             }
-            const std::string bytes = read_whole_file(*path, name, k_largest_mtl);
-            ObjText text(name, bytes);
+            const auto bytes = read_whole_file(*path, name, k_largest_mtl);
+            ObjText text(name, text_of(bytes));
             for (MtlMaterial& material : parse_mtl(text, warnings)) materials.push_back(std::move(material));
         }
     }
@@ -75,8 +80,8 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
 
     ObjData data;
     {
-        const std::string bytes = read_whole_file(file, file.string(), k_largest_obj);
-        ObjText text(file.string(), bytes);
+        const auto bytes = read_whole_file(file, file.string(), k_largest_obj);
+        ObjText text(file.string(), text_of(bytes));
         data = parse_obj(text, scene.warnings, progress);
     }
 

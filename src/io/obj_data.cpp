@@ -175,6 +175,12 @@ class Parser {
         if (!any_known_) throw InputError(text_.file(), "", "holds no OBJ statement");
         const std::size_t have[3] = {data_.positions.size(), data_.texcoords.size(), data_.normals.size()};
         const char* const what[3] = {"vertex", "texture coordinate", "normal"};
+        // Normals can be computed: a file that left out all of them, but not their indices, is whole without.
+        if (data_.normals.empty() && ahead_[2].largest >= 0) {
+            warnings_.push_back("faces name normals, but there are none: computed instead");
+            for (ObjCorner& corner : data_.corners) corner.normal = k_no_index;
+            ahead_[2].largest = -1;
+        }
         for (int i = 0; i < 3; ++i) {
             if (ahead_[i].largest >= static_cast<std::int64_t>(have[i]))
                 throw InputError(

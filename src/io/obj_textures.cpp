@@ -44,8 +44,7 @@ std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, std::ve
     std::string problem;
     if (const auto path = folder.find(map.file, problem)) {
         try {
-            const std::string bytes = read_whole_file(*path, map.file, k_largest_image_file);
-            return decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, map.file);
+            return decode_image(read_whole_file(*path, map.file, k_largest_image_file), map.file);
         } catch (const InputError& error) {
             problem = error.problem();
         }

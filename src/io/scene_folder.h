@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The files that a scene file may name: regular ones in its own folder or below, whatever links stand between. What is
-// anything else (a FIFO, a device, a folder, outside) is not even opened.
+// anything else (a FIFO, a device, a folder, outside) is not even opened. Read them with read_whole_file.
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+
+#include "io/read_file.h"
 
 namespace gnomon::io {
 
@@ -16,15 +17,11 @@ class SceneFolder {
     explicit SceneFolder(const std::filesystem::path& scene_file);
 
     /// Where a name leads to, or nothing and the reason why not.
-    /// @param name  as the file writes it; relative; a backslash counts as a slash
+    /// @param name  as the file writes it; relative; a backslash counts as a slash, as exporters on Windows write it
     std::optional<std::filesystem::path> find(std::string name, std::string& problem) const;
 
  private:
-    std::filesystem::path folder_;   // canonical
+    std::filesystem::path folder_;   // canonical; empty: there is none
 };
-
-/// The whole of a regular file.
-/// @throws InputError if it is none, is larger than the limit, or cannot be read; `shown_name` is for messages
-std::string read_whole_file(const std::filesystem::path& file, const std::string& shown_name, std::uint64_t limit);
 
 }   // namespace gnomon::io

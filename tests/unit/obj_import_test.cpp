@@ -64,7 +64,7 @@ TEST_F(ObjImport, ErrorsHaveTheirPlace)
     EXPECT_EQ(place_of_error(k_square + "f 1 2 99999999999999999999\n"), "5:7");
     EXPECT_EQ(place_of_error(k_square + "f 1 2 -9223372036854775808\n"), "5:7");
     EXPECT_EQ(place_of_error(k_square + "f 1/1 2 3\n"), "5:3");
-    EXPECT_EQ(place_of_error(k_square + "f 1//1 2 3\n"), "5:3");
+    EXPECT_EQ(place_of_error("vn 0 0 1\n" + k_square + "f 1//2 2 3\n"), "6:3");
     EXPECT_EQ(place_of_error(k_square + "f 1 2 3x\n"), "5:7");
     EXPECT_EQ(place_of_error(k_square + "f 1 2 3/1/1/1\n"), "5:7");
     EXPECT_EQ(place_of_error(k_square + "f a b c\n"), "5:3");
@@ -81,6 +81,14 @@ TEST_F(ObjImport, ErrorsHaveTheirPlace)
 TEST_F(ObjImport, IndicesMayPointAhead)
 {
     EXPECT_EQ(load("f 1 2 3\n" + k_square).meshes[0].triangles.size(), 1u);
+}
+
+TEST_F(ObjImport, NormalsThatAreAllMissingAreComputed)
+{
+    const scene::Scene scene = load(k_square + "f 1//1 2//2 3//3 4//4\n");
+    EXPECT_TRUE(warned(scene, "computed"));
+    ASSERT_EQ(scene.meshes[0].normals.size(), 4u);
+    EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
 }
 
 TEST_F(ObjImport, WhatIsPassedOverIsSaidOnce)
