@@ -95,8 +95,7 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene)
 {
-    glm::vec3 result(0);
-    if (s.model == scene::ShadingModel::whitted) result += s.ambient * scene.ambient;
+    glm::vec3 result = s.ambient * scene.ambient;
     const glm::vec3& albedo = s.model == scene::ShadingModel::whitted ? s.diffuse : s.ambient;
     if (scene.background.kind == scene::Background::Kind::sky) result += albedo * scene.background.ambient(s.normal);
     return result * s.coverage;

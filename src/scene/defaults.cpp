@@ -3,6 +3,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/check.h"
+#include "scene/emitters.h"
+#include "scene/interior.h"
 #include "scene/scene.h"
 
 namespace gnomon::scene {
@@ -16,6 +18,33 @@ constexpr glm::dvec3 k_to_sun{-0.45, 0.75, 0.5};
 constexpr glm::dvec3 k_to_camera{0.55, 0.36, 1.0};
 constexpr double k_fov = 0.7;
 constexpr double k_margin = 1.08;
+constexpr double k_near = 5e-5;   // of the diagonal
+
+// The lamp of a closed room: a square under the middle of the ceiling.
+constexpr float k_lamp_irradiance = 3;   // on the floor below, as the sun's outside
+constexpr float k_lamp_size = 0.25f;     // of the room's shorter side
+constexpr float k_lamp_drop = 0.02f;     // below the highest point, of the height
+constexpr int k_lamp_lights = 16;
+
+void add_room_lamp(Scene& scene)
+{
+    const Box3 box = scene.bounds(scene.timeline.start);
+    const glm::vec3 size = box.size();
+    const float half = 0.5f * k_lamp_size * std::min(size.x, size.z);
+    glm::vec3 middle = box.centre();
+    middle.y = box.high.y - k_lamp_drop * size.y;
+    EmitterPatch lamp;
+    const glm::vec3 u(half, 0, 0), v(0, 0, half);
+    lamp.triangles = {middle - u - v, middle + u - v, middle + u + v, middle - u - v, middle + u + v, middle - u + v};
+    lamp.normal = {0, -1, 0};
+    lamp.area = 4 * half * half;
+    // Irradiance below a small lamp: radiance times area over the height squared.
+    lamp.radiance = glm::vec3(1.0f, 0.95f, 0.85f) * (k_lamp_irradiance * size.y * size.y / lamp.area);
+    add_patch_lights(scene, lamp, k_lamp_lights, 1, 0, "default lamp");
+    scene.finish();
+    add_room_fill(scene, lamp.radiance * (static_cast<float>(k_pi) * lamp.area));
+    scene.warnings.push_back("no light in the scene: lit by a default lamp under its ceiling");
+}
 
 NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, const glm::dvec3& direction)
 {
@@ -30,6 +59,8 @@ void add_default_light(Scene& scene)
 {
     if (!scene.lights.empty()) return;
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
+    // No sun comes into a closed room.
+    if (const auto interior = find_interior(scene); interior && interior->covered) return add_room_lamp(scene);
     const glm::dvec3 to_sun = glm::normalize(k_to_sun);
     Light sun;
     sun.name = "default sun";
@@ -47,6 +78,17 @@ void add_default_camera(Scene& scene)
 {
     if (!scene.cameras.empty()) return;
     GNOMON_CHECK(!scene.child_begin.empty());
+    if (const auto interior = find_interior(scene)) {
+        Camera camera;
+        camera.name = "default camera";
+        camera.vertical_fov = interior->vertical_fov;
+        camera.near = static_cast<double>(scene.bounds(scene.timeline.start).diagonal()) * k_near;
+        camera.node =
+            add_looking_node(scene, "default camera", glm::dvec3(interior->eye), glm::dvec3(interior->direction));
+        scene.cameras.push_back(camera);
+        scene.warnings.push_back("no camera in the scene: a default one looks around inside");
+        return;
+    }
     const Box3 box = scene.bounds(scene.timeline.start);
     const double radius = box.empty() ? 1.0 : std::max(0.5 * static_cast<double>(box.diagonal()), 1e-6);
     const glm::dvec3 centre = box.empty() ? glm::dvec3(0) : glm::dvec3(box.centre());
@@ -72,7 +114,7 @@ void add_default_camera(Scene& scene)
     Camera camera;
     camera.name = "default camera";
     camera.vertical_fov = k_fov;
-    camera.near = radius * 1e-4;
+    camera.near = 2 * radius * k_near;
     camera.node = add_looking_node(scene, "default camera", centre + distance * back, -back);
     scene.cameras.push_back(camera);
     scene.warnings.push_back("no camera in the scene: a default one frames it");

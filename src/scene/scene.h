@@ -90,7 +90,7 @@ class Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     Background background;
-    glm::vec3 ambient{0};   // AFF `am`; with indirect light off alone
+    glm::vec3 ambient{0};   // AFF `am`, or the fill of a closed room; with indirect light off alone
     Timeline timeline;
     std::vector<std::string> warnings;
 

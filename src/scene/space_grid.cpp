@@ -7,8 +7,8 @@ namespace gnomon::scene {
 
 namespace {
 
-constexpr float k_faces = 0.25f;           // least cosine at which a surface counts as facing an axis direction
-constexpr int k_enclosure_directions = 96;
+constexpr float k_faces = 0.25f;   // least cosine at which a surface counts as facing an axis direction
+constexpr int k_enclosure_directions = 40;
 
 // World matrices of the nodes with visible meshes.
 template <class Body>
@@ -21,7 +21,8 @@ void for_each_triangle(const Scene& scene, const std::vector<glm::dmat4>& world,
         const glm::mat4 matrix(world[object.node]);
         const bool mirrored = glm::determinant(glm::mat3(matrix)) < 0;
         for (const glm::uvec3& t : mesh.triangles) {
-            glm::vec3 a = transform_point(matrix, mesh.positions[t.x]), b = transform_point(matrix, mesh.positions[t.y]);
+            glm::vec3 a = transform_point(matrix, mesh.positions[t.x]),
+                      b = transform_point(matrix, mesh.positions[t.y]);
             const glm::vec3 c = transform_point(matrix, mesh.positions[t.z]);
             if (mirrored) std::swap(a, b);
             body(a, b, c);
@@ -57,6 +58,7 @@ SpaceGrid::SpaceGrid(const Scene& scene, double time, const Options& options) : 
     for (int axis = 0; axis < 3; ++axis)
         size_[axis] = std::min(options.cells, static_cast<int>(extent[axis] / cell_)) + 1;
     facing_.assign(static_cast<std::size_t>(size_.x) * size_.y * size_.z, 0);
+    triangles_.assign(facing_.size(), 0);
 
     std::vector<glm::dmat4> world(scene.nodes.size());
     std::vector<char> visible(scene.nodes.size());
@@ -80,6 +82,7 @@ SpaceGrid::SpaceGrid(const Scene& scene, double time, const Options& options) : 
         const float length = glm::length(cross);
         if (!(length > 0)) return;
         const std::uint8_t bits = facing_bits(cross / length);
+        ++triangles_[index(cell_of((a + b + c) / 3.0f))];
         // A row of samples for each step along b - a; shorter rows towards b.
         const int rows = 1 + static_cast<int>(glm::length(b - a) / spacing);
         for (int i = 0; i < rows; ++i) {
@@ -135,11 +138,12 @@ SpaceGrid::Hit SpaceGrid::cast(const glm::vec3& origin, const glm::vec3& directi
         if (bits == 0) continue;
         for (int axis = 0; axis < 3; ++axis) {
             const unsigned against = direction[axis] > 0 ? 2u : 1u;
-            if (std::abs(direction[axis]) > k_faces && (bits & (against << (2 * axis)))) return {Met::front, t};
+            if (std::abs(direction[axis]) > k_faces && (bits & (against << (2 * axis))))
+                return {Met::front, t, triangles_[index(c)]};
         }
-        return {Met::back, t};
+        return {Met::back, t, triangles_[index(c)]};
     }
-    return {Met::nothing, far};
+    return {Met::nothing, far, 0};
 }
 
 float SpaceGrid::enclosure(const glm::vec3& point) const

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A coarse picture of where a scene's surfaces are, to ask what a point is surrounded by: a grid of cells, each with the
-// directions that surfaces in it face. For choosing default cameras and lamps; not for shading.
+// A coarse picture of where a scene's surfaces are, to ask what a point is surrounded by: a grid of cells, each with
+// the directions that surfaces in it face. For choosing default cameras and lamps; not for shading.
 //
 // Cost: linear in triangles and covered cells; the number of samples is bounded whatever the triangles' sizes.
 // Weakness: what is thinner than a cell counts as filling it.
@@ -15,7 +15,7 @@ namespace gnomon::scene {
 class SpaceGrid {
  public:
     struct Options {
-        int cells = 80;                          // along the longest side
+        int cells = 80;                           // along the longest side
         std::uint64_t most_samples = 8'000'000;   // over all triangles
     };
     /// Of everything visible at a time; empty for a scene without extent.
@@ -30,7 +30,8 @@ class SpaceGrid {
     enum class Met : std::uint8_t { nothing, front, back };
     struct Hit {
         Met met = Met::nothing;
-        float distance = 0;   // where the ray left the grid, if it met nothing
+        float distance = 0;            // where the ray left the grid, if it met nothing
+        std::uint32_t triangles = 0;   // in the cell that it met
     };
     /// The first surface along a ray that starts anywhere; the cell it starts in does not count.
     Hit cast(const glm::vec3& origin, const glm::vec3& direction) const;
@@ -48,7 +49,8 @@ class SpaceGrid {
     Box3 box_;
     glm::ivec3 size_{0};
     float cell_ = 0;
-    std::vector<std::uint8_t> facing_;   // bits +x -x +y -y +z -z; 0: no surface
+    std::vector<std::uint32_t> triangles_;   // whose middle is in the cell
+    std::vector<std::uint8_t> facing_;       // bits +x -x +y -y +z -z; 0: no surface
 };
 
 /// Directions spread evenly over the sphere [Swinbank and Purser 2006].
