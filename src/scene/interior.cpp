@@ -101,22 +101,32 @@ std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions&
                               (static_cast<float>(z) + 0.5f) / static_cast<float>(count.z));
         return box.low + share * box.size();
     };
-    int points = 0, inside = 0, covered = 0;
-    for (int z = 0; z < count.z; ++z) {
-        for (int y = 0; y < count.y; ++y) {
-            for (int x = 0; x < count.x; ++x) {
-                ++points;
-                const glm::vec3 p = point(x, y, z);
-                if (grid.occupied(p) || grid.enclosure(p) < options.enclosed) continue;
-                ++inside;
-                covered += grid.cast(p, {0, 1, 0}).met != SpaceGrid::Met::nothing;
+    struct Census {
+        int points = 0, inside = 0, covered = 0;
+    };
+    const auto ask = [&](int stride) {
+        Census census;
+        for (int z = stride / 2; z < count.z; z += stride) {
+            for (int y = stride / 2; y < count.y; y += stride) {
+                for (int x = stride / 2; x < count.x; x += stride) {
+                    ++census.points;
+                    const glm::vec3 p = point(x, y, z);
+                    if (grid.occupied(p) || grid.enclosure(p) < options.enclosed) continue;
+                    ++census.inside;
+                    census.covered += grid.cast(p, {0, 1, 0}).met != SpaceGrid::Met::nothing;
+                }
             }
         }
-    }
-    if (static_cast<float>(inside) < options.share * static_cast<float>(points)) return std::nullopt;
+        return census;
+    };
+    // Most scenes are objects, and a few points tell so.
+    constexpr int few = 3;
+    if (const Census census = ask(few); census.points > 0 && census.inside == 0) return std::nullopt;
+    const Census census = ask(1);
+    if (static_cast<float>(census.inside) < options.share * static_cast<float>(census.points)) return std::nullopt;
 
     Interior result;
-    result.covered = static_cast<float>(covered) >= options.covered * static_cast<float>(inside);
+    result.covered = static_cast<float>(census.covered) >= options.covered * static_cast<float>(census.inside);
     if (find_stage(grid, result)) return result;
 
     // Look for the longest view from inside, at the height of somebody who stands there.
