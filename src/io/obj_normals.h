@@ -4,7 +4,7 @@
 //
 // Where it has smoothing groups, they decide: a corner's normal is the mean over the faces of its group that share the
 // vertex. Where it has none, faces that meet at less than the crease angle are smoothed together. The mean is weighted
-// by the angle at the corner [Thürmer and Wüthrich 1998].
+// by the angle at the corner [Thuermer and Wuethrich 1998].
 
 #include <span>
 
