@@ -31,8 +31,7 @@ double wall_ms()
 // The primary hits of one tile.
 struct TilePoints {
     std::vector<shadow_culling::ShadowPoint> points;
-    std::vector<glm::vec3> normals;              // geometric, on the viewer's side
-    std::vector<std::uint8_t> off, certified;    // [light][point]: 1 blocked or behind
+    std::vector<std::uint8_t> off, certified;   // [light][point]: 1 blocked or behind
 };
 
 void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile)
@@ -50,7 +49,6 @@ void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, 
         queue.push(origin, tnear, direction, tfar);
     }
     tile.points.clear();
-    tile.normals.clear();
     if (queue.empty()) return;
     hits.resize(queue.size());
     rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
@@ -66,12 +64,11 @@ void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, 
         const bool front = glm::dot(cross, queue.direction(i)) < 0;
         const glm::vec3 normal = (front ? cross : -cross) / length;
         tile.points.push_back(
-            {position + ray::origin_lift(p) * normal, hits.object[i], hits.triangle[i], u, v, front});
-        tile.normals.push_back(normal);
+            {position + ray::origin_lift(p) * normal, normal, hits.object[i], hits.triangle[i], u, v, front});
     }
 }
 
-}  // namespace
+}   // namespace
 
 CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
                                  const std::function<void(const CullingFrame&)>& on_frame)
@@ -117,7 +114,7 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             const bool directional = light.type == scene::LightType::directional;
             for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
                 const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
-                if (glm::dot(d, tile.normals[p]) > 0) take(p, d, directional);
+                if (glm::dot(d, tile.points[p].normal) > 0) take(p, d, directional);
             }
         };
         const float end = certified_options.ray_end;
@@ -153,21 +150,10 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             CertifiedCulling::Batch& batch = *batches[worker];
             culling.classify(batch, tile.points);
             for (int l = 0; l < lights; ++l) {
-                whose[worker].clear();
-                const scene::Light& light = scene->lights[static_cast<std::size_t>(l)];
-                const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
-                const bool directional = light.type == scene::LightType::directional;
-                for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
-                    // What is known to be dark is left at that: no ray, no test which way it faces.
-                    if (culling.state_of(batch, p, l) == ShadowState::full) continue;
-                    const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
-                    if (glm::dot(d, tile.normals[p]) > 0) whose[worker].push_back(p);
-                }
-                const std::size_t count = whose[worker].size();
-                answers[worker].resize(count + ray::k_packet_pad);
-                culling.resolve(batch, l, whose[worker], answers[worker].data());
-                std::uint8_t* out = tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size();
-                for (std::size_t i = 0; i < count; ++i) out[whose[worker][i]] = answers[worker][i];
+                answers[worker].resize(tile.points.size() + 8);
+                culling.shadow(batch, l, answers[worker].data());
+                std::copy_n(answers[worker].data(), tile.points.size(),
+                            tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size());
             }
         });
         const double before_judging = wall_ms();
@@ -183,7 +169,8 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
         record.certified.certificates = c.certificates;
         record.certified.certified = c.certified;
         for (const TilePoints& tile : tiles)
-            for (std::size_t i = 0; i < tile.off.size(); ++i) record.certified.wrong += tile.off[i] != tile.certified[i];
+            for (std::size_t i = 0; i < tile.off.size(); ++i)
+                record.certified.wrong += tile.off[i] != tile.certified[i];
         result.wrong_total += record.certified.wrong;
 
         off_sum += record.off.ms;
@@ -208,4 +195,4 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
     return result;
 }
 
-}  // namespace gnomon::app
+}   // namespace gnomon::app

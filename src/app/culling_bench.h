@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What shadow culling saves: the shadow pass of every frame of a range, with every ray traced and with certified culling,
-// on the same primary hits.
+// What shadow culling saves: the shadow pass of every frame of a range, with every ray traced and with certified
+// culling, on the same primary hits.
 //
-// `off` traces every facing (point, light) pair in packets against one tree that holds everything. Times are process CPU
-// time of the whole pass, certificates included; Embree's builds are left out for both.
+// `off` traces every facing (point, light) pair in packets against one tree that holds everything. Times are process
+// CPU time of the whole pass, certificates included; Embree's builds are left out for both.
 
 #include <cstdint>
 #include <functional>
@@ -45,4 +45,4 @@ struct CullingBenchResult {
 CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
                                  const std::function<void(const CullingFrame&)>& on_frame = {});
 
-}  // namespace gnomon::app
+}   // namespace gnomon::app

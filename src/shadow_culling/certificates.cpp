@@ -8,8 +8,8 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Whether a neighbour goes on, seen from the light, on the other side of the edge a-b than the triangle with corner c: the
-// edge then is no silhouette. By corners, not by winding: not all meshes are wound consistently.
+// Whether a neighbour goes on, seen from the light, on the other side of the edge a-b than the triangle with corner c:
+// the edge then is no silhouette. By corners, not by winding: not all meshes are wound consistently.
 bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const StaticTriangle& neighbour,
                       const LightPoint& light)
 {
@@ -25,7 +25,7 @@ bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
     return (own > 0 && other < 0) || (own < 0 && other > 0);
 }
 
-}  // namespace
+}   // namespace
 
 bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, TriangleId receiver)
 {

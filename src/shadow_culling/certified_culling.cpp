@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 
 #include "base/check.h"
 #include "shadow_culling/judge.h"
@@ -11,8 +12,6 @@ namespace gnomon::shadow_culling {
 
 void CullingCounters::add(const CullingCounters& o)
 {
-    queries += o.queries;
-    skipped += o.skipped;
     dynamic_only += o.dynamic_only;
     traced += o.traced;
     partial += o.partial;
@@ -106,14 +105,23 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
     const auto groups = static_cast<std::size_t>(memory_->groups());
     batch.points = points;
     batch.bounds = Box3{};
+    batch.stride = (count + 7) / 8 * 8;
     batch.slot.resize(count);
     batch.record.resize(count);
-    batch.states.resize(count * groups);
+    batch.coarse.resize(count);
+    batch.states.assign(batch.stride * groups, 0);
     RecordId last = k_no_slot;
+    scene::ObjectId last_object = scene::none;
+    TriangleId first = no_triangle;
+    std::uint32_t base = k_no_slot, level = 0;
+    bool coarse = false;
     for (std::size_t i = 0; i < count; ++i) {
         const ShadowPoint& point = points[i];
         batch.bounds.add(point.origin);
-        const TriangleId first = triangles_->first_of(point.object);
+        if (point.object != last_object) {
+            last_object = point.object;
+            first = triangles_->first_of(point.object);
+        }
         if (first == no_triangle) {
             batch.slot[i] = k_no_slot;
             continue;
@@ -121,77 +129,110 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
         const RecordId record = 2 * (first + point.triangle) + (point.front ? 0 : 1);
         batch.record[i] = record;
         if (record != last) {
+            last = record;
             if (memory_->base(record) == k_no_slot && !memory_->full())
                 memory_->create(record, wanted_level(record / 2));
             memory_->note_seen(record, frame_);
-            last = record;
+            base = memory_->base(record);
+            level = memory_->level(record);
+            coarse = base != k_no_slot && level < k_max_level && wanted_level(record / 2) > level;
         }
-        batch.slot[i] = memory_->slot(record, point.u, point.v);
+        batch.slot[i] =
+            base == k_no_slot ? k_no_slot : base + pyramid_offset(level) + micro_index_at(point.u, point.v, level);
+        batch.coarse[i] = coarse;
     }
     for (std::size_t g = 0; g < groups; ++g) {
         const std::uint8_t* const states = memory_->states(static_cast<int>(g));
-        std::uint8_t* const out = batch.states.data() + g * count;
+        std::uint8_t* const out = batch.states.data() + g * batch.stride;
         const std::uint8_t mask = group_mask_[g];
-        for (std::size_t i = 0; i < count; ++i) out[i] = batch.slot[i] == k_no_slot ? 0 : states[batch.slot[i]] & mask;
+        for (std::size_t i = 0; i < count; ++i)
+            if (batch.slot[i] != k_no_slot) out[i] = states[batch.slot[i]] & mask;
     }
 }
 
 ShadowState CertifiedCulling::state_of(const Batch& batch, std::uint32_t point, int light) const
 {
-    const std::size_t group = static_cast<std::size_t>(light / k_lights_per_group);
-    const std::uint8_t byte = batch.states[group * batch.points.size() + point];
-    return static_cast<ShadowState>((byte >> (2 * (light % k_lights_per_group))) & 3);
+    const auto group = static_cast<std::size_t>(light / k_lights_per_group);
+    return static_cast<ShadowState>((batch.states[group * batch.stride + point] >> (2 * (light % k_lights_per_group))) &
+                                    3);
 }
 
-void CertifiedCulling::resolve(Batch& batch, int light, std::span<const std::uint32_t> which, std::uint8_t* blocked)
-{
-    const scene::Light& lamp = state_->scene().lights[static_cast<std::size_t>(light)];
-    const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
-    const bool directional = lamp.type == scene::LightType::directional;
-    const glm::vec3 light_vector = directional ? -at.direction : at.position;
-    const float end = directional ? k_infinity : options_.ray_end;
-    const auto direction_from = [&](const glm::vec3& origin) {
-        return directional ? light_vector : light_vector - origin;
-    };
+// A light as this frame's queries see it.
+struct CertifiedCulling::Lamp {
+    int index;
+    bool directional;
+    glm::vec3 to;   // its place, or the direction towards it
+    float end;      // of its shadow rays
 
-    // Sort the queries by what is known.
-    movers_->select(batch.bounds, light_vector, directional, batch.movers);
-    batch.static_rays.clear();
-    batch.static_query.clear();
-    batch.dynamic_rays.clear();
-    batch.dynamic_query.clear();
-    const auto queue_dynamic = [&](std::uint32_t query, const glm::vec3& origin, const glm::vec3& direction) {
-        for (const Box3& box : batch.movers)
-            if (segment_meets(box, origin, direction, end)) {
-                batch.dynamic_rays.push(origin, 0, direction, end);
-                batch.dynamic_query.push_back(query);
-                return true;
-            }
-        return false;
-    };
-    batch.counters.queries += which.size();
-    for (std::uint32_t q = 0; q < which.size(); ++q) {
-        const ShadowState known = state_of(batch, which[q], light);
-        if (known == ShadowState::full) {
-            blocked[q] = 1;
-            ++batch.counters.skipped;
-            continue;
-        }
-        blocked[q] = 0;
-        const glm::vec3& origin = batch.points[which[q]].origin;
-        if (known == ShadowState::none) {
-            if (batch.movers.empty() || !queue_dynamic(q, origin, direction_from(origin)))
-                ++batch.counters.skipped;
-            else
-                ++batch.counters.dynamic_only;
-            continue;
-        }
-        batch.static_rays.push(origin, 0, direction_from(origin), end);
-        batch.static_query.push_back(q);
+    glm::vec3 from(const glm::vec3& origin) const { return directional ? to : to - origin; }
+};
+
+void CertifiedCulling::queue_dynamic(Batch& batch, const Lamp& lamp, std::uint32_t point) const
+{
+    const glm::vec3& origin = batch.points[point].origin;
+    const glm::vec3 direction = lamp.from(origin);
+    for (const Box3& box : batch.movers) {
+        if (!segment_meets(box, origin, direction, lamp.end)) continue;
+        batch.dynamic_rays.push(origin, 0, direction, lamp.end);
+        batch.dynamic_point.push_back(point);
+        return;
     }
+}
+
+// Answers what is known, eight points at a time, and queues the rest.
+void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+{
+    constexpr std::uint64_t k_ones = 0x0101010101010101ull;
+    const std::size_t count = batch.points.size();
+    const int shift = 2 * (lamp.index % k_lights_per_group);
+    const std::uint8_t* const states =
+        batch.states.data() + static_cast<std::size_t>(lamp.index / k_lights_per_group) * batch.stride;
+    const bool nothing_moves = batch.movers.empty();
+    for (std::size_t first = 0; first < count; first += 8) {
+        // States are 00 unknown, 01 none, 10 full, 11 partial.
+        std::uint64_t eight;
+        std::memcpy(&eight, states + first, 8);
+        const std::uint64_t low = (eight >> shift) & k_ones, high = (eight >> (shift + 1)) & k_ones;
+        const std::uint64_t full = high & ~low;
+        std::memcpy(blocked + first, &full, 8);
+        std::uint64_t rest = nothing_moves ? ~(low ^ high) & k_ones : k_ones & ~full;
+        for (; rest != 0; rest &= rest - 1) {
+            const std::size_t p = first + static_cast<std::size_t>(__builtin_ctzll(rest)) / 8;
+            if (p >= count) break;
+            const auto point = static_cast<std::uint32_t>(p);
+            if (((low ^ high) >> (8 * (p - first))) & 1) {   // none: it faces the light, and only movers can matter
+                queue_dynamic(batch, lamp, point);
+                continue;
+            }
+            const ShadowPoint& here = batch.points[p];
+            const glm::vec3 direction = lamp.from(here.origin);
+            if (!(glm::dot(direction, here.normal) > 0)) {
+                blocked[p] = 1;
+                continue;
+            }
+            batch.static_rays.push(here.origin, 0, direction, lamp.end);
+            batch.static_point.push_back(point);
+        }
+    }
+}
+
+void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
+{
+    const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
+    const bool directional =
+        state_->scene().lights[static_cast<std::size_t>(light)].type == scene::LightType::directional;
+    const Lamp lamp{light, directional, directional ? -at.direction : at.position,
+                    directional ? k_infinity : options_.ray_end};
+    movers_->select(batch.bounds, lamp.to, directional, batch.movers);
+    batch.static_rays.clear();
+    batch.static_point.clear();
+    batch.dynamic_rays.clear();
+    batch.dynamic_point.clear();
+    sort_open(batch, lamp, blocked);
+    batch.counters.dynamic_only += batch.dynamic_point.size();
 
     // Trace against what stands still, and note what the rays saw.
-    const std::size_t traced = batch.static_query.size();
+    const std::size_t traced = batch.static_point.size();
     batch.counters.traced += traced;
     if (traced > 0) {
         batch.hit.resize(traced + ray::k_packet_pad);
@@ -200,14 +241,15 @@ void CertifiedCulling::resolve(Batch& batch, int light, std::span<const std::uin
         const int shift = 2 * (light % k_lights_per_group);
         std::uint8_t* const evidence = memory_->evidence(light / k_lights_per_group);
         for (std::size_t r = 0; r < traced; ++r) {
-            const std::uint32_t q = batch.static_query[r];
-            const std::uint32_t point = which[q];
-            blocked[q] = batch.hit[r];
-            if (!batch.hit[r]) queue_dynamic(q, batch.static_rays.origin(r), batch.static_rays.direction(r));
+            const std::uint32_t point = batch.static_point[r];
+            blocked[point] = batch.hit[r];
+            if (!batch.hit[r] && !batch.movers.empty()) queue_dynamic(batch, lamp, point);
             const std::uint32_t slot = batch.slot[point];
             if (slot == k_no_slot || !remembered) continue;
-            const bool partial = state_of(batch, point, light) == ShadowState::partial;
-            batch.counters.partial += partial;
+            if (state_of(batch, point, light) == ShadowState::partial) {
+                ++batch.counters.partial;
+                if (!batch.coarse[point]) continue;   // nothing to learn: the part is as fine as it gets
+            }
             if (batch.touched.empty() || batch.touched.back() != batch.record[point])
                 batch.touched.push_back(batch.record[point]);
             const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_blocked : k_saw_free) << shift);
@@ -216,10 +258,10 @@ void CertifiedCulling::resolve(Batch& batch, int light, std::span<const std::uin
     }
 
     // Trace against what moves, where nothing static was in the way.
-    if (const std::size_t moving = batch.dynamic_query.size(); moving > 0) {
+    if (const std::size_t moving = batch.dynamic_point.size(); moving > 0) {
         batch.hit.resize(moving + ray::k_packet_pad);
         rays_->blocked(batch.dynamic_rays, 0, moving, batch.hit.data(), ray::Against::dynamic_only);
-        for (std::size_t r = 0; r < moving; ++r) blocked[batch.dynamic_query[r]] |= batch.hit[r];
+        for (std::size_t r = 0; r < moving; ++r) blocked[batch.dynamic_point[r]] |= batch.hit[r];
     }
 }
 

@@ -7,7 +7,7 @@
 // its points (certificates.h): NONE, then only what moves is traced; FULL, then nothing is; else PARTIAL, and the ray
 // is cast. So the picture is the same to the bit as with every ray traced, whatever the memory holds.
 //
-// A frame goes: `begin_frame` follows what moved. `classify` and `resolve`, from many threads, answer batches of shadow
+// A frame goes: `begin_frame` follows what moved. `classify` and `shadow`, from many threads, answer batches of shadow
 // queries, tracing what is not known and noting what those rays saw as evidence. `end_frame` judges the parts with new
 // evidence: rays blocked and free in one part make it PARTIAL at no cost; else the one certificate that the evidence
 // allows is tried, from the coarsest open part down.
@@ -41,13 +41,14 @@ struct CullingView {
     float pixel_width = 0;    // its width at the eye
 };
 
-/// One shading point's side of a query.
+/// One shading point.
 struct ShadowPoint {
-    glm::vec3 origin;   // where its shadow rays start: above the surface on the viewer's side
+    glm::vec3 origin{0};   // where its shadow rays start: above the surface on the viewer's side
+    glm::vec3 normal{0};   // geometric, unit, on that side
     scene::ObjectId object = scene::none;
     std::uint32_t triangle = 0;
     float u = 0, v = 0;
-    bool front = true;   // the viewer, and so the ray, is on the triangle's front
+    bool front = true;   // the side is that of the world-space winding
 };
 
 struct CullingCounters {
@@ -76,11 +77,11 @@ class CertifiedCulling {
 
     /// Takes the points of a batch and finds their parts.
     void classify(Batch& batch, std::span<const ShadowPoint> points);
-    /// Answers one light for some points of the batch.
-    /// @param which    indices into the batch's points, of points that face the light
-    /// @param blocked  one a query: 1 where something that blocks light lies between point and light
-    void resolve(Batch& batch, int light, std::span<const std::uint32_t> which, std::uint8_t* blocked);
-    /// Whether a whole group of queries needs no ray, asked before any per-light work: state of one point and light.
+    /// Answers one light for all points of the batch.
+    /// @param blocked  by point, with room for 8 more: 1 where the light is behind the surface, or something that
+    /// blocks
+    ///                 light lies between
+    void shadow(Batch& batch, int light, std::uint8_t* blocked);
     ShadowState state_of(const Batch& batch, std::uint32_t point, int light) const;
 
     /// Judges what this frame's rays saw in the batches that took part. Order of batches does not matter.
@@ -93,6 +94,9 @@ class CertifiedCulling {
     std::size_t visible_triangles() const { return memory_->live_records(); }
 
  private:
+    struct Lamp;
+    void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
+    void queue_dynamic(Batch& batch, const Lamp& lamp, std::uint32_t point) const;
     void rebuild();
     std::uint32_t wanted_level(TriangleId triangle) const;
 
@@ -119,11 +123,13 @@ class CertifiedCulling::Batch {
     Box3 bounds;
     std::vector<std::uint32_t> slot;    // by point; k_no_slot: not remembered (moving receiver, or no room)
     std::vector<RecordId> record;       // by point
+    std::vector<std::uint8_t> coarse;  // by point: finer parts are wanted than its record has
     std::vector<std::uint8_t> states;   // by group, then point
     std::vector<RecordId> touched;      // records with new evidence, or partial where finer parts may help
-    // Scratch of resolve().
+    std::size_t stride = 0;             // between groups in `states`: points, rounded up to 8
+    // Scratch of shadow().
     ray::RayQueue static_rays, dynamic_rays;
-    std::vector<std::uint32_t> static_query, dynamic_query;
+    std::vector<std::uint32_t> static_point, dynamic_point;
     std::vector<std::uint8_t> hit;
     std::vector<Box3> movers;
 };
