@@ -2,6 +2,7 @@
 #include "scene/kochanek_track.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/check.h"
 
@@ -9,198 +10,280 @@ namespace gnomon::scene {
 
 namespace {
 
-constexpr double k_cut_off = 1e-3;   // of sines, below which log, exp and slerp take their limits
+// Below this sine, BART's functions on quaternions take the limit instead of dividing by it. Part of what its scenes
+// were made with.
+constexpr double k_small_sine = 1e-3;
 
-struct Place {
-    std::size_t segment;
-    double u;
+// The tangent at a key as weights of the two chords that meet there.
+struct TangentWeights {
+    double before = 0, after = 0;
 };
 
-// The first segment, from 0, that ends after t; times may repeat, and in one known file go back once.
-template <class Keys>
-Place find_segment(const Keys& keys, double t)
+// 2 (length of the segment) / (time between the neighbours of the key); 0 where three keys share one time.
+double speed_adjustment(double segment, double span)
 {
-    const std::size_t n = keys.size();
-    if (t <= keys[1].time) return {0, 0};
-    if (t >= keys[n - 2].time) return {n - 4, 1};
-    for (std::size_t i = 0; i + 3 < n; ++i)
-        if (t < keys[i + 2].time) return {i, (t - keys[i + 1].time) / (keys[i + 2].time - keys[i + 1].time)};
-    return {n - 4, 1};
+    return span == 0 ? 0 : 2 * segment / span;
 }
 
-double quotient(double a, double b)
+// Where a segment begins [Kochanek and Bartels 1984, eq. 9, with the adjustment of section 6].
+TangentWeights outgoing(const KochanekKey& k, double adjustment)
 {
-    return b != 0 ? a / b : 0;
+    return {adjustment / 2 * (1 - k.tension) * (1 + k.continuity) * (1 + k.bias),
+            adjustment / 2 * (1 - k.tension) * (1 - k.continuity) * (1 - k.bias)};
 }
 
-// Weights of the outgoing tangent at key 1 and the incoming one at key 2.
-struct Weights {
-    double out0, out1, in0, in1;
+// Where it ends [eq. 8].
+TangentWeights incoming(const KochanekKey& k, double adjustment)
+{
+    return {adjustment / 2 * (1 - k.tension) * (1 - k.continuity) * (1 + k.bias),
+            adjustment / 2 * (1 - k.tension) * (1 + k.continuity) * (1 - k.bias)};
+}
+
+struct SegmentWeights {
+    TangentWeights out, in;
 };
-template <class Keys>
-Weights weights_of(const Keys& k, std::size_t i)
+
+template <class Key>
+SegmentWeights weights_of(const std::vector<Key>& keys, std::size_t i)
 {
-    const double a = 2 * quotient(k[i + 2].time - k[i + 1].time, k[i + 2].time - k[i].time);
-    const double b = 2 * quotient(k[i + 2].time - k[i + 1].time, k[i + 3].time - k[i + 1].time);
-    const auto& p = k[i + 1];
-    const auto& q = k[i + 2];
-    return {a / 2 * (1 - p.tension) * (1 + p.continuity) * (1 + p.bias),
-            a / 2 * (1 - p.tension) * (1 - p.continuity) * (1 - p.bias),
-            b / 2 * (1 - q.tension) * (1 - q.continuity) * (1 + q.bias),
-            b / 2 * (1 - q.tension) * (1 + q.continuity) * (1 - q.bias)};
+    const double t0 = keys[i].time, t1 = keys[i + 1].time, t2 = keys[i + 2].time, t3 = keys[i + 3].time;
+    return {outgoing(keys[i + 1], speed_adjustment(t2 - t1, t2 - t0)),
+            incoming(keys[i + 2], speed_adjustment(t2 - t1, t3 - t1))};
 }
 
-// Segment i runs from key i + 1 to key i + 2. A segment of no length is a jump.
-template <class Keys, class Still>
-void changes_of(const Keys& keys, const Still& still, std::vector<Interval>& intervals)
+template <class Key>
+std::vector<double> times_of(const std::vector<Key>& keys)
 {
-    const std::size_t n = keys.size();
-    bool ordered = true;
-    for (std::size_t i = 2; i + 1 < n; ++i) ordered = ordered && keys[i - 1].time <= keys[i].time;
-    if (!ordered) {
-        const auto [first, last] =
-            std::minmax_element(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
-        intervals.push_back({first->time, last->time});
-        return;
+    std::vector<double> times;
+    times.reserve(keys.size());
+    for (const Key& key : keys) times.push_back(key.time);
+    return times;
+}
+
+// Quaternion functions as the format defines them, for quaternions of any length.
+
+glm::dvec3 vector_of(const glm::dquat& q)
+{
+    return {q.x, q.y, q.z};
+}
+glm::dquat inverse_of(const glm::dquat& q)
+{
+    return {q.w, -q.x, -q.y, -q.z};
+}
+
+// The logarithm's real part is 0.
+glm::dvec3 logarithm(const glm::dquat& q)
+{
+    if (!(std::abs(q.w) < 1)) return vector_of(q);
+    const double angle = std::acos(q.w), sine = std::sin(angle);
+    return std::abs(sine) >= k_small_sine ? vector_of(q) * (angle / sine) : vector_of(q);
+}
+
+glm::dquat exponential(const glm::dvec3& v)
+{
+    const double angle = glm::length(v), sine = std::sin(angle);
+    const glm::dvec3 part = std::abs(sine) >= k_small_sine ? v * (sine / angle) : v;
+    return {std::cos(angle), part.x, part.y, part.z};
+}
+
+double sine_between(const glm::dquat& p, const glm::dquat& q, double& angle)
+{
+    angle = std::acos(std::clamp(glm::dot(p, q), -1.0, 1.0));
+    return std::sin(angle);
+}
+
+// Without a test of signs: the keys' signs were settled before.
+glm::dquat slerp(double t, const glm::dquat& p, const glm::dquat& q)
+{
+    double angle = 0;
+    const double sine = sine_between(p, q, angle);
+    if (sine < k_small_sine) return p;
+    return (p * std::sin((1 - t) * angle) + q * std::sin(t * angle)) / sine;
+}
+
+bool slerp_is_constant(const glm::dquat& p, const glm::dquat& q)
+{
+    double angle = 0;
+    return sine_between(p, q, angle) < k_small_sine;
+}
+
+// Stretches on which a spline changes, joined; and moments at which it jumps from one constant stretch to the next.
+// The value before the first key may differ from the one just after, hence the jump there reaches a hair further.
+template <class Constant, class Value>
+std::vector<Interval> changing_intervals(const SegmentTable& table, const Constant& constant, const Value& value)
+{
+    std::vector<Interval> result;
+    const auto add = [&](double first, double last) {
+        if (!result.empty() && first <= result.back().last)
+            result.back().last = std::max(result.back().last, last);
+        else
+            result.push_back({first, last});
+    };
+    auto before = value(SegmentTable::Place{0, 0.0});
+    double from = table.first_time();
+    for (const SegmentTable::Stretch& stretch : table.stretches()) {
+        const auto here = value(SegmentTable::Place{stretch.segment, 0.0});
+        if (!constant(stretch.segment))
+            add(stretch.low, stretch.high);
+        else if (here != before)
+            add(from, std::nextafter(from, k_infinity));
+        before = value(SegmentTable::Place{stretch.segment, 1.0});
+        from = stretch.high;
     }
-    for (std::size_t i = 0; i + 3 < n; ++i)
-        if (!still(i)) intervals.push_back({keys[i + 1].time, keys[i + 2].time});
+    if (value(SegmentTable::Place{table.segment_count() - 1, 1.0}) != before)
+        add(from, std::nextafter(from, k_infinity));
+    return result;
 }
 
 }   // namespace
 
-std::vector<Interval> merged(std::vector<Interval> intervals)
+SegmentTable::SegmentTable(std::vector<double> times) : times_(std::move(times))
 {
-    std::sort(intervals.begin(), intervals.end(),
-              [](const Interval& a, const Interval& b) { return a.first < b.first; });
-    std::vector<Interval> result;
-    for (const Interval& interval : intervals) {
-        if (!result.empty() && interval.first <= result.back().last)
-            result.back().last = std::max(result.back().last, interval.last);
-        else
-            result.push_back(interval);
+    GNOMON_CHECK_LE(4u, times_.size());
+    // The first segment whose end lies beyond t holds at t: so each holds from where all before it have ended.
+    const double last = times_[times_.size() - 2];
+    double low = times_[1];
+    for (std::size_t i = 0; i < segment_count() && low < last; ++i) {
+        const double high = std::min(times_[i + 2], last);
+        if (!(low < high)) continue;
+        stretches_.push_back({low, high, i});
+        low = high;
     }
-    return result;
+}
+
+SegmentTable::Place SegmentTable::find(double time) const
+{
+    if (time <= times_[1]) return {0, 0};
+    if (time >= times_[times_.size() - 2]) return {segment_count() - 1, 1};
+    const auto stretch = std::upper_bound(stretches_.begin(), stretches_.end(), time,
+                                          [](double t, const Stretch& s) { return t < s.high; });
+    GNOMON_CHECK(stretch != stretches_.end());
+    const double t1 = times_[stretch->segment + 1], t2 = times_[stretch->segment + 2];
+    return {stretch->segment, (time - t1) / (t2 - t1)};
+}
+
+VectorSpline::VectorSpline(const std::vector<VectorKey>& keys) : table_(times_of(keys))
+{
+    for (std::size_t i = 0; i < table_.segment_count(); ++i) {
+        const auto [out, in] = weights_of(keys, i);
+        const glm::dvec3 p0 = keys[i].value, p1 = keys[i + 1].value, p2 = keys[i + 2].value, p3 = keys[i + 3].value;
+        segments_.push_back(
+            {p1, p2, out.before * (p1 - p0) + out.after * (p2 - p1), in.before * (p2 - p1) + in.after * (p3 - p2)});
+    }
+}
+
+glm::dvec3 VectorSpline::at(const SegmentTable::Place& place) const
+{
+    const auto& [p1, p2, out, in] = segments_[place.segment];
+    const double u = place.u;
+    const glm::dvec3 d = p2 - p1;
+    return p1 + u * (out + u * ((3.0 * d - 2.0 * out - in) + u * (out + in - 2.0 * d)));
 }
 
 glm::dvec3 VectorSpline::evaluate(double time) const
 {
-    const auto [i, u] = find_segment(keys, time);
-    const Weights w = weights_of(keys, i);
-    const glm::dvec3 d = values[i + 2] - values[i + 1];
-    const glm::dvec3 out = w.out0 * (values[i + 1] - values[i]) + w.out1 * d;
-    const glm::dvec3 in = w.in0 * d + w.in1 * (values[i + 3] - values[i + 2]);
-    return values[i + 1] + u * (out + u * ((3.0 * d - 2.0 * out - in) + u * (out + in - 2.0 * d)));
+    return at(table_.find(time));
 }
 
-void VectorSpline::add_changes(std::vector<Interval>& intervals) const
+std::vector<Interval> VectorSpline::changing() const
 {
-    if (keys.empty()) return;
-    changes_of(
-        keys,
-        [&](std::size_t i) {
-            const Weights w = weights_of(keys, i);
-            const glm::dvec3 zero(0), d = values[i + 2] - values[i + 1];
-            return d == zero && w.out0 * (values[i + 1] - values[i]) == zero &&
-                   w.in1 * (values[i + 3] - values[i + 2]) == zero;
-        },
-        intervals);
+    const auto constant = [&](std::size_t i) {
+        const Segment& s = segments_[i];
+        return s.p1 == s.p2 && s.out == glm::dvec3(0) && s.in == glm::dvec3(0);
+    };
+    return changing_intervals(table_, constant, [&](const SegmentTable::Place& place) { return at(place); });
 }
 
-RotationSpline::Quaternion RotationSpline::log_of(const Quaternion& q)
+double VectorSpline::reach() const
 {
-    if (std::abs(q.w) < 1) {
-        const double angle = std::acos(q.w), sine = std::sin(angle);
-        if (std::abs(sine) >= k_cut_off) return {0, q.v * (angle / sine)};
+    double result = 0;
+    for (const auto& [p1, p2, out, in] : segments_)
+        for (const glm::dvec3& p : {p1, p2, p1 + out / 3.0, p2 - in / 3.0})
+            for (int c = 0; c < 3; ++c)
+                result = std::max(result, std::isfinite(p[c]) ? std::abs(p[c]) : double(k_infinity));
+    return result;
+}
+
+RotationSpline::RotationSpline(const std::vector<RotationKey>& keys) : table_(times_of(keys))
+{
+    std::vector<glm::dquat> q;
+    q.reserve(keys.size());
+    for (const RotationKey& key : keys) {
+        const glm::dvec3 v = std::sin(key.angle / 2) * key.axis;
+        q.emplace_back(std::cos(key.angle / 2), v.x, v.y, v.z);
     }
-    return {0, q.v};
-}
+    for (std::size_t i = 0; i < table_.segment_count(); ++i) {
+        // Take the nearer of q2 and -q2, and keep it for the segments that follow.
+        const glm::dquat q0 = q[i], q1 = q[i + 1], q3 = q[i + 3];
+        if (glm::dot(q1, q[i + 2]) < 0) q[i + 2] = -q[i + 2];
+        const glm::dquat q2 = q[i + 2];
 
-RotationSpline::Quaternion RotationSpline::exp_of(const glm::dvec3& v)
-{
-    const double angle = glm::length(v), sine = std::sin(angle);
-    return {std::cos(angle), std::abs(sine) >= k_cut_off ? v * (sine / angle) : v};
-}
-
-RotationSpline::Quaternion RotationSpline::product(const Quaternion& p, const Quaternion& q)
-{
-    return {p.w * q.w - glm::dot(p.v, q.v), p.w * q.v + q.w * p.v + glm::cross(p.v, q.v)};
-}
-
-RotationSpline::Quaternion RotationSpline::slerp(double t, const Quaternion& p, const Quaternion& q)
-{
-    const double angle = std::acos(std::clamp(p.w * q.w + glm::dot(p.v, q.v), -1.0, 1.0)), sine = std::sin(angle);
-    if (sine < k_cut_off) return p;
-    const double a = std::sin((1 - t) * angle) / sine, b = std::sin(t * angle) / sine;
-    return {a * p.w + b * q.w, a * p.v + b * q.v};
-}
-
-RotationSpline::RotationSpline(std::vector<Key> keys) : keys_(std::move(keys))
-{
-    GNOMON_CHECK_LE(4u, keys_.size());
-    std::vector<Quaternion> q;
-    for (const Key& key : keys_) {
-        const double half = key.angle * k_pi / 360;
-        q.push_back({std::cos(half), std::sin(half) * key.axis});
-    }
-    const auto inverse_times = [](const Quaternion& a, const Quaternion& b) { return product({a.w, -a.v}, b); };
-    for (std::size_t i = 0; i + 3 < q.size(); ++i) {
-        // Take the shorter way; the turned quaternion stays turned for the segments that follow.
-        if (q[i + 1].w * q[i + 2].w + glm::dot(q[i + 1].v, q[i + 2].v) < 0) q[i + 2] = {-q[i + 2].w, -q[i + 2].v};
-        const Weights w = weights_of(keys_, i);
-        const glm::dvec3 l = log_of(inverse_times(q[i + 1], q[i + 2])).v;
-        const glm::dvec3 before = log_of(inverse_times(q[i], q[i + 1])).v;
-        const glm::dvec3 after = log_of(inverse_times(q[i + 2], q[i + 3])).v;
-        const glm::dvec3 out = w.out1 * l + w.out0 * before, in = w.in0 * l + w.in1 * after;
-        Segment segment;
-        segment.q1 = q[i + 1];
-        segment.q2 = q[i + 2];
-        segment.a = product(q[i + 1], exp_of((out - l) / 2.0));
-        segment.b = product(q[i + 2], exp_of((l - in) / 2.0));
-        segment.still = l == glm::dvec3(0) && out == glm::dvec3(0) && in == glm::dvec3(0);
-        segments_.push_back(segment);
+        // Tangents on logarithms, weighted as those of positions are.
+        const auto [out, in] = weights_of(keys, i);
+        const glm::dvec3 chord = logarithm(inverse_of(q1) * q2);
+        const glm::dvec3 leave = out.after * chord + out.before * logarithm(inverse_of(q0) * q1);
+        const glm::dvec3 arrive = in.before * chord + in.after * logarithm(inverse_of(q2) * q3);
+        segments_.push_back(
+            {q1, q2, q1 * exponential((leave - chord) / 2.0), q2 * exponential((chord - arrive) / 2.0)});
     }
 }
 
-glm::dmat3 RotationSpline::evaluate(double time) const
+glm::dquat RotationSpline::at(const SegmentTable::Place& place) const
 {
-    const auto [i, u] = find_segment(keys_, time);
-    const Segment& s = segments_[i];
-    const Quaternion q = slerp(2 * u * (1 - u), slerp(u, s.q1, s.q2), slerp(u, s.a, s.b));
-    // By angle and axis, not by the quaternion's length: keys need not be unit.
-    const double length = glm::length(q.v);
-    if (length == 0) return glm::dmat3(1);
+    // Squad.
+    const auto& [q1, q2, a, b] = segments_[place.segment];
+    const double u = place.u;
+    const glm::dquat q = slerp(2 * u * (1 - u), slerp(u, q1, q2), slerp(u, a, b));
+
+    // Read the result as angle and axis; dividing by its length would give another rotation where axes were not unit.
     const double half = std::acos(std::clamp(q.w, -1.0, 1.0));
-    const glm::dvec3 axis = q.v / length;
-    return glm::mat3_cast(glm::dquat(std::cos(half), std::sin(half) * axis));
+    const double length = glm::length(vector_of(q));
+    if (!(length > 0) || !std::isfinite(length)) return {1, 0, 0, 0};
+    const glm::dvec3 v = vector_of(q) * (std::sin(half) / length);
+    return {std::cos(half), v.x, v.y, v.z};
 }
 
-void RotationSpline::add_changes(std::vector<Interval>& intervals) const
+glm::dquat RotationSpline::evaluate(double time) const
 {
-    if (keys_.empty()) return;
-    changes_of(
-        keys_, [&](std::size_t i) { return segments_[i].still; }, intervals);
+    return at(table_.find(time));
+}
+
+std::vector<Interval> RotationSpline::changing() const
+{
+    const auto constant = [&](std::size_t i) {
+        const Segment& s = segments_[i];
+        return slerp_is_constant(s.q1, s.q2) && slerp_is_constant(s.a, s.b) && slerp_is_constant(s.q1, s.a);
+    };
+    return changing_intervals(table_, constant, [&](const SegmentTable::Place& place) { return at(place); });
 }
 
 glm::dmat4 KochanekTrack::evaluate(double time) const
 {
-    glm::dmat4 m(1);
-    if (!rotation.empty()) m = glm::dmat4(rotation.evaluate(time));
-    if (!scale.keys.empty()) {
-        const glm::dvec3 s = scale.evaluate(time);
-        for (int c = 0; c < 3; ++c) m[c] *= s[c];
-    }
-    if (!translation.keys.empty()) m[3] = glm::dvec4(translation.evaluate(time), 1);
-    return m;
+    TransformParts parts = rest;
+    if (translation) parts.translation = translation->evaluate(time);
+    if (rotation) parts.rotation = rotation->evaluate(time);
+    if (scale) parts.scale = scale->evaluate(time);
+    return parts.matrix();
 }
 
 std::vector<Interval> KochanekTrack::changing() const
 {
-    std::vector<Interval> intervals;
-    translation.add_changes(intervals);
-    scale.add_changes(intervals);
-    rotation.add_changes(intervals);
-    return merged(std::move(intervals));
+    std::vector<Interval> all;
+    const auto take = [&](const std::vector<Interval>& more) { all.insert(all.end(), more.begin(), more.end()); };
+    if (translation) take(translation->changing());
+    if (rotation) take(rotation->changing());
+    if (scale) take(scale->changing());
+
+    // Join what overlaps.
+    std::sort(all.begin(), all.end(), [](const Interval& x, const Interval& y) { return x.first < y.first; });
+    std::vector<Interval> joined;
+    for (const Interval& interval : all) {
+        if (!joined.empty() && interval.first <= joined.back().last)
+            joined.back().last = std::max(joined.back().last, interval.last);
+        else
+            joined.push_back(interval);
+    }
+    return joined;
 }
 
 }   // namespace gnomon::scene

@@ -1,76 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Kochanek-Bartels animation as BART's AFF files use it [Kochanek and Bartels 1984; Lext, Assarsson, Moller 2000].
+// Interpolation between keys with tension, continuity and bias [Kochanek and Bartels 1984, "Interpolating splines with
+// local tension, continuity, and bias control"], as BART's scene format AFF uses it [BART AFF, Lext, Assarsson and
+// Moller 2000]: positions and scales by cubics, rotations by the same tangent weights on quaternion logarithms and
+// spherical quadrangle interpolation (squad) [Shoemake 1987].
 //
-// Positions and scales: cubic Hermite segments whose tangents come from tension, continuity and bias. Rotations: the
-// same weights on quaternion logarithms, then squad [Shoemake 1987]. The first and last key only shape tangents.
-// Everything in double precision; the cut-offs in log, exp and slerp are those the files were made with.
+// The first and the last key only shape tangents: a spline of n keys (n >= 4) runs from the time of key 1 to that of
+// key n - 2, counted from 0, and is constant outside. Key times may repeat and even go back; which segment holds at a
+// time is what a linear search from the first one finds.
+// Cost: a binary search and one segment. Everything is in double precision.
 
-#include <array>
+#include <optional>
+#include <vector>
 
 #include "scene/track.h"
 
 namespace gnomon::scene {
 
+/// What every key has besides its value.
 struct KochanekKey {
     double time = 0;
-    double tension = 0, continuity = 0, bias = 0;
+    double tension = 0;
+    double continuity = 0;
+    double bias = 0;
+};
+struct VectorKey : KochanekKey {
+    glm::dvec3 value{0};
+};
+/// The axis is taken as it is, of whatever length; the angle is in radians and may exceed a full turn.
+struct RotationKey : KochanekKey {
+    glm::dvec3 axis{0, 1, 0};
+    double angle = 0;
 };
 
-/// A position or scale over time. At least 4 keys.
-struct VectorSpline {
-    std::vector<KochanekKey> keys;
-    std::vector<glm::dvec3> values;   // one a key
-
-    glm::dvec3 evaluate(double time) const;
-    void add_changes(std::vector<Interval>& intervals) const;
-};
-
-/// A rotation over time. At least 4 keys; axes are not normalised, angles may exceed a turn.
-class RotationSpline {
+/// Which segment holds when. Segment i runs from key i + 1 to key i + 2.
+class SegmentTable {
  public:
-    struct Key : KochanekKey {
-        glm::dvec3 axis{0};
-        double angle = 0;   // degrees
+    struct Stretch {
+        double low = 0;   // holds where low <= t < high (the first one: low < t)
+        double high = 0;
+        std::size_t segment = 0;
     };
-    RotationSpline() = default;
-    explicit RotationSpline(std::vector<Key> keys);
+    struct Place {
+        std::size_t segment = 0;
+        double u = 0;   // 0 to 1
+    };
 
-    bool empty() const { return keys_.empty(); }
-    /// A pure rotation.
-    glm::dmat3 evaluate(double time) const;
-    void add_changes(std::vector<Interval>& intervals) const;
+    /// @param times  of all keys, at least four
+    explicit SegmentTable(std::vector<double> times);
+
+    Place find(double time) const;
+    const std::vector<Stretch>& stretches() const { return stretches_; }
+    double first_time() const { return times_[1]; }
+    std::size_t segment_count() const { return times_.size() - 3; }
 
  private:
-    struct Quaternion {
-        double w = 1;
-        glm::dvec3 v{0};
-    };
-    static Quaternion log_of(const Quaternion& q);
-    static Quaternion exp_of(const glm::dvec3& v);
-    static Quaternion product(const Quaternion& p, const Quaternion& q);
-    static Quaternion slerp(double t, const Quaternion& p, const Quaternion& q);
+    std::vector<double> times_;
+    std::vector<Stretch> stretches_;   // ascending, without gaps, none of them empty
+};
 
-    std::vector<Key> keys_;
-    // Per segment: the two ends and the two inner control points of squad.
+/// Positions or scales.
+class VectorSpline {
+ public:
+    /// @param keys  at least four
+    explicit VectorSpline(const std::vector<VectorKey>& keys);
+    glm::dvec3 evaluate(double time) const;
+    std::vector<Interval> changing() const;
+    /// No coordinate ever exceeds this (the hull of the Bezier control points).
+    double reach() const;
+
+ private:
     struct Segment {
-        Quaternion q1, q2, a, b;
-        bool still = false;
+        glm::dvec3 p1, p2, out, in;   // ends, and the tangents there
     };
+    glm::dvec3 at(const SegmentTable::Place& place) const;
+    SegmentTable table_;
     std::vector<Segment> segments_;
 };
 
-/// M = T R S of the parts that are there; a missing part is the identity.
+/// Rotations.
+class RotationSpline {
+ public:
+    /// @param keys  at least four
+    explicit RotationSpline(const std::vector<RotationKey>& keys);
+    /// A unit quaternion.
+    glm::dquat evaluate(double time) const;
+    std::vector<Interval> changing() const;
+
+ private:
+    struct Segment {
+        glm::dquat q1, q2, a, b;   // ends and inner quadrangle points; not of unit length if the axes were not
+    };
+    glm::dquat at(const SegmentTable::Place& place) const;
+    SegmentTable table_;
+    std::vector<Segment> segments_;
+};
+
+/// T(t) R(t) S(t); what has no keys keeps its rest value.
 class KochanekTrack : public TransformTrack {
  public:
-    VectorSpline translation, scale;   // empty: none
-    RotationSpline rotation;
+    std::optional<VectorSpline> translation;
+    std::optional<RotationSpline> rotation;
+    std::optional<VectorSpline> scale;
+    TransformParts rest;
 
     glm::dmat4 evaluate(double time) const override;
     std::vector<Interval> changing() const override;
 };
-
-/// Sorts, and joins what overlaps or touches.
-std::vector<Interval> merged(std::vector<Interval> intervals);
 
 }   // namespace gnomon::scene

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Text of the AFF scene format [BART AFF] as tokens: Latin-1, separated by blanks, tabs, line ends (LF, CR LF, CR) and
+// form feeds; '#' and '%' start a comment that ends with the line; braces stand alone even where they touch others.
+//
+// Line and column are found only when something is wrong, by counting from the start: reading stays one pass.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace gnomon::io {
+
+/// Numbers beyond this are refused: their squares would leave the range of 32-bit floats.
+inline constexpr double k_aff_largest_number = 1e18;
+
+/// One file. Must outlive the tokens taken from it.
+struct AffText {
+    std::string shown_as;   // for messages
+    std::string bytes;
+};
+
+/// A stretch of a file; empty at its end.
+struct AffToken {
+    std::string_view text;
+    std::size_t offset = 0;
+};
+
+/// Latin-1 as UTF-8, for names.
+std::string utf8_from_latin1(std::string_view text);
+/// A token as messages show it: quoted, short, printable; "the end of the file" if empty.
+std::string shown(const AffToken& token);
+
+class AffTokens {
+ public:
+    explicit AffTokens(const AffText& text) : text_(&text) { look(); }
+
+    const AffToken& peek() const { return next_; }
+    AffToken take();
+    bool at_end() const { return next_.text.empty(); }
+    /// From the next token to the end of the file.
+    std::size_t bytes_left() const { return text_->bytes.size() - next_.offset; }
+    std::size_t offset() const { return next_.offset; }
+    /// Continues elsewhere in the same file; `offset` must be where a token starts.
+    void move_to(std::size_t offset);
+    const AffText& text() const { return *text_; }
+
+    /// @throws InputError "file:line:column: what"
+    [[noreturn]] void fail(const AffToken& token, const std::string& what) const;
+
+    /// @param meaning  what is expected, for the message: "a radius"
+    double number(std::string_view meaning);
+    /// @throws InputError if it is none or not in low ... high
+    std::int64_t integer(std::string_view meaning, std::int64_t low, std::int64_t high);
+    /// A count of things, each of which takes at least `tokens_each` tokens of the bytes that are left.
+    std::size_t count(std::string_view meaning, std::size_t least, std::size_t tokens_each);
+    /// Anything but a brace.
+    AffToken word(std::string_view meaning);
+    void expect(std::string_view keyword);
+    /// Whether the next token is meant as a number (well formed or not).
+    bool number_follows() const;
+
+ private:
+    void look();
+    const AffText* text_;
+    std::size_t end_ = 0;   // behind the next token
+    AffToken next_;
+};
+
+}   // namespace gnomon::io
