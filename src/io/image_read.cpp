@@ -40,6 +40,8 @@ Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, 
         png_image_free(&image);
         throw;
     }
+    // Values stay as they are encoded, those of 16 bits too (libpng takes them for linear light unless told).
+    image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     const bool color = image.format & PNG_FORMAT_FLAG_COLOR, alpha = image.format & PNG_FORMAT_FLAG_ALPHA;
     image.format = color ? (alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB) : (alpha ? PNG_FORMAT_GA : PNG_FORMAT_GRAY);
     Image8 result(static_cast<int>(image.width), static_cast<int>(image.height),
