@@ -48,15 +48,16 @@ TEST(RayScene, LeavesOtherThreadsAtWork)
     const SceneState state(make_random_scene(1), 0);
     const ray::RayScene rays(state);
     Tasks tasks(4);
-    std::atomic<int> arrived = 0;
+    std::atomic<int> inside = 0;
     std::atomic<bool> together = false;
     tasks.for_each(4, [&](std::size_t, int) {
-        ++arrived;
-        const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+        ++inside;
+        const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(3);
         while (!together && std::chrono::steady_clock::now() < give_up) {
-            if (arrived > 1) together = true;
+            if (inside > 1) together = true;
             std::this_thread::yield();
         }
+        --inside;
     });
     EXPECT_TRUE(together) << "one body ended before the next began";
 }
