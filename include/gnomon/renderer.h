@@ -20,6 +20,7 @@ struct RenderOptions {
     int samples = 1;                    // per pixel, 1 to 4096
     std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
+    ShadowCulling shadow_culling = ShadowCulling::certified;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, shadow
 };

@@ -26,6 +26,10 @@ struct FrameRange {
     friend bool operator==(const FrameRange&, const FrameRange&) = default;
 };
 
+/// Whether the traced frame remembers which points which lights reach past everything that stands still. `certified`
+/// gives the same picture as `off`, to the bit, with fewer rays.
+enum class ShadowCulling { off, certified };
+
 enum class ToneMap { none, neutral, agx, aces };
 
 /// What was computed and what was not, for one frame.

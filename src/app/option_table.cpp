@@ -90,8 +90,8 @@ constexpr Option k_options[] = {
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters", .built = false,
      .verbs = k_pictures, .group = k_look, .help = "colours what was remembered, redrawn, chosen"},
 
-    {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "off", .choices = "off|paper|certified",
-     .built_choices = "off", .verbs = k_pictures, .group = k_shadows, .help = "remember traced shadows"},
+    {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "certified", .choices = "off|paper|certified",
+     .built_choices = "off|certified", .verbs = k_pictures, .group = k_shadows, .help = "remember traced shadows"},
     {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent",
      .built = false, .verbs = k_pictures, .group = k_shadows, .help = "rasterised shadows"},
     {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64, .built = false,

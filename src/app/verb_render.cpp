@@ -30,6 +30,7 @@ RenderOptions render_options(const OptionValues& values)
     options.camera = values.text("camera");
     if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
     options.max_depth = values.integer("max-depth");
+    options.shadow_culling = values.text("shadow-culling") == "off" ? ShadowCulling::off : ShadowCulling::certified;
     options.samples = values.integer("samples");
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = tonemap_of(values.text("tonemap"));

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
+#include "shadow_culling/certified_culling.h"
 
 namespace gnomon {
 
@@ -53,14 +54,19 @@ struct Renderer::Inside {
     std::shared_ptr<const scene::Scene> scene;
     std::unique_ptr<scene::SceneState> state;
     std::unique_ptr<ray::RayScene> rays;
+    std::unique_ptr<shadow_culling::CertifiedCulling> culling;
     render::FrameBuffers buffers;
 
     void follow(const std::shared_ptr<const scene::Scene>& wanted, double time)
     {
         if (wanted != scene) {
+            culling.reset();
             rays.reset();
             state = std::make_unique<scene::SceneState>(wanted, time);
             rays = std::make_unique<ray::RayScene>(*state);
+            if (options.shadow_culling == ShadowCulling::certified && !wanted->lights.empty())
+                culling = std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays,
+                                                                             shadow_culling::CertifiedOptions{});
             scene = wanted;
             return;
         }
@@ -108,7 +114,8 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     traced.samples = options.samples;
     traced.layers = options.layers;
     Picture picture;
-    picture.counters = render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, nullptr, progress);
+    picture.counters = render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, in.culling.get(),
+                                           nullptr, progress);
 
     // Hand the buffers over as layers.
     const auto give = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {

@@ -148,6 +148,7 @@ SurfacePoint surface_at(const scene::Scene& scene, const ray::ObjectGeometry& ge
     glm::vec3 outward = double_area > 0 ? cross / double_area : -direction;
     if (geometry.mirrored) outward = -outward;
     s.front = glm::dot(outward, direction) < 0;
+    s.winding_front = s.front != geometry.mirrored;
     s.geometric_normal = s.front ? outward : -outward;
 
     // Interpolate the shading normal, and keep it on the viewer's side.

@@ -20,9 +20,10 @@ struct SurfacePoint {
     glm::vec3 geometric_normal{0};   // unit, on the side the ray came from
     glm::vec3 normal{0};             // unit, shading; on that side too
     glm::vec3 to_viewer{0};          // unit
-    bool front = true;               // the ray met the front
-    float offset = 0;   // how far along the geometric normal a new ray must start (rounding of the position)
-    RayCone cone;       // at the point
+    bool winding_front = true;   // that side is the world-space winding's front (differs from `front` under mirroring)
+    bool front = true;           // the ray met the front
+    float offset = 0;            // how far along the geometric normal a new ray must start (rounding of the position)
+    RayCone cone;                // at the point
 
     // The material here. Diffuse: reflectance. Specular: mirror reflectance at normal incidence.
     scene::ShadingModel model = scene::ShadingModel::metallic_roughness;

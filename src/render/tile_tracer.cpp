@@ -28,9 +28,10 @@ float largest_share(const glm::vec3& share)
 }   // namespace
 
 TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-                       const TracedOptions& options, TraceLog* log)
-    : state_(state), scene_(state.scene()), rays_(rays), view_(view), options_(options), log_(log)
+                       const TracedOptions& options, shadow_culling::CertifiedCulling* culling, TraceLog* log)
+    : state_(state), scene_(state.scene()), rays_(rays), view_(view), options_(options), culling_(culling), log_(log)
 {
+    if (culling_) batch_ = culling_->make_batch();
 }
 
 void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
@@ -48,7 +49,8 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
     for (int sample = 0; sample < options_.samples; ++sample) {
         queue_primary(tile, sample);
         points_.clear();
-        facing_.clear();
+        shadow_points_.clear();
+        shading_normals_.clear();
         trace_queue(primary_);
         shade_hits(primary_, true, sample);
         light_points(true);
@@ -59,7 +61,8 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
             counters_.reflection_rays += reflected_.rays.size();
             counters_.refraction_rays += refracted_.rays.size();
             points_.clear();
-            facing_.clear();
+            shadow_points_.clear();
+            shading_normals_.clear();
             for (const PathQueue* queue : {&reflected_, &refracted_}) {
                 trace_queue(*queue);
                 shade_hits(*queue, false, sample);
@@ -148,43 +151,28 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         }
         // An unlit surface faces no light.
         const bool lit = s.model != scene::ShadingModel::unlit;
-        facing_.push_back(
-            {s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0), s.normal});
+        shadow_points_.push_back({s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0),
+                                  hits_.object[i], hits_.triangle[i], hits_.u[i], hits_.v[i], s.winding_front});
+        shading_normals_.push_back(s.normal);
     }
 }
 
-// Per light: one queue of shadow rays from all points that face it, then light where nothing was in the way.
+// Per light: find the points it reaches, by rays or by memory, and add its light there.
 void TileTracer::light_points(bool primary)
 {
     const std::size_t lights = scene_.lights.size();
+    if (culling_) culling_->classify(*batch_, shadow_points_);
     for (std::size_t l = 0; l < lights; ++l) {
         const scene::Light& light = scene_.lights[l];
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
-        shadow_rays_.clear();
-        shadow_point_.clear();
-        const bool directional = light.type == scene::LightType::directional;
-        const bool bounded =
-            light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
         if (!at.visible || light.color == glm::vec3(0)) continue;
-        for (std::uint32_t p = 0; p < facing_.size(); ++p) {
-            const Facing& f = facing_[p];
-            const glm::vec3 to_light = directional ? -at.direction : at.position - f.origin;
-            if (glm::dot(to_light, f.geometric_normal) <= 0 || glm::dot(to_light, f.normal) <= 0) continue;
-            if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0))
-                continue;
-            shadow_rays_.push(f.origin, 0, to_light, directional ? k_infinity : k_shadow_end);
-            shadow_point_.push_back(p);
-        }
-        const std::size_t count = shadow_rays_.size();
-        if (count == 0) continue;
-        counters_.shadow.rays += count;
-        blocked_.resize(count + ray::k_packet_pad);
-        rays_.blocked(shadow_rays_, 0, count, blocked_.data());
-        if (log_) log_->entries.push_back({shadow_rays_, true});
-
-        for (std::size_t i = 0; i < count; ++i) {
-            if (blocked_[i]) continue;
-            const Point& point = points_[shadow_point_[i]];
+        lit_.clear();
+        if (culling_)
+            find_lit_by_memory(l);
+        else
+            find_lit_by_rays(l);
+        for (const std::uint32_t p : lit_) {
+            const Point& point = points_[p];
             const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
             const auto reflect = light.of_environment ? reflect_surroundings : reflect_light;
             const glm::vec3 radiance = point.share * reflect(point.surface, sample.to_light, sample.irradiance);
@@ -194,6 +182,47 @@ void TileTracer::light_points(bool primary)
                 shadow_[point.pixel * lights + l] += 1;
             }
         }
+    }
+}
+
+// One queue of shadow rays from all points that face the light.
+void TileTracer::find_lit_by_rays(std::size_t l)
+{
+    const scene::Light& light = scene_.lights[l];
+    const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+    const bool directional = light.type == scene::LightType::directional;
+    const bool bounded = light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
+    shadow_rays_.clear();
+    shadow_point_.clear();
+    for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
+        const shadow_culling::ShadowPoint& here = shadow_points_[p];
+        const glm::vec3 to_light = directional ? -at.direction : at.position - here.origin;
+        if (glm::dot(to_light, here.normal) <= 0 || glm::dot(to_light, shading_normals_[p]) <= 0) continue;
+        if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
+        shadow_rays_.push(here.origin, 0, to_light, directional ? k_infinity : k_shadow_end);
+        shadow_point_.push_back(p);
+    }
+    const std::size_t count = shadow_rays_.size();
+    if (count == 0) return;
+    counters_.shadow.rays += count;
+    blocked_.resize(count + ray::k_packet_pad);
+    rays_.blocked(shadow_rays_, 0, count, blocked_.data());
+    if (log_) log_->entries.push_back({shadow_rays_, true});
+    for (std::size_t i = 0; i < count; ++i)
+        if (!blocked_[i]) lit_.push_back(shadow_point_[i]);
+}
+
+// The same points, by certified shadow culling: most of them without a ray.
+void TileTracer::find_lit_by_memory(std::size_t l)
+{
+    const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+    const bool directional = scene_.lights[l].type == scene::LightType::directional;
+    blocked_.resize(shadow_points_.size() + ray::k_packet_pad);
+    culling_->shadow(*batch_, static_cast<int>(l), blocked_.data());
+    for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
+        if (blocked_[p]) continue;
+        const glm::vec3 to_light = directional ? -at.direction : at.position - shadow_points_[p].origin;
+        if (glm::dot(to_light, shading_normals_[p]) > 0) lit_.push_back(p);
     }
 }
 

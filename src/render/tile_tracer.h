@@ -4,6 +4,7 @@
 
 #include "render/shading.h"
 #include "render/traced_frame.h"
+#include "shadow_culling/certified_culling.h"
 
 namespace gnomon::render {
 
@@ -18,6 +19,8 @@ class TileTracer {
 
     void trace(const TileRect& tile, FrameBuffers& out);
     const FrameCounters& counters() const { return counters_; }
+    /// What its rays saw, for the culling's end of frame; null without culling.
+    std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
 
  private:
     // What a ray in a queue belongs to.
@@ -43,17 +46,13 @@ class TileTracer {
         glm::vec3 share;
     };
 
-    // What decides whether a point faces a light; apart from the rest, since every light reads all of them.
-    struct Facing {
-        glm::vec3 origin;   // of its shadow rays
-        glm::vec3 geometric_normal, normal;
-    };
-
     void queue_primary(const TileRect& tile, int sample);
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
     void light_points(bool primary);
+    void find_lit_by_rays(std::size_t light);
+    void find_lit_by_memory(std::size_t light);
     void queue_continuations();
     void store(const TileRect& tile, FrameBuffers& out) const;
 
@@ -62,6 +61,8 @@ class TileTracer {
     const ray::RayScene& rays_;
     const View& view_;
     const TracedOptions& options_;
+    shadow_culling::CertifiedCulling* culling_;
+    std::unique_ptr<shadow_culling::CertifiedCulling::Batch> batch_;
     TraceLog* log_;
     FrameCounters counters_;
 
@@ -71,7 +72,9 @@ class TileTracer {
     std::vector<Point> points_;
     ray::RayQueue shadow_rays_;
     std::vector<std::uint32_t> shadow_point_;
-    std::vector<Facing> facing_;   // by point
+    std::vector<shadow_culling::ShadowPoint> shadow_points_;   // by point; apart, since every light reads all of them
+    std::vector<glm::vec3> shading_normals_;
+    std::vector<std::uint32_t> lit_;   // points that the present light reaches
     std::vector<std::uint8_t> blocked_;
 
     std::vector<glm::vec3> color_, direct_, albedo_, normal_;   // by pixel of the tile

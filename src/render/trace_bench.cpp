@@ -44,7 +44,7 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
     // Record the frame's rays once.
     Tasks one(1), many(options.threads);
     TraceLog log;
-    trace_frame(state, rays_of_scene, view, traced, one, buffers, &log);
+    trace_frame(state, rays_of_scene, view, traced, one, buffers, nullptr, &log);
     result.rays = log.rays();
 
     // Time frame and bare loop in turn, so that a drift of the machine's speed meets both.

@@ -31,10 +31,11 @@ void resize(ImageF& image, Size size, int channels)
 }   // namespace
 
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out, TraceLog* log,
-                          const Progress& progress)
+                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out,
+                          shadow_culling::CertifiedCulling* culling, TraceLog* log, const Progress& progress)
 {
-    GNOMON_CHECK(!log || tasks.threads() == 1);
+    GNOMON_CHECK(!log || (tasks.threads() == 1 && !culling));
+    if (culling) culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     const Size size = view.size;
     resize(out.color, size, 3);
@@ -55,7 +56,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
         if (stopped) return;
         auto& tracer = workers[static_cast<std::size_t>(worker)];
-        if (!tracer) tracer = std::make_unique<TileTracer>(state, rays, view, options, log);
+        if (!tracer) tracer = std::make_unique<TileTracer>(state, rays, view, options, culling, log);
         TileRect tile;
         tile.x = static_cast<int>(index) % columns * options.tile;
         tile.y = static_cast<int>(index) / columns * options.tile;
@@ -73,6 +74,16 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     FrameCounters counters;
     for (const auto& worker : workers)
         if (worker) add(counters, worker->counters());
+    if (culling) {
+        std::vector<std::unique_ptr<shadow_culling::CertifiedCulling::Batch>> batches;
+        for (const auto& worker : workers)
+            if (worker) batches.push_back(worker->take_batch());
+        culling->end_frame(batches, tasks);
+        const shadow_culling::CullingCounters& culled = culling->counters();
+        counters.shadow.rays = culled.skipped + culled.dynamic_only + culled.traced;
+        counters.shadow.rays_skipped = culled.skipped;
+        counters.shadow.rays_dynamic_only = culled.dynamic_only;
+    }
     return counters;
 }
 

@@ -20,6 +20,10 @@
 #include "ray/ray_scene.h"
 #include "render/view.h"
 
+namespace gnomon::shadow_culling {
+class CertifiedCulling;
+}
+
 namespace gnomon::render {
 
 struct TracedOptions {
@@ -53,10 +57,12 @@ struct TraceLog {
     std::uint64_t replay(const ray::RayScene& scene) const;
 };
 
-/// @param log  optional; only with one thread
+/// @param culling  optional: remembers shadows from frame to frame; the picture is the same to the bit
+/// @param log      optional; only with one thread, and without culling
 /// @throws InterruptedError  progress returned false
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out, TraceLog* log = nullptr,
+                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out,
+                          shadow_culling::CertifiedCulling* culling = nullptr, TraceLog* log = nullptr,
                           const Progress& progress = {});
 
 }   // namespace gnomon::render

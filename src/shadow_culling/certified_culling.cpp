@@ -12,6 +12,7 @@ namespace gnomon::shadow_culling {
 
 void CullingCounters::add(const CullingCounters& o)
 {
+    skipped += o.skipped;
     dynamic_only += o.dynamic_only;
     traced += o.traced;
     partial += o.partial;
@@ -164,7 +165,17 @@ struct CertifiedCulling::Lamp {
     glm::vec3 to;   // its place, or the direction towards it
     float end;      // of its shadow rays
 
+    glm::vec3 axis{0};         // of a spot, the way it shines
+    float outer_cosine = -2;   // of its cone; below -1: no spot
+
     glm::vec3 from(const glm::vec3& origin) const { return directional ? to : to - origin; }
+    // Certainly dark, whatever stands between. A little room: the shading decides at the very edge.
+    bool outside_cone(const glm::vec3& to_light) const
+    {
+        constexpr float k_edge = 1e-4f;
+        if (outer_cosine < -1) return false;
+        return -glm::dot(to_light, axis) < (outer_cosine - k_edge) * glm::length(to_light);
+    }
 };
 
 void CertifiedCulling::queue_dynamic(Batch& batch, const Lamp& lamp, std::uint32_t point) const
@@ -195,6 +206,8 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
         const std::uint64_t low = (eight >> shift) & k_ones, high = (eight >> (shift + 1)) & k_ones;
         const std::uint64_t full = high & ~low;
         std::memcpy(blocked + first, &full, 8);
+        batch.counters.skipped +=
+            static_cast<std::uint64_t>(__builtin_popcountll(low ^ high));   // none and full face it
         std::uint64_t rest = nothing_moves ? ~(low ^ high) & k_ones : k_ones & ~full;
         for (; rest != 0; rest &= rest - 1) {
             const std::size_t p = first + static_cast<std::size_t>(__builtin_ctzll(rest)) / 8;
@@ -206,7 +219,7 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
             }
             const ShadowPoint& here = batch.points[p];
             const glm::vec3 direction = lamp.from(here.origin);
-            if (!(glm::dot(direction, here.normal) > 0)) {
+            if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) {
                 blocked[p] = 1;
                 continue;
             }
@@ -219,10 +232,14 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
 void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
 {
     const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
-    const bool directional =
-        state_->scene().lights[static_cast<std::size_t>(light)].type == scene::LightType::directional;
-    const Lamp lamp{light, directional, directional ? -at.direction : at.position,
-                    directional ? k_infinity : options_.ray_end};
+    const scene::Light& described = state_->scene().lights[static_cast<std::size_t>(light)];
+    const bool directional = described.type == scene::LightType::directional;
+    Lamp lamp{light, directional, directional ? -at.direction : at.position,
+              directional ? k_infinity : options_.ray_end};
+    if (described.type == scene::LightType::spot) {
+        lamp.axis = at.direction;
+        lamp.outer_cosine = std::cos(described.outer_angle);
+    }
     movers_->select(batch.bounds, lamp.to, directional, batch.movers);
     batch.static_rays.clear();
     batch.static_point.clear();
@@ -230,6 +247,7 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
     batch.dynamic_point.clear();
     sort_open(batch, lamp, blocked);
     batch.counters.dynamic_only += batch.dynamic_point.size();
+    batch.counters.skipped -= batch.dynamic_point.size();
 
     // Trace against what stands still, and note what the rays saw.
     const std::size_t traced = batch.static_point.size();

@@ -123,7 +123,7 @@ class CertifiedCulling::Batch {
     Box3 bounds;
     std::vector<std::uint32_t> slot;    // by point; k_no_slot: not remembered (moving receiver, or no room)
     std::vector<RecordId> record;       // by point
-    std::vector<std::uint8_t> coarse;  // by point: finer parts are wanted than its record has
+    std::vector<std::uint8_t> coarse;   // by point: finer parts are wanted than its record has
     std::vector<std::uint8_t> states;   // by group, then point
     std::vector<RecordId> touched;      // records with new evidence, or partial where finer parts may help
     std::size_t stride = 0;             // between groups in `states`: points, rounded up to 8
