@@ -64,14 +64,15 @@ struct Renderer::Inside {
             rays.reset();
             state = std::make_unique<scene::SceneState>(wanted, time);
             rays = std::make_unique<ray::RayScene>(*state);
-            if (options.shadow_culling == ShadowCulling::certified && !wanted->lights.empty())
-                culling = std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays,
-                                                                             shadow_culling::CertifiedOptions{});
             scene = wanted;
             return;
         }
         state->advance(time);
         rays->update(*state);
+        // Shadows are remembered from the second frame on: a single picture has nothing to gain.
+        if (!culling && options.shadow_culling == ShadowCulling::certified && !scene->lights.empty())
+            culling =
+                std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
     }
 };
 

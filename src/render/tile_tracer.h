@@ -15,7 +15,7 @@ struct TileRect {
 class TileTracer {
  public:
     TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-               const TracedOptions& options, TraceLog* log);
+               const TracedOptions& options, shadow_culling::CertifiedCulling* culling, TraceLog* log);
 
     void trace(const TileRect& tile, FrameBuffers& out);
     const FrameCounters& counters() const { return counters_; }
