@@ -15,6 +15,12 @@ struct Limits {
     std::uint64_t json_bytes = 128ull << 20;  // the document alone, without a GLB's binary chunk
     std::uint64_t json_values = 2'000'000;    // what a parsed value costs is some 150 times its text, at worst
     int json_depth = 128;
+    std::uint64_t elements = 300'000;         // of one kind: nodes, accessors, ...
+    std::uint64_t scenes = 1000;
+    // Accessors may overlap in a buffer, but not so much that reading them all takes for ever: numbers read in all, and
+    // for each byte of buffers.
+    std::uint64_t numbers = 64ull << 20;
+    std::uint64_t numbers_per_byte = 8;
     // Geometry in the scene may take this many bytes (one accessor can be used often, and one without data is zeros),
     // and for each byte of buffers that exist this many more.
     std::uint64_t geometry_bytes = 64ull << 20;

@@ -186,6 +186,8 @@ class Walk {
     {
         if (!value.is_array()) wrong_type(value, "an array");
         if (value.empty()) fail("must not be empty");
+        if (rule.kind == Kind::objects && value.size() > context_.limits.elements)
+            fail(fmt::format("has {} elements, the limit is {}", value.size(), context_.limits.elements));
         if (value.size() < rule.min_items || value.size() > rule.max_items) {
             if (rule.min_items == rule.max_items)
                 fail(fmt::format("expected {} elements, found {}", rule.min_items, value.size()));

@@ -58,6 +58,7 @@ constexpr Rule word(const char* name, std::span<const char* const> words)
 }
 constexpr Rule with(Rule rule, const char* other) { return rule.needs = other, rule; }
 
+constexpr std::size_t k_most_extensions = 1000;   // they are compared with each other
 constexpr const char* k_accessors = "/accessors";
 constexpr const char* k_buffer_views = "/bufferViews";
 constexpr const char* k_nodes = "/nodes";
@@ -183,8 +184,9 @@ constexpr Table skin{"skin", skin_rules};
 constexpr Rule asset_rules[] = {text("copyright"), text("generator"), need({.name = "version", .kind = Kind::version}),
                                 {.name = "minVersion", .kind = Kind::version}};
 constexpr Table asset{"asset", asset_rules};
-constexpr Rule document_rules[] = {{.name = "extensionsUsed", .kind = Kind::strings},
-                                   with({.name = "extensionsRequired", .kind = Kind::strings}, "extensionsUsed"),
+constexpr Rule document_rules[] = {{.name = "extensionsUsed", .kind = Kind::strings, .max_items = k_most_extensions},
+                                   with({.name = "extensionsRequired", .kind = Kind::strings, .max_items = k_most_extensions},
+                                        "extensionsUsed"),
                                    objects("accessors", accessor),
                                    objects("animations", animation),
                                    need(object("asset", asset)),
