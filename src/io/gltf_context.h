@@ -24,7 +24,7 @@ struct Limits {
     // Geometry in the scene may take this many bytes (one accessor can be used often, and one without data is zeros),
     // and for each byte of buffers that exist this many more.
     std::uint64_t geometry_bytes = 64ull << 20;
-    std::uint64_t geometry_bytes_per_byte = 32;
+    std::uint64_t geometry_bytes_per_byte = 64;
     // Pictures likewise, in pixels: a byte of deflated data stands for at most 1032 bytes.
     std::uint64_t pixels = 4ull << 20;
     std::uint64_t pixels_per_byte = 1032;
