@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "gnomon/error.h"
+#include "io/read_file.h"
 
 namespace gnomon::io::gltf {
 
@@ -51,8 +52,10 @@ double normalized_value(double stored, Component type)
 
 Data::Data(const Model& model, const std::filesystem::path& file, std::optional<std::span<const std::uint8_t>> bin,
            bool binary, Context& context)
-    : model_(model), context_(context), folder_(file)
+    : model_(model), context_(context)
 {
+    std::error_code error;
+    folder_ = std::filesystem::canonical(file.has_parent_path() ? file.parent_path() : ".", error);
     buffers_.resize(model.buffers.size());
     for (std::size_t i = 0; i < model.buffers.size(); ++i) {
         const Buffer& buffer = model.buffers[i];
@@ -77,10 +80,10 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
                     context.fail(uri_place,
                                  fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
                 bytes.owned = std::move(resource.bytes);
-                bytes.span = bytes.owned;
             } else {
-                bytes.span = read_file(resource.path, uri_place, bytes.text);
+                bytes.owned = read_file(resource.path, uri_place);
             }
+            bytes.span = bytes.owned;
         }
         if (bytes.span.size() < buffer.length)
             context.fail(at(here, "byteLength"),
@@ -92,19 +95,17 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
         context.warn("", "the GLB's binary chunk is used by no buffer");
 }
 
-std::span<const std::uint8_t> Data::read_file(const std::string& path, const std::string& pointer,
-                                              std::string& into) const
+std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::string& pointer) const
 {
     std::string problem;
-    const auto found = folder_.find(path, problem);
+    const std::filesystem::path found = resolve_inside(folder_, path, {folder_}, problem);
     const std::string shown = path.substr(0, 200);
-    if (!found) context_.fail(pointer, fmt::format("'{}' {}", shown, problem));
+    if (found.empty()) context_.fail(pointer, fmt::format("'{}' {}", shown, problem));
     try {
-        into = read_whole_file(*found, shown, context_.limits.file_bytes);
+        return read_whole_file(found, shown, context_.limits.file_bytes);
     } catch (const InputError& error) {
         context_.fail(pointer, fmt::format("'{}' {}", shown, error.problem()));
     }
-    return {reinterpret_cast<const std::uint8_t*>(into.data()), into.size()};
 }
 
 std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std::string& pointer, std::string& mime_type)
@@ -118,9 +119,7 @@ std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std
         mime_type = resource.mime_type;
         return std::move(resource.bytes);
     }
-    std::string text;
-    const auto span = read_file(resource.path, pointer, text);
-    return {span.begin(), span.end()};
+    return read_file(resource.path, pointer);
 }
 
 std::span<const std::uint8_t> Data::view_bytes(Index view) const

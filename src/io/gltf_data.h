@@ -17,7 +17,6 @@
 
 #include "base/math.h"
 #include "io/gltf_model.h"
-#include "io/scene_folder.h"
 
 namespace gnomon::io::gltf {
 
@@ -66,16 +65,15 @@ class Data {
 
  private:
     struct Bytes {
-        std::vector<std::uint8_t> owned;
-        std::string text;   // of a file
+        std::vector<std::uint8_t> owned;   // of a file or data URI
         std::span<const std::uint8_t> span;
         bool remote = false;
     };
-    std::span<const std::uint8_t> read_file(const std::string& path, const std::string& pointer, std::string& into) const;
+    std::vector<std::uint8_t> read_file(const std::string& path, const std::string& pointer) const;
 
     const Model& model_;
     Context& context_;
-    SceneFolder folder_;
+    std::filesystem::path folder_;   // canonical; nothing outside is opened
     std::vector<Bytes> buffers_;
     std::uint64_t total_bytes_ = 0;
 };

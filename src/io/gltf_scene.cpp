@@ -9,6 +9,7 @@
 #include "io/gltf_build.h"
 #include "io/gltf_text.h"
 #include "io/load.h"
+#include "io/read_file.h"
 
 namespace gnomon::io {
 
@@ -148,10 +149,11 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     };
     step(0);
     Context context(file.string());
-    const std::string bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
+    const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-    const Container container = open_container(bytes, extension == ".glb", context);
+    const Container container = open_container(text, extension == ".glb", context);
 
     // The document goes as soon as all is read out of it.
     Model model;

@@ -14,7 +14,9 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     if (extension == ".aff") return load_aff(file, progress);
     if (extension == ".obj") return load_obj(file, progress);
-    throw UsageError(fmt::format("{}: unknown kind of scene '{}'; .aff and .obj are read", file.string(), extension));
+    if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress);
+    throw UsageError(fmt::format("{}: unknown kind of scene '{}'; .aff, .obj, .gltf and .glb are read", file.string(),
+                                 extension));
 }
 
 }   // namespace gnomon::io

@@ -20,6 +20,7 @@ scene::Scene load_aff(const std::filesystem::path& file, const Progress& progres
 /// Wavefront OBJ with MTL. What the file says wrongly is an error; what it lacks (materials, textures, normals) is
 /// replaced, with a warning; what it says and we cannot show (lines, curves) is a warning, too.
 scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress = {});
+
 /// glTF 2.0: .gltf with its buffers and images below its own folder, or .glb. Places in errors are JSON pointers
 /// (line:column where the JSON itself is broken, "byte N" in a GLB's frame).
 scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress = {});
