@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// What loading a scene asks of the system: no file outside the scene's folder, no socket.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+
+#include "support.h"
+
+namespace gnomon {
+namespace {
+
+#ifdef GNOMON_PROGRAM
+
+// Paths that loading opened between two marks in the trace, and whether there was a socket.
+struct Trace {
+    std::vector<std::string> opened;
+    bool socket = false;
+};
+
+Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& scratch)
+{
+    const std::filesystem::path log = scratch / "trace";
+    const std::string command = fmt::format("strace -f -e trace=open,openat,openat2,creat,socket,connect -o '{}' '{}' info '{}' >/dev/null 2>&1",
+                                            log.string(), GNOMON_PROGRAM, scene.string());
+    const int status = std::system(command.c_str());
+    (void)status;   // refused files end with an error, as they should
+    Trace trace;
+    std::ifstream stream(log);
+    const std::regex open_call("(?:open|openat|openat2|creat)\\((?:AT_FDCWD, )?\"([^\"]*)\"");
+    for (std::string line; std::getline(stream, line);) {
+        std::smatch match;
+        if (std::regex_search(line, match, open_call)) trace.opened.push_back(match[1]);
+        if (line.find("socket(") != std::string::npos || line.find("connect(") != std::string::npos) trace.socket = true;
+    }
+    return trace;
+}
+
+bool have_strace()
+{
+    test::ScratchFolder scratch;
+    const std::string command = fmt::format("strace -o '{}' true >/dev/null 2>&1", (scratch / "t").string());
+    return std::system(command.c_str()) == 0;
+}
+
+TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
+{
+    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    test::ScratchFolder scratch, scenes;
+    std::ofstream(scenes / "in.bin") << "12345678";
+    const auto write = [&](const std::string& name, const std::string& uri) {
+        std::ofstream(scenes / name) << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":8,"uri":")" + uri + "\"}]}";
+    };
+    // The program's own start (libraries, machine) is what it opens for a file that names nothing.
+    std::ofstream(scenes / "empty.gltf") << R"({"asset":{"version":"2.0"}})";
+    const Trace usual = trace_info(scenes / "empty.gltf", scratch);
+    ASSERT_FALSE(usual.opened.empty());
+    EXPECT_FALSE(usual.socket);
+    ASSERT_NE(std::find(usual.opened.begin(), usual.opened.end(), (scenes / "empty.gltf").string()), usual.opened.end());
+
+    const std::string inside = std::filesystem::canonical(scenes.path()).string() + '/';
+    int number = 0;
+    for (const char* uri : {"in.bin", "/etc/passwd", "../../../../../../../../etc/passwd", "http://localhost:1/x.bin",
+                            "file:///etc/passwd", "ftp://localhost/x", "/dev/zero", "%2fetc%2fpasswd"}) {
+        const std::string name = fmt::format("scene{}.gltf", number++);
+        write(name, uri);
+        const Trace trace = trace_info(scenes / name, scratch);
+        EXPECT_FALSE(trace.socket) << uri;
+        for (const std::string& path : trace.opened) {
+            const bool own = path.rfind(inside, 0) == 0 || path.rfind(scenes.path().string(), 0) == 0;
+            const bool known = std::find(usual.opened.begin(), usual.opened.end(), path) != usual.opened.end();
+            const bool system = path.rfind("/proc/", 0) == 0 || path.rfind("/sys/", 0) == 0;
+            EXPECT_TRUE(own || known || system) << uri << " opened " << path;
+        }
+    }
+}
+
+TEST(Strace, ValidatorFilesOpenNothingOutsideTheirFolder)
+{
+    GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
+    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    test::ScratchFolder scratch, scenes;
+    std::ofstream(scenes / "empty.gltf") << R"({"asset":{"version":"2.0"}})";
+    const Trace usual = trace_info(scenes / "empty.gltf", scratch);
+    for (const char* name : {"base/data/buffer", "base/data/image"}) {
+        for (const auto& entry : std::filesystem::directory_iterator(folder / name)) {
+            if (entry.path().extension() != ".gltf" && entry.path().extension() != ".glb") continue;
+            const Trace trace = trace_info(entry.path(), scratch);
+            EXPECT_FALSE(trace.socket) << entry.path();
+            const std::string own = std::filesystem::canonical(entry.path().parent_path()).string();
+            for (const std::string& path : trace.opened) {
+                const bool known = std::find(usual.opened.begin(), usual.opened.end(), path) != usual.opened.end();
+                const bool system = path.rfind("/proc/", 0) == 0 || path.rfind("/sys/", 0) == 0;
+                EXPECT_TRUE(known || system || path == entry.path().string() || path.rfind(own, 0) == 0)
+                    << entry.path() << " opened " << path;
+            }
+        }
+    }
+}
+
+#endif
+
+}   // namespace
+}   // namespace gnomon
