@@ -34,8 +34,7 @@ struct Moves {
 
 class Animations {
  public:
-    Animations(const Model& model, const Data& data, Context& context)
-        : model_(model), data_(data), context_(context)
+    Animations(const Model& model, const Data& data, Context& context) : model_(model), data_(data), context_(context)
     {
         keys_left_ = context.limits.geometry_bytes + context.limits.geometry_bytes_per_byte * data.total_bytes();
     }
@@ -57,8 +56,8 @@ class Animations {
 
     std::shared_ptr<const scene::TransformTrack> transform(const Node& node, const Moves& moves)
     {
-        return std::make_shared<scene::KeyframeTrack>(rest_parts(node), vectors(moves.parts[0]), rotations(moves.parts[1]),
-                                                      vectors(moves.parts[2]));
+        return std::make_shared<scene::KeyframeTrack>(rest_parts(node), vectors(moves.parts[0]),
+                                                      rotations(moves.parts[1]), vectors(moves.parts[2]));
     }
 
     std::shared_ptr<const scene::WeightsTrack> weights(const Source& source, std::size_t targets)
@@ -155,7 +154,8 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
             const Channel& channel = animation.channels[c];
             const std::string here = at(at(at("/animations", a), "channels"), c);
             if (channel.path == Path::pointer || channel.path == Path::unknown) {
-                context.warn(here, fmt::format("the path '{}' is not supported: ignored", channel.path_word.substr(0, 64)));
+                context.warn(here,
+                             fmt::format("the path '{}' is not supported: ignored", channel.path_word.substr(0, 64)));
                 continue;
             }
             if (channel.node == k_absent || node_ids[channel.node] == scene::none) continue;

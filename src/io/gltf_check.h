@@ -41,7 +41,8 @@ std::vector<AccessorUse> check_links(const Model& model, const std::vector<Textu
 /// @returns the parent of each node, or k_absent
 std::vector<Index> check_nodes(const Model& model, Context& context);
 
-/// What the bytes say: bounds as declared, indices in range, unit vectors, key times that rise, weights that sum to one.
+/// What the bytes say: bounds as declared, indices in range, unit vectors, key times that rise, weights that sum to
+/// one.
 void check_data(const Model& model, const Data& data, const std::vector<AccessorUse>& uses, Context& context);
 
 /// Follows buffer views and accessors through all who use them: each has one kind of use.

@@ -58,8 +58,9 @@ class ElementCheck {
     void bounds(const std::vector<double>& declared, const double* actual, const char* name, const char* word) const
     {
         for (std::size_t c = 0; c < declared.size(); ++c) {
-            const double d = accessor_.component == Component::f32 ? static_cast<double>(static_cast<float>(declared[c]))
-                                                                   : declared[c];
+            const double d = accessor_.component == Component::f32
+                                 ? static_cast<double>(static_cast<float>(declared[c]))
+                                 : declared[c];
             if (d != actual[c])
                 context_.fail(at(at(here_, name), c),
                               fmt::format("{} is declared, but the actual {} is {}", declared[c], word, actual[c]));
@@ -72,7 +73,8 @@ class ElementCheck {
         const double length = std::sqrt(x * x + y * y + z * z);
         if (!(std::abs(length - 1) <= k_unit_tolerance3))
             fail(fmt::format("vector {} is not of unit length: {}", i, length));
-        if (use_.tangent && std::abs(value(v[3])) != 1) fail(fmt::format("tangent {} has w = {}, not 1 or -1", i, value(v[3])));
+        if (use_.tangent && std::abs(value(v[3])) != 1)
+            fail(fmt::format("tangent {} has w = {}, not 1 or -1", i, value(v[3])));
     }
 
     void quaternion(std::uint64_t i, std::span<const double> v) const
@@ -85,7 +87,8 @@ class ElementCheck {
 
     void index(std::uint64_t i, double v) const
     {
-        if (v == restart_value(accessor_.component)) fail(fmt::format("index {} is {}, which restarts primitives", i, v));
+        if (v == restart_value(accessor_.component))
+            fail(fmt::format("index {} is {}, which restarts primitives", i, v));
         if (use_.vertices > 0 && v >= static_cast<double>(use_.vertices))
             fail(fmt::format("index {} leads to vertex {}, but there are {}", i, v, use_.vertices));
     }
@@ -120,7 +123,8 @@ void check_sparse(const Accessor& accessor, const Data& data, const std::string&
         if (i > 0 && indices[i] <= indices[i - 1])
             context.fail(place, fmt::format("index {} is {}, not greater than the one before it", i, indices[i]));
         if (indices[i] >= accessor.count)
-            context.fail(place, fmt::format("index {} is {}, but there are {} elements", i, indices[i], accessor.count));
+            context.fail(place,
+                         fmt::format("index {} is {}, but there are {} elements", i, indices[i], accessor.count));
     }
 }
 
@@ -148,8 +152,8 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
                 const std::uint32_t joint = joints[set][k];
                 const float weight = weights[set][k];
                 if (joint >= joint_count)
-                    context.fail(place("JOINTS", set), fmt::format("vertex {} hangs on joint {}, but a skin has {}", v,
-                                                                   joint, joint_count));
+                    context.fail(place("JOINTS", set),
+                                 fmt::format("vertex {} hangs on joint {}, but a skin has {}", v, joint, joint_count));
                 if (weight < 0)
                     context.fail(place("WEIGHTS", set), fmt::format("vertex {} has the negative weight {}", v, weight));
                 if (weight == 0) continue;
@@ -174,7 +178,8 @@ void check_data(const Model& model, const Data& data, const std::vector<Accessor
     std::uint64_t left = context.limits.numbers + context.limits.numbers_per_byte * data.total_bytes();
     const auto spend = [&](const Accessor& accessor, const std::string& here) {
         const auto each = static_cast<std::uint64_t>(accessor.components());
-        if (accessor.count > left / each) context.fail(here, "the accessors overlap so much that reading them would take too long");
+        if (accessor.count > left / each)
+            context.fail(here, "the accessors overlap so much that reading them would take too long");
         left -= accessor.count * each;
     };
 
@@ -202,7 +207,8 @@ void check_data(const Model& model, const Data& data, const std::vector<Accessor
             const Primitive& primitive = model.meshes[m].primitives[p];
             const std::string here = at(at(at(at("/meshes", m), "primitives"), p), "attributes");
             for (const auto& [name, index] : primitive.attributes)
-                if ((name.rfind("JOINTS", 0) == 0 || name.rfind("WEIGHTS", 0) == 0) && data.has_bytes(model.accessors[index]))
+                if ((name.rfind("JOINTS", 0) == 0 || name.rfind("WEIGHTS", 0) == 0) &&
+                    data.has_bytes(model.accessors[index]))
                     spend(model.accessors[index], at(here, name));
             check_influences(model, data, primitive, joints[m], here, context);
         }

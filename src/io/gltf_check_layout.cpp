@@ -13,7 +13,7 @@ namespace {
 
 // What the importer understands; to need anything else is an error.
 constexpr std::array k_supported = {
-    "KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization",     "KHR_materials_unlit",
+    "KHR_lights_punctual", "KHR_texture_transform",      "KHR_mesh_quantization",          "KHR_materials_unlit",
     "KHR_materials_ior",   "KHR_materials_transmission", "KHR_materials_emissive_strength"};
 
 bool supported(const std::string& name)
@@ -25,12 +25,18 @@ bool supported(const std::string& name)
 std::pair<double, double> range_of(Component type)
 {
     switch (type) {
-        case Component::i8: return {-128, 127};
-        case Component::u8: return {0, 255};
-        case Component::i16: return {-32768, 32767};
-        case Component::u16: return {0, 65535};
-        case Component::u32: return {0, 4294967295.0};
-        default: return {-std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
+        case Component::i8:
+            return {-128, 127};
+        case Component::u8:
+            return {0, 255};
+        case Component::i16:
+            return {-32768, 32767};
+        case Component::u16:
+            return {0, 65535};
+        case Component::u32:
+            return {0, 4294967295.0};
+        default:
+            return {-std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
     }
 }
 
@@ -58,11 +64,11 @@ class Layout {
         const std::string here = at("/bufferViews", i);
         const std::uint64_t length = model_.buffers[view.buffer].length;
         if (view.offset >= length)
-            fail(at(here, "byteOffset"), fmt::format("{} lies beyond buffer {} of {} bytes", view.offset, view.buffer, length));
+            fail(at(here, "byteOffset"),
+                 fmt::format("{} lies beyond buffer {} of {} bytes", view.offset, view.buffer, length));
         if (view.length > length - view.offset)
-            fail(at(here, "byteLength"),
-                 fmt::format("{} bytes from {} on do not fit buffer {} of {} bytes", view.length, view.offset,
-                             view.buffer, length));
+            fail(at(here, "byteLength"), fmt::format("{} bytes from {} on do not fit buffer {} of {} bytes",
+                                                     view.length, view.offset, view.buffer, length));
         if (view.stride == 0) return;
         const std::string stride = at(here, "byteStride");
         if (view.stride > view.length) fail(stride, fmt::format("{} is greater than the view's length", view.stride));
@@ -104,8 +110,9 @@ class Layout {
                  fmt::format("overrides {} elements, but the accessor has {}", sparse.count, accessor.count));
         if (sparse.index_type == Component::unknown)
             fail(at(at(place, "indices"), "componentType"), "must be an unsigned integer type");
-        const std::uint64_t index_size =
-            sparse.index_type == Component::u8 ? 1 : sparse.index_type == Component::u16 ? 2 : 4;
+        const std::uint64_t index_size = sparse.index_type == Component::u8    ? 1
+                                         : sparse.index_type == Component::u16 ? 2
+                                                                               : 4;
         check_sparse_part(sparse.index_view, sparse.index_offset, sparse.count, index_size, index_size,
                           at(place, "indices"));
         check_sparse_part(sparse.value_view, sparse.value_offset, sparse.count, accessor.packed_stride(), size,
@@ -163,13 +170,15 @@ void check_extensions(const Model& model, Context& context)
     if (major != 2) context.fail("/asset/version", fmt::format("glTF {} is not supported, only 2.x", model.version));
     if (minor != 0) context.warn("/asset/version", fmt::format("glTF {} is read as 2.0", model.version));
     if (!model.min_version.empty() && version_of(model.min_version) > version_of(model.version))
-        context.fail("/asset/minVersion", fmt::format("{} is greater than the version {}", model.min_version, model.version));
+        context.fail("/asset/minVersion",
+                     fmt::format("{} is greater than the version {}", model.min_version, model.version));
 
     for (std::size_t i = 0; i < model.extensions_required.size(); ++i) {
         const std::string& name = model.extensions_required[i];
         const auto& used = model.extensions_used;
         if (std::find(used.begin(), used.end(), name) == used.end())
-            context.fail(at("/extensionsRequired", i), fmt::format("'{}' is required but not used", name.substr(0, 80)));
+            context.fail(at("/extensionsRequired", i),
+                         fmt::format("'{}' is required but not used", name.substr(0, 80)));
         if (!supported(name))
             context.fail(at("/extensionsRequired", i),
                          fmt::format("needs the extension '{}', which is not supported", name.substr(0, 80)));

@@ -43,7 +43,8 @@ void check_image(const Model& model, Index index, Uses& uses, Context& context)
     const Image& image = model.images[index];
     const std::string here = at("/images", index);
     if (image.uri && image.view != k_absent) context.fail(here, "has both 'uri' and 'bufferView'");
-    if (!image.uri && image.view == k_absent && !image.extended) context.fail(here, "has neither 'uri' nor 'bufferView'");
+    if (!image.uri && image.view == k_absent && !image.extended)
+        context.fail(here, "has neither 'uri' nor 'bufferView'");
     if (image.view == k_absent) return;
     if (image.mime_type.empty()) context.fail(at(here, "bufferView"), "needs 'mimeType' beside it");
     uses.view(image.view, Uses::ViewRole::image, at(here, "bufferView"));
@@ -74,13 +75,15 @@ void check_material(const Material& material, const std::string& here, const Con
 {
     for (const float e : material.emissive)
         if (!std::isfinite(e * material.emissive_strength)) context.fail(here, "emits infinitely much light");
-    const std::pair<const TextureInfo*, const char*> uses[] = {{&material.base_color_texture, "baseColorTexture"},
-                                                               {&material.metallic_roughness_texture, "metallicRoughnessTexture"},
-                                                               {&material.normal_texture, "normalTexture"},
-                                                               {&material.occlusion_texture, "occlusionTexture"},
-                                                               {&material.emissive_texture, "emissiveTexture"}};
+    const std::pair<const TextureInfo*, const char*> uses[] = {
+        {&material.base_color_texture, "baseColorTexture"},
+        {&material.metallic_roughness_texture, "metallicRoughnessTexture"},
+        {&material.normal_texture, "normalTexture"},
+        {&material.occlusion_texture, "occlusionTexture"},
+        {&material.emissive_texture, "emissiveTexture"}};
     for (const auto& [info, name] : uses) {
-        const float sum = info->offset.x + info->offset.y + info->scale.x + info->scale.y + info->rotation + info->factor;
+        const float sum =
+            info->offset.x + info->offset.y + info->scale.x + info->scale.y + info->rotation + info->factor;
         if (!std::isfinite(sum)) context.fail(at(here, name), "a number is too large");
     }
     if (!std::isfinite(material.ior + material.alpha_cutoff)) context.fail(here, "a number is too large");
@@ -94,10 +97,14 @@ bool format_fits(const Accessor& accessor, Path path)
     const bool plain = accessor.component == Component::f32 && !accessor.normalized;
     switch (path) {
         case Path::translation:
-        case Path::scale: return accessor.shape == Shape::vec3 && plain;
-        case Path::rotation: return accessor.shape == Shape::vec4 && fraction;
-        case Path::weights: return accessor.shape == Shape::scalar && fraction;
-        default: return true;
+        case Path::scale:
+            return accessor.shape == Shape::vec3 && plain;
+        case Path::rotation:
+            return accessor.shape == Shape::vec4 && fraction;
+        case Path::weights:
+            return accessor.shape == Shape::scalar && fraction;
+        default:
+            return true;
     }
 }
 
@@ -150,7 +157,8 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
         const Node& node = model.nodes[channel.node];
         const bool moves = channel.path != Path::weights;
         if (moves && node.matrix) context.fail(target, "the node has a matrix, which cannot be animated");
-        const std::size_t targets = node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
+        const std::size_t targets =
+            node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
         if (!moves && targets == 0) context.fail(target, "the node has no morph targets");
 
         const AnimationSampler& sampler = animation.samplers[channel.sampler];

@@ -58,7 +58,8 @@ Semantic parse_semantic(const std::string& name, bool morph)
     if (underscore == std::string::npos) return s;
     s.base = name.substr(0, underscore);
     const std::string digits = name.substr(underscore + 1);
-    const bool known = s.base == "TEXCOORD" || s.base == "COLOR" || (!morph && (s.base == "JOINTS" || s.base == "WEIGHTS"));
+    const bool known =
+        s.base == "TEXCOORD" || s.base == "COLOR" || (!morph && (s.base == "JOINTS" || s.base == "WEIGHTS"));
     constexpr std::size_t most_digits = 4;
     if (!known || digits.empty() || digits.size() > most_digits || (digits.size() > 1 && digits[0] == '0')) return s;
     if (!std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; })) return s;
@@ -81,7 +82,8 @@ Formats allowed_formats(const std::string& base, bool morph, bool quantized)
     if (base == "TEXCOORD") {
         if (quantized && !morph)
             return formats({vec2}, {k_float, k_u8, k_u8n, k_u16, k_u16n, k_i8, k_i8n, k_i16, k_i16n});
-        return morph ? formats({vec2}, {k_float, k_i8n, k_i16n, k_u8n, k_u16n}) : formats({vec2}, {k_float, k_u8n, k_u16n});
+        return morph ? formats({vec2}, {k_float, k_i8n, k_i16n, k_u8n, k_u16n})
+                     : formats({vec2}, {k_float, k_u8n, k_u16n});
     }
     if (base == "COLOR")
         return morph ? formats({vec3, vec4}, {k_float, k_i8n, k_i16n, k_u8n, k_u16n})
@@ -110,15 +112,15 @@ class Check {
             const std::uint64_t have = attribute(name, index, false, place);
             if (have == 0) continue;
             if (count == 0) count = have;
-            if (have != count)
-                fail(place, fmt::format("has {} elements, another attribute has {}", have, count));
+            if (have != count) fail(place, fmt::format("has {} elements, another attribute has {}", have, count));
             const Semantic semantic = parse_semantic(name, false);
             if (semantic.set >= 0) sets[semantic.base] = std::max(sets[semantic.base], semantic.set + 1);
         }
         for (const auto& [base, total] : sets)
             for (int set = 0; set < total; ++set)
                 if (!p.attributes.contains(fmt::format("{}_{}", base, set)))
-                    fail(attributes, fmt::format("'{0}_{1}' is missing, though there are higher sets of {0}", base, set));
+                    fail(attributes,
+                         fmt::format("'{0}_{1}' is missing, though there are higher sets of {0}", base, set));
         if (sets["JOINTS"] != sets["WEIGHTS"])
             fail(attributes, fmt::format("{} sets of JOINTS, but {} of WEIGHTS", sets["JOINTS"], sets["WEIGHTS"]));
         if (!p.has("POSITION")) context_.warn(attributes, "no POSITION: not drawn");
@@ -154,7 +156,8 @@ class Check {
             uses_.view(accessor.view, Uses::ViewRole::vertex, place);
             uses_.vertex_view(index, place);
             const std::uint64_t stride = view.stride ? view.stride : accessor.packed_stride();
-            if (accessor.known() && (accessor.offset % 4 != 0 || (view.offset + accessor.offset) % 4 != 0 || stride % 4 != 0))
+            if (accessor.known() &&
+                (accessor.offset % 4 != 0 || (view.offset + accessor.offset) % 4 != 0 || stride % 4 != 0))
                 fail(place, "vertex data must be aligned to multiples of 4 bytes");
         }
         if (!accessor.known()) return 0;

@@ -135,7 +135,8 @@ void check_skins(const Model& model, const Forest& forest, Context& context)
 void check_scenes(const Model& model, const std::vector<Index>& parent, const Forest& forest, Context& context)
 {
     if (model.scenes.size() > context.limits.scenes)
-        context.fail("/scenes", fmt::format("has {} scenes, the limit is {}", model.scenes.size(), context.limits.scenes));
+        context.fail("/scenes",
+                     fmt::format("has {} scenes, the limit is {}", model.scenes.size(), context.limits.scenes));
 
     // All joints of a skin share a root, so a skinned node needs one root besides its own.
     std::vector<std::vector<std::pair<Index, Index>>> needed(model.nodes.size());   // by root: other root, skinned node
@@ -146,8 +147,9 @@ void check_scenes(const Model& model, const std::vector<Index>& parent, const Fo
     }
     for (auto& list : needed) {
         std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
-                   list.end());
+        list.erase(
+            std::unique(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
+            list.end());
     }
     std::vector<std::size_t> in_scene(model.nodes.size());   // scene number from 1 that a root was last seen in
     for (std::size_t s = 0; s < model.scenes.size(); ++s) {
@@ -160,7 +162,8 @@ void check_scenes(const Model& model, const std::vector<Index>& parent, const Fo
         for (const Index root : model.scenes[s].nodes)
             for (const auto& [other, node] : needed[root])
                 if (in_scene[other] != s + 1)
-                    context.fail(at("/nodes", node), fmt::format("is in scene {}, but the joints of its skin are not", s));
+                    context.fail(at("/nodes", node),
+                                 fmt::format("is in scene {}, but the joints of its skin are not", s));
     }
 }
 

@@ -11,11 +11,11 @@ namespace gnomon::io::gltf {
 
 /// Nothing is taken from the machine that the file does not justify. A file beyond these is refused, with the reason.
 struct Limits {
-    std::uint64_t file_bytes = 4ull << 30;    // the scene file, and each file that it names
-    std::uint64_t json_bytes = 128ull << 20;  // the document alone, without a GLB's binary chunk
-    std::uint64_t json_values = 2'000'000;    // what a parsed value costs is some 150 times its text, at worst
+    std::uint64_t file_bytes = 4ull << 30;     // the scene file, and each file that it names
+    std::uint64_t json_bytes = 128ull << 20;   // the document alone, without a GLB's binary chunk
+    std::uint64_t json_values = 2'000'000;     // what a parsed value costs is some 150 times its text, at worst
     int json_depth = 128;
-    std::uint64_t elements = 300'000;         // of one kind: nodes, accessors, ...
+    std::uint64_t elements = 300'000;   // of one kind: nodes, accessors, ...
     std::uint64_t scenes = 1000;
     // Accessors may overlap in a buffer, but not so much that reading them all takes for ever: numbers read in all, and
     // for each byte of buffers.

@@ -29,24 +29,36 @@ constexpr std::uint64_t k_glb_padding = 3;   // a binary chunk ends on a multipl
 double component_value(const std::uint8_t* bytes, Component type)
 {
     switch (type) {
-        case Component::i8: return load<std::int8_t>(bytes);
-        case Component::u8: return load<std::uint8_t>(bytes);
-        case Component::i16: return load<std::int16_t>(bytes);
-        case Component::u16: return load<std::uint16_t>(bytes);
-        case Component::u32: return load<std::uint32_t>(bytes);
-        case Component::f32: return load<float>(bytes);
-        default: return 0;
+        case Component::i8:
+            return load<std::int8_t>(bytes);
+        case Component::u8:
+            return load<std::uint8_t>(bytes);
+        case Component::i16:
+            return load<std::int16_t>(bytes);
+        case Component::u16:
+            return load<std::uint16_t>(bytes);
+        case Component::u32:
+            return load<std::uint32_t>(bytes);
+        case Component::f32:
+            return load<float>(bytes);
+        default:
+            return 0;
     }
 }
 
 double normalized_value(double stored, Component type)
 {
     switch (type) {
-        case Component::i8: return std::max(stored / 127.0, -1.0);
-        case Component::u8: return stored / 255.0;
-        case Component::i16: return std::max(stored / 32767.0, -1.0);
-        case Component::u16: return stored / 65535.0;
-        default: return stored;
+        case Component::i8:
+            return std::max(stored / 127.0, -1.0);
+        case Component::u8:
+            return stored / 255.0;
+        case Component::i16:
+            return std::max(stored / 32767.0, -1.0);
+        case Component::u16:
+            return stored / 65535.0;
+        default:
+            return stored;
     }
 }
 
@@ -77,8 +89,7 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
             }
             if (resource.kind == Resource::Kind::data) {
                 if (resource.mime_type != "application/octet-stream" && resource.mime_type != "application/gltf-buffer")
-                    context.fail(uri_place,
-                                 fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
+                    context.fail(uri_place, fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
                 bytes.owned = std::move(resource.bytes);
             } else {
                 bytes.owned = read_file(resource.path, uri_place);
@@ -108,7 +119,8 @@ std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::st
     }
 }
 
-std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std::string& pointer, std::string& mime_type)
+std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std::string& pointer,
+                                               std::string& mime_type)
 {
     Resource resource = parse_uri(uri, pointer, context_);
     if (resource.kind == Resource::Kind::remote) {
@@ -159,8 +171,7 @@ std::vector<std::uint32_t> Data::sparse_indices(const Accessor& accessor) const
     if (!accessor.sparse || !has_bytes(accessor)) return indices;
     const Sparse& sparse = *accessor.sparse;
     const std::uint8_t* from = view_bytes(sparse.index_view).data() + sparse.index_offset;
-    const std::uint64_t size =
-        sparse.index_type == Component::u8 ? 1 : sparse.index_type == Component::u16 ? 2 : 4;
+    const std::uint64_t size = sparse.index_type == Component::u8 ? 1 : sparse.index_type == Component::u16 ? 2 : 4;
     indices.reserve(sparse.count);
     for (std::uint64_t i = 0; i < sparse.count; ++i)
         indices.push_back(static_cast<std::uint32_t>(component_value(from + i * size, sparse.index_type)));

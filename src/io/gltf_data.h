@@ -24,9 +24,9 @@ namespace gnomon::io::gltf {
 struct Resource {
     enum class Kind : std::uint8_t { data, file, remote };
     Kind kind = Kind::file;
-    std::string mime_type;          // of a data URI
+    std::string mime_type;             // of a data URI
     std::vector<std::uint8_t> bytes;   // of a data URI
-    std::string path;               // of a file, percent-decoded; relative
+    std::string path;                  // of a file, percent-decoded; relative
 };
 /// @throws InputError (at the pointer) for one that is no URI, a data URI that is not whole, or a bad escape
 Resource parse_uri(const std::string& uri, const std::string& pointer, const Context& context);
@@ -48,7 +48,8 @@ class Data {
     /// Bytes of a buffer view; empty if its buffer has none.
     std::span<const std::uint8_t> view_bytes(Index view) const;
     /// A file or data URI named by an image. Empty and a warning for a remote one.
-    std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer, std::string& mime_type);
+    std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer,
+                                             std::string& mime_type);
 
     /// Calls visit(element, components) for each element in order; values as they are stored, sparse ones put in.
     /// Accessors and views must have passed check_model(); sparse indices are looked at again here.

@@ -33,7 +33,8 @@ std::string header_fault(std::span<const std::uint8_t> b)
         for (std::size_t i = 8; i + 8 <= b.size();) {
             const std::size_t length = u16(i) << 16 | u16(i + 2);
             if (std::memcmp(&b[i + 4], "IDAT", 4) == 0) return {};
-            if (i == 8 && (std::memcmp(&b[i + 4], "IHDR", 4) != 0 || length != 13)) return "the PNG has no proper header";
+            if (i == 8 && (std::memcmp(&b[i + 4], "IHDR", 4) != 0 || length != 13))
+                return "the PNG has no proper header";
             constexpr std::size_t around = 12;   // length, type and checksum of a chunk
             if (length > b.size() - i - 8) return ends;
             i += length + around;
@@ -63,7 +64,9 @@ std::string header_fault(std::span<const std::uint8_t> b)
 scene::Wrap wrap(int code)
 {
     constexpr int clamp_to_edge = 33071, mirrored_repeat = 33648;
-    return code == clamp_to_edge ? scene::Wrap::clamp : code == mirrored_repeat ? scene::Wrap::mirror : scene::Wrap::repeat;
+    return code == clamp_to_edge     ? scene::Wrap::clamp
+           : code == mirrored_repeat ? scene::Wrap::mirror
+                                     : scene::Wrap::repeat;
 }
 
 scene::Sampler sampler_of(const Sampler& s)
@@ -149,13 +152,15 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, const std::
     }
     constexpr std::uint64_t sets = 2;
     if (info.texcoord >= sets) {
-        context_.warn(pointer, fmt::format("uses texture coordinates {}: only 0 and 1 are supported; left out", info.texcoord));
+        context_.warn(pointer,
+                      fmt::format("uses texture coordinates {}: only 0 and 1 are supported; left out", info.texcoord));
         return result;
     }
     const Image8& image = picture(texture.source);
     if (image.empty()) return result;
 
-    const scene::Sampler sampler = texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
+    const scene::Sampler sampler =
+        texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
     const std::tuple key(texture.source, static_cast<int>(sampler.wrap_u), static_cast<int>(sampler.wrap_v),
                          static_cast<int>(sampler.magnify) * 2 + static_cast<int>(sampler.minify),
                          static_cast<int>(sampler.mipmaps), srgb);
@@ -165,7 +170,9 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, const std::
         if (pixels > pixels_left_) context_.fail(pointer, "the textures are far larger than the file has bytes for");
         pixels_left_ -= pixels;
         const Image& source = model_.images[texture.source];
-        std::string name = !texture.name.empty() ? texture.name : !source.name.empty() ? source.name : fmt::format("image {}", texture.source);
+        std::string name = !texture.name.empty()  ? texture.name
+                           : !source.name.empty() ? source.name
+                                                  : fmt::format("image {}", texture.source);
         made->second = static_cast<scene::TextureId>(out_.textures.size());
         out_.textures.emplace_back(std::move(name), image, srgb, sampler);
     }

@@ -51,7 +51,8 @@ void make_flat(Piece& p)
     p.normals.clear();
     for (std::uint32_t t = 0; t < p.triangles.size(); ++t) {
         p.triangles[t] = {3 * t, 3 * t + 1, 3 * t + 2};
-        const glm::vec3 n = glm::cross(p.positions[3 * t + 1] - p.positions[3 * t], p.positions[3 * t + 2] - p.positions[3 * t]);
+        const glm::vec3 n =
+            glm::cross(p.positions[3 * t + 1] - p.positions[3 * t], p.positions[3 * t + 2] - p.positions[3 * t]);
         const float length = glm::length(n);
         const bool proper = length > 0 && std::isfinite(length);
         p.normals.insert(p.normals.end(), 3, proper ? n / length : glm::vec3(0, 0, 1));
@@ -166,7 +167,8 @@ class PieceReader {
             piece.joints[set].resize(integers_.size() / 4);
             for (std::size_t i = 0; i < piece.joints[set].size(); ++i)
                 for (int k = 0; k < 4; ++k)
-                    piece.joints[set][i][k] = static_cast<std::uint16_t>(integers_[4 * i + static_cast<std::size_t>(k)]);
+                    piece.joints[set][i][k] =
+                        static_cast<std::uint16_t>(integers_[4 * i + static_cast<std::size_t>(k)]);
             const std::string other = fmt::format("WEIGHTS_{}", set);
             piece.weights[set] = vec4(p.find(other), at(attributes, other), 0);
         }
@@ -191,7 +193,8 @@ class PieceReader {
             const std::string pointer = at(here, "indices");
             data_.read(open(p.indices, pointer), integers_);
             for (const std::uint32_t i : integers_)
-                if (i >= vertices) context_.fail(pointer, fmt::format("leads to vertex {}, but there are {}", i, vertices));
+                if (i >= vertices)
+                    context_.fail(pointer, fmt::format("leads to vertex {}, but there are {}", i, vertices));
         } else {
             spend(vertices, 4, here);
             integers_.resize(vertices);
@@ -226,7 +229,8 @@ class PieceReader {
 
 // Appends one array of a piece to the mesh's; where only some pieces have it, the others get `fill`.
 template <class T>
-void append(std::vector<T>& out, const std::vector<T>& in, bool any, std::size_t before, std::size_t count, const T& fill)
+void append(std::vector<T>& out, const std::vector<T>& in, bool any, std::size_t before, std::size_t count,
+            const T& fill)
 {
     if (!any) return;
     GNOMON_CHECK_EQ(out.size(), before);
@@ -300,7 +304,9 @@ scene::Mesh Meshes::build(Index index)
     };
     std::vector<Present> present;
     for (std::size_t t = 0; t < mesh.morph_targets.size(); ++t) {
-        const auto some = [&](auto member) { return any([&](const Piece& p) { return !(p.targets[t].*member).empty(); }); };
+        const auto some = [&](auto member) {
+            return any([&](const Piece& p) { return !(p.targets[t].*member).empty(); });
+        };
         present.push_back({some(&scene::MorphTarget::positions), normals && some(&scene::MorphTarget::normals),
                            tangents && some(&scene::MorphTarget::tangents)});
     }

@@ -106,13 +106,20 @@ void each(const json& object, const char* name, std::vector<T>& out, Read read)
 Component component(std::uint64_t code)
 {
     switch (code) {
-        case 5120: return Component::i8;
-        case 5121: return Component::u8;
-        case 5122: return Component::i16;
-        case 5123: return Component::u16;
-        case 5125: return Component::u32;
-        case 5126: return Component::f32;
-        default: return Component::unknown;
+        case 5120:
+            return Component::i8;
+        case 5121:
+            return Component::u8;
+        case 5122:
+            return Component::i16;
+        case 5123:
+            return Component::u16;
+        case 5125:
+            return Component::u32;
+        case 5126:
+            return Component::f32;
+        default:
+            return Component::unknown;
     }
 }
 
@@ -139,12 +146,9 @@ Accessor read_accessor(const json& j)
     if (const json* s = member(j, "sparse")) {
         const json& indices = (*s)["indices"];
         const json& values = (*s)["values"];
-        a.sparse = Sparse{integer(*s, "count"),
-                          index(indices, "bufferView"),
-                          index(values, "bufferView"),
-                          integer(indices, "byteOffset"),
-                          integer(values, "byteOffset"),
-                          component(integer(indices, "componentType"))};
+        a.sparse = Sparse{integer(*s, "count"),          index(indices, "bufferView"),
+                          index(values, "bufferView"),   integer(indices, "byteOffset"),
+                          integer(values, "byteOffset"), component(integer(indices, "componentType"))};
     }
     return a;
 }
@@ -198,7 +202,8 @@ Material read_material(const json& j)
     m.alpha_cutoff = real(j, "alphaCutoff", 0.5f);
     m.double_sided = flag(j, "doubleSided");
     m.unlit = extension(j, "KHR_materials_unlit") != nullptr;
-    if (const json* e = extension(j, "KHR_materials_emissive_strength")) m.emissive_strength = real(*e, "emissiveStrength", 1);
+    if (const json* e = extension(j, "KHR_materials_emissive_strength"))
+        m.emissive_strength = real(*e, "emissiveStrength", 1);
     if (const json* e = extension(j, "KHR_materials_ior")) m.ior = real(*e, "ior", 1.5f);
     if (const json* e = extension(j, "KHR_materials_transmission")) m.transmission = real(*e, "transmissionFactor", 0);
     return m;
@@ -317,10 +322,13 @@ std::uint64_t Accessor::component_bytes() const
 {
     switch (component) {
         case Component::i8:
-        case Component::u8: return 1;
+        case Component::u8:
+            return 1;
         case Component::i16:
-        case Component::u16: return 2;
-        default: return 4;
+        case Component::u16:
+            return 2;
+        default:
+            return 4;
     }
 }
 
@@ -352,7 +360,7 @@ std::uint64_t Accessor::packed_stride() const
 
 std::string Accessor::format() const
 {
-    static constexpr const char* components[] = {"unknown", "byte", "unsigned byte", "short",
+    static constexpr const char* components[] = {"unknown",        "byte",         "unsigned byte", "short",
                                                  "unsigned short", "unsigned int", "float"};
     static constexpr const char* shapes[] = {"unknown", "SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
     return fmt::format("{} of {}{}", shapes[static_cast<int>(shape)], normalized ? "normalized " : "",
@@ -395,8 +403,9 @@ Model read_model(const json& document)
         };
         return Sampler{code("magFilter", 0), code("minFilter", 0), code("wrapS", 10497), code("wrapT", 10497)};
     });
-    each(document, "textures", m.textures,
-         [](const json& j) { return Texture{index(j, "sampler"), index(j, "source"), text(j, "name")}; });
+    each(document, "textures", m.textures, [](const json& j) {
+        return Texture{index(j, "sampler"), index(j, "source"), text(j, "name")};
+    });
     each(document, "materials", m.materials, read_material);
     each(document, "meshes", m.meshes, [](const json& j) {
         Mesh mesh;

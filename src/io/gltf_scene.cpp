@@ -129,8 +129,8 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
                 node.skin = skin_ids[source.skin];
             }
         }
-        if (source.camera != k_absent && (model.cameras[source.camera].type == "perspective" ||
-                                          model.cameras[source.camera].type == "orthographic"))
+        if (source.camera != k_absent &&
+            (model.cameras[source.camera].type == "perspective" || model.cameras[source.camera].type == "orthographic"))
             out.cameras.push_back(make_camera(model.cameras[source.camera], id, source.name));
         if (source.light != k_absent)
             if (auto light = make_light(model.lights[source.light], id, source.name)) out.lights.push_back(*light);
@@ -152,7 +152,8 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
     const Container container = open_container(text, extension == ".glb", context);
 
     // The document goes as soon as all is read out of it.

@@ -41,7 +41,8 @@ class Walk {
 
     std::vector<TextureBinding> run()
     {
-        if (!document_.is_object()) context_.fail("", fmt::format("expected an object, found {}", type_name(document_)));
+        if (!document_.is_object())
+            context_.fail("", fmt::format("expected an object, found {}", type_name(document_)));
         if (const auto used = document_.find("extensionsUsed"); used != document_.end() && used->is_array())
             for (const json& name : *used)
                 if (name.is_string()) used_.insert(name.get<std::string>());
@@ -103,7 +104,8 @@ class Walk {
         for (auto item = value.begin(); item != value.end(); ++item) {
             const std::string& name = item.key();
             if (name == "extensions" || name == "extras") continue;
-            if (std::any_of(table.rules.begin(), table.rules.end(), [&](const Rule& rule) { return name == rule.name; }))
+            if (std::any_of(table.rules.begin(), table.rules.end(),
+                            [&](const Rule& rule) { return name == rule.name; }))
                 continue;
             // The tables of some extensions are not whole.
             const std::string_view owner = path_.size() > 1 ? path_[path_.size() - 2].name : std::string_view();
@@ -120,14 +122,14 @@ class Walk {
                 if (!used_.contains(item.key())) fail("the extension is not declared in 'extensionsUsed'");
                 const auto names = [&](const ExtensionPlace& place) { return item.key() == place.extension; };
                 if (std::none_of(places.begin(), places.end(), names)) return;   // unknown to us
-                const auto place = std::find_if(places.begin(), places.end(), [&](const ExtensionPlace& p) {
-                    return names(p) && p.owner == &owner;
-                });
+                const auto place = std::find_if(places.begin(), places.end(),
+                                                [&](const ExtensionPlace& p) { return names(p) && p.owner == &owner; });
                 if (place == places.end()) fail(fmt::format("the extension has no place in a {}", owner.name));
                 check_object(item.value(), *place->inner);
                 if (item.key() == "KHR_materials_ior" && item->contains("ior")) {
                     const double ior = item->at("ior").get<double>();
-                    if (ior != 0 && ior < 1) below("ior", [&] { fail(fmt::format("{} is neither 0 nor from 1 up", ior)); });
+                    if (ior != 0 && ior < 1)
+                        below("ior", [&] { fail(fmt::format("{} is neither 0 nor from 1 up", ior)); });
                 }
             });
         }
@@ -147,7 +149,8 @@ class Walk {
             if (const auto moved = extensions->find("KHR_texture_transform");
                 moved != extensions->end() && moved->contains("texCoord"))
                 set = &(*moved)["texCoord"];
-        bindings_.push_back({std::move(place), path_[1].index, set ? static_cast<std::uint64_t>(set->get<double>()) : 0});
+        bindings_.push_back(
+            {std::move(place), path_[1].index, set ? static_cast<std::uint64_t>(set->get<double>()) : 0});
     }
 
     void check_value(const json& value, const Rule& rule)
@@ -156,12 +159,18 @@ class Walk {
             case Kind::boolean:
                 if (!value.is_boolean()) wrong_type(value, "a boolean");
                 break;
-            case Kind::integer: check_integer(value, rule); break;
-            case Kind::number: check_number(value, rule); break;
+            case Kind::integer:
+                check_integer(value, rule);
+                break;
+            case Kind::number:
+                check_number(value, rule);
+                break;
             case Kind::string:
                 if (!value.is_string()) wrong_type(value, "a string");
                 break;
-            case Kind::version: check_version(value); break;
+            case Kind::version:
+                check_version(value);
+                break;
             case Kind::code: {
                 check_integer(value, {.name = rule.name, .kind = Kind::integer, .low = 0});
                 if (std::find(rule.codes.begin(), rule.codes.end(), value.get<double>()) == rule.codes.end())
@@ -175,10 +184,17 @@ class Walk {
                     context_.warn(pointer(), fmt::format("'{}' is none of the known values", word.substr(0, 64)));
                 break;
             }
-            case Kind::index: check_index(value, rule); break;
-            case Kind::object: check_object(value, *rule.inner); break;
-            case Kind::attributes: check_attributes(value, rule); break;
-            default: check_array(value, rule);
+            case Kind::index:
+                check_index(value, rule);
+                break;
+            case Kind::object:
+                check_object(value, *rule.inner);
+                break;
+            case Kind::attributes:
+                check_attributes(value, rule);
+                break;
+            default:
+                check_array(value, rule);
         }
     }
 
@@ -199,7 +215,9 @@ class Walk {
             const json& element = value[i];
             below(i, [&] {
                 switch (rule.kind) {
-                    case Kind::numbers: check_number(element, rule); break;
+                    case Kind::numbers:
+                        check_number(element, rule);
+                        break;
                     case Kind::strings:
                         if (!element.is_string()) wrong_type(element, "a string");
                         if (!seen_text.insert(element.get_ref<const std::string&>()).second) fail("is there twice");
@@ -209,8 +227,11 @@ class Walk {
                         if (!seen.insert(static_cast<std::uint64_t>(element.get<double>())).second)
                             fail("is there twice");
                         break;
-                    case Kind::objects: check_object(element, *rule.inner); break;
-                    default: check_attributes(element, rule);
+                    case Kind::objects:
+                        check_object(element, *rule.inner);
+                        break;
+                    default:
+                        check_attributes(element, rule);
                 }
             });
         }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The shape of a glTF document as tables [glTF 2.0, JSON schema; Khronos extensions], and the walk that holds a document
-// against them: types, required properties, ranges, lengths, references that lead somewhere, extensions where they
-// belong. What has passed may be read without asking again, enumerations excepted: unknown values of those are warnings,
-// since files with new ones must still load as far as they can.
+// The shape of a glTF document as tables [glTF 2.0, JSON schema; Khronos extensions], and the walk that holds a
+// document against them: types, required properties, ranges, lengths, references that lead somewhere, extensions where
+// they belong. What has passed may be read without asking again, enumerations excepted: unknown values of those are
+// warnings, since files with new ones must still load as far as they can.
 //
 // Cost: one visit a value. Recursion follows the tables, whose depth is fixed, never the document.
 
@@ -20,7 +20,7 @@ namespace gnomon::io::gltf {
 
 enum class Kind : std::uint8_t {
     boolean,
-    integer,      // not negative
+    integer,   // not negative
     number,
     string,
     version,      // "major.minor"
@@ -32,7 +32,7 @@ enum class Kind : std::uint8_t {
     // Arrays of the above, `min_items` to `max_items` long:
     numbers,
     strings,
-    indices,      // no two equal
+    indices,   // no two equal
     objects,
     attribute_lists,
 };
@@ -52,7 +52,7 @@ struct Rule {
     std::span<const char* const> words{};
     const char* target = nullptr;   // JSON pointer of an array; nullptr: resolved elsewhere
     const Table* inner = nullptr;
-    const char* needs = nullptr;    // another property of the same object
+    const char* needs = nullptr;   // another property of the same object
 };
 
 struct Table {

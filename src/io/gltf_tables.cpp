@@ -12,9 +12,18 @@ namespace {
 constexpr double k_inf = std::numeric_limits<double>::infinity();
 
 // Short forms, so that a table reads like the specification's.
-constexpr Rule need(Rule rule) { return rule.required = true, rule; }
-constexpr Rule boolean(const char* name) { return {.name = name, .kind = Kind::boolean}; }
-constexpr Rule text(const char* name) { return {.name = name, .kind = Kind::string}; }
+constexpr Rule need(Rule rule)
+{
+    return rule.required = true, rule;
+}
+constexpr Rule boolean(const char* name)
+{
+    return {.name = name, .kind = Kind::boolean};
+}
+constexpr Rule text(const char* name)
+{
+    return {.name = name, .kind = Kind::string};
+}
 constexpr Rule integer(const char* name, double low = 0, double high = k_inf)
 {
     return {.name = name, .kind = Kind::integer, .low = low, .high = high};
@@ -27,7 +36,10 @@ constexpr Rule above(const char* name, double low, double high = k_inf)
 {
     return {.name = name, .kind = Kind::number, .low = low, .high = high, .above_low = true};
 }
-constexpr Rule factor(const char* name) { return number(name, 0, 1); }
+constexpr Rule factor(const char* name)
+{
+    return number(name, 0, 1);
+}
 constexpr Rule numbers(const char* name, std::size_t least, std::size_t most, double low = -k_inf, double high = k_inf)
 {
     return {.name = name, .kind = Kind::numbers, .low = low, .high = high, .min_items = least, .max_items = most};
@@ -56,7 +68,10 @@ constexpr Rule word(const char* name, std::span<const char* const> words)
 {
     return {.name = name, .kind = Kind::word, .words = words};
 }
-constexpr Rule with(Rule rule, const char* other) { return rule.needs = other, rule; }
+constexpr Rule with(Rule rule, const char* other)
+{
+    return rule.needs = other, rule;
+}
 
 constexpr std::size_t k_most_extensions = 1000;   // they are compared with each other
 constexpr const char* k_accessors = "/accessors";
@@ -89,8 +104,9 @@ constexpr Rule accessor_rules[] = {index("bufferView", k_buffer_views),
 constexpr Table accessor{"accessor", accessor_rules};
 constexpr Rule buffer_rules[] = {text("uri"), need(integer("byteLength", 1)), text("name")};
 constexpr Table buffer{"buffer", buffer_rules};
-constexpr Rule view_rules[] = {need(index("buffer", "/buffers")), integer("byteOffset"), need(integer("byteLength", 1)),
-                               integer("byteStride", 4, 252),     code("target", view_targets), text("name")};
+constexpr Rule view_rules[] = {need(index("buffer", "/buffers")), integer("byteOffset"),
+                               need(integer("byteLength", 1)),    integer("byteStride", 4, 252),
+                               code("target", view_targets),      text("name")};
 constexpr Table buffer_view{"buffer view", view_rules};
 
 // Animations
@@ -120,8 +136,8 @@ constexpr Rule camera_rules[] = {object("orthographic", orthographic), object("p
 constexpr Table camera{"camera", camera_rules};
 
 // Textures, materials
-constexpr const char* mime_types[] = {"image/jpeg", "image/png", "image/webp", "image/ktx2", "image/vnd-ms.dds",
-                                      "image/avif"};
+constexpr const char* mime_types[] = {"image/jpeg", "image/png",        "image/webp",
+                                      "image/ktx2", "image/vnd-ms.dds", "image/avif"};
 constexpr int mag_filters[] = {9728, 9729};
 constexpr int min_filters[] = {9728, 9729, 9984, 9985, 9986, 9987};
 constexpr int wraps[] = {33071, 33648, 10497};
@@ -158,7 +174,9 @@ constexpr Table material{"material", material_rules};
 // Meshes, nodes, scenes, skins
 constexpr int modes[] = {0, 1, 2, 3, 4, 5, 6};
 constexpr Rule primitive_rules[] = {need({.name = "attributes", .kind = Kind::attributes, .target = k_accessors}),
-                                    index("indices", k_accessors), index("material", "/materials"), code("mode", modes),
+                                    index("indices", k_accessors),
+                                    index("material", "/materials"),
+                                    code("mode", modes),
                                     {.name = "targets", .kind = Kind::attribute_lists, .target = k_accessors}};
 constexpr Table primitive{"primitive", primitive_rules};
 constexpr Rule mesh_rules[] = {need(objects("primitives", primitive)), numbers("weights", 1, SIZE_MAX), text("name")};
@@ -181,27 +199,29 @@ constexpr Rule skin_rules[] = {index("inverseBindMatrices", k_accessors), index(
 constexpr Table skin{"skin", skin_rules};
 
 // The document
-constexpr Rule asset_rules[] = {text("copyright"), text("generator"), need({.name = "version", .kind = Kind::version}),
+constexpr Rule asset_rules[] = {text("copyright"),
+                                text("generator"),
+                                need({.name = "version", .kind = Kind::version}),
                                 {.name = "minVersion", .kind = Kind::version}};
 constexpr Table asset{"asset", asset_rules};
-constexpr Rule document_rules[] = {{.name = "extensionsUsed", .kind = Kind::strings, .max_items = k_most_extensions},
-                                   with({.name = "extensionsRequired", .kind = Kind::strings, .max_items = k_most_extensions},
-                                        "extensionsUsed"),
-                                   objects("accessors", accessor),
-                                   objects("animations", animation),
-                                   need(object("asset", asset)),
-                                   objects("buffers", buffer),
-                                   objects("bufferViews", buffer_view),
-                                   objects("cameras", camera),
-                                   objects("images", image),
-                                   objects("materials", material),
-                                   objects("meshes", mesh),
-                                   objects("nodes", node),
-                                   objects("samplers", sampler),
-                                   index("scene", "/scenes"),
-                                   objects("scenes", scene),
-                                   objects("skins", skin),
-                                   objects("textures", texture)};
+constexpr Rule document_rules[] = {
+    {.name = "extensionsUsed", .kind = Kind::strings, .max_items = k_most_extensions},
+    with({.name = "extensionsRequired", .kind = Kind::strings, .max_items = k_most_extensions}, "extensionsUsed"),
+    objects("accessors", accessor),
+    objects("animations", animation),
+    need(object("asset", asset)),
+    objects("buffers", buffer),
+    objects("bufferViews", buffer_view),
+    objects("cameras", camera),
+    objects("images", image),
+    objects("materials", material),
+    objects("meshes", mesh),
+    objects("nodes", node),
+    objects("samplers", sampler),
+    index("scene", "/scenes"),
+    objects("scenes", scene),
+    objects("skins", skin),
+    objects("textures", texture)};
 constexpr Table document{"glTF", document_rules};
 
 // KHR_lights_punctual
@@ -209,8 +229,8 @@ constexpr const char* light_types[] = {"directional", "point", "spot"};
 constexpr double k_quarter = std::numbers::pi / 2;
 constexpr Rule spot_rules[] = {number("innerConeAngle", 0, k_quarter), above("outerConeAngle", 0, k_quarter)};
 constexpr Table spot{"spot", spot_rules};
-constexpr Rule light_rules[] = {numbers("color", 3, 3, 0, 1), number("intensity", 0), above("range", 0),
-                                object("spot", spot), need(word("type", light_types)), text("name")};
+constexpr Rule light_rules[] = {numbers("color", 3, 3, 0, 1), number("intensity", 0),          above("range", 0),
+                                object("spot", spot),         need(word("type", light_types)), text("name")};
 constexpr Table light{"light", light_rules};
 constexpr Rule lights_rules[] = {need(objects("lights", light))};
 constexpr Table lights{"lights", lights_rules};
@@ -232,9 +252,9 @@ constexpr Rule specular_rules[] = {factor("specularFactor"), object("specularTex
                                    numbers("specularColorFactor", 3, 3, 0),
                                    object("specularColorTexture", texture_info)};
 constexpr Table specular{"specular", specular_rules};
-constexpr Rule clearcoat_rules[] = {factor("clearcoatFactor"), object("clearcoatTexture", texture_info),
-                                    factor("clearcoatRoughnessFactor"), object("clearcoatRoughnessTexture", texture_info),
-                                    object("clearcoatNormalTexture", normal_info)};
+constexpr Rule clearcoat_rules[] = {
+    factor("clearcoatFactor"), object("clearcoatTexture", texture_info), factor("clearcoatRoughnessFactor"),
+    object("clearcoatRoughnessTexture", texture_info), object("clearcoatNormalTexture", normal_info)};
 constexpr Table clearcoat{"clearcoat", clearcoat_rules};
 constexpr Rule sheen_rules[] = {numbers("sheenColorFactor", 3, 3, 0, 1), object("sheenColorTexture", texture_info),
                                 factor("sheenRoughnessFactor"), object("sheenRoughnessTexture", texture_info)};
@@ -242,8 +262,10 @@ constexpr Table sheen{"sheen", sheen_rules};
 constexpr Rule volume_rules[] = {number("thicknessFactor", 0), object("thicknessTexture", texture_info),
                                  above("attenuationDistance", 0), numbers("attenuationColor", 3, 3, 0, 1)};
 constexpr Table volume{"volume", volume_rules};
-constexpr Rule iridescence_rules[] = {factor("iridescenceFactor"), object("iridescenceTexture", texture_info),
-                                      number("iridescenceIor", 1), number("iridescenceThicknessMinimum", 0),
+constexpr Rule iridescence_rules[] = {factor("iridescenceFactor"),
+                                      object("iridescenceTexture", texture_info),
+                                      number("iridescenceIor", 1),
+                                      number("iridescenceThicknessMinimum", 0),
                                       number("iridescenceThicknessMaximum", 0),
                                       object("iridescenceThicknessTexture", texture_info)};
 constexpr Table iridescence{"iridescence", iridescence_rules};
@@ -263,7 +285,8 @@ constexpr Table variant{"variant", variant_rules};
 constexpr Rule variants_rules[] = {need(objects("variants", variant))};
 constexpr Table variants{"variants", variants_rules};
 constexpr Rule mapping_rules[] = {need(index("material", "/materials")),
-                                  need(indices("variants", "/extensions/KHR_materials_variants/variants")), text("name")};
+                                  need(indices("variants", "/extensions/KHR_materials_variants/variants")),
+                                  text("name")};
 constexpr Table mapping{"mapping", mapping_rules};
 constexpr Rule mappings_rules[] = {need(objects("mappings", mapping))};
 constexpr Table mappings{"mappings", mappings_rules};
@@ -314,7 +337,13 @@ constexpr ExtensionPlace places[] = {
 
 }   // namespace
 
-const Table& document_table() { return document; }
-std::span<const ExtensionPlace> extension_places() { return places; }
+const Table& document_table()
+{
+    return document;
+}
+std::span<const ExtensionPlace> extension_places()
+{
+    return places;
+}
 
 }   // namespace gnomon::io::gltf

@@ -87,8 +87,7 @@ Container open_container(std::string_view bytes, bool named_glb, Context& contex
         fail(4, fmt::format("GLB version {} is not supported, only 2", version));
     const std::uint64_t length = u32_at(bytes, 8);
     if (length < k_header_bytes + k_chunk_header_bytes) fail(8, fmt::format("GLB length {} is too small", length));
-    if (length > bytes.size())
-        fail(8, fmt::format("GLB claims {} bytes, but the file has {}", length, bytes.size()));
+    if (length > bytes.size()) fail(8, fmt::format("GLB claims {} bytes, but the file has {}", length, bytes.size()));
     if (length < bytes.size()) context.warn("", "GLB is followed by data that does not belong to it");
 
     // Go from chunk to chunk.

@@ -15,9 +15,9 @@ namespace gnomon::io::gltf {
 
 struct Container {
     std::string_view json;
-    std::uint64_t json_begin = 0;                      // where in the file
-    std::optional<std::span<const std::uint8_t>> bin;  // the binary chunk of a GLB
-    bool binary = false;                               // GLB
+    std::uint64_t json_begin = 0;                       // where in the file
+    std::optional<std::span<const std::uint8_t>> bin;   // the binary chunk of a GLB
+    bool binary = false;                                // GLB
 };
 
 /// Splits a file: a GLB by its magic (or if its name says so), anything else is JSON as a whole.

@@ -42,7 +42,8 @@ bool decode_base64(std::string_view in, std::vector<std::uint8_t>& out)
         std::array<std::int8_t, 256> t{};
         t.fill(-1);
         const std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-        for (std::size_t i = 0; i < alphabet.size(); ++i) t[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+        for (std::size_t i = 0; i < alphabet.size(); ++i)
+            t[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
         t['-'] = 62, t['_'] = 63;
         return t;
     }();

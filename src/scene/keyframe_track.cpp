@@ -26,9 +26,15 @@ Place locate(const std::vector<double>& times, double time)
     return {after - 1, (time - times[after - 1]) / span, span};
 }
 
-double dot(const glm::dquat& a, const glm::dquat& b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+double dot(const glm::dquat& a, const glm::dquat& b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
 
-glm::dvec3 finish(const glm::dvec3& v, const glm::dvec3&) { return v; }
+glm::dvec3 finish(const glm::dvec3& v, const glm::dvec3&)
+{
+    return v;
+}
 // A spline through quaternions leaves the unit sphere; where it meets zero the key stands in.
 glm::dquat finish(const glm::dquat& q, const glm::dquat& key)
 {
@@ -36,7 +42,10 @@ glm::dquat finish(const glm::dquat& q, const glm::dquat& key)
     return length > 0 ? q * (1.0 / length) : key;
 }
 
-glm::dvec3 linear(const glm::dvec3& a, const glm::dvec3& b, double u) { return a * (1 - u) + b * u; }
+glm::dvec3 linear(const glm::dvec3& a, const glm::dvec3& b, double u)
+{
+    return a * (1 - u) + b * u;
+}
 
 // Spherical linear interpolation; nearly equal rotations linearly, where the sine would divide by nothing.
 glm::dquat linear(const glm::dquat& a, glm::dquat b, double u)
@@ -58,8 +67,14 @@ T hermite(const T& v0, const T& out0, const T& in1, const T& v1, double u, doubl
            in1 * (span * (u3 - u2));
 }
 
-bool zero(const glm::dvec3& v) { return v == glm::dvec3(0); }
-bool zero(const glm::dquat& q) { return dot(q, q) == 0; }
+bool zero(const glm::dvec3& v)
+{
+    return v == glm::dvec3(0);
+}
+bool zero(const glm::dquat& q)
+{
+    return dot(q, q) == 0;
+}
 
 template <class T>
 T evaluate_channel(const KeyChannel<T>& channel, double time)
@@ -72,7 +87,8 @@ T evaluate_channel(const KeyChannel<T>& channel, double time)
         if (v[i + 1] == v[i + 4] && zero(v[i + 2]) && zero(v[i + 3])) return v[i + 1];
         return finish(hermite(v[i + 1], v[i + 2], v[i + 3], v[i + 4], p.u, p.span), v[i + 1]);
     }
-    if (p.u == 0 || channel.interpolation == KeyInterpolation::step || v[p.before] == v[p.before + 1]) return v[p.before];
+    if (p.u == 0 || channel.interpolation == KeyInterpolation::step || v[p.before] == v[p.before + 1])
+        return v[p.before];
     return linear(v[p.before], v[p.before + 1], p.u);
 }
 
@@ -109,7 +125,8 @@ void check_channel(const std::optional<KeyChannel<T>>& channel)
 
 std::vector<Interval> join_intervals(std::vector<Interval> intervals)
 {
-    std::sort(intervals.begin(), intervals.end(), [](const Interval& a, const Interval& b) { return a.first < b.first; });
+    std::sort(intervals.begin(), intervals.end(),
+              [](const Interval& a, const Interval& b) { return a.first < b.first; });
     std::vector<Interval> joined;
     for (const Interval& interval : intervals) {
         if (!joined.empty() && interval.first <= joined.back().last)
@@ -121,7 +138,8 @@ std::vector<Interval> join_intervals(std::vector<Interval> intervals)
 }
 
 KeyframeTrack::KeyframeTrack(TransformParts rest, std::optional<KeyChannel<glm::dvec3>> translation,
-                             std::optional<KeyChannel<glm::dquat>> rotation, std::optional<KeyChannel<glm::dvec3>> scale)
+                             std::optional<KeyChannel<glm::dquat>> rotation,
+                             std::optional<KeyChannel<glm::dvec3>> scale)
     : rest_(rest), translation_(std::move(translation)), scale_(std::move(scale)), rotation_(std::move(rotation))
 {
     check_channel(translation_);

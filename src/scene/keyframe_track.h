@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Keyframe animation as glTF 2.0 has it [glTF 2.0, appendix C]: translation, rotation and scale of a node, and weights of
-// morph targets, each with its own keys, stepped, linear (rotations: along the shorter great arc) or cubic Hermite.
+// Keyframe animation as glTF 2.0 has it [glTF 2.0, appendix C]: translation, rotation and scale of a node, and weights
+// of morph targets, each with its own keys, stepped, linear (rotations: along the shorter great arc) or cubic Hermite.
 //
 // Exact where nothing happens: between two equal keys, at keys, and outside of them the value is the key's own, to the
 // bit, so that changing() can leave those times out. Doubles throughout. Cost: a binary search a channel.

@@ -18,9 +18,9 @@ namespace gnomon::test {
 
 struct Outcome {
     enum class Kind { loaded, refused, other_error, died } kind = Kind::died;
-    std::string what;    // of the exception
+    std::string what;   // of the exception
     std::string file, place;
-    int signal = 0;      // that ended it; SIGALRM, SIGXCPU: took too long
+    int signal = 0;   // that ended it; SIGALRM, SIGXCPU: took too long
     std::size_t warnings = 0;
     long peak_kib = 0;   // of memory, as a process
 };

@@ -59,8 +59,9 @@ TEST_F(GltfHostileMade, SmallestFileLoads)
 TEST_F(GltfHostileMade, NodeLoops)
 {
     expect_refused(document(R"("nodes":[{"children":[0]}])"), "/nodes/0");
-    expect_refused(document(R"("nodes":[{},{"children":[3]},{"children":[1]},{"children":[2]}],"scenes":[{"nodes":[0]}])"),
-                   "/nodes/1");
+    expect_refused(
+        document(R"("nodes":[{},{"children":[3]},{"children":[1]},{"children":[2]}],"scenes":[{"nodes":[0]}])"),
+        "/nodes/1");
     expect_refused(document(R"("nodes":[{"children":[2]},{"children":[2]},{}])"), "/nodes/1/children/0");
     expect_refused(document(R"("nodes":[{"children":[1,1]},{}])"), "/nodes/0/children/1");
 }
@@ -95,9 +96,10 @@ TEST_F(GltfHostileMade, DeepAndWideJson)
 
 TEST_F(GltfHostileMade, CountsThatOverflow)
 {
-    const std::string count = R"("bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"byteLength":12,)"
-                              R"("uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAA"}],"accessors":[{"bufferView":0,)"
-                              R"("componentType":5126,"type":"VEC3","count":)";
+    const std::string count =
+        R"("bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"byteLength":12,)"
+        R"("uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAA"}],"accessors":[{"bufferView":0,)"
+        R"("componentType":5126,"type":"VEC3","count":)";
     expect_refused(document(count + "4611686018427387904}]"), "/accessors/0/count");
     expect_refused(document(count + "9007199254740992}]"), "/accessors/0");
     expect_refused(document(count + "1537228672809129302}]"), "/accessors/0/count");   // 12 times it wraps to 8
@@ -105,8 +107,9 @@ TEST_F(GltfHostileMade, CountsThatOverflow)
     expect_refused(document(count + "-1}]"), "/accessors/0/count");
     expect_refused(document(count + "1.5}]"), "/accessors/0/count");
     EXPECT_EQ(load(document(count + "1}]")).kind, Kind::loaded);
-    expect_refused(document(R"("buffers":[{"byteLength":4294967296,"uri":"data:application/octet-stream;base64,AAAA"}])"),
-                   "/buffers/0/byteLength");
+    expect_refused(
+        document(R"("buffers":[{"byteLength":4294967296,"uri":"data:application/octet-stream;base64,AAAA"}])"),
+        "/buffers/0/byteLength");
     // Zeros need no bytes, but memory all the same.
     const std::string zeros = R"("accessors":[{"componentType":5126,"type":"VEC3","count":1000000000,"min":[0,0,0],)"
                               R"("max":[0,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
@@ -119,10 +122,10 @@ TEST_F(GltfHostileMade, OneAccessorUsedOften)
     std::string primitives;
     for (int i = 0; i < 20'000; ++i) primitives += R"({"attributes":{"POSITION":0}},)";
     primitives.pop_back();
-    const Outcome outcome =
-        load(document(R"("accessors":[{"componentType":5126,"type":"VEC3","count":100000,"min":[0,0,0],"max":[0,0,0]}],)"
-                      R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
-                      primitives + "]}]"));
+    const Outcome outcome = load(
+        document(R"("accessors":[{"componentType":5126,"type":"VEC3","count":100000,"min":[0,0,0],"max":[0,0,0]}],)"
+                 R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
+                 primitives + "]}]"));
     EXPECT_EQ(outcome.kind, Kind::refused) << outcome.signal;
 }
 
@@ -135,7 +138,8 @@ TEST_F(GltfHostileMade, FramesOfGlb)
     expect_refused("glTF" + u32(2) + u32(24) + u32(0xfffffffc) + "JSON    ", "byte 12", "a.glb");
     expect_refused("", "byte 0", "a.glb");
     expect_refused("", "1:1", "a.gltf");
-    const std::string whole = glb(document(R"("buffers":[{"byteLength":8}])")) + u32(8) + std::string("BIN\0", 4) + "12345678";
+    const std::string whole =
+        glb(document(R"("buffers":[{"byteLength":8}])")) + u32(8) + std::string("BIN\0", 4) + "12345678";
     std::string framed = whole;
     framed.replace(8, 4, u32(static_cast<std::uint32_t>(framed.size())));
     EXPECT_EQ(load(framed, "a.glb").kind, Kind::loaded);
@@ -156,9 +160,9 @@ TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
         return document(R"("buffers":[{"byteLength":8,"uri":")" + uri + "\"}]");
     };
     const std::string place = "/buffers/0/uri";
-    for (const char* uri :
-         {"fifo", "sub", ".", "..", "link.bin", "/etc/passwd", "/dev/zero", "../../../../../../etc/passwd", "%2e%2e/%2e%2e/etc",
-          "file:///etc/passwd", "sub/../../x", "missing.bin", "bad%zz", "a%00b", ":", "", "sub/in%20side.bin/"})
+    for (const char* uri : {"fifo", "sub", ".", "..", "link.bin", "/etc/passwd", "/dev/zero",
+                            "../../../../../../etc/passwd", "%2e%2e/%2e%2e/etc", "file:///etc/passwd", "sub/../../x",
+                            "missing.bin", "bad%zz", "a%00b", ":", "", "sub/in%20side.bin/"})
         expect_refused(with(uri), place);
     expect_refused(with(std::string("../") + outside.path().filename().string() + "/secret.bin"), place);
     for (const char* uri : {"sub/in side.bin", "sub/in%20side.bin", "sub/../sub/in%20side.bin", "inner.bin",
@@ -168,10 +172,11 @@ TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
     expect_refused(with("data:application/octet-stream;base64,MTIz"), "/buffers/0/byteLength");
     expect_refused(with("data:application/octet-stream;base64,M!IzNDU2Nzg="), place);
     // Needed from the network: refused, not fetched.
-    const Outcome remote = load(document(R"("buffers":[{"byteLength":36,"uri":"http://localhost:1/a.bin"}],)"
-                                         R"("bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,)"
-                                         R"("componentType":5126,"type":"VEC3","count":3,"min":[0,0,0],"max":[0,0,0]}],)"
-                                         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}])"));
+    const Outcome remote =
+        load(document(R"("buffers":[{"byteLength":36,"uri":"http://localhost:1/a.bin"}],)"
+                      R"("bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,)"
+                      R"("componentType":5126,"type":"VEC3","count":3,"min":[0,0,0],"max":[0,0,0]}],)"
+                      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}])"));
     EXPECT_EQ(remote.kind, Kind::refused);
     EXPECT_NE(remote.what.find("network"), std::string::npos) << remote.what;
 }
@@ -192,17 +197,19 @@ TEST_F(GltfHostileMade, HugePictureInAFewBytes)
     png += std::string("\0\0\xea\x60\0\0\xea\x60\x08\x06\0\0\0\0\0\0\0", 17) + std::string("\0\0\x04\0IDAT", 8) +
            std::string(1024, '\0');
     std::ofstream(folder_ / "huge.png", std::ios::binary) << png;
-    const std::string used = R"("images":[{"uri":"huge.png"}],"textures":[{"source":0}],"materials":[{"emissiveTexture":)"
-                             R"({"index":0}}],"accessors":[{"componentType":5126,"type":"VEC3","count":3,"min":[0,0,0],)"
-                             R"("max":[0,0,0]},{"componentType":5126,"type":"VEC2","count":3}],"meshes":[{"primitives":[)"
-                             R"({"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],"nodes":[{"mesh":0}])";
+    const std::string used =
+        R"("images":[{"uri":"huge.png"}],"textures":[{"source":0}],"materials":[{"emissiveTexture":)"
+        R"({"index":0}}],"accessors":[{"componentType":5126,"type":"VEC3","count":3,"min":[0,0,0],)"
+        R"("max":[0,0,0]},{"componentType":5126,"type":"VEC2","count":3}],"meshes":[{"primitives":[)"
+        R"({"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],"nodes":[{"mesh":0}])";
     expect_refused(document(used), "/images/0");
 }
 
 TEST_F(GltfHostileMade, RequiredExtensions)
 {
-    for (const char* name : {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_meshopt_compression", "KHR_materials_clearcoat",
-                             "KHR_animation_pointer", "EXT_mesh_gpu_instancing", "VENDOR_something"}) {
+    for (const char* name :
+         {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_meshopt_compression", "KHR_materials_clearcoat",
+          "KHR_animation_pointer", "EXT_mesh_gpu_instancing", "VENDOR_something"}) {
         const std::string list = std::string("[\"") + name + "\"]";
         const Outcome outcome = load(document("\"extensionsUsed\":" + list + ",\"extensionsRequired\":" + list));
         EXPECT_EQ(outcome.kind, Kind::refused);

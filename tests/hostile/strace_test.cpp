@@ -22,8 +22,9 @@ struct Trace {
 Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& scratch)
 {
     const std::filesystem::path log = scratch / "trace";
-    const std::string command = fmt::format("strace -f -e trace=open,openat,openat2,creat,socket,connect -o '{}' '{}' info '{}' >/dev/null 2>&1",
-                                            log.string(), GNOMON_PROGRAM, scene.string());
+    const std::string command = fmt::format(
+        "strace -f -e trace=open,openat,openat2,creat,socket,connect -o '{}' '{}' info '{}' >/dev/null 2>&1",
+        log.string(), GNOMON_PROGRAM, scene.string());
     const int status = std::system(command.c_str());
     (void)status;   // refused files end with an error, as they should
     Trace trace;
@@ -32,7 +33,8 @@ Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& 
     for (std::string line; std::getline(stream, line);) {
         std::smatch match;
         if (std::regex_search(line, match, open_call)) trace.opened.push_back(match[1]);
-        if (line.find("socket(") != std::string::npos || line.find("connect(") != std::string::npos) trace.socket = true;
+        if (line.find("socket(") != std::string::npos || line.find("connect(") != std::string::npos)
+            trace.socket = true;
     }
     return trace;
 }
@@ -50,14 +52,16 @@ TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
     test::ScratchFolder scratch, scenes;
     std::ofstream(scenes / "in.bin") << "12345678";
     const auto write = [&](const std::string& name, const std::string& uri) {
-        std::ofstream(scenes / name) << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":8,"uri":")" + uri + "\"}]}";
+        std::ofstream(scenes / name) << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":8,"uri":")" + uri +
+                                            "\"}]}";
     };
     // The program's own start (libraries, machine) is what it opens for a file that names nothing.
     std::ofstream(scenes / "empty.gltf") << R"({"asset":{"version":"2.0"}})";
     const Trace usual = trace_info(scenes / "empty.gltf", scratch);
     ASSERT_FALSE(usual.opened.empty());
     EXPECT_FALSE(usual.socket);
-    ASSERT_NE(std::find(usual.opened.begin(), usual.opened.end(), (scenes / "empty.gltf").string()), usual.opened.end());
+    ASSERT_NE(std::find(usual.opened.begin(), usual.opened.end(), (scenes / "empty.gltf").string()),
+              usual.opened.end());
 
     const std::string inside = std::filesystem::canonical(scenes.path()).string() + '/';
     int number = 0;

@@ -19,13 +19,14 @@ namespace {
 class Document {
  public:
     template <class T>
-    int accessor(const std::vector<T>& values, const char* type, int component, int components, const std::string& more = "")
+    int accessor(const std::vector<T>& values, const char* type, int component, int components,
+                 const std::string& more = "")
     {
         while (bytes_.size() % 4) bytes_ += '\0';
         const std::size_t begin = bytes_.size();
         bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-        views_ += fmt::format("{}{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}}}", views_.empty() ? "" : ",", begin,
-                              values.size() * sizeof(T));
+        views_ += fmt::format("{}{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}}}", views_.empty() ? "" : ",",
+                              begin, values.size() * sizeof(T));
         accessors_ += fmt::format("{}{{\"bufferView\":{},\"type\":\"{}\",\"componentType\":{},\"count\":{}{}}}",
                                   accessors_.empty() ? "" : ",", views_count_++, type, component,
                                   values.size() / static_cast<std::size_t>(components), more);
@@ -38,7 +39,8 @@ class Document {
             std::string low, high;
             for (int c = 0; c < components; ++c) {
                 float least = values[static_cast<std::size_t>(c)], most = least;
-                for (std::size_t i = static_cast<std::size_t>(c); i < values.size(); i += static_cast<std::size_t>(components))
+                for (std::size_t i = static_cast<std::size_t>(c); i < values.size();
+                     i += static_cast<std::size_t>(components))
                     least = std::min(least, values[i]), most = std::max(most, values[i]);
                 low += fmt::format("{}{}", c ? "," : "", least);
                 high += fmt::format("{}{}", c ? "," : "", most);
@@ -55,8 +57,9 @@ class Document {
         std::ofstream(folder_ / "data.bin", std::ios::binary) << bytes_;
         std::string text = R"({"asset":{"version":"2.0"},)" + extensions;
         if (!bytes_.empty())
-            text += fmt::format("\"buffers\":[{{\"byteLength\":{},\"uri\":\"data.bin\"}}],\"bufferViews\":[{}],\"accessors\":[{}],",
-                                bytes_.size(), views_, accessors_);
+            text += fmt::format(
+                "\"buffers\":[{{\"byteLength\":{},\"uri\":\"data.bin\"}}],\"bufferViews\":[{}],\"accessors\":[{}],",
+                bytes_.size(), views_, accessors_);
         std::ofstream(folder_ / "a.gltf") << text + rest + "}";
         return io::load_gltf(folder_ / "a.gltf");
     }
@@ -138,7 +141,8 @@ TEST(GltfImport, QuantizedMeshes)
     Document packed;
     packed.accessor<std::int16_t>({-32768, 0, 32767, 0, 32767, 0, 0, 0, 0}, "VEC3", 5122, 3,
                                   R"(,"normalized":true,"min":[-32768,0,0],"max":[0,32767,32767])");
-    const std::string mesh = one_mesh(R"({"attributes":{"POSITION":0}})"), used = R"("extensionsUsed":["KHR_mesh_quantization"],)";
+    const std::string mesh = one_mesh(R"({"attributes":{"POSITION":0}})"),
+                      used = R"("extensionsUsed":["KHR_mesh_quantization"],)";
     const std::string required = R"("extensionsRequired":["KHR_mesh_quantization"],)";
     EXPECT_THROW(packed.load(mesh, used + required), InputError);
     EXPECT_THROW(packed.load(mesh, used), InputError);
@@ -148,7 +152,8 @@ TEST(GltfImport, QuantizedMeshes)
     std::ofstream(folder / "q.gltf") << R"({"asset":{"version":"2.0"},)" + used + required +
                                             R"("buffers":[{"byteLength":12,"uri":"q.bin"}],"bufferViews":[{"buffer":0,
         "byteLength":12,"byteStride":4}],"accessors":[{"bufferView":0,"type":"VEC3","componentType":5120,"normalized":true,
-        "count":3,"min":[-128,0,0],"max":[0,127,64]}],)" + mesh + "}";
+        "count":3,"min":[-128,0,0],"max":[0,127,64]}],)" +
+                                            mesh + "}";
     const scene::Scene s = io::load_gltf(folder / "q.gltf");
     EXPECT_EQ(s.meshes.at(0).positions[0], glm::vec3(-1, 1, 0));
     EXPECT_FLOAT_EQ(s.meshes.at(0).positions[1].z, 64 / 127.0f);

@@ -54,8 +54,8 @@ TEST(KeyframeTrack, CubicSplineGoesThroughKeysWithTheirTangents)
 TEST(KeyframeTrack, RotationsTakeTheShorterWayAtConstantSpeed)
 {
     // 350 degrees as a quaternion of the other sign: the way is 20 degrees, not 340.
-    const KeyframeTrack track({}, std::nullopt, Rotations{KeyInterpolation::linear, {0, 1}, {about_z(10), -about_z(-10)}},
-                              std::nullopt);
+    const KeyframeTrack track({}, std::nullopt,
+                              Rotations{KeyInterpolation::linear, {0, 1}, {about_z(10), -about_z(-10)}}, std::nullopt);
     for (const double u : {0.0, 0.25, 0.5, 1.0}) {
         const glm::dvec3 x = glm::dvec3(track.evaluate(u)[0]);
         EXPECT_NEAR(std::atan2(x.y, x.x), glm::radians(10 - 20 * u), 1e-12) << u;
@@ -68,7 +68,8 @@ TEST(KeyframeTrack, SplineOfRotationsStaysARotation)
     const glm::dquat zero(0, 0, 0, 0);
     const KeyframeTrack track(
         {}, std::nullopt,
-        Rotations{KeyInterpolation::cubic_spline, {0, 1}, {zero, about_z(0), zero, zero, about_z(90), zero}}, std::nullopt);
+        Rotations{KeyInterpolation::cubic_spline, {0, 1}, {zero, about_z(0), zero, zero, about_z(90), zero}},
+        std::nullopt);
     const glm::dmat4 m = track.evaluate(0.5);
     EXPECT_NEAR(glm::determinant(m), 1, 1e-12);
     EXPECT_NEAR(std::atan2(m[0].y, m[0].x), glm::radians(45.0), 1e-12);
