@@ -60,7 +60,7 @@ Met RayScene::Inside::met(unsigned geometry_id, unsigned instance, unsigned tria
 void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides) const
 {
     const Inside& in = *inside_;
-    TraceContext context(sides == Sides::front);
+    TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     const bool anything_moves = !in.solids.empty();
     RawHits still, moving;
     const auto step = static_cast<std::size_t>(in.width);
@@ -88,7 +88,7 @@ void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end,
 {
     const Inside& in = *inside_;
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
-    TraceContext context;
+    TraceContext context(TraceContext::Kind::any);
     const auto step = static_cast<std::size_t>(in.width);
     alignas(64) int active[16];
     for (std::size_t at = begin; at < end; at += step) {
@@ -150,7 +150,7 @@ Hit RayScene::closest_single(const glm::vec3& origin, float tnear, const glm::ve
                              Sides sides) const
 {
     const Inside& in = *inside_;
-    TraceContext context(sides == Sides::front);
+    TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     Hit hit;
     hit.t = tfar;
     if (!traceable(origin.x, origin.y, origin.z, tnear, direction.x, direction.y, direction.z, tfar)) return hit;
@@ -172,7 +172,7 @@ bool RayScene::blocked_single(const glm::vec3& origin, float tnear, const glm::v
     const Inside& in = *inside_;
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     if (!traceable(origin.x, origin.y, origin.z, tnear, direction.x, direction.y, direction.z, tfar)) return false;
-    TraceContext context;
+    TraceContext context(TraceContext::Kind::any);
     const auto blocks = [&](const SceneHandle& tree) {
         RTCRay ray = make_ray(origin, tnear, direction, tfar, k_mask_blocks);
         rtcOccluded1(tree.get(), &context.embree, &ray);

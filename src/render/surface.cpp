@@ -126,13 +126,12 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
 
 }   // namespace
 
-SurfacePoint surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
-                        float v, float distance, const glm::vec3& direction, const RayCone& cone)
+void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
+                float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s)
 {
     const scene::Mesh& mesh = *geometry.mesh;
     const glm::uvec3 index = mesh.triangles[triangle];
     const scene::Material& material = scene.materials[mesh.part_of(triangle).material];
-    SurfacePoint s;
 
     // Place the point from the corners, not along the ray: it lies on the triangle whatever the distance.
     glm::vec3 p[3];
@@ -174,7 +173,6 @@ SurfacePoint surface_at(const scene::Scene& scene, const ray::ObjectGeometry& ge
         fill_whitted(material, frame, s);
     else
         fill_metallic_roughness(material, frame, s);
-    return s;
 }
 
 }   // namespace gnomon::render

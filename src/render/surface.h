@@ -39,8 +39,9 @@ struct SurfacePoint {
 };
 
 /// @param direction  the ray's, unit
+/// @param s          a fresh one; filled in place, since there is one for every hit
 /// @param cone       at the ray's origin
-SurfacePoint surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
-                        float v, float distance, const glm::vec3& direction, const RayCone& cone);
+void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
+                float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s);
 
 }   // namespace gnomon::render

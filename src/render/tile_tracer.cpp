@@ -129,8 +129,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             continue;
         }
         Point& point = points_.emplace_back();
-        point.surface = surface_at(scene_, rays_.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i],
-                                   hits_.t[i], direction, path.cone);
+        surface_at(scene_, rays_.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i], hits_.t[i],
+                   direction, path.cone, point.surface);
         point.pixel = path.pixel;
         point.share = path.share;
         const SurfacePoint& s = point.surface;
@@ -193,6 +193,7 @@ void TileTracer::find_lit_by_rays(std::size_t l)
     const bool directional = light.type == scene::LightType::directional;
     const bool bounded = light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
     shadow_rays_.clear();
+    shadow_rays_.reserve(shadow_points_.size());
     shadow_point_.clear();
     for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
         const shadow_culling::ShadowPoint& here = shadow_points_[p];
