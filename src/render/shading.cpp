@@ -8,6 +8,7 @@ namespace gnomon::render {
 namespace {
 
 constexpr float k_inverse_pi = static_cast<float>(1 / k_pi);
+constexpr float k_faintest_highlight = -7;    // exponent: e^-7 is below 1/1000
 constexpr float k_min_alpha = 2e-3f;          // GGX alpha of a perfect mirror's highlight: lights have no size
 constexpr float k_mirror_roughness = 0.12f;   // up to here mirror images are sharp and traced whole
 constexpr float k_matte_roughness = 0.45f;    // from here on they are too blurred to trace with one ray
@@ -33,7 +34,9 @@ glm::vec3 phong(const SurfacePoint& s, const glm::vec3& to_light, float cosine)
     if (s.shine > 0 && s.specular != glm::vec3(0)) {
         const glm::vec3 mirrored = 2 * cosine * s.normal - to_light;
         const float aligned = glm::dot(mirrored, s.to_viewer);
-        if (aligned > 0) result += s.specular * std::pow(aligned, s.shine);
+        // a^n <= e^(n (a - 1)): skip the power where it cannot reach a quarter of a step of 8 bits.
+        if (aligned > 0 && s.shine * (aligned - 1) > k_faintest_highlight)
+            result += s.specular * std::pow(aligned, s.shine);
     }
     return result;
 }
