@@ -19,7 +19,9 @@ constexpr int k_lowest_stop = -32;
 constexpr int k_highest_stop = 32;
 constexpr double k_ignore_darkest = 0.05;
 constexpr double k_ignore_brightest = 0.05;
-constexpr double k_key = 0.25;   // an even grey comes out at 0.21, a sunlit courtyard as one expects
+constexpr double k_key = 0.25;           // an even grey comes out at 0.21, a sunlit courtyard as one expects
+constexpr double k_bright_rank = 0.95;   // of lit pixels: the luminance at this rank ...
+constexpr double k_bright_level = 0.9;   // ... comes out no brighter than this
 constexpr double k_exposure_limit = 20;
 
 float sane(float value)
@@ -138,15 +140,22 @@ double auto_exposure(std::span<const float> rgb)
     // Average what lies between the ranks that are kept.
     const auto first = static_cast<std::int64_t>(static_cast<double>(lit) * k_ignore_darkest);
     const auto last = lit - static_cast<std::int64_t>(static_cast<double>(lit) * k_ignore_brightest);
+    const auto bright = static_cast<std::int64_t>(static_cast<double>(lit) * k_bright_rank);
     std::int64_t rank = 0, sum = 0;
+    int bright_bin = 0;
     for (int bin = 0; bin < bins; ++bin) {
         const std::int64_t next = rank + histogram[static_cast<std::size_t>(bin)];
+        if (rank <= bright && bright < next) bright_bin = bin;
         sum += bin * std::max<std::int64_t>(0, std::min(next, last) - std::max(rank, first));
         rank = next;
     }
     const double mean_bin = static_cast<double>(sum) / static_cast<double>(last - first) + 0.5;
     const double mean_stop = k_lowest_stop + mean_bin / k_bins_per_stop;
-    return std::clamp(std::log2(k_key) - mean_stop, -k_exposure_limit, k_exposure_limit);
+
+    // A dark picture with bright parts is not lifted until these burn out.
+    const double bright_stop = k_lowest_stop + (bright_bin + 0.5) / k_bins_per_stop;
+    const double stops = std::min(std::log2(k_key) - mean_stop, std::log2(k_bright_level) - bright_stop);
+    return std::clamp(stops, -k_exposure_limit, k_exposure_limit);
 }
 
 void encode_srgb8(std::span<const float> rgb, double exposure, ToneMap curve, std::span<std::uint8_t> out)
