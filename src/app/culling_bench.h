@@ -20,7 +20,7 @@ struct CullingBenchOptions {
     FrameRange frames{1, 100};
     Size size{512, 512};
     int threads = 1;
-    double pixels_per_part = 16;
+    double pixels_per_part = 8;
 };
 
 struct CullingFrame {

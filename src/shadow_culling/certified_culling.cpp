@@ -109,13 +109,11 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
     batch.stride = (count + 7) / 8 * 8;
     batch.slot.resize(count);
     batch.record.resize(count);
-    batch.coarse.resize(count);
     batch.states.assign(batch.stride * groups, 0);
     RecordId last = k_no_slot;
     scene::ObjectId last_object = scene::none;
     TriangleId first = no_triangle;
     std::uint32_t base = k_no_slot, level = 0;
-    bool coarse = false;
     for (std::size_t i = 0; i < count; ++i) {
         const ShadowPoint& point = points[i];
         batch.bounds.add(point.origin);
@@ -136,11 +134,9 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
             memory_->note_seen(record, frame_);
             base = memory_->base(record);
             level = memory_->level(record);
-            coarse = base != k_no_slot && level < k_max_level && wanted_level(record / 2) > level;
         }
         batch.slot[i] =
             base == k_no_slot ? k_no_slot : base + pyramid_offset(level) + micro_index_at(point.u, point.v, level);
-        batch.coarse[i] = coarse;
     }
     for (std::size_t g = 0; g < groups; ++g) {
         const std::uint8_t* const states = memory_->states(static_cast<int>(g));
@@ -258,6 +254,8 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
         const bool remembered = light_on_[static_cast<std::size_t>(light)];
         const int shift = 2 * (light % k_lights_per_group);
         std::uint8_t* const evidence = memory_->evidence(light / k_lights_per_group);
+        RecordId judged = k_no_slot;
+        bool coarse = false;
         for (std::size_t r = 0; r < traced; ++r) {
             const std::uint32_t point = batch.static_point[r];
             blocked[point] = batch.hit[r];
@@ -266,7 +264,13 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
             if (slot == k_no_slot || !remembered) continue;
             if (state_of(batch, point, light) == ShadowState::partial) {
                 ++batch.counters.partial;
-                if (!batch.coarse[point]) continue;   // nothing to learn: the part is as fine as it gets
+                // Nothing to learn where parts are as fine as they get.
+                if (batch.record[point] != judged) {
+                    judged = batch.record[point];
+                    const std::uint32_t level = memory_->level(judged);
+                    coarse = level < k_max_level && level < wanted_level(judged / 2);
+                }
+                if (!coarse) continue;
             }
             if (batch.touched.empty() || batch.touched.back() != batch.record[point])
                 batch.touched.push_back(batch.record[point]);

@@ -28,7 +28,7 @@
 namespace gnomon::shadow_culling {
 
 struct CertifiedOptions {
-    double pixels_per_part = 16;       // refine until a part covers about so many pixels
+    double pixels_per_part = 8;       // refine until a part covers about so many pixels
     std::size_t memory = 256u << 20;   // bytes for states and evidence; least recently seen go first
     CertificateOptions certificates;
     float ray_end = 0.9999f;   // shadow rays end at this fraction of the way to a lamp
@@ -123,7 +123,6 @@ class CertifiedCulling::Batch {
     Box3 bounds;
     std::vector<std::uint32_t> slot;    // by point; k_no_slot: not remembered (moving receiver, or no room)
     std::vector<RecordId> record;       // by point
-    std::vector<std::uint8_t> coarse;   // by point: finer parts are wanted than its record has
     std::vector<std::uint8_t> states;   // by group, then point
     std::vector<RecordId> touched;      // records with new evidence, or partial where finer parts may help
     std::size_t stride = 0;             // between groups in `states`: points, rounded up to 8
