@@ -5,6 +5,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "app/paper_bench.h"
 #include "base/tasks.h"
 #include "ray/origin.h"
 #include "render/view.h"
@@ -31,12 +32,14 @@ double wall_ms()
 // The primary hits of one tile.
 struct TilePoints {
     std::vector<shadow_culling::ShadowPoint> points;
-    std::vector<std::uint8_t> off, certified;   // [light][point]: 1 blocked or behind
+    std::vector<std::uint8_t> off, paper, certified;   // [light][point]: 1 blocked or behind
 };
 
-void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile)
+void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile,
+                   PaperBench* paper)
 {
     ray::RayQueue queue;
+    std::vector<std::pair<int, int>> pixels;   // of the rays
     ray::Hits hits;
     for (int block = 0; block < k_tile * k_tile; ++block) {
         // 4 x 2 blocks, row by row: coherent packets.
@@ -47,6 +50,7 @@ void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, 
         float tnear, tfar;
         view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
         queue.push(origin, tnear, direction, tfar);
+        pixels.emplace_back(x, y);
     }
     tile.points.clear();
     if (queue.empty()) return;
@@ -54,6 +58,9 @@ void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, 
     rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
     for (std::size_t i = 0; i < queue.size(); ++i) {
         if (hits.object[i] == scene::none) continue;
+        if (paper)
+            paper->set_pixel(pixels[i].first, pixels[i].second, hits.object[i], hits.triangle[i], queue.origin(i),
+                             queue.direction(i));
         glm::vec3 p[3];
         rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
         const float u = hits.u[i], v = hits.v[i];
@@ -81,23 +88,30 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
     Tasks tasks(options.threads);
     CertifiedOptions certified_options;
     certified_options.pixels_per_part = options.pixels_per_part;
-    CertifiedCulling culling(state, rays, certified_options);
+    std::unique_ptr<CertifiedCulling> culling;
+    if (options.certified) culling = std::make_unique<CertifiedCulling>(state, rays, certified_options);
+    std::unique_ptr<PaperBench> paper;
+    if (options.paper)
+        paper = std::make_unique<PaperBench>(state, rays, tasks.threads(), options.paper_options,
+                                             certified_options.ray_end);
 
     const int lights = static_cast<int>(scene->lights.size());
     const int columns = (options.size.width + k_tile - 1) / k_tile, rows = (options.size.height + k_tile - 1) / k_tile;
     std::vector<TilePoints> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches;
-    for (int t = 0; t < tasks.threads(); ++t) batches.push_back(culling.make_batch());
+    for (int t = 0; culling && t < tasks.threads(); ++t) batches.push_back(culling->make_batch());
 
     double off_sum = 0, certified_sum = 0;
     for (int frame = options.frames.first; frame <= options.frames.last; ++frame) {
         state.advance(scene->timeline.time_of(frame));
         rays.update(state);
         const render::View view = render::make_view(state, 0, options.size);
+        if (paper) paper->clear_picture(options.size);
         tasks.for_each(tiles.size(), [&](std::size_t t, int) {
             const int at = static_cast<int>(t);
-            trace_primary(view, rays, at % columns * k_tile, at / columns * k_tile, tiles[t]);
+            trace_primary(view, rays, at % columns * k_tile, at / columns * k_tile, tiles[t], paper.get());
             tiles[t].off.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
+            if (paper) tiles[t].paper.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
             tiles[t].certified.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
         });
         CullingFrame record;
@@ -141,57 +155,85 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
         record.off.wall_ms = wall_ms() - wall;
         for (const std::uint64_t n : off_rays) record.off.rays += n;
 
-        // Certified: look-ups, what rays are left, and the judging of what they saw.
-        cpu = cpu_ms(), wall = wall_ms();
-        culling.begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
-        tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
-            const auto worker = static_cast<std::size_t>(w);
-            TilePoints& tile = tiles[t];
-            CertifiedCulling::Batch& batch = *batches[worker];
-            culling.classify(batch, tile.points);
-            for (int l = 0; l < lights; ++l) {
-                answers[worker].resize(tile.points.size() + 8);
-                culling.shadow(batch, l, answers[worker].data());
-                std::copy_n(answers[worker].data(), tile.points.size(),
-                            tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size());
-            }
-        });
-        const double before_judging = wall_ms();
-        culling.end_frame(batches, tasks);
-        record.certified.ms = cpu_ms() - cpu;
-        record.certified.wall_ms = wall_ms() - wall;
-        record.certified.judge_ms = wall_ms() - before_judging;
-        const CullingCounters& c = culling.counters();
-        record.certified.rays = record.off.rays;
-        record.certified.dynamic_only = c.dynamic_only;
-        record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
-        record.certified.partial = c.partial;
-        record.certified.certificates = c.certificates;
-        record.certified.certified = c.certified;
-        for (const TilePoints& tile : tiles)
-            for (std::size_t i = 0; i < tile.off.size(); ++i)
-                record.certified.wrong += tile.off[i] != tile.certified[i];
-        result.wrong_total += record.certified.wrong;
+        if (paper) {
+            // Paper: what Table 2 leaves to trace, the occlusion test, and the merge.
+            cpu = cpu_ms(), wall = wall_ms();
+            paper->begin_frame(state, rays);
+            tasks.for_each(tiles.size(),
+                           [&](std::size_t t, int w) { paper->shadow(w, tiles[t].points, tiles[t].paper.data()); });
+            paper->end_frame();
+            record.paper.ms = cpu_ms() - cpu;
+            record.paper.wall_ms = wall_ms() - wall;
+            const PaperCounters& p = paper->culling().counters();
+            record.paper.rays = p.rays;
+            record.paper.skipped = p.skipped;
+            record.paper.dynamic_only = p.dynamic_only;
+            record.paper.extra_tests_per_pixel = paper->extra_tests_per_pixel();
+            for (const TilePoints& tile : tiles)
+                for (std::size_t i = 0; i < tile.off.size(); ++i) record.paper.wrong += tile.off[i] != tile.paper[i];
+            result.paper_extra_tests_per_pixel += record.paper.extra_tests_per_pixel;
+            result.paper_wrong_mean += static_cast<double>(record.paper.wrong);
+        }
 
-        off_sum += record.off.ms;
-        certified_sum += record.certified.ms;
-        const double ratio = record.certified.wall_ms / record.off.wall_ms;
-        if (result.frames.empty())
-            result.first_frame_ratio = ratio;
-        else
-            result.worst_frame_ratio = std::max(result.worst_frame_ratio, ratio);
+        if (culling) {
+            // Certified: look-ups, what rays are left, and the judging of what they saw.
+            cpu = cpu_ms(), wall = wall_ms();
+            culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
+            tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
+                const auto worker = static_cast<std::size_t>(w);
+                TilePoints& tile = tiles[t];
+                CertifiedCulling::Batch& batch = *batches[worker];
+                culling->classify(batch, tile.points);
+                for (int l = 0; l < lights; ++l) {
+                    answers[worker].resize(tile.points.size() + 8);
+                    culling->shadow(batch, l, answers[worker].data());
+                    std::copy_n(answers[worker].data(), tile.points.size(),
+                                tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size());
+                }
+            });
+            const double before_judging = wall_ms();
+            culling->end_frame(batches, tasks);
+            record.certified.ms = cpu_ms() - cpu;
+            record.certified.wall_ms = wall_ms() - wall;
+            record.certified.judge_ms = wall_ms() - before_judging;
+            const CullingCounters& c = culling->counters();
+            record.certified.rays = record.off.rays;
+            record.certified.dynamic_only = c.dynamic_only;
+            record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
+            record.certified.partial = c.partial;
+            record.certified.certificates = c.certificates;
+            record.certified.certified = c.certified;
+            for (const TilePoints& tile : tiles)
+                for (std::size_t i = 0; i < tile.off.size(); ++i)
+                    record.certified.wrong += tile.off[i] != tile.certified[i];
+            result.wrong_total += record.certified.wrong;
+
+            off_sum += record.off.ms;
+            certified_sum += record.certified.ms;
+            const double ratio = record.certified.wall_ms / record.off.wall_ms;
+            if (result.frames.empty())
+                result.first_frame_ratio = ratio;
+            else
+                result.worst_frame_ratio = std::max(result.worst_frame_ratio, ratio);
+        }
         result.frames.push_back(record);
         if (on_frame) on_frame(record);
     }
-    result.speedup_mean = off_sum / certified_sum;
+    result.speedup_mean = certified_sum > 0 ? off_sum / certified_sum : 0;
     double off_late = 0, certified_late = 0;
     for (std::size_t f = result.frames.size() / 2; f < result.frames.size(); ++f) {
         off_late += result.frames[f].off.ms;
         certified_late += result.frames[f].certified.ms;
     }
     result.speedup_steady = certified_late > 0 ? off_late / certified_late : 0;
-    result.bytes = culling.bytes();
-    result.visible_triangles = culling.visible_triangles();
+    if (!result.frames.empty()) {
+        result.paper_extra_tests_per_pixel /= static_cast<double>(result.frames.size());
+        result.paper_wrong_mean /= static_cast<double>(result.frames.size());
+    }
+    if (culling) {
+        result.bytes = culling->bytes();
+        result.visible_triangles = culling->visible_triangles();
+    }
     return result;
 }
 

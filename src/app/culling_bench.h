@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What shadow culling saves: the shadow pass of every frame of a range, with every ray traced and with certified
-// culling, on the same primary hits.
+// What shadow culling saves: the shadow pass of every frame of a range, with every ray traced, with the
+// published culling and with certified culling, on the same primary hits.
 //
 // `off` traces every facing (point, light) pair in packets against one tree that holds everything. Times are process
 // CPU time of the whole pass, certificates included; Embree's builds are left out for both.
@@ -13,6 +13,7 @@
 
 #include "gnomon/types.h"
 #include "scene/scene.h"
+#include "shadow_culling/paper_culling.h"
 
 namespace gnomon::app {
 
@@ -21,6 +22,8 @@ struct CullingBenchOptions {
     Size size{512, 512};
     int threads = 1;
     double pixels_per_part = 8;
+    bool paper = true, certified = true;   // methods to run beside `off`
+    shadow_culling::PaperOptions paper_options;
 };
 
 struct CullingFrame {
@@ -29,6 +32,12 @@ struct CullingFrame {
         std::uint64_t rays = 0;
         double ms = 0, wall_ms = 0;
     } off;
+    // Wrong: (pixel, light) results that differ from `off`.
+    struct Paper {
+        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, wrong = 0;
+        double extra_tests_per_pixel = 0;
+        double ms = 0, wall_ms = 0;
+    } paper;
     struct Certified {
         std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, partial = 0, certificates = 0, certified = 0, wrong = 0;
         double ms = 0, wall_ms = 0;
@@ -39,6 +48,7 @@ struct CullingFrame {
 struct CullingBenchResult {
     std::vector<CullingFrame> frames;
     double speedup_mean = 0, speedup_steady = 0, first_frame_ratio = 0, worst_frame_ratio = 0;
+    double paper_extra_tests_per_pixel = 0, paper_wrong_mean = 0;   // a frame
     std::uint64_t wrong_total = 0, bytes = 0, visible_triangles = 0;
 };
 
