@@ -20,14 +20,15 @@ bool intersects(const glm::vec3& origin, const glm::vec3& direction, const glm::
 }
 
 OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<const PrimaryHit> above, bool last_row,
-                                   const SceneTriangles& triangles, Modes& modes)
+                                   const SceneTriangles& triangles, Modes& modes, const OcclusionTestOptions& options)
 {
     GNOMON_CHECK(above.empty() || above.size() == hits.size());
     OcclusionTestCounts counts;
 
     // A mode as the paper would find it at this pixel: this frame's mark, else what the frame began with.
     const auto is_init = [&](PrimitiveId primitive) {
-        return modes.occlusion(primitive) == OcclusionMode::init && modes.marked(primitive) == OcclusionMode::init;
+        return modes.occlusion(primitive) == OcclusionMode::init &&
+               (options.test_marked || modes.marked(primitive) == OcclusionMode::init);
     };
 
     for (std::size_t x = 0; x < hits.size(); ++x) {

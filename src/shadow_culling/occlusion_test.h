@@ -22,6 +22,12 @@ struct PrimaryHit {
     glm::vec3 origin{0}, direction{0};      // of the ray
 };
 
+struct OcclusionTestOptions {
+    // Tests a neighbour again that this frame has marked already, as where modes are read as the frame began
+    // throughout. The marks come out the same; extra_tests does not.
+    bool test_marked = false;
+};
+
 struct OcclusionTestCounts {
     std::uint64_t extra_tests = 0;   // ray-triangle tests beyond those of plain ray tracing
 };
@@ -33,7 +39,8 @@ struct OcclusionTestCounts {
 /// @param last_row  whether this row is the screen's lower edge
 /// @param modes     gets marks, which count in this test at once and for shadows from the next frame on
 OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<const PrimaryHit> above, bool last_row,
-                                   const SceneTriangles& triangles, Modes& modes);
+                                   const SceneTriangles& triangles, Modes& modes,
+                                   const OcclusionTestOptions& options = {});
 
 /// Whether a ray meets a triangle at t >= 0, borders included [Moller and Trumbore 1997].
 bool intersects(const glm::vec3& origin, const glm::vec3& direction, const glm::vec3 (&triangle)[3]);

@@ -120,7 +120,8 @@ void PaperCulling::see_picture(std::span<const PrimaryHit> hits, std::size_t wid
         const auto row = hits.subspan(begin, width);
         const auto above = begin == 0 ? std::span<const PrimaryHit>{} : hits.subspan(begin - width, width);
         counters_.extra_tests +=
-            test_occlusion(row, above, begin + width == hits.size(), triangles_, modes_).extra_tests;
+            test_occlusion(row, above, begin + width == hits.size(), triangles_, modes_, options_.occlusion_test)
+                .extra_tests;
         for (const PrimaryHit& hit : row)
             if (hit.primitive != no_primitive) modes_.note_pixel(hit.primitive, rendered_);
     }

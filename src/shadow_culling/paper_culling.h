@@ -33,6 +33,7 @@ namespace gnomon::shadow_culling {
 
 struct PaperOptions {
     SetModesOptions set_modes;
+    OcclusionTestOptions occlusion_test;
 };
 
 struct PaperCounters {

@@ -171,6 +171,15 @@ TEST_F(PaperCullingTest, WhatIsMarkedIsNotTestedAgain)
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 0u);
 }
 
+TEST_F(PaperCullingTest, WhatIsMarkedIsTestedAgainOnRequest)
+{
+    const PrimaryHit sky, front = pixel(small, 1.5f, 1.5f);
+    const std::vector<PrimaryHit> above(4, sky), row = {sky, pixel(wide), front, sky};
+    for (int i = 0; i < 2; ++i)
+        EXPECT_EQ(test_occlusion(row, above, false, triangles_, modes_, {.test_marked = true}).extra_tests, 1u);
+    expect_modes({k_partial, k_init, k_init, k_init, k_init});
+}
+
 TEST_F(PaperCullingTest, AnOccluderOverTheLeftPartGoesUnnoticed)
 {
     // The paper's own blind side: `small` stands left of `wide`, the ray beside it does not meet `small`, and nobody

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the published shadow culling gets wrong, and what it does not, against a full trace [Nah 2009, Fig. 5].
+#include <gtest/gtest.h>
+
+#include "app/culling_bench.h"
+#include "scene/builtin.h"
+#include "scene_helpers.h"
+
+namespace gnomon {
+namespace {
+
+constexpr int k_pixels = 32;
+
+void add_triangle(scene::Scene& scene, const glm::vec3 (&p)[3])
+{
+    scene::Mesh mesh;
+    mesh.positions = {p[0], p[1], p[2]};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.parts = {{0, 0, 1}};
+    scene.meshes.push_back(mesh);
+    test::add_object(scene, static_cast<scene::MeshId>(scene.meshes.size() - 1));
+}
+
+/// A floor of one triangle, seen whole from above and lit from the side; between lamp and floor, out of view, a
+/// triangle that casts this shadow onto it.
+scene::Scene floor_under_lamp(const glm::vec3 (&shadow)[3])
+{
+    const glm::vec3 lamp(9, 0, 9);
+    scene::Scene scene;
+    scene.materials.emplace_back();
+    scene.materials[0].double_sided = true;
+    add_triangle(scene, {{-1.9f, -1.8f, 0}, {1.9f, -1.7f, 0}, {0.1f, 1.9f, 0}});
+    glm::vec3 occluder[3];
+    for (int i = 0; i < 3; ++i) occluder[i] = shadow[i] + 0.6f * (lamp - shadow[i]);
+    add_triangle(scene, occluder);
+    scene.lights.emplace_back();
+    scene.lights[0].node = scene.add_node("lamp", scene::none, test::translation(lamp.x, lamp.y, lamp.z));
+    scene.cameras.emplace_back();
+    return scene;
+}
+
+/// The camera looks down from one place in the first frame, from another from the second on.
+std::shared_ptr<const scene::Scene> seen_from(scene::Scene& scene, const glm::dvec3& first, const glm::dvec3& then)
+{
+    const scene::NodeId node = scene.add_node("camera", scene::none);
+    scene.nodes[node].transform = std::make_shared<test::JumpTrack>(0.5, glm::translate(glm::dmat4(1), first),
+                                                                    glm::translate(glm::dmat4(1), then));
+    scene.cameras[0].node = node;
+    scene.timeline.start = 0, scene.timeline.end = 4, scene.timeline.frames = 5, scene.timeline.fps = 1;
+    return test::finished(scene);
+}
+
+app::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene, int threads = 1, int last_frame = 4,
+                              const shadow_culling::PaperOptions& paper_options = {})
+{
+    app::CullingBenchOptions options;
+    options.paper_options = paper_options;
+    options.frames = {1, last_frame};
+    options.size = {k_pixels, k_pixels};
+    options.threads = threads;
+    options.certified = false;
+    return app::bench_culling(scene, options);
+}
+
+TEST(PaperWrongPixels, AShadowBetweenThePixelsIsMissed)
+{
+    // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four centres in the first frame; then the camera moves
+    // by half a pixel, and one centre is in it.
+    scene::Scene scene = floor_under_lamp({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
+    scene.cameras[0].orthographic_height = 8;
+    const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
+    EXPECT_EQ(result.frames[0].paper.wrong, 0u);
+    EXPECT_EQ(result.frames[0].paper.dynamic_only, 0u) << "nothing is known yet";
+    for (std::size_t f = 1; f < 4; ++f) {
+        EXPECT_EQ(result.frames[f].paper.wrong, 1u) << "frame " << f + 1;
+        EXPECT_EQ(result.frames[f].paper.dynamic_only, result.frames[f].paper.rays);
+    }
+    EXPECT_EQ(result.paper_wrong_mean, 0.75);
+}
+
+TEST(PaperWrongPixels, AShadowThatPixelsSeeIsPartialAndTracedAlways)
+{
+    scene::Scene scene = floor_under_lamp({{-0.5f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0, 0.7f, 0}});
+    scene.cameras[0].orthographic_height = 8;
+    const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
+    for (const app::CullingFrame& frame : result.frames) {
+        EXPECT_EQ(frame.paper.wrong, 0u);
+        EXPECT_EQ(frame.paper.skipped + frame.paper.dynamic_only, 0u);
+        EXPECT_GT(frame.paper.rays, 50u);
+        EXPECT_EQ(frame.paper.rays, frame.off.rays);
+    }
+}
+
+TEST(PaperWrongPixels, NoShadowNoFault)
+{
+    scene::Scene scene = floor_under_lamp({{40, 0, 0}, {41, 0, 0}, {40, 1, 0}});
+    scene.cameras[0].orthographic_height = 8;
+    const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
+    EXPECT_EQ(result.paper_wrong_mean, 0);
+    EXPECT_EQ(result.frames[3].paper.dynamic_only, result.frames[3].paper.rays);
+}
+
+TEST(PaperWrongPixels, AFloorWhollyInShadowIsSkipped)
+{
+    scene::Scene scene = floor_under_lamp({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
+    scene.cameras[0].orthographic_height = 8;
+    const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
+    EXPECT_EQ(result.paper_wrong_mean, 0);
+    EXPECT_EQ(result.frames[0].paper.skipped, 0u);
+    EXPECT_EQ(result.frames[3].paper.skipped, result.frames[3].paper.rays);
+}
+
+TEST(PaperWrongPixels, AZoomInShowsTheSmallShadowOneFrameLate)
+{
+    // From 12 to 5 away: the floor covers 5.8 times the pixels. The zoom's own frame still uses the old mode.
+    scene::Scene scene = floor_under_lamp({{0.02f, 0.02f, 0}, {0.11f, 0.02f, 0}, {0.06f, 0.12f, 0}});
+    const auto result = bench(seen_from(scene, {0, 0, 12}, {0, 0, 5}));
+    EXPECT_EQ(result.frames[0].paper.wrong, 0u);
+    EXPECT_GT(result.frames[1].paper.wrong, 0u);
+    EXPECT_EQ(result.frames[2].paper.wrong, 0u);
+    EXPECT_EQ(result.frames[2].paper.dynamic_only, 0u);
+    EXPECT_EQ(result.frames[3].paper.wrong, 0u);
+    EXPECT_EQ(result.frames[3].paper.dynamic_only, 0u) << "PARTIAL_SHADOW now";
+}
+
+TEST(PaperWrongPixels, AMovingLightIsNeverCulledNorWrong)
+{
+    scene::Scene scene = floor_under_lamp({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
+    scene.cameras[0].orthographic_height = 8;
+    scene.nodes[scene.lights[0].node].transform = std::make_shared<test::SwayTrack>(glm::dvec3(9, 0, 9), 3);
+    const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
+    for (const app::CullingFrame& frame : result.frames) {
+        EXPECT_EQ(frame.paper.skipped + frame.paper.dynamic_only, 0u);
+        EXPECT_EQ(frame.paper.wrong, 0u);
+    }
+}
+
+TEST(PaperWrongPixels, AMovingShadowIsRememberedOnlyAsPrinted)
+{
+    // A screen that moves shades the whole floor in the first two frames, then jumps out of the way.
+    const auto with_screen = [] {
+        scene::Scene scene = floor_under_lamp({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
+        scene.nodes[1].transform = std::make_shared<test::JumpTrack>(1.5, glm::dmat4(1), test::translation(500, 0, 0));
+        scene.cameras[0].orthographic_height = 8;
+        return seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12});
+    };
+    const auto ours = bench(with_screen());
+    EXPECT_EQ(ours.paper_wrong_mean, 0);
+    EXPECT_EQ(ours.frames[1].paper.dynamic_only, ours.frames[1].paper.rays);
+    shadow_culling::PaperOptions as_printed;
+    as_printed.set_modes.remember_dynamic_blockers = true;
+    const auto printed = bench(with_screen(), 1, 4, as_printed);
+    EXPECT_EQ(printed.frames[1].paper.skipped, printed.frames[1].paper.rays);
+    EXPECT_EQ(printed.frames[1].paper.wrong, 0u);
+    EXPECT_EQ(printed.frames[2].paper.wrong, printed.frames[2].paper.rays);
+    EXPECT_GT(printed.frames[2].paper.rays, 100u);
+}
+
+TEST(PaperWrongPixels, ThreadsChangeNothing)
+{
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_cornell());
+    const auto one = bench(scene, 1, 8), three = bench(scene, 3, 8);
+    std::uint64_t culled = 0;
+    for (std::size_t f = 0; f < one.frames.size(); ++f) {
+        const auto &a = one.frames[f].paper, &b = three.frames[f].paper;
+        EXPECT_EQ(a.rays, b.rays);
+        EXPECT_EQ(a.skipped, b.skipped);
+        EXPECT_EQ(a.dynamic_only, b.dynamic_only);
+        EXPECT_EQ(a.wrong, b.wrong);
+        EXPECT_EQ(a.extra_tests_per_pixel, b.extra_tests_per_pixel);
+        culled += a.skipped + a.dynamic_only;
+    }
+    EXPECT_GT(culled, 0u);
+}
+
+}   // namespace
+}   // namespace gnomon
