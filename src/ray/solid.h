@@ -21,6 +21,11 @@ struct GeometryRecord {
     bool mirrored = false;              // relative to the mesh's own winding, in the space the geometry is in
 };
 
+/// glTF's alpha mask: whether a masked surface has a hole at (1-u-v) p0 + u p1 + v p2. A hit counts where texture,
+/// factor and vertex colour together reach the cutoff.
+bool cut_away(const scene::Scene& scene, const scene::Mesh& mesh, const scene::Material& material,
+              std::uint32_t triangle, float u, float v);
+
 /// Vertices in the space of a tree, padded as Embree's loads need it.
 struct BakedVertices {
     std::vector<glm::vec3> positions, normals;

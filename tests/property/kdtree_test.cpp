@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+// CountingKdTree against every triangle asked one by one, against Embree, and against trees built afresh.
+#include "ray/kdtree.h"
+
+#include <gtest/gtest.h>
+
+#include "io/load.h"
+#include "ray/origin.h"
+#include "ray_helpers.h"
+#include "scene/builtin.h"
+#include "scene_helpers.h"
+#include "support.h"
+
+namespace gnomon::test {
+namespace {
+
+using ray::Against;
+using ray::CountingKdTree;
+using ray::Hit;
+using ray::KdCounts;
+using ray::RayScene;
+using ray::Sides;
+using scene::SceneState;
+
+constexpr Sides k_sides[] = {Sides::both, Sides::front};
+
+/// Triangles without any order: long, small, flat along an axis, in one another, and some that are no area at all.
+scene::Mesh soup(scene::MaterialId material, std::uint64_t seed, std::uint32_t count, float reach)
+{
+    scene::Mesh mesh;
+    Random random(seed);
+    const auto point = [&](float r) {
+        const float x = random.uniform(-r, r), y = random.uniform(-r, r);
+        return glm::vec3(x, y, random.uniform(-r, r));
+    };
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const glm::vec3 centre = point(reach);
+        const float size = t % 10 == 0 ? reach : 0.1f * reach;
+        const int axis = static_cast<int>(random.below(3));
+        for (int i = 0; i < 3; ++i) {
+            glm::vec3 p = centre + point(size);
+            if (t % 4 == 1) p[axis] = std::round(centre[axis]);   // many in the same planes
+            if (t % 50 == 7 && i == 2) p = mesh.positions.back();
+            mesh.positions.push_back(p);
+            mesh.texcoords[0].emplace_back(random.uniform(), random.uniform());
+        }
+        mesh.triangles.emplace_back(3 * t, 3 * t + 1, 3 * t + 2);
+    }
+    mesh.parts = {{material, 0, count}};
+    return mesh;
+}
+
+/// Soups of every material, some still, some moving.
+std::shared_ptr<const scene::Scene> make_soups(std::uint64_t seed)
+{
+    scene::Scene scene;
+    add_materials(scene);
+    Random random(seed);
+    for (scene::MaterialId m = 0; m < material_count; ++m) {
+        scene.meshes.push_back(soup(m, seed * 10 + m, 60 + random.below(200), 4));
+        const scene::NodeId shelf = scene.add_node("", scene::none, random_placement(random, 2));
+        add_object(scene, m, shelf);
+        add_object(scene, m, shelf, random_placement(random, 4));
+        const scene::NodeId anchor = scene.add_node("", shelf);
+        scene.nodes[anchor].transform = std::make_shared<SwayTrack>(glm::dvec3(0), seed * 100 + m, 2);
+        if (m % 2 == 0) add_object(scene, m, anchor, glm::scale(glm::dmat4(1), glm::dvec3(0.4)));
+    }
+    return finished(scene);
+}
+
+/// Rays along the axes, in planes where triangles and splits lie; and from such planes in any direction.
+ray::RayQueue awkward_rays(std::uint64_t seed, std::size_t count)
+{
+    Random random(seed);
+    ray::RayQueue rays;
+    for (std::size_t i = 0; i < count; ++i) {
+        glm::vec3 from, along(0);
+        for (int axis = 0; axis < 3; ++axis) from[axis] = std::round(random.uniform(-6, 6));
+        along[static_cast<int>(random.below(3))] = random.below(2) ? 1.0f : -1.0f;
+        if (i % 2) along[static_cast<int>(random.below(3))] = random.uniform(-1, 1);
+        if (i % 5 == 0) along.x = -0.0f;
+        rays.push(from, 0, along, i % 3 ? k_infinity : 5.0f);
+    }
+    return rays;
+}
+
+Answers ask_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts& counts)
+{
+    Answers answers;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const glm::vec3 o = rays.origin(i), d = rays.direction(i);
+        const float tnear = rays.tnear[i], tfar = rays.tfar[i];
+        for (const Sides sides : k_sides)
+            (sides == Sides::both ? answers.both : answers.front)
+                .push_back(tree.closest(o, tnear, d, tfar, sides, counts));
+        answers.blocked.push_back(tree.blocked(o, tnear, d, tfar, Against::everything, counts));
+        answers.blocked_static.push_back(tree.blocked(o, tnear, d, tfar, Against::static_only, counts));
+        answers.blocked_dynamic.push_back(tree.blocked(o, tnear, d, tfar, Against::dynamic_only, counts));
+    }
+    return answers;
+}
+
+Answers ask_all(const CountingKdTree& tree, const ray::RayQueue& rays)
+{
+    Answers answers;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const glm::vec3 o = rays.origin(i), d = rays.direction(i);
+        const float tnear = rays.tnear[i], tfar = rays.tfar[i];
+        answers.both.push_back(tree.closest_of_all(o, tnear, d, tfar, Sides::both));
+        answers.front.push_back(tree.closest_of_all(o, tnear, d, tfar, Sides::front));
+        answers.blocked.push_back(tree.blocked_by_any(o, tnear, d, tfar, Against::everything));
+        answers.blocked_static.push_back(tree.blocked_by_any(o, tnear, d, tfar, Against::static_only));
+        answers.blocked_dynamic.push_back(tree.blocked_by_any(o, tnear, d, tfar, Against::dynamic_only));
+    }
+    return answers;
+}
+
+/// Rays whose answers differ by more than the rounding of different formulas: whether anything is met, or how far off.
+struct Differences {
+    std::size_t closest = 0, blocked = 0;
+};
+
+Differences against_embree(const Answers& tree, const Answers& embree)
+{
+    Differences d;
+    const auto differ = [](const Hit& a, const Hit& b) {
+        if ((a.object == scene::none) != (b.object == scene::none)) return true;
+        return a.object != scene::none && std::abs(a.t - b.t) > 1e-4f * std::max(1.0f, std::abs(a.t));
+    };
+    for (std::size_t i = 0; i < tree.both.size(); ++i) {
+        d.closest += differ(tree.both[i], embree.both[i]) || differ(tree.front[i], embree.front[i]);
+        d.blocked += tree.blocked[i] != embree.blocked[i] || tree.blocked_static[i] != embree.blocked_static[i] ||
+                     tree.blocked_dynamic[i] != embree.blocked_dynamic[i];
+    }
+    return d;
+}
+
+/// As the product builds it; from single triangles; coarse with every upper split taken; deep.
+std::vector<ray::KdOptions> ways_to_build()
+{
+    std::vector<ray::KdOptions> ways(4);
+    for (auto* tree : {&ways[1].still, &ways[1].moving}) tree->from_hierarchy = false;
+    for (auto* tree : {&ways[2].still, &ways[2].moving})
+        tree->group_split_gain = 1, tree->open_groups = 3, tree->exact_below = 0, tree->bins = 3, tree->clip = false;
+    for (auto* tree : {&ways[3].still, &ways[3].moving})
+        tree->leaf = 1, tree->test_cost = 50, tree->clip = true, tree->exact_below = 100000, tree->depth_base = 100;
+    return ways;
+}
+
+TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
+{
+    for (std::uint64_t seed = 1; seed <= 4; ++seed)
+        for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
+            const SceneState state(scene, 0.3 * static_cast<double>(seed));
+            const RayScene rays(state);
+            for (const ray::RayQueue& queue : {random_rays(seed, 700), awkward_rays(seed, 300)}) {
+                Answers all;
+                for (const ray::KdOptions& options : ways_to_build()) {
+                    const CountingKdTree tree(state, rays, options);
+                    if (all.both.empty()) all = ask_all(tree, queue);
+                    EXPECT_GT(count_hits(all), 30u);
+                    KdCounts counts;
+                    EXPECT_EQ(differences(ask_tree(tree, queue, counts), all), 0u) << "seed " << seed;
+                    const auto s = tree.statistics();
+                    EXPECT_LT(counts.tests, queue.size() * 5 * (s.still.triangles + s.moving.triangles) / 4);
+                }
+            }
+        }
+}
+
+TEST(KdTree, AnswersAsEmbreeDoes)
+{
+    std::size_t asked = 0, closest = 0, blocked = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed)
+        for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
+            const SceneState state(scene, 0.3 * static_cast<double>(seed));
+            const RayScene rays(state);
+            const CountingKdTree tree(state, rays);
+            const ray::RayQueue queue = random_rays(seed + 50, 3000);
+            KdCounts counts;
+            const Differences d = against_embree(ask_tree(tree, queue, counts), ask_singly(rays, queue));
+            asked += queue.size(), closest += d.closest, blocked += d.blocked;
+        }
+    RecordProperty("closest_differences", static_cast<int>(closest));
+    RecordProperty("blocked_differences", static_cast<int>(blocked));
+    // Rays through holes' borders, and through edges of what moves (tested in another space), may go either way.
+    EXPECT_LE(closest, asked / 5000) << "of " << asked;
+    EXPECT_LE(blocked, asked / 5000) << "of " << asked;
+}
+
+TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
+{
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const auto scene = make_random_scene(seed);
+        const ray::RayQueue queue = random_rays(seed, 500);
+        SceneState state(scene, 0);
+        RayScene rays(state);
+        CountingKdTree followed(state, rays);
+        KdCounts first_counts;
+        const Answers first = ask_tree(followed, queue, first_counts);
+        for (const double time : {0.7, 2.5, 4.9, 0.1}) {
+            state.advance(time);
+            rays.update(state);
+            followed.update(state, rays);
+            const SceneState at_once(scene, time);
+            const RayScene fresh_rays(at_once);
+            const CountingKdTree fresh(at_once, fresh_rays);
+            KdCounts a, b;
+            const Answers answers = ask_tree(followed, queue, a);
+            EXPECT_EQ(differences(answers, ask_tree(fresh, queue, b)), 0u) << "seed " << seed << ", time " << time;
+            EXPECT_EQ(a.nodes, b.nodes);
+            EXPECT_EQ(a.tests, b.tests);
+            EXPECT_GT(differences(first, answers), 10u) << "nothing moved";
+        }
+        // What stands still was built once.
+        EXPECT_EQ(followed.statistics().still.builds, 1u);
+        EXPECT_EQ(followed.statistics().moving.builds, 5u);
+        state.advance(0.1);
+        rays.update(state);
+        followed.update(state, rays);
+        EXPECT_EQ(followed.statistics().moving.builds, 5u) << "nothing moved, and yet it was rebuilt";
+    }
+}
+
+TEST(KdTree, FollowsWhatIsMovedByHandAndWhatVanishes)
+{
+    scene::Scene scene = scene_with_balls();
+    const scene::NodeId still = add_object(scene, 0);
+    add_object(scene, 0, scene::none, translation(4, 0, 0));
+    const scene::NodeId blinking = add_object(scene, 0, scene::none, translation(-4, 0, 0));
+    scene.nodes[blinking].visibility = visibility({2, 3}, {false, true});
+    SceneState state(finished(scene), 0);
+    RayScene rays(state);
+    CountingKdTree tree(state, rays);
+    const auto expect_at = [&](std::initializer_list<std::pair<float, scene::ObjectId>> places) {
+        for (const auto& [x, object] : places) {
+            KdCounts counts;
+            const glm::vec3 from(x + 0.013f, 0.017f, 50);
+            EXPECT_EQ(tree.closest(from, 0, {0, 0, -1}, 1000, Sides::both, counts).object, object) << x;
+            EXPECT_EQ(tree.blocked(from, 0, {0, 0, -1}, 1000, Against::everything, counts), object != scene::none);
+        }
+    };
+    const auto go_to = [&](double time) {
+        state.advance(time);
+        rays.update(state);
+        tree.update(state, rays);
+    };
+    expect_at({{0, 0}, {4, 1}, {-4, 2}});
+    go_to(2.5);
+    expect_at({{0, 0}, {4, 1}, {-4, scene::none}});
+    EXPECT_EQ(tree.statistics().still.builds, 1u);
+    const glm::dmat4 aside = translation(-8, 0, 0);
+    state.override_transform(still, &aside);
+    go_to(2.6);
+    expect_at({{0, scene::none}, {4, 1}, {-8, 0}, {-4, scene::none}});
+    EXPECT_EQ(tree.statistics().still.builds, 2u);
+    state.override_transform(still, nullptr);
+    go_to(3.5);
+    expect_at({{0, 0}, {4, 1}, {-8, scene::none}, {-4, 2}});
+    EXPECT_EQ(tree.statistics().still.builds, 2u) << "it is dynamic by now";
+}
+
+TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
+{
+    // Hundreds of balls that stand still around one that moves: rays that miss its box end at once.
+    scene::Scene scene = scene_with_balls();
+    Random random(1);
+    for (int i = 0; i < 300; ++i) add_object(scene, 0, scene::none, random_placement(random, 10));
+    const scene::NodeId mover = add_object(scene, 0);
+    scene.nodes[mover].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
+    const SceneState state(finished(scene), 0);
+    const RayScene rays(state);
+    const CountingKdTree tree(state, rays);
+    KdCounts beside, everything;
+    for (int i = 0; i < 100; ++i) {
+        const glm::vec3 from(-12, 4 + 0.05f * static_cast<float>(i), random.uniform(-9, 9));
+        EXPECT_FALSE(tree.blocked(from, 0, {1, 0, 0}, 30, Against::dynamic_only, beside));
+        tree.blocked(from, 0, {1, 0, 0}, 30, Against::everything, everything);
+    }
+    EXPECT_EQ(beside.nodes, 200u) << "the root and its dynamic child";
+    EXPECT_EQ(beside.tests, 0u);
+    EXPECT_GT(everything.nodes, 1000u);
+    EXPECT_GT(everything.tests, 100u);
+}
+
+TEST(KdTree, AnEmptySceneLetsEverythingPass)
+{
+    scene::Scene scene;
+    add_materials(scene);
+    const SceneState state(finished(scene), 0);
+    const RayScene rays(state);
+    const CountingKdTree tree(state, rays);
+    KdCounts counts;
+    EXPECT_FALSE(tree.blocked({0, 0, 0}, 0, {1, 0, 0}, 1, Against::everything, counts));
+    EXPECT_EQ(tree.closest({0, 0, 0}, 0, {1, 0, 0}, 7, Sides::both, counts).object, scene::none);
+    EXPECT_EQ(tree.closest({0, 0, 0}, 0, {1, 0, 0}, 7, Sides::both, counts).t, 7.0f);
+    EXPECT_EQ(counts.tests, 0u);
+}
+
+/// From random places inside a scene's bounds to others, and back off the surfaces they meet towards the lights.
+struct SceneRays {
+    ray::RayQueue seen, shadow;
+};
+
+SceneRays rays_in(const SceneState& state, const RayScene& rays, std::uint64_t seed, std::size_t count)
+{
+    SceneRays result;
+    Random random(seed);
+    const Box3 box = rays.bounds();
+    const auto point = [&] {
+        const float x = random.uniform(), y = random.uniform();
+        return box.low + glm::vec3(x, y, random.uniform()) * box.size();
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 from = point(), along = point() - from;
+        result.seen.push(from, 0, along, k_infinity);
+        const Hit hit = rays.closest_single(from, 0, along, k_infinity, Sides::front);
+        if (hit.object == scene::none) continue;
+        glm::vec3 p[3];
+        rays.geometry(hit.object).corners(hit.triangle, p);
+        const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+        if (!(glm::length(cross) > 0)) continue;
+        const glm::vec3 normal = glm::normalize(glm::dot(cross, along) < 0 ? cross : -cross);
+        const glm::vec3 start = from + hit.t * along + 4 * ray::origin_lift(p) * normal;
+        for (scene::LightId l = 0; l < state.scene().lights.size(); ++l) {
+            const glm::vec3 light = glm::vec3(state.light(l).position);
+            result.shadow.push(start, 0, light - start, 1);
+        }
+    }
+    return result;
+}
+
+void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, double time, std::size_t count)
+{
+    const SceneState state(scene, time);
+    const RayScene rays(state);
+    const CountingKdTree tree(state, rays);
+    const SceneRays asked = rays_in(state, rays, 7, count);
+    std::size_t closest = 0, blocked = 0;
+    for (const ray::RayQueue* queue : {&asked.seen, &asked.shadow}) {
+        KdCounts counts;
+        const Differences d = against_embree(ask_tree(tree, *queue, counts), ask_singly(rays, *queue));
+        closest += d.closest, blocked += d.blocked;
+    }
+    const std::size_t all = asked.seen.size() + asked.shadow.size();
+    testing::Test::RecordProperty("rays", static_cast<int>(all));
+    testing::Test::RecordProperty("closest_differences", static_cast<int>(closest));
+    testing::Test::RecordProperty("blocked_differences", static_cast<int>(blocked));
+    EXPECT_LE(closest, all / 2000) << "of " << all;
+    EXPECT_LE(blocked, all / 2000) << "of " << all;
+}
+
+TEST(KdTree, AnswersAsEmbreeDoesInBuiltInScenes)
+{
+    for (const char* name : {"kinetic", "spheres?objects=30"})
+        expect_embrees_answers(std::make_shared<const scene::Scene>(scene::make_builtin(name)), 1.0, 1500);
+}
+
+TEST(KdTree, AnswersAsEmbreeDoesInTheKitchen)
+{
+    GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
+    expect_embrees_answers(std::make_shared<const scene::Scene>(io::load_scene(file)), 5.0, 2000);
+}
+
+}   // namespace
+}   // namespace gnomon::test
