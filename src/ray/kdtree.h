@@ -30,11 +30,13 @@ struct KdCounts {
     std::uint64_t tests = 0;
 };
 
-/// How one of the two trees is built. Costs are in units of one node's traversal.
+/// How one of the two trees is built. Costs are in units of one node's traversal. The defaults of the movers' tree
+/// trade tests for time: it is built in every frame.
 struct KdBuildOptions {
     bool from_hierarchy = true;      // false: single triangles from the root on, the slow twin
     int open_groups = 32;            // bounds that are looked at for one upper split
-    float group_split_gain = 0.6f;   // an upper split must bring the expected cost down to this share; else triangles
+    int groups_above = 10000;        // triangles expected in a cell; fewer are looked at one by one
+    float group_split_gain = 0.8f;   // an upper split must bring the expected cost down to this share; else triangles
     int exact_below = 256;           // triangles; above, splits are sought among `bins`, below at every bound
     int bins = 32;                   // an axis; 2 to 64
     bool clip = true;                // triangles to their cell: tighter, slower
@@ -47,7 +49,7 @@ struct KdBuildOptions {
 
 struct KdOptions {
     KdBuildOptions still;
-    KdBuildOptions moving{.exact_below = 0, .bins = 16, .clip = false, .leaf = 4};
+    KdBuildOptions moving{.groups_above = 1000, .exact_below = 0, .bins = 8, .test_cost = 0.7f, .leaf = 12};
 };
 
 struct KdTreeStatistics {

@@ -48,35 +48,44 @@ Box3 above(Box3 cell, int axis, float at)
     return cell;
 }
 
-Box3 fattened(Box3 box, float pad)
+// Bounds of a triangle's part below (sign 1) or above (sign -1) a plane; empty if there is none.
+Box3 bounds_beside(const glm::vec3 (&p)[3], int axis, float plane, float sign)
 {
-    return {box.low - pad, box.high + pad};
-}
-
-// Bounds of a triangle's part inside a box; empty if there is none [Sutherland and Hodgman 1974].
-Box3 clipped_bounds(const glm::vec3 (&p)[3], const Box3& box)
-{
-    std::array<glm::dvec3, 10> corners, next;
-    std::size_t count = 3;
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = p[i];
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double side : {1.0, -1.0}) {
-            const double plane = side > 0 ? box.low[axis] : box.high[axis];
-            std::size_t kept = 0;
-            for (std::size_t i = 0; i < count; ++i) {
-                const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % count];
-                const double da = side * (a[axis] - plane), db = side * (b[axis] - plane);
-                if (da >= 0) next[kept++] = a;
-                if ((da < 0) != (db < 0)) next[kept++] = a + da / (da - db) * (b - a);
-            }
-            std::swap(corners, next);
-            count = kept;
-            if (count == 0) return {};
-        }
     Box3 bounds;
-    for (std::size_t i = 0; i < count; ++i) bounds.add(glm::vec3(corners[i]));
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec3 &a = p[i], &b = p[i == 2 ? 0 : i + 1];
+        const float da = sign * (plane - a[axis]), db = sign * (plane - b[axis]);
+        if (da >= 0) bounds.add(a);
+        if ((da < 0) != (db < 0)) bounds.add(a + da / (da - db) * (b - a));
+    }
     return bounds;
 }
+
+// The surface area heuristic in one cell: what is in its halves, weighed with the shares of its area that they have.
+class CellCost {
+ public:
+    CellCost(const Box3& cell, int axis, const KdBuildOptions& options)
+        : low_(cell.low[axis]), high_(cell.high[axis]), test_(options.test_cost), bonus_(options.empty_bonus)
+    {
+        const glm::vec3 s = cell.size();
+        const float b = s[(axis + 1) % 3], c = s[(axis + 2) % 3];
+        const float area = half_area(cell);
+        ends_ = b * c / area;
+        per_length_ = (b + c) / area;
+    }
+    bool inside(float at) const { return at > low_ && at < high_; }
+    float operator()(float at, float count_below, float count_above) const
+    {
+        const float share_below = ends_ + (at - low_) * per_length_;
+        const float share_above = ends_ + (high_ - at) * per_length_;
+        const float cost = 1 + test_ * (share_below * count_below + share_above * count_above);
+        return count_below == 0 || count_above == 0 ? (1 - bonus_) * cost : cost;
+    }
+
+ private:
+    float low_, high_, test_, bonus_;
+    float ends_ = 0, per_length_ = 0;
+};
 
 class Builder {
  public:
@@ -102,16 +111,6 @@ class Builder {
     }
 
  private:
-    // Share of a cell's area that its halves have, weighed with what is in them.
-    float cost_of(const Box3& cell, int axis, float at, float count_below, float count_above) const
-    {
-        const float area = half_area(cell);
-        const float share_below = half_area(below(cell, axis, at)) / area;
-        const float share_above = half_area(above(cell, axis, at)) / area;
-        const float cost = 1 + o_.test_cost * (share_below * count_below + share_above * count_above);
-        return count_below == 0 || count_above == 0 ? (1 - o_.empty_bonus) * cost : cost;
-    }
-
     std::uint32_t make_inner(std::uint32_t node, const Split& split)
     {
         const auto first = static_cast<std::uint32_t>(part_.nodes.size());
@@ -187,6 +186,7 @@ class Builder {
         std::vector<float> candidates;
         float all = 0;
         for (int axis = 0; axis < 3; ++axis) {
+            const CellCost cost_of(cell, axis, o_);
             extents.clear(), candidates.clear(), all = 0;
             for (const std::uint32_t g : groups) {
                 const KdGroup& group = part_.groups[g];
@@ -197,7 +197,7 @@ class Builder {
                 extents.push_back({inside.low[axis], inside.high[axis], share * static_cast<float>(group.triangles)});
                 all += extents.back().triangles;
                 for (const float at : {inside.low[axis], inside.high[axis]})
-                    if (at > cell.low[axis] && at < cell.high[axis]) candidates.push_back(at);
+                    if (cost_of.inside(at)) candidates.push_back(at);
             }
             std::sort(candidates.begin(), candidates.end());
             candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
@@ -213,11 +213,13 @@ class Builder {
                     under += share * e.triangles;
                     over += (1 - share) * e.triangles;
                 }
-                const float cost = cost_of(cell, axis, at, under, over);
+                const float cost = cost_of(at, under, over);
                 if (cost < best.cost) best = {axis, at, cost};
             }
         }
-        return best.cost <= o_.group_split_gain * o_.test_cost * all ? best : Split{};
+        const bool pays =
+            all > static_cast<float>(o_.groups_above) && best.cost <= o_.group_split_gain * o_.test_cost * all;
+        return pays ? best : Split{};
     }
 
     void gather(std::uint32_t g, const Box3& cell, std::vector<Reference>& inside) const
@@ -236,22 +238,25 @@ class Builder {
     {
         Box3 own;
         for (const glm::vec3& p : part_.triangles[triangle].p) own.add(p);
-        own = fattened(own, part_.pad);
-        const Box3 box = common(own, cell);
-        if (box.empty()) return;
-        push_clipped(to, {box, triangle}, cell, own.low == box.low && own.high == box.high);
+        own = {own.low - part_.pad, own.high + part_.pad};
+        Reference r{common(own, cell), triangle};
+        for (int axis = 0; axis < 3 && !r.box.empty(); ++axis) {
+            if (own.low[axis] < cell.low[axis]) cut(r, axis, cell.low[axis], -1);
+            if (own.high[axis] > cell.high[axis]) cut(r, axis, cell.high[axis], 1);
+        }
+        if (!r.box.empty()) to.push_back(r);
     }
 
-    void push_clipped(std::vector<Reference>& to, Reference r, const Box3& cell, bool whole) const
+    /// Leaves what is below a plane (sign 1) or above it (sign -1); perhaps nothing, that is, an empty box.
+    void cut(Reference& r, int axis, float at, float sign) const
     {
-        if (o_.clip && !whole) {
-            const Box3 bounds = clipped_bounds(part_.triangles[r.triangle].p, fattened(cell, part_.pad));
-            if (bounds.empty()) return;
-            const Box3 tight = common(fattened(bounds, part_.pad), r.box);
-            if (tight.empty()) return;
-            r.box = tight;
-        }
-        to.push_back(r);
+        (sign > 0 ? r.box.high : r.box.low)[axis] = at;
+        if (!o_.clip) return;
+        const Box3 beside = bounds_beside(part_.triangles[r.triangle].p, axis, at + sign * part_.pad, sign);
+        if (beside.empty())
+            r.box = beside;
+        else
+            r.box = common({beside.low - part_.pad, beside.high + part_.pad}, r.box);
     }
 
     void build_triangles(std::uint32_t node, const Box3& cell, std::vector<Reference>& inside, int depth)
@@ -272,12 +277,18 @@ class Builder {
         for (Reference& r : inside) {
             const float low = r.box.low[split.axis], high = r.box.high[split.axis];
             const bool is_over = high > split.at, is_under = low < split.at || !is_over;
-            if (is_over && is_under) {
-                push_clipped(under, {below(r.box, split.axis, split.at), r.triangle}, cell_below, false);
-                push_clipped(over, {above(r.box, split.axis, split.at), r.triangle}, cell_above, false);
-            } else {
-                (is_over ? over : under).push_back(r);
+            if (!is_over) {
+                under.push_back(r);
+                continue;
             }
+            if (is_under) {
+                Reference part = r;
+                cut(part, split.axis, split.at, 1);
+                if (!part.box.empty()) under.push_back(part);
+                cut(r, split.axis, split.at, -1);
+                if (r.box.empty()) continue;
+            }
+            over.push_back(r);
         }
         std::vector<Reference>().swap(inside);   // deep recursions must not hold what they no longer need
         build_triangles(first, cell_below, under, depth + 1);
@@ -290,6 +301,7 @@ class Builder {
         Split best;
         const std::size_t n = inside.size();
         for (int axis = 0; axis < 3; ++axis) {
+            const CellCost cost_of(cell, axis, o_);
             lows_.clear(), highs_.clear();
             for (const Reference& r : inside) lows_.push_back(r.box.low[axis]), highs_.push_back(r.box.high[axis]);
             std::sort(lows_.begin(), lows_.end());
@@ -301,8 +313,8 @@ class Builder {
                 const std::size_t under = begun;
                 while (ended < n && highs_[ended] <= at) ++ended;
                 while (begun < n && lows_[begun] <= at) ++begun;
-                if (!(at > cell.low[axis] && at < cell.high[axis])) continue;
-                const float cost = cost_of(cell, axis, at, static_cast<float>(under), static_cast<float>(n - ended));
+                if (!cost_of.inside(at)) continue;
+                const float cost = cost_of(at, static_cast<float>(under), static_cast<float>(n - ended));
                 if (cost < best.cost) best = {axis, at, cost};
             }
         }
@@ -328,13 +340,14 @@ class Builder {
                 ++end[static_cast<std::size_t>(axis)][bin(r.box.high[axis])];
             }
         for (int axis = 0; axis < 3; ++axis) {
+            const CellCost cost_of(cell, axis, o_);
             std::size_t under = 0, over = inside.size();
             for (int i = 0; i + 1 < bins; ++i) {
                 under += begin[static_cast<std::size_t>(axis)][static_cast<std::size_t>(i)];
                 over -= end[static_cast<std::size_t>(axis)][static_cast<std::size_t>(i)];
                 const float at = cell.low[axis] + static_cast<float>(i + 1) * size[axis] / static_cast<float>(bins);
-                if (!(at > cell.low[axis] && at < cell.high[axis])) continue;
-                const float cost = cost_of(cell, axis, at, static_cast<float>(under), static_cast<float>(over));
+                if (!cost_of.inside(at)) continue;
+                const float cost = cost_of(at, static_cast<float>(under), static_cast<float>(over));
                 if (cost < best.cost) best = {axis, at, cost};
             }
         }

@@ -141,7 +141,8 @@ std::vector<ray::KdOptions> ways_to_build()
     std::vector<ray::KdOptions> ways(4);
     for (auto* tree : {&ways[1].still, &ways[1].moving}) tree->from_hierarchy = false;
     for (auto* tree : {&ways[2].still, &ways[2].moving})
-        tree->group_split_gain = 1, tree->open_groups = 3, tree->exact_below = 0, tree->bins = 3, tree->clip = false;
+        tree->group_split_gain = 1, tree->groups_above = 0, tree->open_groups = 3, tree->exact_below = 0,
+        tree->bins = 3, tree->clip = false;
     for (auto* tree : {&ways[3].still, &ways[3].moving})
         tree->leaf = 1, tree->test_cost = 50, tree->clip = true, tree->exact_below = 100000, tree->depth_base = 100;
     return ways;
@@ -149,6 +150,7 @@ std::vector<ray::KdOptions> ways_to_build()
 
 TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
 {
+    bool groups_split = false;
     for (std::uint64_t seed = 1; seed <= 4; ++seed)
         for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
             const SceneState state(scene, 0.3 * static_cast<double>(seed));
@@ -162,10 +164,12 @@ TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
                     KdCounts counts;
                     EXPECT_EQ(differences(ask_tree(tree, queue, counts), all), 0u) << "seed " << seed;
                     const auto s = tree.statistics();
+                    groups_split = groups_split || s.still.group_splits > 0;
                     EXPECT_LT(counts.tests, queue.size() * 5 * (s.still.triangles + s.moving.triangles) / 4);
                 }
             }
         }
+    EXPECT_TRUE(groups_split);
 }
 
 TEST(KdTree, AnswersAsEmbreeDoes)
@@ -281,6 +285,25 @@ TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
     EXPECT_EQ(beside.tests, 0u);
     EXPECT_GT(everything.nodes, 1000u);
     EXPECT_GT(everything.tests, 100u);
+}
+
+TEST(KdTree, SplitsAtTheBoundsOfWhatTheHierarchyJoins)
+{
+    // Two far clusters, each below a node of its own: one bound of one node parts them.
+    scene::Scene scene = scene_with_balls();
+    Random random(1);
+    for (const double x : {-100.0, 100.0}) {
+        const scene::NodeId cluster = scene.add_node("cluster", scene::none, translation(x, 0, 0));
+        for (int i = 0; i < 40; ++i) add_object(scene, 0, cluster, random_placement(random, 3));
+    }
+    const SceneState state(finished(scene), 0);
+    const RayScene rays(state);
+    ray::KdOptions options;
+    options.still.open_groups = 2;
+    options.still.groups_above = 100;
+    EXPECT_GT(CountingKdTree(state, rays, options).statistics().still.group_splits, 0u);
+    options.still.from_hierarchy = false;
+    EXPECT_EQ(CountingKdTree(state, rays, options).statistics().still.group_splits, 0u);
 }
 
 TEST(KdTree, AnEmptySceneLetsEverythingPass)
