@@ -85,8 +85,7 @@ bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& co
             const bool from_below = distance > 0 || (distance == 0 && inverse > 0);
             const std::uint32_t near = from_below ? node.first : node.first + 1;
             const std::uint32_t far = from_below ? node.first + 1 : node.first;
-            if (inverse == 0) {   // along the plane: one side, or just between both
-                if (distance == 0) stack[static_cast<std::size_t>(waiting++)] = {far, low, high};
+            if (inverse == 0) {   // along the plane: what the ray touches is, fattened, on either side
                 at = near;
                 continue;
             }
