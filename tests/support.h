@@ -40,10 +40,10 @@ class ScratchFolder {
     std::filesystem::path path_;
 };
 
-}  // namespace gnomon::test
+}   // namespace gnomon::test
 
 /// Skips a test, aloud, where the real scenes are not at hand.
-#define GNOMON_NEED_SCENE(variable, relative)                                                              \
-    const std::filesystem::path variable = ::gnomon::test::scenes() / (relative);                          \
-    if (!std::filesystem::exists(variable))                                                                \
+#define GNOMON_NEED_SCENE(variable, relative)                                     \
+    const std::filesystem::path variable = ::gnomon::test::scenes() / (relative); \
+    if (!std::filesystem::exists(variable))                                       \
     GTEST_SKIP() << "no " << variable << ": set GNOMON_SCENES to the folder of test scenes"

@@ -15,8 +15,8 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
     if (extension == ".aff") return load_aff(file, progress);
     if (extension == ".obj") return load_obj(file, progress);
     if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress);
-    throw UsageError(fmt::format("{}: unknown kind of scene '{}'; .aff, .obj, .gltf and .glb are read", file.string(),
-                                 extension));
+    throw UsageError(
+        fmt::format("{}: unknown kind of scene '{}'; .aff, .obj, .gltf and .glb are read", file.string(), extension));
 }
 
 }   // namespace gnomon::io

@@ -28,7 +28,7 @@
 namespace gnomon::shadow_culling {
 
 struct CertifiedOptions {
-    double pixels_per_part = 8;       // refine until a part covers about so many pixels
+    double pixels_per_part = 8;        // refine until a part covers about so many pixels
     std::size_t memory = 256u << 20;   // bytes for states and evidence; least recently seen go first
     CertificateOptions certificates;
     float ray_end = 0.9999f;   // shadow rays end at this fraction of the way to a lamp
