@@ -7,6 +7,7 @@
 
 #include "app/paper_bench.h"
 #include "base/tasks.h"
+#include "ray/kdtree.h"
 #include "ray/origin.h"
 #include "render/view.h"
 #include "shadow_culling/certified_culling.h"
@@ -32,7 +33,8 @@ double wall_ms()
 // The primary hits of one tile.
 struct TilePoints {
     std::vector<shadow_culling::ShadowPoint> points;
-    std::vector<std::uint8_t> off, paper, certified;   // [light][point]: 1 blocked or behind
+    std::vector<std::uint8_t> off, paper, certified;        // [light][point]: 1 blocked or behind
+    std::vector<std::uint8_t> paper_rays, certified_rays;   // alike: 1 a ray against everything, 2 against movers
 };
 
 void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile,
@@ -75,6 +77,67 @@ void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, 
     }
 }
 
+// Walks the counting kd-tree with every ray that each method traced; by no means in their times.
+void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state, float ray_end,
+                     const std::vector<TilePoints>& tiles, Tasks& tasks, CullingFrame& record)
+{
+    const scene::Scene& scene = state.scene();
+    struct Sums {
+        ray::KdCounts off, paper, certified;
+    };
+    const auto add = [](ray::KdCounts& sum, const ray::KdCounts& part) {
+        sum.nodes += part.nodes;
+        sum.tests += part.tests;
+    };
+    std::vector<Sums> sums(tiles.size());
+    tasks.for_each(tiles.size(), [&](std::size_t t, int) {
+        const TilePoints& tile = tiles[t];
+        for (std::size_t l = 0; l < scene.lights.size(); ++l) {
+            const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
+            const bool directional = scene.lights[l].type == scene::LightType::directional;
+            for (std::size_t p = 0; p < tile.points.size(); ++p) {
+                const auto& point = tile.points[p];
+                const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
+                if (!(glm::dot(d, point.normal) > 0)) continue;
+                const float end = directional ? k_infinity : ray_end;
+                ray::KdCounts all, movers;
+                tree.blocked(point.origin, 0, d, end, ray::Against::everything, all);
+                const std::size_t at_point = l * tile.points.size() + p;
+                const int paper = tile.paper_rays[at_point], certified = tile.certified_rays[at_point];
+                if (paper == 2 || certified == 2)
+                    tree.blocked(point.origin, 0, d, end, ray::Against::dynamic_only, movers);
+                add(sums[t].off, all);
+                if (paper) add(sums[t].paper, paper == 1 ? all : movers);
+                if (certified) add(sums[t].certified, certified == 1 ? all : movers);
+            }
+        }
+    });
+    for (const Sums& s : sums) {
+        record.off.nodes += s.off.nodes, record.off.tests += s.off.tests;
+        record.paper.nodes += s.paper.nodes, record.paper.tests += s.paper.tests;
+        record.certified.nodes += s.certified.nodes, record.certified.tests += s.certified.tests;
+    }
+}
+
+// Percent of what every ray would have cost.
+template <class Method>
+CullingBenchResult::Saved saved(const std::vector<CullingFrame>& frames, Method CullingFrame::*method)
+{
+    CullingBenchResult::Saved result;
+    const auto percent = [](std::uint64_t with, std::uint64_t without) {
+        return without > 0 ? 100.0 - 100.0 * static_cast<double>(with) / static_cast<double>(without) : 0.0;
+    };
+    for (const CullingFrame& frame : frames) {
+        const double nodes = percent((frame.*method).nodes, frame.off.nodes);
+        const double tests = percent((frame.*method).tests, frame.off.tests);
+        result.nodes_mean += nodes / static_cast<double>(frames.size());
+        result.tests_mean += tests / static_cast<double>(frames.size());
+        result.nodes_best = std::max(result.nodes_best, nodes);
+        result.tests_best = std::max(result.tests_best, tests);
+    }
+    return result;
+}
+
 }   // namespace
 
 CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
@@ -95,6 +158,9 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
         paper = std::make_unique<PaperBench>(state, rays, tasks.threads(), options.paper_options,
                                              certified_options.ray_end);
 
+    std::unique_ptr<ray::CountingKdTree> kdtree;
+    if (options.counts) kdtree = std::make_unique<ray::CountingKdTree>(state, rays);
+
     const int lights = static_cast<int>(scene->lights.size());
     const int columns = (options.size.width + k_tile - 1) / k_tile, rows = (options.size.height + k_tile - 1) / k_tile;
     std::vector<TilePoints> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
@@ -113,6 +179,8 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             tiles[t].off.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
             if (paper) tiles[t].paper.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
             tiles[t].certified.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
+            tiles[t].paper_rays.assign(options.counts ? tiles[t].off.size() : 0, 0);
+            tiles[t].certified_rays.assign(options.counts ? tiles[t].off.size() : 0, 0);
         });
         CullingFrame record;
         record.frame = frame;
@@ -159,8 +227,10 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             // Paper: what Table 2 leaves to trace, the occlusion test, and the merge.
             cpu = cpu_ms(), wall = wall_ms();
             paper->begin_frame(state, rays);
-            tasks.for_each(tiles.size(),
-                           [&](std::size_t t, int w) { paper->shadow(w, tiles[t].points, tiles[t].paper.data()); });
+            tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
+                paper->shadow(w, tiles[t].points, tiles[t].paper.data(),
+                              options.counts ? tiles[t].paper_rays.data() : nullptr);
+            });
             paper->end_frame();
             record.paper.ms = cpu_ms() - cpu;
             record.paper.wall_ms = wall_ms() - wall;
@@ -186,7 +256,10 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
                 culling->classify(batch, tile.points);
                 for (int l = 0; l < lights; ++l) {
                     answers[worker].resize(tile.points.size() + 8);
-                    culling->shadow(batch, l, answers[worker].data());
+                    culling->shadow(batch, l, answers[worker].data(),
+                                    options.counts
+                                        ? tile.certified_rays.data() + static_cast<std::size_t>(l) * tile.points.size()
+                                        : nullptr);
                     std::copy_n(answers[worker].data(), tile.points.size(),
                                 tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size());
                 }
@@ -216,9 +289,15 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             else
                 result.worst_frame_ratio = std::max(result.worst_frame_ratio, ratio);
         }
+        if (kdtree) {
+            if (frame != options.frames.first) kdtree->update(state, rays);
+            count_on_kdtree(*kdtree, state, end, tiles, tasks, record);
+        }
         result.frames.push_back(record);
         if (on_frame) on_frame(record);
     }
+    if (options.counts && options.paper) result.paper_saved = saved(result.frames, &CullingFrame::paper);
+    if (options.counts && options.certified) result.certified_saved = saved(result.frames, &CullingFrame::certified);
     result.speedup_mean = certified_sum > 0 ? off_sum / certified_sum : 0;
     double off_late = 0, certified_late = 0;
     for (std::size_t f = result.frames.size() / 2; f < result.frames.size(); ++f) {

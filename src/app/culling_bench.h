@@ -23,23 +23,25 @@ struct CullingBenchOptions {
     int threads = 1;
     double pixels_per_part = 8;
     bool paper = true, certified = true;   // methods to run beside `off`
+    bool counts = true;                    // nodes and triangle tests on the counting kd-tree; slow, outside all times
     shadow_culling::PaperOptions paper_options;
 };
 
 struct CullingFrame {
     int frame = 1;
     struct Off {
-        std::uint64_t rays = 0;
+        std::uint64_t rays = 0, nodes = 0, tests = 0;
         double ms = 0, wall_ms = 0;
     } off;
     // Wrong: (pixel, light) results that differ from `off`.
     struct Paper {
-        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, wrong = 0;
+        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, nodes = 0, tests = 0, wrong = 0;
         double extra_tests_per_pixel = 0;
         double ms = 0, wall_ms = 0;
     } paper;
     struct Certified {
-        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, partial = 0, certificates = 0, certified = 0, wrong = 0;
+        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, partial = 0, certificates = 0, certified = 0, nodes = 0,
+                      tests = 0, wrong = 0;
         double ms = 0, wall_ms = 0;
         double judge_ms = 0;   // wall, of wall_ms
     } certified;
@@ -50,6 +52,10 @@ struct CullingBenchResult {
     double speedup_mean = 0, speedup_steady = 0, first_frame_ratio = 0, worst_frame_ratio = 0;
     double paper_extra_tests_per_pixel = 0, paper_wrong_mean = 0;   // a frame
     std::uint64_t wrong_total = 0, bytes = 0, visible_triangles = 0;
+    // Percent of `off`, from the counts: means are over frames.
+    struct Saved {
+        double nodes_mean = 0, nodes_best = 0, tests_mean = 0, tests_best = 0;
+    } paper_saved, certified_saved;
 };
 
 CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,

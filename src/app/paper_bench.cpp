@@ -32,7 +32,7 @@ void PaperBench::begin_frame(const scene::SceneState& state, const ray::RayScene
     culling_.begin_frame(state, rays);
 }
 
-void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::uint8_t* blocked)
+void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::uint8_t* blocked, std::uint8_t* rays)
 {
     Worker& w = workers_[static_cast<std::size_t>(worker)];
     PaperCulling::Notes& notes = notes_[static_cast<std::size_t>(worker)];
@@ -62,6 +62,11 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
                     w.full_point.push_back(p);
                     break;
             }
+        }
+        if (rays) {
+            for (const std::uint32_t p : w.full_point) rays[p] = 1;
+            for (const std::uint32_t p : w.moving_point) rays[p] = 2;
+            rays += points.size();
         }
         trace_full(w, notes, l, points, blocked);
         w.hit.resize(w.moving.size() + ray::k_packet_pad);

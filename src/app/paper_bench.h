@@ -32,7 +32,9 @@ class PaperBench {
     /// All lights for a batch of points; from worker `worker`.
     /// @param blocked  [light][point]: 1 where something that blocks light lies between; left alone where the light is
     ///                 behind the surface
-    void shadow(int worker, std::span<const shadow_culling::ShadowPoint> points, std::uint8_t* blocked);
+    /// @param rays     optional, [light][point]: 1 where a ray was traced against everything, 2 against movers alone
+    void shadow(int worker, std::span<const shadow_culling::ShadowPoint> points, std::uint8_t* blocked,
+                std::uint8_t* rays = nullptr);
     void end_frame();
 
     const shadow_culling::PaperCulling& culling() const { return culling_; }

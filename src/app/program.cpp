@@ -31,6 +31,8 @@ int run_verb(const CommandLine& line)
             return run_devices(line, output);
         case Verb::bench_trace:
             return run_bench_trace(line, output);
+        case Verb::bench_culling:
+            return run_bench_culling(line, output);
         default:
             throw UsageError(fmt::format("{}: not built yet", line.verb->name));
     }

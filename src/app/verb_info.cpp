@@ -35,6 +35,7 @@ int run_info(const CommandLine& line, Output& output)
                            info.fps));
     output.say(fmt::format("bounds     {:g} {:g} {:g} to {:g} {:g} {:g}", info.bounds_low[0], info.bounds_low[1],
                            info.bounds_low[2], info.bounds_high[0], info.bounds_high[1], info.bounds_high[2]));
+    output.say(fmt::format("memory     {:.1f} MB at most", static_cast<double>(peak_memory_bytes()) / 1e6));
     for (const std::string& warning : info.warnings) output.warn(warning);
 
     output.finish({{"scene", line.positionals[0]},
@@ -55,6 +56,7 @@ int run_info(const CommandLine& line, Output& output)
                    {"start", info.start},
                    {"end", info.end},
                    {"bounds", {{"low", info.bounds_low}, {"high", info.bounds_high}}},
+                   {"peak_memory_bytes", peak_memory_bytes()},
                    {"warnings", info.warnings}});
     return 0;
 }

@@ -225,7 +225,7 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
     }
 }
 
-void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
+void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays)
 {
     const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
     const scene::Light& described = state_->scene().lights[static_cast<std::size_t>(light)];
@@ -244,6 +244,10 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked)
     sort_open(batch, lamp, blocked);
     batch.counters.dynamic_only += batch.dynamic_point.size();
     batch.counters.skipped -= batch.dynamic_point.size();
+    if (rays) {
+        for (const std::uint32_t point : batch.static_point) rays[point] = 1;
+        for (const std::uint32_t point : batch.dynamic_point) rays[point] = 2;
+    }
 
     // Trace against what stands still, and note what the rays saw.
     const std::size_t traced = batch.static_point.size();

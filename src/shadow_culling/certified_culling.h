@@ -81,7 +81,9 @@ class CertifiedCulling {
     /// @param blocked  by point, with room for 8 more: 1 where the light is behind the surface, or something that
     /// blocks
     ///                 light lies between
-    void shadow(Batch& batch, int light, std::uint8_t* blocked);
+    /// @param rays     optional, by point: 1 where a ray was traced against everything, 2 against movers alone; else
+    /// left
+    void shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays = nullptr);
     ShadowState state_of(const Batch& batch, std::uint32_t point, int light) const;
 
     /// Judges what this frame's rays saw in the batches that took part. Order of batches does not matter.

@@ -80,6 +80,42 @@ TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
     }
 }
 
+TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
+{
+    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    test::ScratchFolder scratch, root;
+    const std::filesystem::path scenes = root / "aff";   // an AFF's sibling TextureFiles counts as inside
+    std::filesystem::create_directory(scenes);
+    std::ofstream(scenes / "empty.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const Trace usual = trace_info(scenes / "empty.obj", scratch);
+    const std::string inside = std::filesystem::canonical(root.path()).string() + '/';
+    const char* const outside[] = {"/etc/passwd", "../../../../../../etc/passwd", "http://localhost:1/x", "/dev/zero",
+                                   "..\\..\\etc\\passwd"};
+    int number = 0;
+    for (const char* name : outside) {
+        std::ofstream(scenes / "m.mtl") << "newmtl a\nmap_Kd " << name << "\nmap_d " << name << "\n";
+        const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        const auto obj = scenes / fmt::format("scene{}.obj", number), mtl = scenes / fmt::format("mtl{}.obj", number);
+        const auto aff = scenes / fmt::format("scene{}.aff", number),
+                   texture = scenes / fmt::format("tex{}.aff", number);
+        ++number;
+        std::ofstream(obj) << "mtllib " << name << "\n" << triangle;
+        std::ofstream(mtl) << "mtllib m.mtl\nusemtl a\n" << triangle;
+        std::ofstream(aff) << "i 0 " << name << "\n";
+        std::ofstream(texture) << "fm 0 0 0 1 1 1 0 0 0 0 0 1\ntt " << name << " 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1\n";
+        for (const auto& file : {obj, mtl, aff, texture}) {
+            const Trace trace = trace_info(file, scratch);
+            EXPECT_FALSE(trace.socket) << file;
+            for (const std::string& path : trace.opened) {
+                const bool own = path.rfind(inside, 0) == 0 || path.rfind(root.path().string(), 0) == 0;
+                const bool known = std::find(usual.opened.begin(), usual.opened.end(), path) != usual.opened.end();
+                const bool system = path.rfind("/proc/", 0) == 0 || path.rfind("/sys/", 0) == 0;
+                EXPECT_TRUE(own || known || system) << file << " opened " << path;
+            }
+        }
+    }
+}
+
 TEST(Strace, ValidatorFilesOpenNothingOutsideTheirFolder)
 {
     GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
