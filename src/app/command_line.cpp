@@ -56,6 +56,23 @@ CLI::Option* add(CLI::App& parser, const Option& option)
     if (option.kind == Kind::flag) return parser.add_flag(names);
     return parser.add_option(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
 }
+
+// "--method paper certified" is "--method paper --method certified": further words that are among the choices of an
+// option that repeats belong to it, and nothing else does.
+void spell_out_lists(std::vector<std::string>& words)
+{
+    const auto among = [](const std::string& word, std::string_view choices) {
+        return word.find('|') == std::string::npos &&
+               ("|" + std::string(choices) + "|").find("|" + word + "|") != std::string::npos;
+    };
+    for (const Option& option : options()) {
+        if (!option.repeats || option.kind != Kind::choice) continue;
+        const std::string flag = "--" + std::string(option.name);
+        for (std::size_t i = 0; i + 2 < words.size(); ++i)
+            if (words[i] == flag && among(words[i + 2], option.choices))
+                words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 2, flag);
+    }
+}
 }   // namespace
 
 CommandLine parse_command_line(const std::vector<std::string>& arguments)
@@ -67,6 +84,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     if (words.front() == "--help" || words.front() == "-h" || words.front() == "help") return line.help = true, line;
     line.verb = &take_verb(words);
     line.values = OptionValues(line.verb->verb);
+    spell_out_lists(words);
 
     // Build a parser of this verb's options from the table.
     CLI::App parser;
