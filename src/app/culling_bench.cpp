@@ -35,6 +35,7 @@ struct TilePoints {
     std::vector<shadow_culling::ShadowPoint> points;
     std::vector<std::uint8_t> off, paper, certified;        // [light][point]: 1 blocked or behind
     std::vector<std::uint8_t> paper_rays, certified_rays;   // alike: 1 a ray against everything, 2 against movers
+    std::vector<std::uint8_t> asked;                        // alike: 1 where the light shines on the surface
 };
 
 void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile,
@@ -98,7 +99,7 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
             for (std::size_t p = 0; p < tile.points.size(); ++p) {
                 const auto& point = tile.points[p];
                 const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
-                if (!(glm::dot(d, point.normal) > 0)) continue;
+                if (!tile.asked[l * tile.points.size() + p]) continue;
                 const float end = directional ? k_infinity : ray_end;
                 ray::KdCounts all, movers;
                 tree.blocked(point.origin, 0, d, end, ray::Against::everything, all);
@@ -179,6 +180,7 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             tiles[t].off.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
             if (paper) tiles[t].paper.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
             tiles[t].certified.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
+            tiles[t].asked.assign(tiles[t].off.size(), 0);
             tiles[t].paper_rays.assign(options.counts ? tiles[t].off.size() : 0, 0);
             tiles[t].certified_rays.assign(options.counts ? tiles[t].off.size() : 0, 0);
         });
@@ -196,7 +198,12 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             const bool directional = light.type == scene::LightType::directional;
             for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
                 const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
-                if (glm::dot(d, tile.points[p].normal) > 0) take(p, d, directional);
+                if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
+                // Outside a spot's cone nothing is asked.
+                if (light.type == scene::LightType::spot &&
+                    scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
+                    continue;
+                take(p, d, directional);
             }
         };
         const float end = certified_options.ray_end;
@@ -210,6 +217,7 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
                 for_facing(tile, l, [&](std::uint32_t p, const glm::vec3& d, bool directional) {
                     queues[worker].push(tile.points[p].origin, 0, d, directional ? k_infinity : end);
                     whose[worker].push_back(p);
+                    tile.asked[static_cast<std::size_t>(l) * tile.points.size() + p] = 1;
                 });
                 const std::size_t count = queues[worker].size();
                 off_rays[worker] += count;
@@ -240,7 +248,8 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             record.paper.dynamic_only = p.dynamic_only;
             record.paper.extra_tests_per_pixel = paper->extra_tests_per_pixel();
             for (const TilePoints& tile : tiles)
-                for (std::size_t i = 0; i < tile.off.size(); ++i) record.paper.wrong += tile.off[i] != tile.paper[i];
+                for (std::size_t i = 0; i < tile.off.size(); ++i)
+                    record.paper.wrong += tile.asked[i] && tile.off[i] != tile.paper[i];
             result.paper_extra_tests_per_pixel += record.paper.extra_tests_per_pixel;
             result.paper_wrong_mean += static_cast<double>(record.paper.wrong);
         }
@@ -278,7 +287,7 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             record.certified.certified = c.certified;
             for (const TilePoints& tile : tiles)
                 for (std::size_t i = 0; i < tile.off.size(); ++i)
-                    record.certified.wrong += tile.off[i] != tile.certified[i];
+                    record.certified.wrong += tile.asked[i] && tile.off[i] != tile.certified[i];
             result.wrong_total += record.certified.wrong;
 
             off_sum += record.off.ms;
