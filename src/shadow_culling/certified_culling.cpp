@@ -24,8 +24,8 @@ CertifiedCulling::CertifiedCulling(const scene::SceneState& state, const ray::Ra
                                    const CertifiedOptions& options)
     : state_(&state), rays_(&rays), options_(options)
 {
+    lifted_.assign(state.scene().objects.size(), 0);
     rebuild();
-    movers_ = std::make_unique<MoverBounds>(state, rays);
 }
 
 CertifiedCulling::~CertifiedCulling() = default;
@@ -33,9 +33,10 @@ CertifiedCulling::~CertifiedCulling() = default;
 void CertifiedCulling::rebuild()
 {
     const int lights = static_cast<int>(state_->scene().lights.size());
-    triangles_ = std::make_unique<StaticTriangles>(*state_, *rays_);
+    triangles_ = std::make_unique<StaticTriangles>(*state_, *rays_, lifted_);
     memory_ = std::make_unique<ShadowMemory>(2 * triangles_->size(), lights, options_.memory);
     light_on_.assign(static_cast<std::size_t>(lights), 1);
+    movers_ = std::make_unique<MoverBounds>(*state_, *rays_, lifted_);
 }
 
 std::unique_ptr<CertifiedCulling::Batch> CertifiedCulling::make_batch() const
@@ -55,13 +56,14 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
 
     // A static object moved by hand: what stands still is no longer what it was.
     const scene::Scene& scene = state.scene();
+    bool fewer_stand_still = false;
     for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list)
-            if (!scene.objects[o].dynamic && triangles_->first_of(o) != no_triangle) {
-                rebuild();
-                movers_ = std::make_unique<MoverBounds>(state, rays);
-                break;
-            }
+        for (const scene::ObjectId o : *list) {
+            if (scene.objects[o].dynamic || lifted_[o]) continue;
+            lifted_[o] = 1;
+            fewer_stand_still = true;
+        }
+    if (fewer_stand_still) rebuild();
 
     // A light that moves is not remembered; one that stopped starts afresh.
     for (const scene::LightId l : changes.lights_moved) light_on_[l] = 0;

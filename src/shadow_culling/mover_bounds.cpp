@@ -58,7 +58,7 @@ bool narrow(float low, float slope_low, float high, float slope_high, float box_
 
 }   // namespace
 
-MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& rays)
+MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted)
 {
     const scene::Scene& scene = state.scene();
     by_group_.assign(scene.groups.size(), scene::none);
@@ -70,11 +70,16 @@ MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& ra
         movers_.push_back(mover);
     }
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (!scene.objects[o].dynamic || scene.objects[o].group != scene::none) continue;
-        by_object_[o] = static_cast<std::uint32_t>(movers_.size());
-        movers_.push_back({o, scene::none, {}, {}});
+        const bool alone = scene.objects[o].dynamic && scene.objects[o].group == scene::none;
+        if (alone || lifted[o]) add_alone(o);
     }
     for (Mover& mover : movers_) place(mover, state, rays);
+}
+
+void MoverBounds::add_alone(scene::ObjectId object)
+{
+    by_object_[object] = static_cast<std::uint32_t>(movers_.size());
+    movers_.push_back({object, scene::none, {}, {}});
 }
 
 void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays) const
@@ -94,6 +99,11 @@ void MoverBounds::update(const scene::SceneState& state, const ray::RayScene& ra
     for (const auto* list : {&changes.vanished, &changes.appeared, &changes.deformed, &changes.moved})
         for (const scene::ObjectId o : *list) {
             const scene::GroupId g = scene.objects[o].group;
+            // Moved by hand out of its group: a box of its own, beside the group's.
+            const bool by_hand = g != scene::none && list == &changes.moved &&
+                                 !std::binary_search(changes.groups_moved.begin(), changes.groups_moved.end(), g);
+            if (by_hand && by_object_[o] == scene::none) add_alone(o);
+            if (g != scene::none && by_object_[o] != scene::none) place(movers_[by_object_[o]], state, rays);
             const std::uint32_t m = g != scene::none ? by_group_[g] : by_object_[o];
             if (m != scene::none && (g == scene::none || movers_[m].object == o)) place(movers_[m], state, rays);
         }

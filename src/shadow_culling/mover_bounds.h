@@ -13,7 +13,8 @@ namespace gnomon::shadow_culling {
 
 class MoverBounds {
  public:
-    MoverBounds(const scene::SceneState& state, const ray::RayScene& rays);
+    /// @param lifted  by object: a static one that was moved by hand, and is a mover from then on
+    MoverBounds(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted);
     /// Follows one advance() of the state, after the ray scene did.
     void update(const scene::SceneState& state, const ray::RayScene& rays);
 
@@ -28,6 +29,7 @@ class MoverBounds {
         Box3 own;     // in the space of its matrix (rigid)
         Box3 world;   // empty while it is hidden
     };
+    void add_alone(scene::ObjectId object);
     void place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays) const;
 
     std::vector<Mover> movers_;

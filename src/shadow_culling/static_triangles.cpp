@@ -53,12 +53,13 @@ double half_area(const Box3& box)
 
 }   // namespace
 
-StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays)
+StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays,
+                                 const std::vector<char>& lifted)
 {
     const scene::Scene& scene = state.scene();
     first_.assign(scene.objects.size(), no_triangle);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].dynamic || !state.object_visible(o)) continue;
+        if (scene.objects[o].dynamic || lifted[o] || !state.object_visible(o)) continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {

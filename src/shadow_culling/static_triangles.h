@@ -28,7 +28,8 @@ class StaticTriangles {
     /// How a triangle takes part in shadows.
     enum class Role : std::uint8_t { opaque, masked, transparent };
 
-    StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays);
+    /// @param lifted  by object: not static any more, since it was moved by hand
+    StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted);
 
     std::size_t size() const { return triangles_.size(); }
     const StaticTriangle& operator[](TriangleId id) const { return triangles_[id]; }

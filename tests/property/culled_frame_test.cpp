@@ -6,6 +6,7 @@
 #include "base/random.h"
 #include "gnomon/gnomon.h"
 #include "ray/ray_scene.h"
+#include "render/traced_frame.h"
 #include "scene/builtin.h"
 #include "shadow_culling/certified_culling.h"
 #include "support.h"
@@ -192,6 +193,38 @@ std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipp
         skipped += culling.counters().skipped;
     }
     return wrong;
+}
+
+// A static object taken by hand stops casting the shadow that was remembered, and casts its own where it is.
+TEST(CertifiedCulling, FollowsStaticObjectsMovedByHand)
+{
+    const auto scene = std::make_shared<scene::Scene>(scene::make_cornell());
+    scene::SceneState state(scene, 0);
+    ray::RayScene rays(state);
+    shadow_culling::CertifiedCulling culling(state, rays, {});
+    Tasks one(1);
+    render::TracedOptions options;
+    const render::View view = render::make_view(state, 0, {120, 120});
+    const auto compare = [&](int frame) {
+        render::FrameBuffers remembered, plain;
+        render::trace_frame(state, rays, view, options, one, remembered, &culling);
+        render::trace_frame(state, rays, view, options, one, plain);
+        EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame;
+    };
+    scene::NodeId block = scene::none;   // the second static object above the floor: any will do
+    for (const scene::Object& object : scene->objects)
+        if (!object.dynamic) block = object.node;
+    ASSERT_NE(block, scene::none);
+    for (int frame = 0; frame < 12; ++frame) {
+        if (frame >= 4 && frame % 2 == 0) {
+            glm::dmat4 moved = scene->nodes[block].local;
+            moved[3] += glm::dvec4(-0.08 * frame, 0.1, 0.05 * frame, 0);
+            state.override_transform(block, &moved);
+        }
+        state.advance(scene->timeline.time_of(1 + frame));
+        rays.update(state);
+        compare(frame);
+    }
 }
 
 TEST(CertifiedCulling, NeverWrongOnRandomSoups)
