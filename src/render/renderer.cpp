@@ -19,6 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Size k_default_size{1280, 720};
 constexpr int k_max_side = 32768;
+constexpr std::int64_t k_max_pixels = 256'000'000;   // 3 GB of colour alone
 
 scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
 {
@@ -37,6 +38,9 @@ void check_options(const RenderOptions& o)
     if (!side_fits(o.size.width) || !side_fits(o.size.height) || (o.size.width == 0) != (o.size.height == 0))
         throw UsageError(
             fmt::format("size {}x{} is out of range: 1 to {} a side", o.size.width, o.size.height, k_max_side));
+    if (static_cast<std::int64_t>(o.size.width) * o.size.height > k_max_pixels)
+        throw UsageError(fmt::format("size {}x{} has more than {} million pixels", o.size.width, o.size.height,
+                                     k_max_pixels / 1'000'000));
     if (o.max_depth < 0 || o.max_depth > 64) throw UsageError("max depth is out of range: 0 to 64");
     if (o.samples < 1 || o.samples > 4096) throw UsageError("samples are out of range: 1 to 4096");
     if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");

@@ -33,6 +33,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"render", scene, "-o", out, "--frobnicate"}, "--frobnicate"},
         {{"render", scene, "-o", out, "-x"}, "-x"},
         {{"render", scene, "-o", out, "--size", "8"}, "WxH"},
+        {{"render", scene, "-o", out, "--size", "30000x30000"}, "million pixels"},
         {{"render", scene, "-o", out, "--size", "0x8"}, "WxH"},
         {{"render", scene, "-o", out, "--size", "8x8x8"}, "WxH"},
         {{"render", scene, "-o", out, "--size", "99999999999x8"}, "WxH"},
