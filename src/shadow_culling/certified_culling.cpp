@@ -77,6 +77,12 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
             group_mask_[l / k_lights_per_group] |= static_cast<std::uint8_t>(3 << (2 * (l % k_lights_per_group)));
 }
 
+RimCodes CertifiedCulling::rim_of_record(RecordId record) const
+{
+    const double width = options_.rim_margins * options_.certificates.margin;
+    return rim_of((*triangles_)[record / 2].p, static_cast<float>(width) * triangles_->largest_coordinate());
+}
+
 // The level whose parts cover about `pixels_per_part` pixels where the triangle comes nearest to the eye. A function of
 // triangle and view alone, so that counts do not depend on threads.
 std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
@@ -106,47 +112,54 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
 {
     const std::size_t count = points.size();
     const auto groups = static_cast<std::size_t>(memory_->groups());
+    LookUp& at = batch.at;
+    at.resize(count);
     batch.points = points;
-    batch.bounds = Box3{};
-    batch.stride = (count + 7) / 8 * 8;
-    batch.slot.resize(count);
+    batch.stride = at.slot.size();
     batch.record.resize(count);
-    batch.states.assign(batch.stride * groups, 0);
+    batch.states.resize(batch.stride * groups);
+
+    // Find every point's record; neighbours mostly share one.
+    Box3 bounds;
     RecordId last = k_no_slot;
     scene::ObjectId last_object = scene::none;
     TriangleId first = no_triangle;
-    std::uint32_t base = k_no_slot, level = 0;
+    std::uint32_t begin = k_no_slot;   // of the record's finest level
+    float divisions = 1;
+    Rim rim{RimCodes{}};
     for (std::size_t i = 0; i < count; ++i) {
         const ShadowPoint& point = points[i];
-        batch.bounds.add(point.origin);
+        bounds.add(point.origin);
         if (point.object != last_object) {
             last_object = point.object;
             first = triangles_->first_of(point.object);
+            last = begin = k_no_slot;
         }
-        if (first == no_triangle) {
-            batch.slot[i] = k_no_slot;
-            continue;
+        if (first != no_triangle) {
+            const RecordId record = 2 * (first + point.triangle) + (point.front ? 0 : 1);
+            batch.record[i] = record;
+            if (record != last) {
+                last = record;
+                if (memory_->base(record) == k_no_slot && !memory_->full())
+                    memory_->create(record, wanted_level(record / 2), rim_of_record(record));
+                memory_->note_seen(record, frame_);
+                begin = memory_->base(record);
+                const std::uint32_t level = memory_->level(record);
+                if (begin != k_no_slot) begin += pyramid_offset(level);
+                divisions = static_cast<float>(1u << level);
+                rim = memory_->rim(record);
+            }
         }
-        const RecordId record = 2 * (first + point.triangle) + (point.front ? 0 : 1);
-        batch.record[i] = record;
-        if (record != last) {
-            last = record;
-            if (memory_->base(record) == k_no_slot && !memory_->full())
-                memory_->create(record, wanted_level(record / 2));
-            memory_->note_seen(record, frame_);
-            base = memory_->base(record);
-            level = memory_->level(record);
-        }
-        batch.slot[i] =
-            base == k_no_slot ? k_no_slot : base + pyramid_offset(level) + micro_index_at(point.u, point.v, level);
+        at.slot[i] = begin;
+        at.u[i] = point.u, at.v[i] = point.v;
+        at.rim_u[i] = rim.u, at.rim_v[i] = rim.v, at.per_inner[i] = rim.per_inner;
+        at.divisions[i] = divisions;
     }
-    for (std::size_t g = 0; g < groups; ++g) {
-        const std::uint8_t* const states = memory_->states(static_cast<int>(g));
-        std::uint8_t* const out = batch.states.data() + g * batch.stride;
-        const std::uint8_t mask = group_mask_[g];
-        for (std::size_t i = 0; i < count; ++i)
-            if (batch.slot[i] != k_no_slot) out[i] = states[batch.slot[i]] & mask;
-    }
+    batch.bounds = bounds;
+
+    find_parts(at);
+    for (std::size_t g = 0; g < groups; ++g)
+        fetch_states(at, memory_->states(static_cast<int>(g)), group_mask_[g], batch.states.data() + g * batch.stride);
 }
 
 ShadowState CertifiedCulling::state_of(const Batch& batch, std::uint32_t point, int light) const
@@ -266,15 +279,17 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, st
             const std::uint32_t point = batch.static_point[r];
             blocked[point] = batch.hit[r];
             if (!batch.hit[r] && !batch.movers.empty()) queue_dynamic(batch, lamp, point);
-            const std::uint32_t slot = batch.slot[point];
+            const std::uint32_t slot = batch.at.slot[point];
             if (slot == k_no_slot || !remembered) continue;
             if (state_of(batch, point, light) == ShadowState::partial) {
                 ++batch.counters.partial;
                 // Nothing to learn where parts are as fine as they get.
                 if (batch.record[point] != judged) {
                     judged = batch.record[point];
-                    const std::uint32_t level = memory_->level(judged);
-                    coarse = level < k_max_level && level < wanted_level(judged / 2);
+                    coarse = memory_->coarse(judged, frame_, [&] {
+                        const std::uint32_t level = memory_->level(judged);
+                        return level < k_max_level && level < wanted_level(judged / 2);
+                    });
                 }
                 if (!coarse) continue;
             }

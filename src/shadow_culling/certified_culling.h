@@ -22,6 +22,7 @@
 #include "base/tasks.h"
 #include "gnomon/types.h"
 #include "shadow_culling/certificates.h"
+#include "shadow_culling/look_up.h"
 #include "shadow_culling/mover_bounds.h"
 #include "shadow_culling/shadow_memory.h"
 
@@ -30,6 +31,7 @@ namespace gnomon::shadow_culling {
 struct CertifiedOptions {
     double pixels_per_part = 8;        // refine until a part covers about so many pixels
     std::size_t memory = 256u << 20;   // bytes for states and evidence; least recently seen go first
+    double rim_margins = 2;            // width of a receiver's rim (rim.h), in margins of the certificates
     CertificateOptions certificates;
     float ray_end = 0.9999f;   // shadow rays end at this fraction of the way to a lamp
 };
@@ -100,6 +102,7 @@ class CertifiedCulling {
     void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
     void queue_dynamic(Batch& batch, const Lamp& lamp, std::uint32_t point) const;
     void rebuild();
+    RimCodes rim_of_record(RecordId record) const;
     std::uint32_t wanted_level(TriangleId triangle) const;
 
     const scene::SceneState* state_;
@@ -124,11 +127,11 @@ class CertifiedCulling::Batch {
     friend class CertifiedCulling;
     std::span<const ShadowPoint> points;
     Box3 bounds;
-    std::vector<std::uint32_t> slot;    // by point; k_no_slot: not remembered (moving receiver, or no room)
+    LookUp at;                          // by point; no slot: not remembered (moving receiver, rim, or no room)
     std::vector<RecordId> record;       // by point
     std::vector<std::uint8_t> states;   // by group, then point
     std::vector<RecordId> touched;      // records with new evidence, or partial where finer parts may help
-    std::size_t stride = 0;             // between groups in `states`: points, rounded up to 8
+    std::size_t stride = 0;             // between groups in `states`: points, padded
     // Scratch of shadow().
     ray::RayQueue static_rays, dynamic_rays;
     std::vector<std::uint32_t> static_point, dynamic_point;

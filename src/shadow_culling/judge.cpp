@@ -37,6 +37,7 @@ void Judge::judge(RecordId record)
     if (base_ == k_no_slot) return;
     level_ = memory_.level(record);
     triangle_ = record / 2;
+    rim_ = memory_.rim(record);
     const StaticTriangle& t = triangles_[triangle_];
     for (int c = 0; c < 3; ++c) corner_[c] = glm::dvec3(t.p[c]);
     const glm::dvec3 cross = glm::cross(corner_[1] - corner_[0], corner_[2] - corner_[0]);
@@ -111,6 +112,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
 
     glm::dvec2 uv[3];
     corners_of(part, at_level, uv);
+    for (glm::dvec2& corner : uv) corner = rim_.outer(corner);
     glm::dvec3 piece[3];
     for (int c = 0; c < 3; ++c)
         piece[c] = corner_[0] + uv[c].x * (corner_[1] - corner_[0]) + uv[c].y * (corner_[2] - corner_[0]);

@@ -36,7 +36,8 @@ class Judge {
     TriangleId triangle_ = 0;
     std::uint32_t base_ = 0, level_ = 0;
     glm::dvec3 corner_[3], normal_;
-    double lift_ = 0, margin_ = 0;
+    double lift_ = 0;
+    Rim rim_{RimCodes{}};              // its parts lie inside
     std::vector<std::uint8_t> seen_;   // evidence of all levels, like the pyramid
     std::vector<TriangleId> occluders_;
 };

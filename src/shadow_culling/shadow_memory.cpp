@@ -17,7 +17,7 @@ ShadowMemory::ShadowMemory(std::size_t records, int lights, std::size_t budget)
     capacity_ = static_cast<std::uint32_t>(std::min<std::size_t>(each, k_no_slot - 1));
     for (int g = 0; g < groups; ++g) {
         for (std::vector<Block>* blocks : {&states_, &evidence_}) {
-            auto* block = static_cast<std::uint8_t*>(std::calloc(std::max<std::size_t>(capacity_, 1), 1));
+            auto* block = static_cast<std::uint8_t*>(std::calloc(capacity_ + k_read_pad, 1));
             if (!block) throw std::bad_alloc();
             blocks->emplace_back(block);
         }
@@ -53,7 +53,7 @@ void ShadowMemory::release(std::uint32_t base, std::uint32_t level)
     used_ -= size;
 }
 
-bool ShadowMemory::create(RecordId id, std::uint32_t level)
+bool ShadowMemory::create(RecordId id, std::uint32_t level, const RimCodes& rim)
 {
     GNOMON_CHECK_LT(id, record_count_);
     const std::lock_guard lock(mutex_);
@@ -62,6 +62,7 @@ bool ShadowMemory::create(RecordId id, std::uint32_t level)
     const std::uint32_t base = allocate(std::min(level, k_max_level));
     if (base == k_no_slot) return false;
     record.level = static_cast<std::uint8_t>(std::min(level, k_max_level));
+    record.rim = rim;
     record.base.store(base, std::memory_order_release);
     with_pyramid_.push_back(id);
     ++live_;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "shadow_culling/micro_triangles.h"
+#include "shadow_culling/rim.h"
 
 namespace gnomon::shadow_culling {
 
@@ -29,6 +30,8 @@ inline constexpr std::uint8_t k_saw_free = 1, k_saw_blocked = 2;
 inline constexpr int k_lights_per_group = 4;
 inline constexpr std::uint32_t k_no_slot = 0xffffffffu;
 inline constexpr std::uint32_t k_max_level = 8;
+/// States may be read this many bytes beyond a part's.
+inline constexpr std::size_t k_read_pad = 3;
 
 /// Record of one side of one static triangle: 2 * triangle + (front ? 0 : 1).
 using RecordId = std::uint32_t;
@@ -44,26 +47,32 @@ class ShadowMemory {
     /// Where a record's pyramid begins; k_no_slot if it has none.
     std::uint32_t base(RecordId record) const { return records_[record].base.load(std::memory_order_acquire); }
     std::uint32_t level(RecordId record) const { return records_[record].level; }
-    /// The finest part that (u, v) lies in.
-    std::uint32_t slot(RecordId record, float u, float v) const
-    {
-        const std::uint32_t b = base(record);
-        if (b == k_no_slot) return k_no_slot;
-        const std::uint32_t k = records_[record].level;
-        return b + pyramid_offset(k) + micro_index_at(u, v, k);
-    }
+    Rim rim(RecordId record) const { return Rim(records_[record].rim); }
     void note_seen(RecordId record, std::uint32_t frame)
     {
         if (records_[record].seen.load(std::memory_order_relaxed) != frame)
             records_[record].seen.store(frame, std::memory_order_relaxed);
     }
 
+    /// Whether a record, in this frame's view, should be deeper: asked of `ask` once a frame.
+    template <class Ask>
+    bool coarse(RecordId record, std::uint32_t frame, const Ask& ask)
+    {
+        std::uint32_t checked = records_[record].checked.load(std::memory_order_relaxed);
+        if (checked >> 1 != frame) {
+            checked = frame << 1 | (ask() ? 1u : 0u);
+            records_[record].checked.store(checked, std::memory_order_relaxed);
+        }
+        return (checked & 1) != 0;
+    }
+
     const std::uint8_t* states(int group) const { return states_[static_cast<std::size_t>(group)].get(); }
     std::uint8_t* states(int group) { return states_[static_cast<std::size_t>(group)].get(); }
     std::uint8_t* evidence(int group) { return evidence_[static_cast<std::size_t>(group)].get(); }
 
-    /// Gives a record a pyramid of unknown states; true if this call did. Thread-safe. False and no pyramid when full.
-    bool create(RecordId record, std::uint32_t level);
+    /// Gives a record a pyramid of unknown states inside its rim; true if this call did. Thread-safe. False and no
+    /// pyramid when full.
+    bool create(RecordId record, std::uint32_t level, const RimCodes& rim);
     /// Gives a record a deeper pyramid that holds what the old one knew. Between frames only. False when full.
     bool deepen(RecordId record, std::uint32_t level);
     /// Drops what was last seen before `frame`, least recently seen first, until half the room is free. Between frames.
@@ -81,7 +90,9 @@ class ShadowMemory {
     struct Record {
         std::atomic<std::uint32_t> base{k_no_slot};
         std::atomic<std::uint32_t> seen{0};
+        std::atomic<std::uint32_t> checked{0};   // twice the frame in which `coarse` was asked, and the answer
         std::uint8_t level = 0;
+        RimCodes rim;
     };
     struct Free {
         void operator()(std::uint8_t* p) const { std::free(p); }

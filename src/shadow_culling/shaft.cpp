@@ -54,6 +54,9 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
         low_[axis] = std::nextafter(low_[axis], -k_infinity);
         high_[axis] = std::nextafter(high_[axis], k_infinity);
     }
+    for (std::size_t k = 0; k < planes_.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            furthest_[k][static_cast<std::size_t>(axis)] = planes_[k].normal[axis] > 0 ? 1 : 0;
     valid_ = true;
 }
 
@@ -61,37 +64,55 @@ bool Shaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
 {
     for (int axis = 0; axis < 3; ++axis)
         if (box_low[axis] > high_[axis] || box_high[axis] < low_[axis]) return false;
-    for (const Plane& plane : planes_) {
+    const glm::dvec3 corner[2] = {glm::dvec3(box_low), glm::dvec3(box_high)};
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
         // The corner furthest inside.
-        const double d = plane.normal.x * static_cast<double>(plane.normal.x > 0 ? box_high.x : box_low.x) +
-                         plane.normal.y * static_cast<double>(plane.normal.y > 0 ? box_high.y : box_low.y) +
-                         plane.normal.z * static_cast<double>(plane.normal.z > 0 ? box_high.z : box_low.z);
-        if (d + plane.distance < 0) return false;
+        const std::array<std::uint8_t, 3>& end = furthest_[k];
+        const glm::dvec3 q(corner[end[0]].x, corner[end[1]].y, corner[end[2]].z);
+        if (planes_[k].at(q) < 0) return false;
     }
     return true;
 }
 
 bool Shaft::clip(const glm::dvec3 (&p)[3], ClippedPolygon& clipped) const
 {
-    clipped.corner[0] = p[0], clipped.corner[1] = p[1], clipped.corner[2] = p[2];
-    clipped.count = 3;
-    ClippedPolygon next;
-    for (const Plane& plane : planes_) {
-        next.count = 0;
-        glm::dvec3 before = clipped.corner[static_cast<std::size_t>(clipped.count - 1)];
-        double before_at = plane.at(before);
-        for (int c = 0; c < clipped.count; ++c) {
-            const glm::dvec3& here = clipped.corner[static_cast<std::size_t>(c)];
+    // Most triangles lie outside one plane, and need no cutting.
+    double at[4][3];
+    bool cuts[4];
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+        for (int c = 0; c < 3; ++c) at[k][c] = planes_[k].at(p[c]);
+        const int outside = (at[k][0] < 0) + (at[k][1] < 0) + (at[k][2] < 0);
+        if (outside == 3) return false;
+        cuts[k] = outside > 0;
+    }
+
+    // Cut it by the others, one after the other [Sutherland and Hodgman 1974].
+    ClippedPolygon other;
+    ClippedPolygon *now = &clipped, *next = &other;
+    now->corner[0] = p[0], now->corner[1] = p[1], now->corner[2] = p[2];
+    now->count = 3;
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+        if (!cuts[k]) continue;
+        const Plane& plane = planes_[k];
+        next->count = 0;
+        const glm::dvec3* before = &now->corner[static_cast<std::size_t>(now->count - 1)];
+        double before_at = plane.at(*before);
+        for (int c = 0; c < now->count; ++c) {
+            const glm::dvec3& here = now->corner[static_cast<std::size_t>(c)];
             const double here_at = plane.at(here);
             if ((before_at < 0) != (here_at < 0)) {
                 const double t = before_at / (before_at - here_at);
-                next.corner[static_cast<std::size_t>(next.count++)] = before + t * (here - before);
+                next->corner[static_cast<std::size_t>(next->count++)] = *before + t * (here - *before);
             }
-            if (here_at >= 0) next.corner[static_cast<std::size_t>(next.count++)] = here;
-            before = here, before_at = here_at;
+            if (here_at >= 0) next->corner[static_cast<std::size_t>(next->count++)] = here;
+            before = &here, before_at = here_at;
         }
-        if (next.count == 0) return false;
-        clipped = next;
+        if (next->count == 0) return false;
+        std::swap(now, next);
+    }
+    if (now != &clipped) {
+        clipped.count = now->count;
+        std::copy_n(now->corner.begin(), now->count, clipped.corner.begin());
     }
     return true;
 }

@@ -7,6 +7,7 @@
 // precision, from origins a little above the receiver.
 
 #include <array>
+#include <cstdint>
 
 #include "base/math.h"
 
@@ -62,7 +63,8 @@ class Shaft {
     std::array<Plane, 4> planes_;
     double light_height_ = 0;
     glm::dvec3 centroid_{0};
-    glm::vec3 low_{0}, high_{0};   // of the shaft; infinite sides for a directional light
+    glm::vec3 low_{0}, high_{0};                              // of the shaft; infinite sides for a directional light
+    std::array<std::array<std::uint8_t, 3>, 4> furthest_{};   // by plane and axis: 1 where it faces the high side
     bool valid_ = false;
 };
 
