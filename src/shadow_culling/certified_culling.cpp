@@ -71,6 +71,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
         memory_->forget_light(static_cast<int>(l));
         light_on_[l] = 1;
     }
+    any_light_on_ = std::find(light_on_.begin(), light_on_.end(), 1) != light_on_.end();
     group_mask_.assign(static_cast<std::size_t>(memory_->groups()), 0);
     for (std::size_t l = 0; l < light_on_.size(); ++l)
         if (light_on_[l])
@@ -118,6 +119,15 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
     batch.stride = at.slot.size();
     batch.record.resize(count);
     batch.states.resize(batch.stride * groups);
+
+    // Nothing is remembered while every light moves.
+    if (!any_light_on_) {
+        std::fill(at.slot.begin(), at.slot.end(), k_no_slot);
+        std::fill(batch.states.begin(), batch.states.end(), 0);
+        batch.bounds = Box3{};
+        for (const ShadowPoint& point : points) batch.bounds.add(point.origin);
+        return;
+    }
 
     // Find every point's record; neighbours mostly share one.
     Box3 bounds;

@@ -113,6 +113,7 @@ class CertifiedCulling {
     std::unique_ptr<ShadowMemory> memory_;
     std::unique_ptr<MoverBounds> movers_;
     std::vector<char> light_on_;             // its states count: it stands still
+    bool any_light_on_ = true;
     std::vector<char> lifted_;               // by object: static, but moved by hand
     std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
     CullingCounters counters_;
