@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_views/casters.h"
+
+namespace gnomon::light_views {
+
+Casters::Casters(const scene::SceneState& state) : scene_(&state.scene())
+{
+    std::vector<char> mesh_casts;
+    for (const scene::Mesh& mesh : scene_->meshes) {
+        mesh_box_.push_back(mesh.bounds());
+        bool casts = false;
+        for (const scene::MeshPart& part : mesh.parts)
+            casts |= part.triangle_count > 0 &&
+                     scene_->materials[part.material].surface_class() != scene::SurfaceClass::transparent;
+        mesh_casts.push_back(casts);
+    }
+    casts_.reserve(scene_->objects.size());
+    deformed_slot_.assign(scene_->objects.size(), scene::none);
+    for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
+        const scene::Object& object = scene_->objects[o];
+        casts_.push_back(mesh_casts[object.mesh]);
+        if (!object.deforming) continue;
+        deformed_slot_[o] = static_cast<std::uint32_t>(deformed_box_.size());
+        deformed_box_.emplace_back();
+        measure(state, static_cast<scene::ObjectId>(o));
+    }
+}
+
+void Casters::update(const scene::SceneState& state)
+{
+    for (const auto* list : {&state.changes().deformed, &state.changes().appeared})
+        for (const scene::ObjectId object : *list)
+            if (deformed_slot_[object] != scene::none) measure(state, object);
+}
+
+void Casters::measure(const scene::SceneState& state, scene::ObjectId object)
+{
+    Box3 box;
+    for (const glm::vec3& p : state.deformed(object).positions) box.add(p);
+    deformed_box_[deformed_slot_[object]] = box;
+}
+
+const Box3& Casters::box(scene::ObjectId object) const
+{
+    const std::uint32_t slot = deformed_slot_[object];
+    return slot == scene::none ? mesh_box_[scene_->objects[object].mesh] : deformed_box_[slot];
+}
+
+Rect Casters::footprint(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const
+{
+    if (!casts_[object] || !state.object_visible(object)) return {};
+    return light_views::footprint(view, state.object_matrix(object), box(object));
+}
+
+}   // namespace gnomon::light_views

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_views/light_views.h"
+
+#include <algorithm>
+
+namespace gnomon::light_views {
+
+namespace {
+
+Atlas atlas_of(const scene::Scene& scene, const LightViewsOptions& options)
+{
+    std::vector<int> views;
+    for (const scene::Light& light : scene.lights) views.push_back(view_count(light, options.projection));
+    return make_atlas(views, options.atlas);
+}
+
+bool holds(const std::vector<scene::LightId>& ascending, scene::LightId light)
+{
+    return std::binary_search(ascending.begin(), ascending.end(), light);
+}
+
+}   // namespace
+
+LightViews::LightViews(const scene::SceneState& state, const LightViewsOptions& options)
+    : options_(options),
+      casters_(state),
+      bounds_(clip_bounds(state.scene())),
+      atlas_(atlas_of(state.scene(), options)),
+      mobility_(state.scene().objects.size(), options.quiet_frames),
+      is_dynamic_(state.scene().objects.size(), 0)
+{
+    const auto lights = static_cast<scene::LightId>(state.scene().lights.size());
+    for (scene::LightId l = 0; l < lights; ++l)
+        for (std::uint32_t v = atlas_.first_tile[l]; v < atlas_.first_tile[l + 1]; ++v) {
+            LightView view;
+            view.light = l;
+            view.face = static_cast<int>(v - atlas_.first_tile[l]);
+            view.tile = atlas_.tiles[v];
+            views_.push_back(std::move(view));
+            trackers_.emplace_back(atlas_.tiles[v].size, is_dynamic_.size());
+        }
+}
+
+void LightViews::set_override(scene::ObjectId object, scene::MobilityOverride value)
+{
+    mobility_.set_override(object, value);
+    overridden_.push_back(object);
+}
+
+void LightViews::forget()
+{
+    for (ViewTracker& tracker : trackers_) tracker.forget();
+}
+
+void LightViews::note_mobility(scene::ObjectId object)
+{
+    const char now = mobility_.is_dynamic(object) ? 1 : 0;
+    if (is_dynamic_[object] == now) return;
+    is_dynamic_[object] = now;
+    changed_.push_back(object);
+}
+
+// Who moved, deformed, appeared, vanished, or is of another mobility than in the last update.
+void LightViews::note_changes(const scene::SceneState& state)
+{
+    const scene::FrameChanges& changes = state.changes();
+    casters_.update(state);
+    mobility_.update(changes);
+    changed_.clear();
+    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
+        changed_.insert(changed_.end(), list->begin(), list->end());
+    for (const scene::ObjectId object : mobility_.became_dynamic()) note_mobility(object);
+    for (const scene::ObjectId object : mobility_.became_static()) note_mobility(object);
+    for (const scene::ObjectId object : overridden_) note_mobility(object);
+    overridden_.clear();
+    std::sort(changed_.begin(), changed_.end());
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    dynamics_ = mobility_.dynamic_objects();
+    std::sort(dynamics_.begin(), dynamics_.end());
+}
+
+void LightViews::update(const scene::SceneState& state)
+{
+    note_changes(state);
+    const scene::Scene& scene = state.scene();
+    const FrameMobility frame{state, casters_, changed_, dynamics_, is_dynamic_};
+    const auto& moved = state.changes().lights_moved;
+
+    counts_ = {};
+    counts_.touched = changed_.size() + dynamics_.size();
+    std::uint64_t touched = 0;
+    for (std::size_t v = 0; v < views_.size();) {
+        const scene::LightId l = views_[v].light;
+        const std::size_t end = atlas_.first_tile[l + 1];
+        const scene::LightState& light = state.light(l);
+        const bool moves = holds(moved, l);
+        const bool was_shown = views_[v].shown;
+        if (light.visible && (moves || first_ || !was_shown)) {
+            // Where does the light look now?
+            const auto projections = project(scene.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
+            for (std::size_t i = v; i < end; ++i) views_[i].projection = projections[i - v];
+        }
+        const bool restless = moves && !holds(state.changes().lights_started, l);
+        for (; v < end; ++v) {
+            LightView& view = views_[v];
+            view.shown = light.visible;
+            if (light.visible) {
+                trackers_[v].plan(frame, view.projection, restless, options_.receivers, view.plan);
+            } else {
+                trackers_[v].forget();
+                view.plan.clear();
+            }
+            if (view.plan.kind != ViewPlan::Kind::idle) ++counts_.views_changed;
+            counts_.draws += view.plan.draws();
+            counts_.copies += view.plan.copies();
+            for (const auto* rects : {&view.plan.erase, &view.plan.rebuild})
+                for (const Rect& rect : *rects) counts_.copied_texels += static_cast<std::uint64_t>(rect.area());
+            for (const ViewPlan::Settle& settle : view.plan.settle)
+                counts_.copied_texels += static_cast<std::uint64_t>(settle.rect.area());
+            touched += trackers_[v].touched();
+        }
+    }
+    counts_.touched += touched - touched_before_;
+    touched_before_ = touched;
+    first_ = false;
+}
+
+}   // namespace gnomon::light_views

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_views/projection.h"
+
+#include <array>
+#include <cstring>
+
+#include "base/check.h"
+
+namespace gnomon::light_views {
+
+namespace {
+
+// Clip-space rows (x, y, depth, w) from an orthonormal basis: `forward` is where the light looks.
+glm::dmat4 view_matrix(const glm::dvec3& right, const glm::dvec3& down, const glm::dvec3& forward,
+                       const glm::dvec3& eye)
+{
+    glm::dmat4 m(1);
+    const glm::dvec3 rows[] = {right, down, forward};
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) m[c][r] = rows[r][c];
+        m[3][r] = -glm::dot(rows[r], eye);
+    }
+    return m;
+}
+
+// x, y scaled by 1 / tan; depth = near / w; w = distance along the axis.
+ViewProjection perspective(const glm::dvec3& right, const glm::dvec3& down, const glm::dvec3& forward,
+                           const glm::dvec3& eye, double tangent, double near, int size)
+{
+    glm::dmat4 p(0);
+    p[0][0] = p[1][1] = 1 / tangent;
+    p[3][2] = near;
+    p[2][3] = 1;
+    ViewProjection view;
+    view.clip_from_world = glm::mat4(p * view_matrix(right, down, forward, eye));
+    view.eye = glm::vec3(eye);
+    view.near = static_cast<float>(near);
+    view.size = size;
+    return view;
+}
+
+ViewProjection orthographic(const glm::vec3& direction, const Box3& bounds, double stretch, int size)
+{
+    glm::vec3 s, t;
+    make_basis(direction, s, t);
+    const glm::dvec3 right(s), down(t), forward(direction);
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
+                           corner & 4 ? bounds.high.z : bounds.low.z);
+        const glm::dvec3 q(glm::dot(right, p), glm::dot(down, p), glm::dot(forward, p));
+        low = glm::min(low, q), high = glm::max(high, q);
+    }
+    const glm::dvec3 middle = 0.5 * (low + high);
+    // A hair more than the bounds, so that what touches them is inside; never zero.
+    constexpr double k_room = 1.0001, k_smallest = 1e-6;
+    const double half = std::max({high.x - low.x, high.y - low.y, k_smallest}) / 2 * k_room * stretch;
+    const double half_depth = std::max(high.z - low.z, k_smallest) / 2 * k_room;
+    glm::dmat4 p(1);
+    p[0][0] = p[1][1] = 1 / half;
+    p[3][0] = -middle.x / half;
+    p[3][1] = -middle.y / half;
+    p[2][2] = -0.5 / half_depth;   // depth 1 at the light's side, 0 at the other
+    p[3][2] = 0.5 + 0.5 * middle.z / half_depth;
+    ViewProjection view;
+    view.clip_from_world = glm::mat4(p * view_matrix(right, down, forward, glm::dvec3(0)));
+    view.eye = -direction;
+    view.perspective = false;
+    view.size = size;
+    return view;
+}
+
+}   // namespace
+
+bool ViewProjection::same_bits(const ViewProjection& other) const
+{
+    return std::memcmp(&clip_from_world, &other.clip_from_world, sizeof clip_from_world) == 0 && size == other.size;
+}
+
+int view_count(const scene::Light& light, const ProjectionOptions& options)
+{
+    if (light.type == scene::LightType::point) return 6;
+    return light.type == scene::LightType::spot && static_cast<double>(light.outer_angle) > options.widest_spot ? 6 : 1;
+}
+
+std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state, const Box3& bounds,
+                                    int size, const ProjectionOptions& options)
+{
+    GNOMON_CHECK_LT(2 * options.border, size);
+    const double stretch = static_cast<double>(size) / (size - 2 * options.border);
+    if (light.type == scene::LightType::directional) return {orthographic(state.direction, bounds, stretch, size)};
+
+    const double diagonal = bounds.empty() ? 1.0 : std::max(static_cast<double>(bounds.diagonal()), 1e-6);
+    const double near = options.near_fraction * diagonal;
+    const glm::dvec3 eye(state.position);
+    std::vector<ViewProjection> views;
+    if (view_count(light, options) == 1) {
+        glm::vec3 s, t;
+        make_basis(state.direction, s, t);
+        const double tangent = std::tan(static_cast<double>(light.outer_angle)) * stretch;
+        views.push_back(perspective(glm::dvec3(s), glm::dvec3(t), glm::dvec3(state.direction), eye,
+                                    std::max(tangent, 1e-4), near, size));
+        return views;
+    }
+    for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2;
+        glm::dvec3 forward(0), right(0), down(0);
+        forward[axis] = face % 2 ? -1 : 1;
+        right[(axis + 1) % 3] = 1;
+        down[(axis + 2) % 3] = 1;
+        views.push_back(perspective(right, down, forward, eye, stretch, near, size));
+    }
+    return views;
+}
+
+Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3& box)
+{
+    if (box.empty()) return {};
+    const glm::dmat4 world(to_world), clip(view.clip_from_world), matrix = clip * world;
+    // The same with absolute values bounds what rounding can do to a vertex that the graphics card transforms.
+    glm::dmat4 world_abs, clip_abs;
+    for (int c = 0; c < 4; ++c) world_abs[c] = glm::abs(world[c]), clip_abs[c] = glm::abs(clip[c]);
+    const glm::dmat4 magnitude = clip_abs * world_abs;
+    constexpr double k_rounding = 0x1p-20;   // 16 roundings of a float
+    struct Corner {
+        glm::dvec4 at, error;
+    };
+    std::array<Corner, 8> corners;
+    int behind = 0;
+    const double w_least = view.perspective ? 0.5 * static_cast<double>(view.near) : 0.0;
+    for (int i = 0; i < 8; ++i) {
+        const glm::dvec4 p(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                           i & 4 ? box.high.z : box.low.z, 1);
+        corners[static_cast<std::size_t>(i)] = {matrix * p, k_rounding * (magnitude * glm::abs(p))};
+        behind += corners[static_cast<std::size_t>(i)].at.w < w_least;
+    }
+    if (behind == 8) return {};
+
+    double low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
+    const auto add = [&](const glm::dvec4& at, const glm::dvec4& error) {
+        for (int axis = 0; axis < 2; ++axis) {
+            const double p = at[axis] / at.w;
+            const double room = (error[axis] + std::abs(p) * error.w) / at.w;
+            low[axis] = std::min(low[axis], p - room);
+            high[axis] = std::max(high[axis], p + room);
+        }
+    };
+    for (const Corner& corner : corners)
+        if (corner.at.w >= w_least) add(corner.at, corner.error);
+    // Edges through the plane in front of the eye end there.
+    if (behind > 0)
+        for (int i = 0; i < 8; ++i)
+            for (const int bit : {1, 2, 4}) {
+                const Corner &a = corners[static_cast<std::size_t>(i)], &b = corners[static_cast<std::size_t>(i ^ bit)];
+                if ((i & bit) || (a.at.w < w_least) == (b.at.w < w_least)) continue;
+                const double s = (w_least - a.at.w) / (b.at.w - a.at.w);
+                glm::dvec4 cut = a.at + s * (b.at - a.at);
+                cut.w = w_least;
+                add(cut, glm::max(a.error, b.error));
+            }
+
+    // One texel around: sample positions and the driver's snapping of vertices.
+    constexpr double k_margin = 1;
+    const auto texel = [&](double p, double side) {
+        const double t = (0.5 * p + 0.5) * view.size + side * k_margin;
+        return static_cast<int>(
+            std::clamp(side < 0 ? std::floor(t) : std::ceil(t), 0.0, static_cast<double>(view.size)));
+    };
+    const Rect rect{texel(low[0], -1), texel(low[1], -1), texel(high[0], 1), texel(high[1], 1)};
+    return rect.empty() ? Rect{} : rect;
+}
+
+Box3 clip_bounds(const scene::Scene& scene, int most_times)
+{
+    Box3 bounds;
+    std::vector<Box3> boxes;
+    for (const scene::Mesh& mesh : scene.meshes) {
+        Box3 box = mesh.bounds();
+        if (mesh.vertex_keys)
+            for (const auto& key : mesh.vertex_keys->positions)
+                for (const glm::vec3& p : key) box.add(p);
+        boxes.push_back(box);
+    }
+    const auto add = [&](const scene::Object& object, double time) {
+        const Box3& box = boxes[object.mesh];
+        if (box.empty()) return;
+        const glm::dmat4 world = scene.world_matrix(object.node, time);
+        for (int i = 0; i < 8; ++i) {
+            const glm::dvec3 p(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                               i & 4 ? box.high.z : box.low.z);
+            const glm::vec3 q(transform_point(world, p));
+            if (is_finite(q)) bounds.add(q);
+        }
+    };
+    const int frames = std::max(scene.timeline.frames, 1), times = std::min(frames, most_times);
+    for (const scene::Object& object : scene.objects)
+        for (int i = 0; i < (object.dynamic ? times : 1); ++i) {
+            const int frame =
+                times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
+            add(object, scene.timeline.time_of(frame));
+        }
+    return bounds;
+}
+
+}   // namespace gnomon::light_views

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The slow twin: light views drawn on the CPU, one texel at a time, for tests and as the meaning of the plan's steps.
+//
+// Vertices are snapped to 1/256 texel and edges decided in integers, with the rule that a texel on a shared edge
+// belongs to one triangle; depths come from the triangle's plane alone. What a triangle does at a texel therefore does
+// not depend on the rectangle that drawing is clipped to, and redrawing a part gives the same bits as redrawing the
+// whole. Cost: the texels of every triangle's bounding rectangle. Not for frames that anybody waits for.
+
+#include "light_views/light_views.h"
+
+namespace gnomon::light_views {
+
+using Item = std::uint32_t;   // object + 1; 0: nothing there
+
+/// The two layers of a buffer, rows from y = 0.
+struct SoftwareBuffer {
+    explicit SoftwareBuffer(int size = 0);
+    int size = 0;
+    std::vector<float> depth;   // 0: nothing
+    std::vector<Item> item;
+
+    std::size_t at(int x, int y) const
+    {
+        return static_cast<std::size_t>(y) * static_cast<unsigned>(size) + static_cast<unsigned>(x);
+    }
+    void empty(const Rect& rect);
+    void copy(const SoftwareBuffer& from, const Rect& rect);
+    friend bool operator==(const SoftwareBuffer&, const SoftwareBuffer&) = default;
+};
+
+/// Draws one object where it is nearer than, or as near as, what is there.
+/// @param clip     nothing is drawn outside
+/// @param statics  if given: where its depth is equal, the higher item of both is written
+void draw_object(SoftwareBuffer& buffer, const ViewProjection& view, const scene::SceneState& state,
+                 scene::ObjectId object, const Rect& clip, const SoftwareBuffer* statics = nullptr);
+
+/// The buffers of one view.
+class SoftwareView {
+ public:
+    explicit SoftwareView(int size) : rendering_(size), statics_(size) {}
+    void execute(const ViewPlan& plan, const ViewProjection& view, const scene::SceneState& state);
+
+    const SoftwareBuffer& rendering() const { return rendering_; }
+    const SoftwareBuffer& statics() const { return statics_; }
+
+ private:
+    SoftwareBuffer rendering_, statics_;
+};
+
+}   // namespace gnomon::light_views

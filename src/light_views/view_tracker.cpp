@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_views/view_tracker.h"
+
+#include <algorithm>
+
+namespace gnomon::light_views {
+
+namespace {
+
+void sort_unique(std::vector<scene::ObjectId>& ids)
+{
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+bool holds(std::span<const scene::ObjectId> ascending, scene::ObjectId object)
+{
+    return std::binary_search(ascending.begin(), ascending.end(), object);
+}
+
+// Erasing the whole view at once is cheaper than rectangles that together are larger.
+void join_if_larger(std::vector<Rect>& rects, const Rect& whole)
+{
+    std::int64_t area = 0;
+    for (const Rect& rect : rects) area += rect.area();
+    if (area >= whole.area()) rects.assign(1, whole);
+}
+
+// Joins rectangles that overlap so much that one drawing into both costs no more. Quadratic, so in short lists alone.
+void join_overlapping(std::vector<Rect>& rects)
+{
+    constexpr std::size_t k_short = 64;
+    if (rects.size() > k_short) return;
+    for (std::size_t i = 0; i < rects.size();) {
+        bool grown = false;
+        for (std::size_t j = i + 1; j < rects.size();) {
+            const Rect both = around(rects[i], rects[j]);
+            if (both.area() <= rects[i].area() + rects[j].area()) {
+                rects[i] = both;
+                rects[j] = rects.back();
+                rects.pop_back();
+                grown = true;
+            } else {
+                ++j;
+            }
+        }
+        if (!grown) ++i;
+    }
+}
+
+}   // namespace
+
+void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, bool receivers,
+                       ViewPlan& plan)
+{
+    plan.clear();
+    if (!known_ || !projection_.same_bits(projection)) {
+        projection_ = projection;
+        statics_known_ = false;
+        if (known_ && restless) {
+            plan_restless(frame, plan);
+        } else {
+            place_dynamics(frame);
+            plan_whole(frame, receivers, plan);
+        }
+        known_ = true;
+        return;
+    }
+    place_dynamics(frame);
+    if (statics_known_)
+        plan_incremental(frame, receivers, plan);
+    else if (concerned(frame))   // a light that has come to rest: its static buffer is made when it is first needed
+        plan_whole(frame, receivers, plan);
+}
+
+// Where dynamic objects are now.
+void ViewTracker::place_dynamics(const FrameMobility& frame)
+{
+    present_.clear();
+    for (const scene::ObjectId object : frame.dynamics) {
+        const Rect rect = frame.casters.footprint(projection_, frame.state, object);
+        if (!rect.empty()) present_.push_back({object, rect});
+    }
+    touched_ += frame.dynamics.size();
+}
+
+// Whether anything that changed is or was in view. After a restless frame drawn_ holds every object.
+bool ViewTracker::concerned(const FrameMobility& frame) const
+{
+    for (const scene::ObjectId object : frame.changed) {
+        if (!frame.casters.footprint(projection_, frame.state, object).empty()) return true;
+        const auto at = std::lower_bound(drawn_.begin(), drawn_.end(), object,
+                                         [](const Drawn& d, scene::ObjectId o) { return d.object < o; });
+        if (at != drawn_.end() && at->object == object) return true;
+    }
+    return false;
+}
+
+void ViewTracker::plan_restless(const FrameMobility& frame, ViewPlan& plan)
+{
+    plan.kind = ViewPlan::Kind::restless;
+    drawn_.clear();
+    const auto count = static_cast<scene::ObjectId>(frame.is_dynamic.size());
+    for (scene::ObjectId object = 0; object < count; ++object) {
+        const Rect rect = frame.casters.footprint(projection_, frame.state, object);
+        if (rect.empty()) continue;
+        drawn_.push_back({object, rect});
+        plan.dynamics.push_back(object);
+    }
+    plan.receivers = plan.dynamics;
+    touched_ += count;
+}
+
+void ViewTracker::plan_whole(const FrameMobility& frame, bool receivers, ViewPlan& plan)
+{
+    plan.kind = ViewPlan::Kind::whole;
+    index_.clear();
+    plan.rebuild.push_back(projection_.whole());
+    const auto count = static_cast<scene::ObjectId>(frame.is_dynamic.size());
+    for (scene::ObjectId object = 0; object < count; ++object) {
+        if (frame.is_dynamic[object]) continue;
+        const Rect rect = frame.casters.footprint(projection_, frame.state, object);
+        if (rect.empty()) continue;
+        index_.insert(object, rect);
+        plan.redraw.push_back({object, 0});
+    }
+    for (const Drawn& drawn : present_) plan.dynamics.push_back(drawn.object);
+    if (receivers) {
+        for (const ViewPlan::Redraw& redraw : plan.redraw) plan.receivers.push_back(redraw.object);
+        plan.receivers.insert(plan.receivers.end(), plan.dynamics.begin(), plan.dynamics.end());
+        std::sort(plan.receivers.begin(), plan.receivers.end());
+    }
+    std::swap(drawn_, present_);
+    statics_known_ = true;
+    touched_ += count;
+}
+
+void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, ViewPlan& plan)
+{
+    // Sort out what changed among static objects: what left its place (SD), what came to rest (DS).
+    for (const scene::ObjectId object : frame.changed) {
+        ++touched_;
+        if (index_.contains(object)) {
+            plan.rebuild.push_back(index_.rect(object));
+            index_.erase(object);
+        }
+        if (frame.is_dynamic[object]) continue;
+        const Rect rect = frame.casters.footprint(projection_, frame.state, object);
+        if (!rect.empty()) plan.settle.push_back({object, rect});
+    }
+
+    // Find out whether anything dynamic changed: came, went, or moved within its place.
+    bool moved = drawn_ != present_;
+    for (std::size_t i = 0; !moved && i < present_.size(); ++i) moved = holds(frame.changed, present_[i].object);
+    if (!moved && plan.rebuild.empty() && plan.settle.empty()) return;
+    plan.kind = ViewPlan::Kind::incremental;
+
+    // List the rectangles in which depths may differ from the last frame's, for the textures of what lies in them.
+    std::vector<Rect> dirty;
+    if (receivers) {
+        dirty = plan.rebuild;
+        for (const ViewPlan::Settle& settle : plan.settle) dirty.push_back(settle.rect);
+        const auto changes = [&](const Drawn& d) {
+            if (holds(frame.changed, d.object)) dirty.push_back(d.rect);
+        };
+        for (const Drawn& d : drawn_) changes(d);
+        for (const Drawn& d : present_) changes(d);
+    }
+
+    // Erase what was dynamic; it lies on top of the static depths.
+    for (const Drawn& drawn : drawn_) plan.erase.push_back(drawn.rect);
+    join_if_larger(plan.erase, projection_.whole());
+
+    // Rebuild the places of what stood still and no longer does, with the static objects that meet them.
+    join_overlapping(plan.rebuild);
+    join_if_larger(plan.rebuild, projection_.whole());
+    for (std::size_t r = 0; r < plan.rebuild.size(); ++r) {
+        found_.clear();
+        index_.query(plan.rebuild[r], found_);
+        sort_unique(found_);
+        for (const scene::ObjectId object : found_) plan.redraw.push_back({object, static_cast<std::uint32_t>(r)});
+    }
+
+    // Add what has come to rest, and draw what moves.
+    for (const ViewPlan::Settle& settle : plan.settle) index_.insert(settle.object, settle.rect);
+    for (const Drawn& drawn : present_) plan.dynamics.push_back(drawn.object);
+
+    if (receivers) {
+        plan.receivers = plan.dynamics;
+        join_overlapping(dirty);
+        for (const Rect& rect : dirty) index_.query(rect, plan.receivers);
+        sort_unique(plan.receivers);
+    }
+    std::swap(drawn_, present_);
+}
+
+}   // namespace gnomon::light_views
