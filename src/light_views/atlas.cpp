@@ -37,7 +37,7 @@ Atlas make_atlas(std::span<const int> views, const AtlasOptions& options)
     std::int64_t texels = 0;
     const auto cost = [&](std::size_t l) { return static_cast<std::int64_t>(size[l]) * size[l] * views[l]; };
     for (std::size_t l = 0; l < views.size(); ++l) {
-        size[l] = std::max(views[l] > 1 ? options.view_size / 2 : options.view_size, options.least_size);
+        size[l] = std::max(views[l] > 2 ? options.view_size / 2 : options.view_size, options.least_size);
         texels += cost(l);
     }
     while (texels > options.budget_texels) {

@@ -33,7 +33,7 @@ struct Atlas {
     std::int64_t texels() const;
 };
 
-/// @param views  of each light: 1 or 6
+/// @param views  of each light: 1, 2 or 6
 /// @throws MissingError  if the budget does not even hold squares of the least size
 Atlas make_atlas(std::span<const int> views, const AtlasOptions& options);
 

@@ -7,10 +7,10 @@ namespace gnomon::light_views {
 
 namespace {
 
-Atlas atlas_of(const scene::Scene& scene, const LightViewsOptions& options)
+Atlas atlas_of(const scene::Scene& scene, const SceneBounds& bounds, const LightViewsOptions& options)
 {
     std::vector<int> views;
-    for (const scene::Light& light : scene.lights) views.push_back(view_count(light, options.projection));
+    for (const scene::Light& light : scene.lights) views.push_back(view_count(light, bounds, options.projection));
     return make_atlas(views, options.atlas);
 }
 
@@ -25,7 +25,7 @@ LightViews::LightViews(const scene::SceneState& state, const LightViewsOptions& 
     : options_(options),
       casters_(state),
       bounds_(clip_bounds(state.scene())),
-      atlas_(atlas_of(state.scene(), options)),
+      atlas_(atlas_of(state.scene(), bounds_, options)),
       mobility_(state.scene().objects.size(), options.quiet_frames),
       is_dynamic_(state.scene().objects.size(), 0)
 {

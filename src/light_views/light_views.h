@@ -60,6 +60,7 @@ class LightViews {
     /// A light's views are views()[first_view(light)] and those after it.
     std::uint32_t first_view(scene::LightId light) const { return atlas_.first_tile[light]; }
     const ViewTracker& tracker(std::size_t view) const { return trackers_[view]; }
+    const SceneBounds& bounds() const { return bounds_; }
     const Casters& casters() const { return casters_; }
     bool is_dynamic(scene::ObjectId object) const { return is_dynamic_[object] != 0; }
     const LightViewsCounts& counts() const { return counts_; }
@@ -70,7 +71,7 @@ class LightViews {
 
     LightViewsOptions options_;
     Casters casters_;
-    Box3 bounds_;   // of the whole clip
+    SceneBounds bounds_;
     Atlas atlas_;
     scene::Mobility mobility_;
     std::vector<LightView> views_;

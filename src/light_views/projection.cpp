@@ -33,24 +33,42 @@ ViewProjection perspective(const glm::dvec3& right, const glm::dvec3& down, cons
     p[2][3] = 1;
     ViewProjection view;
     view.clip_from_world = glm::mat4(p * view_matrix(right, down, forward, eye));
-    view.eye = glm::vec3(eye);
-    view.near = static_cast<float>(near);
+    view.origin = glm::vec3(eye);
+    view.forward = glm::vec3(forward);
+    view.across = glm::vec3(tangent * right);
+    view.down = glm::vec3(tangent * down);
+    view.reach = static_cast<float>(near);
     view.size = size;
     return view;
 }
 
-ViewProjection orthographic(const glm::vec3& direction, const Box3& bounds, double stretch, int size)
+struct Extent {
+    glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+};
+
+// Of a box along three axes.
+Extent extent_of(const Box3& box, const glm::dvec3& right, const glm::dvec3& down, const glm::dvec3& forward)
+{
+    Extent extent;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                           corner & 4 ? box.high.z : box.low.z);
+        const glm::dvec3 q(glm::dot(right, p), glm::dot(down, p), glm::dot(forward, p));
+        extent.low = glm::min(extent.low, q), extent.high = glm::max(extent.high, q);
+    }
+    return extent;
+}
+
+// Sees what lies over or under `seen`, from one end of `bounds` to the other.
+ViewProjection orthographic(const glm::vec3& direction, const Box3& seen, const Box3& bounds, double stretch, int size)
 {
     glm::vec3 s, t;
     make_basis(direction, s, t);
     const glm::dvec3 right(s), down(t), forward(direction);
-    glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
-                           corner & 4 ? bounds.high.z : bounds.low.z);
-        const glm::dvec3 q(glm::dot(right, p), glm::dot(down, p), glm::dot(forward, p));
-        low = glm::min(low, q), high = glm::max(high, q);
-    }
+    Extent extent = extent_of(seen, right, down, forward);
+    const Extent all = extent_of(bounds, right, down, forward);
+    glm::dvec3 &low = extent.low, &high = extent.high;
+    low.z = all.low.z, high.z = all.high.z;
     const glm::dvec3 middle = 0.5 * (low + high);
     // A hair more than the bounds, so that what touches them is inside; never zero.
     constexpr double k_room = 1.0001, k_smallest = 1e-6;
@@ -64,7 +82,11 @@ ViewProjection orthographic(const glm::vec3& direction, const Box3& bounds, doub
     p[3][2] = 0.5 + 0.5 * middle.z / half_depth;
     ViewProjection view;
     view.clip_from_world = glm::mat4(p * view_matrix(right, down, forward, glm::dvec3(0)));
-    view.eye = -direction;
+    view.origin = glm::vec3(middle.x * right + middle.y * down + (middle.z - half_depth) * forward);
+    view.forward = direction;
+    view.across = glm::vec3(half * right);
+    view.down = glm::vec3(half * down);
+    view.reach = static_cast<float>(2 * half_depth);
     view.perspective = false;
     view.size = size;
     return view;
@@ -77,24 +99,39 @@ bool ViewProjection::same_bits(const ViewProjection& other) const
     return std::memcmp(&clip_from_world, &other.clip_from_world, sizeof clip_from_world) == 0 && size == other.size;
 }
 
-int view_count(const scene::Light& light, const ProjectionOptions& options)
+int view_count(const scene::Light& light, const SceneBounds& bounds, const ProjectionOptions& options)
 {
-    if (light.type == scene::LightType::point) return 6;
-    return light.type == scene::LightType::spot && static_cast<double>(light.outer_angle) > options.widest_spot ? 6 : 1;
+    switch (light.type) {
+        case scene::LightType::point:
+            return 6;
+        case scene::LightType::spot:
+            return static_cast<double>(light.outer_angle) > options.widest_spot ? 6 : 1;
+        case scene::LightType::directional:
+            break;
+    }
+    const auto whole = static_cast<double>(bounds.whole.diagonal()),
+               dense = static_cast<double>(bounds.dense.diagonal());
+    return dense > 0 && whole > options.dense_gain * dense ? 2 : 1;
 }
 
-std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state, const Box3& bounds,
-                                    int size, const ProjectionOptions& options)
+std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state,
+                                    const SceneBounds& bounds, int size, const ProjectionOptions& options)
 {
     GNOMON_CHECK_LT(2 * options.border, size);
     const double stretch = static_cast<double>(size) / (size - 2 * options.border);
-    if (light.type == scene::LightType::directional) return {orthographic(state.direction, bounds, stretch, size)};
+    const int count = view_count(light, bounds, options);
+    if (light.type == scene::LightType::directional) {
+        const ViewProjection everything = orthographic(state.direction, bounds.whole, bounds.whole, stretch, size);
+        if (count == 1) return {everything};
+        return {orthographic(state.direction, bounds.dense, bounds.whole, stretch, size), everything};
+    }
 
-    const double diagonal = bounds.empty() ? 1.0 : std::max(static_cast<double>(bounds.diagonal()), 1e-6);
+    const Box3& whole = bounds.whole;
+    const double diagonal = whole.empty() ? 1.0 : std::max(static_cast<double>(whole.diagonal()), 1e-6);
     const double near = options.near_fraction * diagonal;
     const glm::dvec3 eye(state.position);
     std::vector<ViewProjection> views;
-    if (view_count(light, options) == 1) {
+    if (count == 1) {
         glm::vec3 s, t;
         make_basis(state.direction, s, t);
         const double tangent = std::tan(static_cast<double>(light.outer_angle)) * stretch;
@@ -127,7 +164,7 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
     };
     std::array<Corner, 8> corners;
     int behind = 0;
-    const double w_least = view.perspective ? 0.5 * static_cast<double>(view.near) : 0.0;
+    const double w_least = view.perspective ? 0.5 * static_cast<double>(view.reach) : 0.0;
     for (int i = 0; i < 8; ++i) {
         const glm::dvec4 p(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
                            i & 4 ? box.high.z : box.low.z, 1);
@@ -168,38 +205,6 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
     };
     const Rect rect{texel(low[0], -1), texel(low[1], -1), texel(high[0], 1), texel(high[1], 1)};
     return rect.empty() ? Rect{} : rect;
-}
-
-Box3 clip_bounds(const scene::Scene& scene, int most_times)
-{
-    Box3 bounds;
-    std::vector<Box3> boxes;
-    for (const scene::Mesh& mesh : scene.meshes) {
-        Box3 box = mesh.bounds();
-        if (mesh.vertex_keys)
-            for (const auto& key : mesh.vertex_keys->positions)
-                for (const glm::vec3& p : key) box.add(p);
-        boxes.push_back(box);
-    }
-    const auto add = [&](const scene::Object& object, double time) {
-        const Box3& box = boxes[object.mesh];
-        if (box.empty()) return;
-        const glm::dmat4 world = scene.world_matrix(object.node, time);
-        for (int i = 0; i < 8; ++i) {
-            const glm::dvec3 p(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
-                               i & 4 ? box.high.z : box.low.z);
-            const glm::vec3 q(transform_point(world, p));
-            if (is_finite(q)) bounds.add(q);
-        }
-    };
-    const int frames = std::max(scene.timeline.frames, 1), times = std::min(frames, most_times);
-    for (const scene::Object& object : scene.objects)
-        for (int i = 0; i < (object.dynamic ? times : 1); ++i) {
-            const int frame =
-                times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
-            add(object, scene.timeline.time_of(frame));
-        }
-    return bounds;
 }
 
 }   // namespace gnomon::light_views

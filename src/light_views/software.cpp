@@ -10,7 +10,7 @@ namespace gnomon::light_views {
 namespace {
 
 // Products of two snapped coordinates need more than 64 bits close to the eye.
-__extension__ typedef __int128 Wide;
+__extension__ typedef __int128 Int128;
 
 struct ClipVertex {
     glm::dvec4 at;
@@ -51,6 +51,7 @@ ScreenVertex to_screen(const ClipVertex& v, int size)
 }
 
 // Twice the area of (a, b, p), exact.
+template <class Wide>
 Wide edge(const ScreenVertex& a, const ScreenVertex& b, std::int64_t x, std::int64_t y)
 {
     return static_cast<Wide>(b.x - a.x) * (y - a.y) - static_cast<Wide>(b.y - a.y) * (x - a.x);
@@ -63,10 +64,10 @@ bool owns(const ScreenVertex& a, const ScreenVertex& b)
 }
 
 // Calls body(x, y, weights) for the texels of a triangle within a rectangle.
-template <class Body>
-void for_each_texel(std::array<ScreenVertex, 3> v, const Rect& clip, const Body& body)
+template <class Wide, class Body>
+void walk_texels(std::array<ScreenVertex, 3> v, const Rect& clip, const Body& body)
 {
-    Wide area = edge(v[0], v[1], v[2].x, v[2].y);
+    Wide area = edge<Wide>(v[0], v[1], v[2].x, v[2].y);
     if (area == 0) return;
     if (area < 0) std::swap(v[1], v[2]), area = -area;
     const auto [x_low, x_high] = std::minmax({v[0].x, v[1].x, v[2].x});
@@ -81,7 +82,8 @@ void for_each_texel(std::array<ScreenVertex, 3> v, const Rect& clip, const Body&
     for (int y = from(y_low, clip.y0); y <= to(y_high, clip.y1); ++y)
         for (int x = from(x_low, clip.x0); x <= to(x_high, clip.x1); ++x) {
             const std::int64_t px = x * k_subtexels + k_subtexels / 2, py = y * k_subtexels + k_subtexels / 2;
-            const Wide e[3] = {edge(v[1], v[2], px, py), edge(v[2], v[0], px, py), edge(v[0], v[1], px, py)};
+            const Wide e[3] = {edge<Wide>(v[1], v[2], px, py), edge<Wide>(v[2], v[0], px, py),
+                               edge<Wide>(v[0], v[1], px, py)};
             bool inside = true;
             for (int i = 0; i < 3; ++i) inside &= e[i] > 0 || (e[i] == 0 && own[i]);
             if (!inside) continue;
@@ -89,6 +91,15 @@ void for_each_texel(std::array<ScreenVertex, 3> v, const Rect& clip, const Body&
             body(x, y, v,
                  glm::dvec3(static_cast<double>(e[0]), static_cast<double>(e[1]), static_cast<double>(e[2])) / total);
         }
+}
+
+template <class Body>
+void for_each_texel(const std::array<ScreenVertex, 3>& v, const Rect& clip, const Body& body)
+{
+    constexpr std::int64_t k_short = std::int64_t{1} << 28;   // products of differences fit 64 bits
+    bool fits = true;
+    for (const ScreenVertex& p : v) fits &= std::max(std::abs(p.x), std::abs(p.y)) < k_short;
+    fits ? walk_texels<std::int64_t>(v, clip, body) : walk_texels<Int128>(v, clip, body);
 }
 
 }   // namespace
@@ -143,7 +154,7 @@ void draw_object(SoftwareBuffer& buffer, const ViewProjection& view, const scene
             std::array<ClipVertex, 4> polygon;
             int count = 3;
             if (view.perspective)
-                count = clip_near(corners, static_cast<double>(view.near), polygon);
+                count = clip_near(corners, static_cast<double>(view.reach), polygon);
             else
                 std::copy(corners.begin(), corners.end(), polygon.begin());
             for (int k = 2; k < count; ++k) {

@@ -53,6 +53,8 @@ struct ViewPlan {
     /// Objects whose shadow textures may have changed, ascending: what is drawn in 5 and 7, and static objects whose
     /// footprint meets that of a change, before or after [3.2]. Filled on demand (LightViewsOptions::receivers).
     std::vector<scene::ObjectId> receivers;
+    std::vector<scene::ObjectId>
+        departed;   // had a footprint and have none now; on demand too; for `incremental` alone
 
     void clear();
     std::size_t draws() const { return redraw.size() + settle.size() + dynamics.size(); }
@@ -62,7 +64,8 @@ struct ViewPlan {
 inline void ViewPlan::clear()
 {
     kind = Kind::idle;
-    erase.clear(), rebuild.clear(), redraw.clear(), settle.clear(), dynamics.clear(), receivers.clear();
+    erase.clear(), rebuild.clear(), redraw.clear(), settle.clear(), dynamics.clear(), receivers.clear(),
+        departed.clear();
 }
 
 }   // namespace gnomon::light_views

@@ -84,14 +84,19 @@ void ViewTracker::place_dynamics(const FrameMobility& frame)
     touched_ += frame.dynamics.size();
 }
 
+bool ViewTracker::is_drawn(scene::ObjectId object) const
+{
+    const auto at = std::lower_bound(drawn_.begin(), drawn_.end(), object,
+                                     [](const Drawn& d, scene::ObjectId o) { return d.object < o; });
+    return at != drawn_.end() && at->object == object;
+}
+
 // Whether anything that changed is or was in view. After a restless frame drawn_ holds every object.
 bool ViewTracker::concerned(const FrameMobility& frame) const
 {
     for (const scene::ObjectId object : frame.changed) {
         if (!frame.casters.footprint(projection_, frame.state, object).empty()) return true;
-        const auto at = std::lower_bound(drawn_.begin(), drawn_.end(), object,
-                                         [](const Drawn& d, scene::ObjectId o) { return d.object < o; });
-        if (at != drawn_.end() && at->object == object) return true;
+        if (is_drawn(object)) return true;
     }
     return false;
 }
@@ -140,13 +145,14 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
     // Sort out what changed among static objects: what left its place (SD), what came to rest (DS).
     for (const scene::ObjectId object : frame.changed) {
         ++touched_;
-        if (index_.contains(object)) {
+        const bool was_static = index_.contains(object);
+        if (was_static) {
             plan.rebuild.push_back(index_.rect(object));
             index_.erase(object);
         }
-        if (frame.is_dynamic[object]) continue;
         const Rect rect = frame.casters.footprint(projection_, frame.state, object);
-        if (!rect.empty()) plan.settle.push_back({object, rect});
+        if (receivers && rect.empty() && (was_static || is_drawn(object))) plan.departed.push_back(object);
+        if (!frame.is_dynamic[object] && !rect.empty()) plan.settle.push_back({object, rect});
     }
 
     // Find out whether anything dynamic changed: came, went, or moved within its place.

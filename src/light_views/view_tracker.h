@@ -52,6 +52,7 @@ class ViewTracker {
     void plan_whole(const FrameMobility& frame, bool receivers, ViewPlan& plan);
     void plan_restless(const FrameMobility& frame, ViewPlan& plan);
     void plan_incremental(const FrameMobility& frame, bool receivers, ViewPlan& plan);
+    bool is_drawn(scene::ObjectId object) const;
     bool concerned(const FrameMobility& frame) const;
 
     ViewProjection projection_;

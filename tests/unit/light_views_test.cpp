@@ -131,7 +131,7 @@ TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
 {
     scene::Light light;
     light.type = scene::LightType::point;
-    const auto views = project(light, {.position = {1, 2, 3}}, {{-5, -5, -5}, {5, 5, 5}}, 64, {});
+    const auto views = project(light, {.position = {1, 2, 3}}, {{{-5, -5, -5}, {5, 5, 5}}, {}}, 64, {});
     ASSERT_EQ(views.size(), 6u);
     Random random(1);
     for (int i = 0; i < 1000; ++i) {
