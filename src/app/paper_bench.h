@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The shadow pass of one frame with the published shadow culling, for bench culling: primary hits alone.
-//
-// The ray scene keeps what stands still and what moves in trees of their own, so a full traversal is the first tree,
-// then the second where the first let the ray pass; a traversal of dynamic objects alone is the second.
 
 #include <span>
 #include <vector>
 
 #include "shadow_culling/certified_culling.h"
-#include "shadow_culling/paper_culling.h"
+#include "shadow_culling/paper_tracer.h"
 
 namespace gnomon::app {
 
@@ -45,12 +42,12 @@ class PaperBench {
 
  private:
     struct Worker {
-        ray::RayQueue full, moving;
-        std::vector<std::uint32_t> full_point, moving_point;
-        std::vector<std::uint8_t> hit;
+        shadow_culling::PaperTracer tracer;
+        ray::RayQueue asked;
+        std::vector<std::uint32_t> point;   // by ray of `asked`
+        std::vector<shadow_culling::PrimitiveId> origins;
+        std::vector<std::uint8_t> hit, traced;
     };
-    void trace_full(Worker& worker, shadow_culling::PaperCulling::Notes& notes, int light,
-                    std::span<const shadow_culling::ShadowPoint> points, std::uint8_t* blocked);
 
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
@@ -58,7 +55,6 @@ class PaperBench {
     float ray_end_;
     int width_ = 0;
     std::vector<shadow_culling::PrimaryHit> picture_;
-    std::vector<shadow_culling::PaperCulling::Notes> notes_;   // by worker
     std::vector<Worker> workers_;
 };
 
