@@ -23,10 +23,14 @@ struct RenderOptions {
     ShadowCulling shadow_culling = ShadowCulling::certified;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, shadow
+    /// Instead of the scene's light; the picture is then larger than `size`, see picture_size, and has no other layers.
+    Overlay overlay = Overlay::none;
+    std::optional<int> overlay_light{};   // from 0; none: all lights, a panel each
 };
 
-/// Keeps what stands still from frame to frame. The picture of a frame does not depend on the frames before it, nor on
-/// the number of threads. Not thread-safe: one renderer a thread.
+/// Keeps what stands still from frame to frame. The picture of a frame does not depend on the number of threads, nor on
+/// the frames before it, except with ShadowCulling::paper, whose memory is its history, and with an overlay, which
+/// shows the memory. Not thread-safe: one renderer a thread.
 class Renderer {
  public:
     /// @throws UsageError for options out of range
@@ -48,5 +52,9 @@ class Renderer {
 
 /// The size a scene is rendered at when none is asked for.
 Size default_size(const Scene& scene, const std::string& camera = "auto");
+
+/// The size of the pictures that a renderer with these options makes.
+/// @throws UsageError  no such camera or light; an overlay of a scene without lights, or too large
+Size picture_size(const Scene& scene, const RenderOptions& options);
 
 }   // namespace gnomon

@@ -27,8 +27,13 @@ struct FrameRange {
 };
 
 /// Whether the traced frame remembers which points which lights reach past everything that stands still. `certified`
-/// gives the same picture as `off`, to the bit, with fewer rays.
-enum class ShadowCulling { off, certified };
+/// gives the same picture as `off`, to the bit, with fewer rays. `paper` guesses, as Nah, Park and Han published it in
+/// 2009: its pictures depend on the frames before, and can be wrong.
+enum class ShadowCulling { off, paper, certified };
+
+/// A picture of the method's inside instead of the scene's light. `shadow_states`: per light, what was remembered
+/// where.
+enum class Overlay { none, shadow_states };
 
 enum class ToneMap { none, neutral, agx, aces };
 
@@ -38,6 +43,8 @@ struct FrameCounters {
         std::uint64_t rays = 0;                // shadow rays asked for: (shading point, light) pairs that could be lit
         std::uint64_t rays_skipped = 0;        // of these, answered without any ray
         std::uint64_t rays_dynamic_only = 0;   // of these, traced against what moves alone
+        /// Of these, answered otherwise than by tracing every ray; counted with an overlay of shadow states alone.
+        std::optional<std::uint64_t> rays_wrong;
     } shadow;
     struct Indirect {
         std::uint64_t clusters = 0;

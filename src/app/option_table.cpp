@@ -67,6 +67,10 @@ constexpr Option k_options[] = {
      .help = "only the I-th of N contiguous parts of the range; of a film, its frames alone"},
     {.name = "resume", .verbs = bit(render), .group = k_frames,
      .help = "keep frames that are already complete"},
+    {.name = "warm-up", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = bit(render),
+     .group = k_frames,
+     .help = "render the N frames before the first unseen, so that there is something to remember (default: 0; 8 for one "
+             "picture with --overlay)"},
 
     {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .verbs = k_sized, .group = k_scene,
      .help = "by name, by number from 0, or the first"},
@@ -91,11 +95,18 @@ constexpr Option k_options[] = {
      .verbs = k_pictures, .group = k_look, .help = "in stops; auto: from each frame alone"},
     {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = "none|neutral|agx|aces",
      .verbs = k_pictures, .group = k_look, .help = "how light becomes screen colour"},
-    {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters", .built = false,
-     .verbs = k_pictures, .group = k_look, .help = "colours what was remembered, redrawn, chosen"},
+    {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters",
+     .built_choices = "shadow-states", .verbs = k_pictures, .group = k_look,
+     .help = "colours what was remembered, redrawn, chosen. shadow-states: a panel of --size for each light, yellow: "
+             "nothing static in the way, blue: in shadow, orange: both, light grey: not known, green: may move, dark "
+             "grey: light behind, magenta and cyan: wrong against a trace of every ray"},
+    {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_pictures,
+     .group = k_look, .help = "show shadow states of this light alone, from 0 (default: of all)"},
 
     {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "certified", .choices = "off|paper|certified",
-     .built_choices = "off|certified", .verbs = k_pictures, .group = k_shadows, .help = "remember traced shadows"},
+     .verbs = k_pictures, .group = k_shadows,
+     .help = "remember traced shadows. certified: proven, the same picture as off; paper: guessed as published in 2009, "
+             "can be wrong, depends on the frames before"},
     {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent",
      .built = false, .verbs = k_pictures, .group = k_shadows, .help = "rasterised shadows"},
     {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64, .built = false,

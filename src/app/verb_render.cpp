@@ -23,6 +23,12 @@ ToneMap tonemap_of(const std::string& name)
     return name == "aces" ? ToneMap::aces : ToneMap::neutral;
 }
 
+ShadowCulling culling_of(const std::string& name)
+{
+    if (name == "off") return ShadowCulling::off;
+    return name == "paper" ? ShadowCulling::paper : ShadowCulling::certified;
+}
+
 RenderOptions render_options(const OptionValues& values)
 {
     RenderOptions options;
@@ -30,7 +36,12 @@ RenderOptions render_options(const OptionValues& values)
     options.camera = values.text("camera");
     if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
     options.max_depth = values.integer("max-depth");
-    options.shadow_culling = values.text("shadow-culling") == "off" ? ShadowCulling::off : ShadowCulling::certified;
+    options.shadow_culling = culling_of(values.text("shadow-culling"));
+    if (values.given("overlay")) options.overlay = Overlay::shadow_states;
+    if (values.given("overlay-light")) {
+        if (!values.given("overlay")) throw UsageError("--overlay-light needs --overlay shadow-states");
+        options.overlay_light = values.integer("overlay-light");
+    }
     options.samples = values.integer("samples");
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = tonemap_of(values.text("tonemap"));
@@ -55,6 +66,7 @@ FilmJob film_job(const OptionValues& values, const Scene& scene)
         job.chunk = chunk.number, job.chunks = chunk.of;
     }
     job.resume = values.flag("resume");
+    if (values.given("warm-up")) job.warm_up = values.integer("warm-up");
     job.contact_sheet = values.text("contact-sheet");
     return job;
 }
@@ -64,14 +76,15 @@ Json document_of(const CommandLine& line, const FilmResult& result)
     Json frames = Json::array();
     for (const FrameRecord& record : result.frames) {
         const FrameCounters& counters = record.counters;
+        Json shadow{{"rays", counters.shadow.rays},
+                    {"rays_skipped", counters.shadow.rays_skipped},
+                    {"rays_dynamic_only", counters.shadow.rays_dynamic_only}};
+        if (counters.shadow.rays_wrong) shadow["rays_wrong"] = *counters.shadow.rays_wrong;
         frames.push_back({{"frame", record.frame},
                           {"time", record.time},
                           {"file", record.file.string()},
                           {"ms", record.milliseconds},
-                          {"shadow",
-                           {{"rays", counters.shadow.rays},
-                            {"rays_skipped", counters.shadow.rays_skipped},
-                            {"rays_dynamic_only", counters.shadow.rays_dynamic_only}}},
+                          {"shadow", std::move(shadow)},
                           {"indirect", {{"clusters", counters.indirect.clusters}, {"rays", counters.indirect.rays}}},
                           {"draws", counters.draws}});
     }
@@ -94,6 +107,28 @@ std::string summary_of(const FilmResult& result, double seconds)
     if (result.files.size() == 1) return fmt::format("{} ({})", result.files[0].string(), frames);
     return fmt::format("{} ... {} ({})", result.files.front().string(), result.files.back().string(), frames);
 }
+
+// What the published method answers is no proof, and depends on where it began.
+void warn_of_guesses(const OptionValues& values, Output& output)
+{
+    if (values.text("shadow-culling") != "paper") return;
+    if (!values.given("overlay"))
+        output.warn("--shadow-culling paper guesses: pictures can be wrong; --overlay shadow-states shows where");
+    if (values.given("chunk") || values.given("resume"))
+        output.warn(
+            "--shadow-culling paper remembers earlier frames: with --chunk or --resume, pictures can differ from those "
+            "of one run over all frames; --warm-up N renders the N frames before unseen");
+}
+
+std::string wrong_text(const FilmResult& result)
+{
+    std::uint64_t wrong = 0, asked = 0;
+    for (const FrameRecord& record : result.frames) {
+        wrong += record.counters.shadow.rays_wrong.value_or(0);
+        if (record.counters.shadow.rays_wrong) asked += record.counters.shadow.rays;
+    }
+    return fmt::format("{} of {} shadow results differ from a trace of every ray", wrong, asked);
+}
 }   // namespace
 
 int run_render(const CommandLine& line, Output& output)
@@ -105,6 +140,8 @@ int run_render(const CommandLine& line, Output& output)
     Scene scene = load_scene(line, progress);
     if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
 
+    warn_of_guesses(values, output);
+
     const FilmResult result =
         render_film(scene, renderer, film_job(values, scene), progress, [&](const FrameRecord& r) {
             output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
@@ -114,6 +151,7 @@ int run_render(const CommandLine& line, Output& output)
         });
     for (const std::string& warning : scene.info().warnings) output.warn(warning);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
+    if (values.given("overlay")) output.say(wrong_text(result));
     output.say(summary_of(result, span.count()));
     output.finish(document_of(line, result));
     return 0;

@@ -64,19 +64,6 @@ void paste_smaller(const Image8& picture, int width, int height, Image8& sheet, 
         }
     }
 }
-
-// Cuts off what would leave the cell.
-void draw_text(Image8& sheet, const std::string& text, int left, int top, int width)
-{
-    constexpr int advance = k_dot * (render::k_glyph_width + 1);
-    for (std::size_t i = 0; i < text.size() && static_cast<int>(i + 1) * advance <= width; ++i) {
-        const auto rows = render::glyph(text[i]);
-        for (int y = 0; y < k_dot * render::k_glyph_height; ++y)
-            for (int x = 0; x < k_dot * render::k_glyph_width; ++x)
-                if (rows[static_cast<std::size_t>(y / k_dot)] >> (render::k_glyph_width - 1 - x / k_dot) & 1)
-                    std::fill_n(sheet.pixel(left + static_cast<int>(i) * advance + x, top + y), 3, k_ink);
-    }
-}
 }   // namespace
 
 void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const std::vector<std::string>& labels,
@@ -101,7 +88,7 @@ void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const s
         const int left = k_gap + static_cast<int>(i) % columns * (width + k_gap);
         const int top = k_gap + static_cast<int>(i) / columns * cell_height;
         paste_smaller(picture, width, height, sheet, left, top);
-        draw_text(sheet, labels[i], left, top + height + 2 * k_dot, width);
+        render::draw_text(sheet, labels[i], left, top + height + 2 * k_dot, width, k_dot, k_ink);
     }
     io::write_png(out, sheet);
 }

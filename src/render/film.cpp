@@ -23,6 +23,7 @@ namespace {
 constexpr double k_least_bytes_per_pixel = 0.1;
 constexpr int k_sheet_pictures = 12;
 constexpr int k_sheet_columns = 4;
+constexpr int k_overlay_warm_up = 8;   // frames before a single picture of what is remembered
 
 void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, OutputKind kind)
 {
@@ -35,6 +36,7 @@ void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, Output
             fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, frames.count()));
     if (kind == OutputKind::film && !(job.fps > 0))
         throw UsageError(fmt::format("{}: the film rate must be above 0", out));
+    if (job.warm_up.value_or(0) < 0) throw UsageError("a warm-up has 0 frames or more");
     if (job.contact_sheet.empty()) return;
     if (render::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
     if (render::output_kind(job.contact_sheet) != OutputKind::picture || render::is_exr_name(job.contact_sheet))
@@ -69,6 +71,16 @@ std::vector<std::size_t> sheet_choice(std::size_t frames)
     return chosen;
 }
 
+void warm_up(const Scene& scene, Renderer& renderer, int first, int frames, const Progress& progress)
+{
+    for (int i = 0; i < frames; ++i) {
+        const auto step = [&](const ProgressStep& s) {
+            return !progress || progress({"warming up", (i + s.done) / frames});
+        };
+        renderer.render(scene, std::max(1, first - frames + i), step);
+    }
+}
+
 void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
 {
     std::vector<fs::path> pngs;
@@ -97,8 +109,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
     if (!job.contact_sheet.empty()) render::check_writable(job.contact_sheet);
 
     FilmResult result;
-    result.size = renderer.options().size;
-    if (result.size == Size{}) result.size = default_size(scene, renderer.options().camera);
+    result.size = picture_size(scene, renderer.options());
     check_room(job.out, result.size, range.count());
 
     FramesFolder folder(job.out);
@@ -110,6 +121,9 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
 
     // Render what is not there yet.
     try {
+        const bool one_overlay = renderer.options().overlay != Overlay::none && whole.count() == 1;
+        const int warm_up_frames = job.warm_up.value_or(one_overlay ? k_overlay_warm_up : 0);
+        bool warm = false;
         for (int frame = range.first; frame <= range.last; ++frame) {
             const int index = frame - range.first;
             const auto step = [&](double part) {
@@ -122,6 +136,8 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
             record.kept = job.resume && is_whole(record.file, result.size);
             if (!step(0)) throw InterruptedError("interrupted");
             if (!record.kept) {
+                if (!warm) warm_up(scene, renderer, frame, warm_up_frames, progress);
+                warm = true;
                 const Picture picture =
                     renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
                 picture.write(record.file);

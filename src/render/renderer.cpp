@@ -7,9 +7,11 @@
 #include <chrono>
 
 #include "base/check.h"
+#include "render/state_overlay.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
 #include "shadow_culling/certified_culling.h"
+#include "shadow_culling/paper_culling.h"
 
 namespace gnomon {
 
@@ -45,8 +47,42 @@ void check_options(const RenderOptions& o)
     if (o.samples < 1 || o.samples > 4096) throw UsageError("samples are out of range: 1 to 4096");
     if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
     if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
+    if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
+        throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
 }
 
+// The lights that an overlay shows.
+std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options)
+{
+    const int count = static_cast<int>(scene.lights.size());
+    if (count == 0) throw UsageError("an overlay of shadow states needs a light: the scene has none");
+    std::vector<int> lights;
+    if (options.overlay_light) {
+        if (*options.overlay_light < 0 || *options.overlay_light >= count)
+            throw UsageError(
+                fmt::format("no light {}: the scene has {}, numbered from 0", *options.overlay_light, count));
+        return {*options.overlay_light};
+    }
+    for (int l = 0; l < count; ++l) lights.push_back(l);
+    return lights;
+}
+
+std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::vector<int>& lights, int frame)
+{
+    std::vector<std::string> titles;
+    for (const int l : lights) {
+        const std::string& name = scene.lights[static_cast<std::size_t>(l)].name;
+        const std::string number = fmt::format("light {}", l);
+        titles.push_back(fmt::format("frame {}  {}{}{}", frame, number, name.empty() || name == number ? "" : ": ",
+                                     name == number ? "" : name));
+    }
+    return titles;
+}
+
+Size traced_size(const Scene& scene, const RenderOptions& options)
+{
+    return options.size.width > 0 ? options.size : default_size(scene, options.camera);
+}
 }   // namespace
 
 // What stands still is kept here from frame to frame, as long as the scene is the same.
@@ -59,16 +95,20 @@ struct Renderer::Inside {
     std::unique_ptr<scene::SceneState> state;
     std::unique_ptr<ray::RayScene> rays;
     std::unique_ptr<shadow_culling::CertifiedCulling> culling;
+    std::unique_ptr<shadow_culling::PaperCulling> paper;
     render::FrameBuffers buffers;
+    render::StateMap states;
 
     void follow(const std::shared_ptr<const scene::Scene>& wanted, double time)
     {
         if (wanted != scene) {
             culling.reset();
+            paper.reset();
             rays.reset();
             state = std::make_unique<scene::SceneState>(wanted, time);
             rays = std::make_unique<ray::RayScene>(*state);
             scene = wanted;
+            follow_paper();
             return;
         }
         state->advance(time);
@@ -77,6 +117,13 @@ struct Renderer::Inside {
         if (!culling && options.shadow_culling == ShadowCulling::certified && !scene->lights.empty())
             culling =
                 std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
+        follow_paper();
+    }
+    // The published method learns from the first frame on.
+    void follow_paper()
+    {
+        if (!paper && options.shadow_culling == ShadowCulling::paper)
+            paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
     }
 };
 
@@ -103,11 +150,12 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
 
     const scene::CameraId camera = find_camera(*scene.inside(), options.camera);
+    picture_size(scene, options);   // refuses what cannot be shown
     const auto start = Clock::now();
     const double time = scene.time_of(frame);
     in.follow(scene.inside(), time);
 
-    const Size size = options.size.width > 0 ? options.size : default_size(scene, options.camera);
+    const Size size = traced_size(scene, options);
     render::View view = render::make_view(*in.state, camera, size);
     if (options.turntable_seconds > 0) {
         const double turn = (frame - 1) / scene.fps() / options.turntable_seconds;
@@ -117,10 +165,37 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     render::TracedOptions traced;
     traced.max_depth = options.max_depth;
     traced.samples = options.samples;
-    traced.layers = options.layers;
+    const bool states = options.overlay == Overlay::shadow_states;
+    traced.layers = options.layers && !states;
+    render::Remembered remembered(in.culling.get());
+    remembered.paper = in.paper.get();
+    if (states) {
+        in.states.lights = overlay_lights(*scene.inside(), options);
+        remembered.states = &in.states;
+    }
     Picture picture;
-    picture.counters = render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, in.culling.get(),
-                                           nullptr, progress);
+    try {
+        picture.counters =
+            render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, remembered, nullptr, progress);
+    } catch (...) {
+        in.paper.reset();   // half a frame would be remembered
+        throw;
+    }
+    picture.time = time;
+    picture.frame = frame;
+    if (states) {
+        const bool paper = options.shadow_culling == ShadowCulling::paper;
+        const Image8 image =
+            render::paint_states(in.states, overlay_titles(*scene.inside(), in.states.lights, frame), paper);
+        picture.size = {image.width, image.height};
+        picture.tonemap = ToneMap::none;
+        Layer layer{"", {"R", "G", "B"}, std::vector<float>(image.data.size())};
+        const float* linear = linear_from_srgb8();
+        for (std::size_t i = 0; i < image.data.size(); ++i) layer.data[i] = linear[image.data[i]];
+        picture.layers.push_back(std::move(layer));
+        picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        return picture;
+    }
 
     // Hand the buffers over as layers.
     const auto give = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {
@@ -140,8 +215,6 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     picture.tonemap = options.tonemap;
     picture.exposure = options.exposure ? *options.exposure : render::auto_exposure(in.buffers.color.data);
     picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-    picture.time = time;
-    picture.frame = frame;
     return picture;
 }
 
@@ -149,6 +222,17 @@ Size default_size(const Scene& scene, const std::string& camera)
 {
     const Size own = scene.inside()->cameras[find_camera(*scene.inside(), camera)].resolution;
     return own.width > 0 ? own : k_default_size;
+}
+
+Size picture_size(const Scene& scene, const RenderOptions& options)
+{
+    const Size size = traced_size(scene, options);
+    if (options.overlay == Overlay::none) return size;
+    const std::size_t panels = overlay_lights(*scene.inside(), options).size();
+    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > k_max_pixels)
+        throw UsageError(fmt::format("an overlay of {} lights has more than {} million pixels: choose one light",
+                                     panels, k_max_pixels / 1'000'000));
+    return render::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
 }
 
 }   // namespace gnomon

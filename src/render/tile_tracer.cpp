@@ -28,10 +28,21 @@ float largest_share(const glm::vec3& share)
 }   // namespace
 
 TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-                       const TracedOptions& options, shadow_culling::CertifiedCulling* culling, TraceLog* log)
-    : state_(state), scene_(state.scene()), rays_(rays), view_(view), options_(options), culling_(culling), log_(log)
+                       const TracedOptions& options, const Remembered& remembered,
+                       shadow_culling::PrimaryHit* primary_hits, TraceLog* log)
+    : state_(state),
+      scene_(state.scene()),
+      rays_(rays),
+      view_(view),
+      options_(options),
+      culling_(remembered.certified),
+      paper_(remembered.paper),
+      primary_hits_(primary_hits),
+      states_(remembered.states),
+      log_(log)
 {
     if (culling_) batch_ = culling_->make_batch();
+    if (states_) counters_.shadow.rays_wrong = 0;
 }
 
 void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
@@ -52,8 +63,9 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
         shadow_points_.clear();
         shading_normals_.clear();
         trace_queue(primary_);
+        if (paper_ && sample == 0) note_primary_hits(tile);
         shade_hits(primary_, true, sample);
-        light_points(true);
+        light_points(true, tile, states_ && sample == 0);
 
         for (int depth = 0; depth < options_.max_depth; ++depth) {
             queue_continuations();
@@ -67,7 +79,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
                 trace_queue(*queue);
                 shade_hits(*queue, false, sample);
             }
-            light_points(false);
+            light_points(false, tile, false);
         }
     }
     store(tile, out);
@@ -157,20 +169,36 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
     }
 }
 
+// What the published culling's occlusion test looks at, once all of the picture is there.
+// DEVIATION(Nah 2009, 2.3): with several samples a pixel, the test sees the first of each; the paper has one.
+void TileTracer::note_primary_hits(const TileRect& tile)
+{
+    for (std::size_t i = 0; i < primary_.rays.size(); ++i) {
+        shadow_culling::PrimaryHit hit{shadow_culling::no_primitive, primary_.rays.origin(i),
+                                       primary_.rays.direction(i)};
+        if (hits_.object[i] != scene::none) hit.primitive = paper_->primitive(hits_.object[i], hits_.triangle[i]);
+        primary_hits_[pixel_of_picture(primary_.paths[i].pixel, tile)] = hit;
+    }
+}
+
 // Per light: find the points it reaches, by rays or by memory, and add its light there.
-void TileTracer::light_points(bool primary)
+void TileTracer::light_points(bool primary, const TileRect& tile, bool show_states)
 {
     const std::size_t lights = scene_.lights.size();
     if (culling_) culling_->classify(*batch_, shadow_points_);
     for (std::size_t l = 0; l < lights; ++l) {
         const scene::Light& light = scene_.lights[l];
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+        if (show_states) mark_states(l, tile);
         if (!at.visible || light.color == glm::vec3(0)) continue;
         lit_.clear();
         if (culling_)
             find_lit_by_memory(l);
+        else if (paper_)
+            find_lit_by_paper(l);
         else
             find_lit_by_rays(l);
+        if (states_) check_lit(l, primary, tile);
         for (const std::uint32_t p : lit_) {
             const Point& point = points_[p];
             const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
@@ -186,7 +214,7 @@ void TileTracer::light_points(bool primary)
 }
 
 // One queue of shadow rays from all points that face the light.
-void TileTracer::find_lit_by_rays(std::size_t l)
+void TileTracer::queue_shadow_rays(std::size_t l)
 {
     const scene::Light& light = scene_.lights[l];
     const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
@@ -203,6 +231,11 @@ void TileTracer::find_lit_by_rays(std::size_t l)
         shadow_rays_.push(here.origin, 0, to_light, directional ? k_infinity : k_shadow_end);
         shadow_point_.push_back(p);
     }
+}
+
+void TileTracer::find_lit_by_rays(std::size_t l)
+{
+    queue_shadow_rays(l);
     const std::size_t count = shadow_rays_.size();
     if (count == 0) return;
     counters_.shadow.rays += count;
@@ -227,6 +260,22 @@ void TileTracer::find_lit_by_memory(std::size_t l)
     }
 }
 
+// The same points as far as the published culling is right; fewer rays, guessed from what earlier frames met.
+void TileTracer::find_lit_by_paper(std::size_t l)
+{
+    queue_shadow_rays(l);
+    const std::size_t count = shadow_rays_.size();
+    origins_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const shadow_culling::ShadowPoint& here = shadow_points_[shadow_point_[i]];
+        origins_[i] = paper_->primitive(here.object, here.triangle);
+    }
+    blocked_.resize(count + ray::k_packet_pad);
+    paper_tracer_.answer(*paper_, rays_, static_cast<int>(l), shadow_rays_, origins_, blocked_.data());
+    for (std::size_t i = 0; i < count; ++i)
+        if (!blocked_[i]) lit_.push_back(shadow_point_[i]);
+}
+
 // Queues the rays that go on from the points just shaded, each kind by itself.
 void TileTracer::queue_continuations()
 {
@@ -248,6 +297,13 @@ void TileTracer::queue_continuations()
     }
     std::swap(reflected_, next_reflected_);
     std::swap(refracted_, next_refracted_);
+}
+
+std::size_t TileTracer::pixel_of_picture(std::uint32_t pixel, const TileRect& tile) const
+{
+    const int x = tile.x + static_cast<int>(pixel) % options_.tile,
+              y = tile.y + static_cast<int>(pixel) / options_.tile;
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.size.width) + static_cast<std::size_t>(x);
 }
 
 void TileTracer::store(const TileRect& tile, FrameBuffers& out) const

@@ -3,8 +3,10 @@
 // The work of one tile of the traced frame, with the memory it needs. One a thread, reused from tile to tile.
 
 #include "render/shading.h"
+#include "render/state_map.h"
 #include "render/traced_frame.h"
 #include "shadow_culling/certified_culling.h"
+#include "shadow_culling/paper_tracer.h"
 
 namespace gnomon::render {
 
@@ -14,13 +16,16 @@ struct TileRect {
 
 class TileTracer {
  public:
+    /// @param primary_hits  by pixel of the picture: filled for the published culling, else not touched
     TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-               const TracedOptions& options, shadow_culling::CertifiedCulling* culling, TraceLog* log);
+               const TracedOptions& options, const Remembered& remembered, shadow_culling::PrimaryHit* primary_hits,
+               TraceLog* log);
 
     void trace(const TileRect& tile, FrameBuffers& out);
     const FrameCounters& counters() const { return counters_; }
     /// What its rays saw, for the culling's end of frame; null without culling.
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
+    shadow_culling::PaperCulling::Notes take_notes() { return paper_tracer_.take_notes(); }
 
  private:
     // What a ray in a queue belongs to.
@@ -50,11 +55,18 @@ class TileTracer {
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
-    void light_points(bool primary);
+    void note_primary_hits(const TileRect& tile);
+    void light_points(bool primary, const TileRect& tile, bool show_states);
+    void queue_shadow_rays(std::size_t light);
     void find_lit_by_rays(std::size_t light);
     void find_lit_by_memory(std::size_t light);
+    void find_lit_by_paper(std::size_t light);
+    void mark_states(std::size_t light, const TileRect& tile);
+    StateMark mark_of(std::uint32_t point, std::size_t light, bool& untrusted) const;
+    void check_lit(std::size_t light, bool primary, const TileRect& tile);
     void queue_continuations();
     void store(const TileRect& tile, FrameBuffers& out) const;
+    std::size_t pixel_of_picture(std::uint32_t pixel_of_tile, const TileRect& tile) const;
 
     const scene::SceneState& state_;
     const scene::Scene& scene_;
@@ -63,6 +75,10 @@ class TileTracer {
     const TracedOptions& options_;
     shadow_culling::CertifiedCulling* culling_;
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> batch_;
+    shadow_culling::PaperCulling* paper_;
+    shadow_culling::PaperTracer paper_tracer_;
+    shadow_culling::PrimaryHit* primary_hits_;
+    StateMap* states_;
     TraceLog* log_;
     FrameCounters counters_;
 
@@ -76,6 +92,8 @@ class TileTracer {
     std::vector<glm::vec3> shading_normals_;
     std::vector<std::uint32_t> lit_;   // points that the present light reaches
     std::vector<std::uint8_t> blocked_;
+    std::vector<shadow_culling::PrimitiveId> origins_;   // by shadow ray, for the published culling
+    std::vector<std::uint8_t> found_lit_;                // by point, for the check
 
     std::vector<glm::vec3> color_, direct_, albedo_, normal_;   // by pixel of the tile
     std::vector<float> depth_, shadow_;

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "base/check.h"
+#include "render/state_map.h"
 #include "render/tile_tracer.h"
 
 namespace gnomon::render {
@@ -17,6 +18,7 @@ void add(FrameCounters& sum, const FrameCounters& part)
     sum.shadow.rays += part.shadow.rays;
     sum.shadow.rays_skipped += part.shadow.rays_skipped;
     sum.shadow.rays_dynamic_only += part.shadow.rays_dynamic_only;
+    if (part.shadow.rays_wrong) sum.shadow.rays_wrong = sum.shadow.rays_wrong.value_or(0) + *part.shadow.rays_wrong;
     sum.primary_rays += part.primary_rays;
     sum.reflection_rays += part.reflection_rays;
     sum.refraction_rays += part.refraction_rays;
@@ -31,11 +33,15 @@ void resize(ImageF& image, Size size, int channels)
 }   // namespace
 
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
-                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out,
-                          shadow_culling::CertifiedCulling* culling, TraceLog* log, const Progress& progress)
+                          const TracedOptions& options, Tasks& tasks, FrameBuffers& out, const Remembered& remembered,
+                          TraceLog* log, const Progress& progress)
 {
-    GNOMON_CHECK(!log || (tasks.threads() == 1 && !culling));
+    shadow_culling::CertifiedCulling* const culling = remembered.certified;
+    shadow_culling::PaperCulling* const paper = remembered.paper;
+    GNOMON_CHECK(!culling || !paper);
+    GNOMON_CHECK(!log || (tasks.threads() == 1 && !culling && !paper && !remembered.states));
     if (culling) culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
+    if (paper) paper->begin_frame(state, rays);
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     const Size size = view.size;
     resize(out.color, size, 3);
@@ -44,6 +50,10 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         resize(out.depth, size, 1);
         resize(out.shadow, size, static_cast<int>(state.scene().lights.size()));
     }
+
+    if (remembered.states) remembered.states->start(size);
+    std::vector<shadow_culling::PrimaryHit> primary_hits;   // for the published culling's occlusion test
+    if (paper) primary_hits.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
 
     const int columns = (size.width + options.tile - 1) / options.tile;
     const int rows = (size.height + options.tile - 1) / options.tile;
@@ -56,7 +66,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
         if (stopped) return;
         auto& tracer = workers[static_cast<std::size_t>(worker)];
-        if (!tracer) tracer = std::make_unique<TileTracer>(state, rays, view, options, culling, log);
+        if (!tracer)
+            tracer = std::make_unique<TileTracer>(state, rays, view, options, remembered, primary_hits.data(), log);
         TileRect tile;
         tile.x = static_cast<int>(index) % columns * options.tile;
         tile.y = static_cast<int>(index) / columns * options.tile;
@@ -83,6 +94,16 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.shadow.rays = culled.skipped + culled.dynamic_only + culled.traced;
         counters.shadow.rays_skipped = culled.skipped;
         counters.shadow.rays_dynamic_only = culled.dynamic_only;
+    }
+    if (paper) {
+        std::vector<shadow_culling::PaperCulling::Notes> notes;
+        for (const auto& worker : workers)
+            if (worker) notes.push_back(worker->take_notes());
+        paper->see_picture(primary_hits, static_cast<std::size_t>(size.width));
+        paper->end_frame(notes);
+        counters.shadow.rays = paper->counters().rays;
+        counters.shadow.rays_skipped = paper->counters().skipped;
+        counters.shadow.rays_dynamic_only = paper->counters().dynamic_only;
     }
     return counters;
 }

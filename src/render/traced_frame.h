@@ -22,7 +22,8 @@
 
 namespace gnomon::shadow_culling {
 class CertifiedCulling;
-}
+class PaperCulling;
+}   // namespace gnomon::shadow_culling
 
 namespace gnomon::render {
 
@@ -57,12 +58,22 @@ struct TraceLog {
     std::uint64_t replay(const ray::RayScene& scene) const;
 };
 
-/// @param culling  optional: remembers shadows from frame to frame; the picture is the same to the bit
-/// @param log      optional; only with one thread, and without culling
-/// @throws InterruptedError  progress returned false
+struct StateMap;
+
+/// What is remembered from frame to frame. At most one of the two.
+struct Remembered {
+    shadow_culling::CertifiedCulling* certified = nullptr;   // the picture is the same to the bit
+    shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the picture can be wrong
+    // Optional, its lights set: filled, and every answer is checked by tracing every ray.
+    StateMap* states = nullptr;
+
+    Remembered(shadow_culling::CertifiedCulling* culling = nullptr) : certified(culling) {}   // NOLINT: one or none
+};
+
+/// @param log  optional; only with one thread, and with nothing remembered
+/// @throws InterruptedError  progress returned false; a memory of the published culling is then to be thrown away
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const View& view,
                           const TracedOptions& options, Tasks& tasks, FrameBuffers& out,
-                          shadow_culling::CertifiedCulling* culling = nullptr, TraceLog* log = nullptr,
-                          const Progress& progress = {});
+                          const Remembered& remembered = {}, TraceLog* log = nullptr, const Progress& progress = {});
 
 }   // namespace gnomon::render
