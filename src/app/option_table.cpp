@@ -97,9 +97,8 @@ constexpr Option k_options[] = {
      .verbs = k_pictures, .group = k_look, .help = "how light becomes screen colour"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters",
      .built_choices = "shadow-states", .verbs = k_pictures, .group = k_look,
-     .help = "colours what was remembered, redrawn, chosen. shadow-states: a panel of --size for each light, yellow: "
-             "nothing static in the way, blue: in shadow, orange: both, light grey: not known, green: may move, dark "
-             "grey: light behind, magenta and cyan: wrong against a trace of every ray"},
+     .help = "colours what was remembered, redrawn, chosen. shadow-states: a panel of --size for each light, with a "
+             "legend; what differs from a trace of every ray is counted and glares"},
     {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_pictures,
      .group = k_look, .help = "show shadow states of this light alone, from 0 (default: of all)"},
 

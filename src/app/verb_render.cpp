@@ -140,8 +140,6 @@ int run_render(const CommandLine& line, Output& output)
     Scene scene = load_scene(line, progress);
     if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
 
-    warn_of_guesses(values, output);
-
     const FilmResult result =
         render_film(scene, renderer, film_job(values, scene), progress, [&](const FrameRecord& r) {
             output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
@@ -150,6 +148,7 @@ int run_render(const CommandLine& line, Output& output)
                                                r.counters.reflection_rays, r.counters.refraction_rays));
         });
     for (const std::string& warning : scene.info().warnings) output.warn(warning);
+    warn_of_guesses(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
     if (values.given("overlay")) output.say(wrong_text(result));
     output.say(summary_of(result, span.count()));

@@ -230,8 +230,9 @@ Size picture_size(const Scene& scene, const RenderOptions& options)
     if (options.overlay == Overlay::none) return size;
     const std::size_t panels = overlay_lights(*scene.inside(), options).size();
     if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > k_max_pixels)
-        throw UsageError(fmt::format("an overlay of {} lights has more than {} million pixels: choose one light",
-                                     panels, k_max_pixels / 1'000'000));
+        throw UsageError(
+            fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",
+                        panels, k_max_pixels / 1'000'000));
     return render::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
 }
 
