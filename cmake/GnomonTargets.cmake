@@ -49,3 +49,26 @@ function(gnomon_library name)
     set_target_properties(gnomon_${name} PROPERTIES LINKER_LANGUAGE CXX)
     target_link_libraries(gnomon_${name} PUBLIC gnomon_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
 endfunction()
+
+# gnomon_shaders(TARGET FOLDER): every shader of FOLDER (src/ROOM, say) as SPIR-V words, to be included as
+# "ROOM/NAME.STAGE.inc". The target environment is Vulkan 1.2's: 1.3's would put work group sizes where reflection
+# cannot read them. Not optimised here: that would take the names that bindings go by, and drivers do it anyway.
+function(gnomon_shaders target folder)
+    get_filename_component(room "${folder}" NAME)
+    set(from "${PROJECT_SOURCE_DIR}/${folder}")
+    set(to "${PROJECT_BINARY_DIR}/shaders/${room}")
+    file(GLOB shaders CONFIGURE_DEPENDS "${from}/*.vert" "${from}/*.frag" "${from}/*.comp")
+    file(MAKE_DIRECTORY "${to}")
+    set(outputs "")
+    foreach(shader ${shaders})
+        get_filename_component(name "${shader}" NAME)
+        set(output "${to}/${name}.inc")
+        add_custom_command(OUTPUT "${output}"
+            COMMAND "${GNOMON_GLSLC}" --target-env=vulkan1.2 -Werror -mfmt=c -MD -MF "${output}.d" -MT "${output}"
+                -I "${PROJECT_SOURCE_DIR}/src" -o "${output}" "${shader}"
+            DEPENDS "${shader}" DEPFILE "${output}.d" VERBATIM COMMENT "Compiling shader ${room}/${name}")
+        list(APPEND outputs "${output}")
+    endforeach()
+    target_sources(${target} PRIVATE ${outputs})
+    target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/shaders")
+endfunction()

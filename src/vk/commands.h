@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Work for the device, in passes. A pass declares what it reads and writes; from that, and from how each resource was
+// used last, come the barriers and image layouts. Every pass is labelled for debuggers and timed.
+//
+//     Commands commands(device);
+//     commands.pass("depth").reads(matrices, Use::storage_read).reads(vertices, Use::vertices)
+//         .depth({.image = &depth, .clear = 0.f}).render([&](Recorder& r) {
+//             r.bind(pipeline);
+//             r.set("matrices", matrices);
+//             r.vertex_buffer(0, vertices);
+//             r.draw(vertex_count);
+//         });
+//     Buffer result = commands.read_back(depth);
+//     commands.submit();                        // waits; then result.as<float>()
+//
+// What a pass uses without having declared it, or writes having declared to read, is a failed check. Resources must
+// live until submit() returns. Cost: a few comparisons a resource and pass.
+
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "vk/pipeline.h"
+#include "vk/resource.h"
+
+namespace gnomon::vk {
+
+/// What a pass does with a resource.
+enum class Use : std::uint8_t {
+    sampled,         // by a sampler or texelFetch: images, texel buffers
+    storage_read,    // storage buffers and images
+    storage_write,   // the same, written and perhaps read
+    uniform,         // uniform buffers
+    vertices,        // vertex and index buffers
+    indirect,        // draw parameters
+    copy_source,
+    copy_target,
+    color_target,   // by Pass::color
+    depth_target,   // by Pass::depth
+    depth_test,     // by Pass::depth without writing
+    host_read,      // by read_back
+};
+
+struct Rect {
+    std::int32_t x = 0, y = 0;
+    std::uint32_t width = 0, height = 0;
+};
+
+/// An image rendered into. Without `clear` what is there stays.
+struct ColorTarget {
+    const Image* image = nullptr;
+    std::uint32_t layer = 0;
+    std::optional<VkClearColorValue> clear{};
+};
+struct DepthTarget {
+    const Image* image = nullptr;
+    std::uint32_t layer = 0;
+    std::optional<float> clear{};
+    bool write = true;   // false: compared alone
+};
+
+struct PassTiming {
+    std::string name;
+    double ms = 0;
+};
+
+class Commands;
+
+/// One declared use of a buffer or an image.
+struct ResourceUse {
+    const Buffer* buffer = nullptr;
+    const Image* image = nullptr;
+    Use use{};
+};
+
+/// Records inside one pass.
+class Recorder {
+ public:
+    void bind(const Pipeline& pipeline);
+
+    /// Fills a binding, by its name in the shader. Texel buffers take a format.
+    void set(std::string_view binding, const Buffer& buffer, VkDeviceSize offset = 0,
+             VkDeviceSize bytes = VK_WHOLE_SIZE);
+    void set_texels(std::string_view binding, const Buffer& buffer, VkFormat format);
+    void set(std::string_view binding, const Image& image);                      // storage image, or sampled without
+    void set(std::string_view binding, const Image& image, VkSampler sampler);   // combined
+    void push_constants(const void* data, std::size_t bytes);
+    template <class T>
+    void push(const T& constants)
+    {
+        push_constants(&constants, sizeof constants);
+    }
+
+    // In a rendering pass. Viewport and scissor begin as the whole target, culling as none.
+    void viewport(const Rect& rect);
+    void scissor(const Rect& rect);
+    /// Counter-clockwise on the screen (y down) is the front.
+    void cull(VkCullModeFlags mode);
+    void vertex_buffer(std::uint32_t location, const Buffer& buffer, VkDeviceSize offset = 0);
+    void index_buffer(const Buffer& buffer, VkDeviceSize offset = 0);   // 32-bit
+    void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,
+              std::uint32_t first_instance = 0);
+    void draw_indexed(std::uint32_t indices, std::uint32_t instances = 1, std::uint32_t first_index = 0,
+                      std::int32_t vertex_offset = 0, std::uint32_t first_instance = 0);
+    /// VkDrawIndexedIndirectCommand, one after the other.
+    void draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws);
+    void clear_depth(const Rect& rect, float value);
+
+    // In a compute pass.
+    void dispatch(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
+    /// As many groups as cover that many invocations.
+    void dispatch_over(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
+
+    // In a copy pass.
+    void copy(const Buffer& from, const Buffer& to, std::span<const VkBufferCopy> regions);
+    void copy(const Buffer& from, const Image& to, std::span<const VkBufferImageCopy> regions);
+    void copy(const Image& from, const Buffer& to, std::span<const VkBufferImageCopy> regions);
+    void copy(const Image& from, const Image& to, std::span<const VkImageCopy> regions);
+    void fill(const Buffer& buffer, std::uint32_t word, VkDeviceSize offset = 0, VkDeviceSize bytes = VK_WHOLE_SIZE);
+
+    VkCommandBuffer handle() const { return buffer_; }
+
+ private:
+    friend class Commands;
+    friend class Pass;
+    enum class Kind : std::uint8_t { render, compute, copy };
+    Recorder(VkCommandBuffer buffer, Kind kind, const std::vector<ResourceUse>& uses, const std::string& pass)
+        : buffer_(buffer), kind_(kind), uses_(uses), pass_(pass)
+    {
+    }
+    const Binding& binding(std::string_view name, VkDescriptorType type) const;
+    void write(const Binding& binding, const VkDescriptorBufferInfo* buffer, const VkDescriptorImageInfo* image,
+               const VkBufferView* texels);
+    void declared(const Buffer* buffer, const Image* image, std::initializer_list<Use> any_of) const;
+    void ready() const;
+
+    VkCommandBuffer buffer_;
+    Kind kind_;
+    const std::vector<ResourceUse>& uses_;
+    const std::string& pass_;
+    const Pipeline* pipeline_ = nullptr;
+    std::uint64_t set_ = 0;   // bindings filled, by place in the pipeline's list
+    bool pushed_ = false;
+    std::uint64_t calls_ = 0;   // draws and dispatches
+};
+
+/// Declares one pass; the last call records it.
+class Pass {
+ public:
+    Pass& reads(const Buffer& buffer, Use use);
+    Pass& reads(const Image& image, Use use);
+    Pass& writes(const Buffer& buffer, Use use = Use::storage_write);
+    Pass& writes(const Image& image, Use use = Use::storage_write);
+    Pass& color(const ColorTarget& target);
+    Pass& depth(const DepthTarget& target);
+    /// Part of the targets that is rendered into and cleared; all of them otherwise.
+    Pass& area(const Rect& rect);
+
+    void render(const std::function<void(Recorder&)>& body);
+    void compute(const std::function<void(Recorder&)>& body);
+    void copy(const std::function<void(Recorder&)>& body);
+
+ private:
+    friend class Commands;
+    Pass(Commands& commands, std::string name) : commands_(commands), name_(std::move(name)) {}
+    void record(Recorder::Kind kind, const std::function<void(Recorder&)>& body);
+    void begin_rendering(VkCommandBuffer buffer) const;
+
+    Commands& commands_;
+    std::string name_;
+    std::vector<ResourceUse> uses_;
+    std::vector<ColorTarget> colors_;
+    std::optional<DepthTarget> depth_;
+    std::optional<Rect> area_;
+};
+
+/// Bytes for a place in a buffer.
+struct Upload {
+    const Buffer* to = nullptr;
+    VkDeviceSize offset = 0;
+    std::span<const std::byte> bytes;
+};
+template <class T>
+Upload upload_of(const Buffer& to, std::span<const T> values, VkDeviceSize offset = 0)
+{
+    return {&to, offset, std::as_bytes(values)};
+}
+
+class Commands {
+ public:
+    explicit Commands(const std::shared_ptr<Device>& device);
+    ~Commands();
+    Commands(const Commands&) = delete;
+    Commands& operator=(const Commands&) = delete;
+
+    Pass pass(std::string name) { return {*this, std::move(name)}; }
+    /// Copies the bytes at once and records their way to the buffers, as one pass.
+    void upload(const std::string& name, std::span<const Upload> uploads);
+    /// Records a copy to the host; what it holds is there after submit().
+    Buffer read_back(const Buffer& from);
+    Buffer read_back(const Image& from, std::uint32_t layer = 0);
+
+    /// Sends all that was recorded and waits for it.
+    /// @throws MissingError   the device was lost, or has too little memory
+    /// @throws InternalError  validation had something to say
+    void submit();
+
+    /// Of the last submit, by pass, as the device measures. Mesa's software driver measures draws rightly; what it
+    /// says of compute passes is too little.
+    const std::vector<PassTiming>& timings() const { return timings_; }
+    /// Draw and dispatch calls of the last submit.
+    std::uint64_t draw_calls() const { return draw_calls_; }
+    const std::shared_ptr<Device>& device() const { return device_; }
+
+ private:
+    friend class Pass;
+    friend class Recorder;
+    static constexpr std::uint32_t k_max_timed = 512;   // passes a submit
+    void begin();
+    void barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kind);
+
+    std::shared_ptr<Device> device_;
+    Owned<VkCommandPool> pool_;
+    Owned<VkFence> fence_;
+    Owned<VkQueryPool> queries_;
+    VkCommandBuffer buffer_ = VK_NULL_HANDLE;
+    bool recording_ = false;
+    std::vector<Buffer> staging_;   // until submit
+    std::vector<std::string> timed_;
+    std::vector<PassTiming> timings_;
+    std::uint64_t draw_calls_ = 0;
+};
+
+}   // namespace gnomon::vk

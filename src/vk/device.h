@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// A logical device with one queue that draws, computes and copies, and the memory that resources are cut from.
+//
+// Everything made on a device keeps it alive. Not thread-safe: one thread a device.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "vk/instance.h"
+#include "vk/memory.h"
+
+namespace gnomon::vk {
+
+class Device : public std::enable_shared_from_this<Device> {
+ public:
+    /// The first suitable device.
+    /// @throws MissingError  no Vulkan, no suitable device (with the reasons), or it cannot be opened
+    static std::shared_ptr<Device> open();
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    VkDevice handle() const { return handle_; }
+    VkPhysicalDevice physical() const { return info_.handle; }
+    VkQueue queue() const { return queue_; }
+    std::uint32_t queue_family() const { return info_.queue_family; }
+    const DeviceInfo& info() const { return info_; }
+    const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    /// Nanoseconds a timestamp step; 0: no timestamps.
+    double timestamp_period() const { return timestamp_period_; }
+    const Instance& instance() const { return *instance_; }
+    Memory& memory() { return *memory_; }
+
+    /// Names an object for debuggers and validation messages.
+    void name(VkObjectType type, std::uint64_t object, const std::string& name) const;
+
+ private:
+    Device();
+    std::shared_ptr<Instance> instance_;
+    DeviceInfo info_;
+    VkPhysicalDeviceLimits limits_{};
+    double timestamp_period_ = 0;
+    VkDevice handle_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    std::unique_ptr<Memory> memory_;
+};
+
+/// One Vulkan handle with one owner: destroyed with it, moved and never copied.
+template <class Handle>
+class Owned {
+ public:
+    using Destroy = void (*)(const Device&, Handle);
+    Owned() = default;
+    Owned(std::shared_ptr<const Device> device, Handle handle, Destroy destroy)
+        : device_(std::move(device)), handle_(handle), destroy_(destroy)
+    {
+    }
+    Owned(Owned&& other) noexcept { swap(other); }
+    Owned& operator=(Owned&& other) noexcept
+    {
+        Owned(std::move(other)).swap(*this);
+        return *this;
+    }
+    ~Owned()
+    {
+        if (handle_) destroy_(*device_, handle_);
+    }
+    Handle get() const { return handle_; }
+    explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
+    void swap(Owned& other) noexcept
+    {
+        std::swap(device_, other.device_);
+        std::swap(handle_, other.handle_);
+        std::swap(destroy_, other.destroy_);
+    }
+
+ private:
+    std::shared_ptr<const Device> device_;
+    Handle handle_ = VK_NULL_HANDLE;
+    Destroy destroy_ = nullptr;
+};
+
+}   // namespace gnomon::vk

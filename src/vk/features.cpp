@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vk/features.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gnomon::vk {
+
+namespace {
+
+struct NeededFeature {
+    const char* name;
+    VkBool32& (*in)(FeatureChain&);
+};
+
+// Lavapipe of Mesa 22.3 has all of them; so has every desktop processor of the last years.
+const NeededFeature k_needed[] = {
+    {"multiDrawIndirect", [](FeatureChain& f) -> VkBool32& { return f.core.features.multiDrawIndirect; }},
+    {"drawIndirectFirstInstance",
+     [](FeatureChain& f) -> VkBool32& { return f.core.features.drawIndirectFirstInstance; }},
+    {"geometryShader (for primitive numbers in fragments)",
+     [](FeatureChain& f) -> VkBool32& { return f.core.features.geometryShader; }},
+    {"depthClamp", [](FeatureChain& f) -> VkBool32& { return f.core.features.depthClamp; }},
+    {"independentBlend", [](FeatureChain& f) -> VkBool32& { return f.core.features.independentBlend; }},
+    {"fragmentStoresAndAtomics", [](FeatureChain& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
+    {"shaderStorageImageExtendedFormats",
+     [](FeatureChain& f) -> VkBool32& { return f.core.features.shaderStorageImageExtendedFormats; }},
+    {"scalarBlockLayout", [](FeatureChain& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"dynamicRendering", [](FeatureChain& f) -> VkBool32& { return f.v13.dynamicRendering; }},
+    {"synchronization2", [](FeatureChain& f) -> VkBool32& { return f.v13.synchronization2; }},
+};
+
+}   // namespace
+
+FeatureChain::FeatureChain()
+{
+    core.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    v11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES;
+    v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    core.pNext = &v11;
+    v11.pNext = &v12;
+    v12.pNext = &v13;
+}
+
+void need_features(FeatureChain& chain)
+{
+    for (const NeededFeature& needed : k_needed) needed.in(chain) = VK_TRUE;
+}
+
+std::vector<std::string> missing_features(VkPhysicalDevice device)
+{
+    std::vector<std::string> missing;
+    FeatureChain present;
+    vkGetPhysicalDeviceFeatures2(device, &present.core);
+    for (const NeededFeature& needed : k_needed)
+        if (!needed.in(present)) missing.emplace_back(needed.name);
+
+    std::uint32_t count = 0;
+    check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing a device's extensions");
+    std::vector<VkExtensionProperties> all(count);
+    check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data()), "listing a device's extensions");
+    for (const char* extension : k_device_extensions)
+        if (std::none_of(all.begin(), all.end(),
+                         [&](const auto& e) { return std::strcmp(e.extensionName, extension) == 0; }))
+            missing.emplace_back(extension);
+    return missing;
+}
+
+}   // namespace gnomon::vk

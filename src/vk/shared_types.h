@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_VK_SHARED_TYPES_H
+#define GNOMON_VK_SHARED_TYPES_H
+// GLSL's names for types, on the host: for `*_shared.h`, the headers that C++ and GLSL both include. Blocks have the
+// `scalar` layout, which is C++'s own; pipelines check it against the shader all the same.
+
+#ifdef __cplusplus
+#include <cstdint>
+
+#include "base/math.h"
+
+namespace gnomon::vk::shared {
+using uint = std::uint32_t;
+using vec2 = glm::vec2;
+using vec3 = glm::vec3;
+using vec4 = glm::vec4;
+using uvec2 = glm::uvec2;
+using uvec3 = glm::uvec3;
+using uvec4 = glm::uvec4;
+using ivec2 = glm::ivec2;
+using mat3 = glm::mat3;
+using mat4 = glm::mat4;
+}   // namespace gnomon::vk::shared
+// Opens and closes the namespace of a shared header; nothing in GLSL.
+#define GNOMON_SHARED_BEGIN(room)    \
+    namespace gnomon::room::shared { \
+    using namespace gnomon::vk::shared;
+#define GNOMON_SHARED_END }
+#else
+#define GNOMON_SHARED_BEGIN(room)
+#define GNOMON_SHARED_END
+#endif
+
+#endif

@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Vulkan foundation: devices, memory, barriers from declared uses, reflection, and every fault of the machine.
+#include "vk_helpers.h"
+
+#ifdef GNOMON_VULKAN
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include "base/random.h"
+#include "gnomon/error.h"
+#include "vk/barriers.h"
+
+namespace gnomon::test {
+namespace {
+
+constexpr std::uint32_t k_double[] =
+#include "shaders/double.comp.inc"
+    ;
+constexpr std::uint32_t k_triangle_vertex[] =
+#include "shaders/triangle.vert.inc"
+    ;
+constexpr std::uint32_t k_triangle_fragment[] =
+#include "shaders/triangle.frag.inc"
+    ;
+const vk::ShaderCode k_double_code{"double.comp", k_double};
+
+struct Limits {
+    std::uint32_t count, factor;
+};
+// std430 puts a float into a vec3's fourth place.
+struct Item {
+    float place[3];
+    float weight;
+    std::uint32_t flags, unused[3];
+};
+
+class Vulkan : public VulkanTest {};
+
+// The text of what a call throws, which must be of that type.
+template <class Wanted, class Call>
+std::string thrown(const Call& call)
+{
+    try {
+        call();
+    } catch (const Wanted& error) {
+        return error.what();
+    } catch (const std::exception& error) {
+        ADD_FAILURE() << "of another type: " << error.what();
+        return error.what();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return "";
+}
+
+bool has(const std::string& text, const std::string& part)
+{
+    return text.find(part) != std::string::npos;
+}
+
+TEST_F(Vulkan, DevicesAreListedWithReasons)
+{
+    const auto devices = device_->instance().devices();
+    ASSERT_FALSE(devices.empty());
+    EXPECT_TRUE(devices[0].chosen);
+    EXPECT_EQ(devices[0].name, device_->info().name);
+    for (const vk::DeviceInfo& device : devices) EXPECT_FALSE(device.reasons.empty()) << device.name;
+}
+
+TEST_F(Vulkan, ReflectionKnowsBindingsSizesAndOffsets)
+{
+    const vk::Reflection r = vk::reflect(k_double_code);
+    EXPECT_EQ(r.local_size[0], 64u);
+    EXPECT_EQ(r.push_bytes, sizeof(Limits));
+    ASSERT_EQ(r.bindings.size(), 3u);
+    EXPECT_EQ(r.bindings[0].bytes, 4u);
+    EXPECT_FALSE(r.bindings[0].writes);
+    EXPECT_TRUE(r.bindings[1].writes);
+    EXPECT_EQ(r.bindings[2].bytes, sizeof(Item));
+
+    const auto check = [&](const vk::BlockExpectation& e) { vk::check_block(r, k_double_code, e); };
+    const std::string items = r.bindings[2].name;
+    check({"", sizeof(Limits), {{"factor", offsetof(Limits, factor)}}});
+    check({items, sizeof(Item), {{"weight", offsetof(Item, weight)}, {"flags", offsetof(Item, flags)}}});
+    // Every way of differing is found.
+    EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item) + 4, {}}); }), "36 on the host"));
+    EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item), {{"flags", 12}}}); }), "'flags' is at 16"));
+    EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item), {{"flag", 16}}}); }), "no member 'flag'"));
+    EXPECT_TRUE(has(thrown<InternalError>([&] { check({"elsewhere", 4, {}}); }), "no such binding"));
+}
+
+TEST_F(Vulkan, ComputesWhatWasUploadedAndReadsItBack)
+{
+    const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
+    std::vector<std::uint32_t> numbers(1000);
+    std::iota(numbers.begin(), numbers.end(), 7u);
+    Item item{};
+    item.flags = 5;
+    const vk::Buffer source(device_, "source", 4000), target(device_, "target", 4000), items(device_, "items", 32);
+    vk::Commands commands(device_);
+    const vk::Upload uploads[] = {vk::upload_of(source, std::span<const std::uint32_t>(numbers)),
+                                  vk::upload_of(items, std::span<const Item>(&item, 1))};
+    commands.upload("numbers", uploads);
+    // Twice, the second time from the first's result: the barrier between is the builder's.
+    const vk::Buffer* from = &source;
+    const vk::Buffer* to = &target;
+    for (int turn = 0; turn < 2; ++turn, std::swap(from, to))
+        commands.pass("double")
+            .reads(*from, vk::Use::storage_read)
+            .reads(items, vk::Use::storage_read)
+            .writes(*to)
+            .compute([&](vk::Recorder& r) {
+                r.bind(pipeline);
+                r.set(pipeline.bindings()[0].name, *from);
+                r.set(pipeline.bindings()[1].name, *to);
+                r.set(pipeline.bindings()[2].name, items);
+                r.push(Limits{1000, 2});
+                r.dispatch_over(1000);
+            });
+    const vk::Buffer result = commands.read_back(source);
+    commands.submit();
+    for (std::uint32_t i = 0; i < 1000; ++i) ASSERT_EQ(result.as<std::uint32_t>()[i], 4 * (i + 7) + 15);
+    EXPECT_EQ(commands.timings().size(), 4u);
+    EXPECT_EQ(commands.draw_calls(), 2u);
+}
+
+TEST_F(Vulkan, DrawsIndirectlyIntoColourAndReversedDepth)
+{
+    const vk::Pipeline pipeline(device_, vk::GraphicsDesc{.name = "triangle",
+                                                          .vertex = {"triangle.vert", k_triangle_vertex},
+                                                          .fragment = {"triangle.frag", k_triangle_fragment},
+                                                          .colors = {VK_FORMAT_R32G32_UINT},
+                                                          .depth = VK_FORMAT_D32_SFLOAT});
+    // Covers the left half; counter-clockwise as the screen shows it.
+    const float corners[] = {-1, -1, 0.25f, -1, 3, 0.25f, 0, 1, 0.25f, 0, -1, 0.25f};
+    const std::uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    const VkDrawIndexedIndirectCommand draws[] = {{6, 1, 0, 0, 0}, {6, 0, 0, 0, 1}, {6, 1, 0, 0, 2}};
+    const vk::Buffer vertices(device_, "vertices", sizeof corners), triangles(device_, "triangles", sizeof indices),
+        parameters(device_, "parameters", sizeof draws);
+    const vk::Image ids(device_, {.name = "ids",
+                                  .width = 8,
+                                  .height = 8,
+                                  .format = VK_FORMAT_R32G32_UINT,
+                                  .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT});
+    const vk::Image depth(device_, {.name = "depth",
+                                    .width = 8,
+                                    .height = 8,
+                                    .format = VK_FORMAT_D32_SFLOAT,
+                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
+    vk::Commands commands(device_);
+    const vk::Upload uploads[] = {vk::upload_of(vertices, std::span<const float>(corners)),
+                                  vk::upload_of(triangles, std::span<const std::uint32_t>(indices)),
+                                  vk::upload_of(parameters, std::span<const VkDrawIndexedIndirectCommand>(draws))};
+    commands.upload("triangle", uploads);
+    commands.pass("draw")
+        .reads(vertices, vk::Use::vertices)
+        .reads(triangles, vk::Use::vertices)
+        .reads(parameters, vk::Use::indirect)
+        .color({.image = &ids, .clear = VkClearColorValue{}})
+        .depth({.image = &depth, .clear = 0.0f})
+        .render([&](vk::Recorder& r) {
+            r.bind(pipeline);
+            r.vertex_buffer(0, vertices);
+            r.index_buffer(triangles);
+            r.draw_indexed_indirect(parameters, 0, 3);
+        });
+    const vk::Buffer id = commands.read_back(ids), z = commands.read_back(depth);
+    commands.submit();
+    for (std::uint32_t y = 0; y < 8; ++y)
+        for (std::uint32_t x = 0; x < 8; ++x) {
+            const bool inside = id.as<std::uint32_t>()[2 * (8 * y + x)] != 0;
+            ASSERT_EQ(id.as<std::uint32_t>()[2 * (8 * y + x)], x < 4 && inside ? 3u : 0u) << x << ' ' << y;
+            ASSERT_EQ(z.as<float>()[8 * y + x], inside ? 0.75f : 0.0f);
+            if (x < 3) {
+                ASSERT_TRUE(inside) << x << ' ' << y;
+            }
+        }
+}
+
+TEST_F(Vulkan, UndeclaredUsesAreCaught)
+{
+    const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
+    const vk::Buffer a(device_, "a", 64), b(device_, "b", 64);
+    vk::Commands commands(device_);
+    const auto record = [&](const std::function<void(vk::Recorder&)>& body) {
+        return thrown<InternalError>([&] {
+            commands.pass("p").reads(a, vk::Use::storage_read).compute([&](vk::Recorder& r) {
+                r.bind(pipeline);
+                body(r);
+            });
+        });
+    };
+    const auto& names = pipeline.bindings();
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set(names[0].name, b); }), "'b' otherwise than declared"));
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set(names[1].name, a); }), "'a' otherwise than declared"));
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set("nothing", a); }), "no binding 'nothing'"));
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.dispatch(1); }), "is not set"));
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.push(1.0f); }), "bytes"));
+}
+
+// The oracle: barriers as they must be for every pair of a write and what follows it.
+TEST(VulkanBarriers, EveryHazardIsWaitedForOnce)
+{
+    const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    const auto use = [&](vk::Use u) { return vk::meaning(u, compute); };
+    vk::UseState state;
+    EXPECT_FALSE(vk::follow(state, use(vk::Use::storage_read), false));   // nothing was written
+    const auto war = vk::follow(state, use(vk::Use::storage_write), false);
+    ASSERT_TRUE(war);
+    EXPECT_EQ(war->from_stages, compute);
+    ASSERT_TRUE(vk::follow(state, use(vk::Use::storage_read), false));   // of the same stage, by the next dispatch
+    EXPECT_FALSE(vk::follow(state, use(vk::Use::storage_read), false));
+    const auto raw = vk::follow(state, use(vk::Use::vertices), false);
+    ASSERT_TRUE(raw);
+    EXPECT_EQ(raw->from_stages, compute);
+    EXPECT_NE(raw->from_access & VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, 0u);
+    EXPECT_FALSE(vk::follow(state, use(vk::Use::vertices), false));   // visible already
+    ASSERT_TRUE(vk::follow(state, use(vk::Use::indirect), false));    // to another stage
+    const auto waw = vk::follow(state, use(vk::Use::copy_target), false);
+    ASSERT_TRUE(waw);
+    EXPECT_EQ(waw->from_stages & VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT, VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT);
+    EXPECT_EQ(waw->from_stages & VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT);
+
+    // Images wait where their layout changes, between two reads too, and a later read waits for that change.
+    vk::UseState image;
+    ASSERT_TRUE(vk::follow(image, use(vk::Use::color_target), true));
+    ASSERT_TRUE(vk::follow(image, use(vk::Use::sampled), true));
+    EXPECT_FALSE(vk::follow(image, use(vk::Use::sampled), true));
+    ASSERT_TRUE(vk::follow(image, use(vk::Use::copy_source), true));
+    const auto back = vk::follow(image, use(vk::Use::sampled), true);
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->from_layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+}
+
+TEST_F(Vulkan, MemoryIsCutReusedAndGivenBack)
+{
+    Random random(3);
+    std::vector<vk::Buffer> buffers;
+    std::uint64_t stamp = 0;
+    std::vector<std::uint64_t> stamps;
+    for (int turn = 0; turn < 400; ++turn) {
+        if (buffers.size() < 40 || random.below(2)) {
+            buffers.emplace_back(device_, "piece", 8 + 8 * random.below(20000), vk::Access::upload);
+            for (std::uint64_t& word : buffers.back().as<std::uint64_t>()) word = stamp;
+            stamps.push_back(stamp++);
+        } else {
+            const std::uint32_t which = random.below(static_cast<std::uint32_t>(buffers.size()));
+            std::swap(buffers[which], buffers.back());
+            std::swap(stamps[which], stamps.back());
+            buffers.pop_back();
+            stamps.pop_back();
+        }
+    }
+    // No two pieces overlap: each still holds its own stamp.
+    for (std::size_t i = 0; i < buffers.size(); ++i)
+        for (const std::uint64_t word : buffers[i].as<std::uint64_t>()) ASSERT_EQ(word, stamps[i]);
+    EXPECT_EQ(device_->memory().counts().pieces, buffers.size());
+    EXPECT_LE(device_->memory().counts().blocks, 2u);
+    buffers.clear();
+    EXPECT_EQ(device_->memory().counts().bytes_allocated, 0u);
+    const vk::Buffer large(device_, "large", vk::Memory::k_block_bytes + 1);
+    EXPECT_EQ(device_->memory().counts().blocks, 1u);
+}
+
+// Faults, played at the loader's entry points. Each is a MissingError of one line.
+
+TEST_F(Vulkan, FaultNoDriver)
+{
+    const Replaced none(
+        vkEnumeratePhysicalDevices, +[](VkInstance, std::uint32_t* count, VkPhysicalDevice*) -> VkResult {
+            *count = 0;
+            return VK_SUCCESS;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "no device"));
+}
+
+TEST_F(Vulkan, FaultNoInstance)
+{
+    device_.reset();
+    const Replaced broken(
+        vkCreateInstance, +[](const VkInstanceCreateInfo*, const VkAllocationCallbacks*, VkInstance*) -> VkResult {
+            return VK_ERROR_INCOMPATIBLE_DRIVER;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "no driver is installed"));
+}
+
+TEST_F(Vulkan, FaultOldDriver)
+{
+    static PFN_vkGetPhysicalDeviceProperties2 real;
+    real = vkGetPhysicalDeviceProperties2;
+    const Replaced old(
+        vkGetPhysicalDeviceProperties2, +[](VkPhysicalDevice d, VkPhysicalDeviceProperties2* p) {
+            real(d, p);
+            p->properties.apiVersion = VK_API_VERSION_1_1;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "Vulkan 1.1, not 1.3"));
+}
+
+TEST_F(Vulkan, FaultMissingFeature)
+{
+    static PFN_vkGetPhysicalDeviceFeatures2 real;
+    real = vkGetPhysicalDeviceFeatures2;
+    const Replaced less(
+        vkGetPhysicalDeviceFeatures2, +[](VkPhysicalDevice d, VkPhysicalDeviceFeatures2* f) {
+            real(d, f);
+            f->features.multiDrawIndirect = VK_FALSE;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "lacks multiDrawIndirect"));
+}
+
+TEST_F(Vulkan, FaultMissingExtension)
+{
+    const Replaced less(
+        vkEnumerateDeviceExtensionProperties,
+        +[](VkPhysicalDevice, const char*, std::uint32_t* count, VkExtensionProperties*) -> VkResult {
+            *count = 0;
+            return VK_SUCCESS;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "VK_KHR_push_descriptor"));
+}
+
+TEST_F(Vulkan, FaultTooLittleMemory)
+{
+    const Replaced full(
+        vkAllocateMemory,
+        +[](VkDevice, const VkMemoryAllocateInfo*, const VkAllocationCallbacks*, VkDeviceMemory*) -> VkResult {
+            return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([&] { vk::Buffer(device_, "big", 64 << 20); }),
+                    "taking 64 MiB for buffer 'big' failed: out of device memory"));
+    EXPECT_TRUE(
+        has(thrown<MissingError>([&] { vk::Image(device_, {.name = "picture", .usage = VK_IMAGE_USAGE_SAMPLED_BIT}); }),
+            "image 'picture'"));
+}
+
+TEST_F(Vulkan, FaultImageBeyondTheDevice)
+{
+    EXPECT_TRUE(has(thrown<MissingError>([&] {
+                        vk::Image(device_,
+                                  {.name = "wall", .width = 1 << 20, .height = 1, .usage = VK_IMAGE_USAGE_SAMPLED_BIT});
+                    }),
+                    "more than the device's"));
+}
+
+TEST_F(Vulkan, FaultDeviceLost)
+{
+    vk::Commands commands(device_);
+    const vk::Buffer buffer(device_, "buffer", 64);
+    commands.pass("fill").writes(buffer, vk::Use::copy_target).copy([&](vk::Recorder& r) { r.fill(buffer, 1); });
+    const Replaced lost(
+        vkQueueSubmit2,
+        +[](VkQueue, std::uint32_t, const VkSubmitInfo2*, VkFence) -> VkResult { return VK_ERROR_DEVICE_LOST; });
+    EXPECT_TRUE(has(thrown<MissingError>([&] { commands.submit(); }), "the device was lost"));
+}
+
+TEST_F(Vulkan, FaultDeviceLostWhileWaiting)
+{
+    vk::Commands commands(device_);
+    const vk::Buffer buffer(device_, "buffer", 64);
+    commands.pass("fill").writes(buffer, vk::Use::copy_target).copy([&](vk::Recorder& r) { r.fill(buffer, 1); });
+    static PFN_vkWaitForFences real;
+    real = vkWaitForFences;
+    const Replaced lost(
+        vkWaitForFences,
+        +[](VkDevice d, std::uint32_t n, const VkFence* f, VkBool32 all, std::uint64_t time) -> VkResult {
+            real(d, n, f, all, time);
+            return VK_ERROR_DEVICE_LOST;
+        });
+    EXPECT_TRUE(has(thrown<MissingError>([&] { commands.submit(); }), "waiting for the device failed"));
+}
+
+// That validation is on, and that a message fails the work: a copy beyond a buffer's end.
+TEST_F(Vulkan, ValidationMessagesAreErrors)
+{
+    const vk::Buffer a(device_, "a", 64), b(device_, "b", 64);
+    vk::Commands commands(device_);
+    commands.pass("copy").reads(a, vk::Use::copy_source).writes(b, vk::Use::copy_target).copy([&](vk::Recorder& r) {
+        const VkBufferCopy beyond{0, 32, 64};
+        r.copy(a, b, {&beyond, 1});
+    });
+    EXPECT_TRUE(has(thrown<InternalError>([&] { commands.submit(); }), "Vulkan validation"));
+}
+
+// Synchronisation too: two writes of one place, with nothing between.
+TEST_F(Vulkan, SynchronisationIsValidated)
+{
+    const vk::Buffer a(device_, "a", 64);
+    vk::Commands commands(device_);
+    commands.pass("race").writes(a, vk::Use::copy_target).copy([&](vk::Recorder& r) {
+        r.fill(a, 1);
+        r.fill(a, 2);
+    });
+    EXPECT_TRUE(has(thrown<InternalError>([&] { commands.submit(); }), "HAZARD"));
+}
+
+}   // namespace
+}   // namespace gnomon::test
+#else
+TEST(Vulkan, LeftOut)
+{
+    GNOMON_SKIP_WITHOUT_VULKAN;
+}
+#endif
