@@ -21,6 +21,7 @@ struct RenderOptions {
     std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
+    Indirect indirect = Indirect::visible;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, shadow
     /// Instead of the scene's light; the picture is then larger than `size`, see picture_size, and has no other layers.

@@ -31,6 +31,9 @@ struct FrameRange {
 /// 2009: its pictures depend on the frames before, and can be wrong.
 enum class ShadowCulling { off, paper, certified };
 
+/// Light that arrives by one bounce. `visible` knows what stands between; it is free of noise and of history.
+enum class Indirect { off, visible };
+
 /// A picture of the method's inside instead of the scene's light. `shadow_states`: per light, what was remembered
 /// where.
 enum class Overlay { none, shadow_states };

@@ -111,8 +111,8 @@ constexpr Option k_options[] = {
     {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64, .built = false,
      .verbs = k_pictures, .group = k_shadows, .help = "edge of rasterised shadows in texels; 0: hard"},
 
-    {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "off", .choices = "off|rsm|quadtree|visible",
-     .built_choices = "off", .verbs = k_pictures, .group = k_indirect, .help = "one-bounce light"},
+    {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = "off|rsm|quadtree|visible",
+     .built_choices = "off|visible", .verbs = k_pictures, .group = k_indirect, .help = "one-bounce light"},
     {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = k_many,
      .built = false, .verbs = k_pictures, .group = k_indirect, .help = "of the reflective shadow map"},
     {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6, .built = false,

@@ -37,6 +37,7 @@ RenderOptions render_options(const OptionValues& values)
     if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
     options.max_depth = values.integer("max-depth");
     options.shadow_culling = culling_of(values.text("shadow-culling"));
+    options.indirect = values.text("indirect") == "off" ? Indirect::off : Indirect::visible;
     if (values.given("overlay")) options.overlay = Overlay::shadow_states;
     if (values.given("overlay-light")) {
         if (!values.given("overlay")) throw UsageError("--overlay-light needs --overlay shadow-states");

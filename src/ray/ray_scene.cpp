@@ -57,11 +57,12 @@ Met RayScene::Inside::met(unsigned geometry_id, unsigned instance, unsigned tria
     return {record.object, record.first_triangle + triangle};
 }
 
-void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides) const
+void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
+                       Against against) const
 {
     const Inside& in = *inside_;
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
-    const bool anything_moves = !in.solids.empty();
+    const bool anything_moves = !in.solids.empty() && against == Against::everything;
     RawHits still, moving;
     const auto step = static_cast<std::size_t>(in.width);
     for (std::size_t at = begin; at < end; at += step) {

@@ -74,7 +74,9 @@ class RayScene {
     void update(const scene::SceneState& state);
 
     /// Nearest surface along each ray; transparent ones count. rays[begin, end) only; hits must be sized. Thread-safe.
-    void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides) const;
+    /// @param against  `static_only` or `everything`
+    void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
+                 Against against = Against::everything) const;
     /// blocked[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.
     /// Thread-safe.
     void blocked(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,

@@ -101,6 +101,7 @@ std::uint64_t fingerprint_of(const Scene& shown, const RenderOptions& options)
     print.add(options.tonemap);
     // Certified culling and none give the same pixels; what the published one gives depends on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);
+    print.add(options.indirect);
     print.add(options.overlay), print.add(options.overlay_light.value_or(-1));
     return print.value();
 }

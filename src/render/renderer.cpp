@@ -10,6 +10,7 @@
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
+#include "light_quadtree/visible_light.h"
 #include "shadow_culling/certified_culling.h"
 #include "shadow_culling/paper_culling.h"
 
@@ -96,6 +97,7 @@ struct Renderer::Inside {
     std::unique_ptr<ray::RayScene> rays;
     std::unique_ptr<shadow_culling::CertifiedCulling> culling;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
+    std::unique_ptr<light_quadtree::VisibleLight> visible;
     render::FrameBuffers buffers;
     render::StateMap states;
 
@@ -104,11 +106,15 @@ struct Renderer::Inside {
         if (wanted != scene) {
             culling.reset();
             paper.reset();
+            visible.reset();
             rays.reset();
             state = std::make_unique<scene::SceneState>(wanted, time);
             rays = std::make_unique<ray::RayScene>(*state);
             scene = wanted;
             follow_paper();
+            if (options.indirect == Indirect::visible)
+                visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays, light_quadtree::VisibleOptions{},
+                                                                         tasks);
             return;
         }
         state->advance(time);
@@ -169,6 +175,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     traced.layers = options.layers && !states;
     render::Remembered remembered(in.culling.get());
     remembered.paper = in.paper.get();
+    remembered.visible = states ? nullptr : in.visible.get();
     if (states) {
         in.states.lights = overlay_lights(*scene.inside(), options);
         remembered.states = &in.states;
@@ -179,6 +186,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
             render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, remembered, nullptr, progress);
     } catch (...) {
         in.paper.reset();   // half a frame would be remembered
+        if (in.visible) in.scene.reset();   // so would points that were claimed and not evaluated
         throw;
     }
     picture.time = time;
@@ -207,6 +215,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         give("normal", {"X", "Y", "Z"}, in.buffers.normal);
         give("albedo", {"R", "G", "B"}, in.buffers.albedo);
         give("direct", {"R", "G", "B"}, in.buffers.direct);
+        if (in.visible) give("indirect", {"R", "G", "B"}, in.buffers.indirect);
         std::vector<std::string> lights;
         for (std::size_t l = 0; l < scene.inside()->lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
         if (!lights.empty()) give("shadow", std::move(lights), in.buffers.shadow);

@@ -96,9 +96,14 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
     return reflectance * irradiance * (cosine * soft * s.coverage);
 }
 
-glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene)
+glm::vec3 reflect_diffuse(const SurfacePoint& s, const glm::vec3& irradiance)
 {
-    glm::vec3 result = s.ambient * scene.ambient;
+    return s.diffuse * irradiance * (k_inverse_pi * s.coverage);
+}
+
+glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in)
+{
+    glm::vec3 result = stand_in ? s.ambient * scene.ambient : glm::vec3(0);
     const glm::vec3& albedo = s.model == scene::ShadingModel::whitted ? s.diffuse : s.ambient;
     if (scene.background.kind == scene::Background::Kind::sky) result += albedo * scene.background.ambient(s.normal);
     return result * s.coverage;

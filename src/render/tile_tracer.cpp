@@ -36,12 +36,14 @@ TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays
       view_(view),
       options_(options),
       culling_(remembered.certified),
+      visible_(remembered.visible),
       paper_(remembered.paper),
       primary_hits_(primary_hits),
       states_(remembered.states),
       log_(log)
 {
     if (culling_) batch_ = culling_->make_batch();
+    if (visible_) indirect_batch_ = visible_->make_batch();
     if (states_) counters_.shadow.rays_wrong = 0;
 }
 
@@ -51,6 +53,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
     color_.assign(pixels, glm::vec3(0));
     if (options_.layers) {
         direct_.assign(pixels, glm::vec3(0));
+        indirect_.assign(pixels, glm::vec3(0));
         albedo_.assign(pixels, glm::vec3(0));
         normal_.assign(pixels, glm::vec3(0));
         depth_.assign(pixels, 0);
@@ -66,6 +69,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
         if (paper_ && sample == 0) note_primary_hits(tile);
         shade_hits(primary_, true, sample);
         light_points(true, tile, states_ && sample == 0);
+        bounce_light(true);
 
         for (int depth = 0; depth < options_.max_depth; ++depth) {
             queue_continuations();
@@ -80,6 +84,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
                 shade_hits(*queue, false, sample);
             }
             light_points(false, tile, false);
+            bounce_light(false);
         }
     }
     store(tile, out);
@@ -150,7 +155,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.next = continue_from(s);
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
-        glm::vec3 own = s.emissive * s.coverage + ambient_light(s, scene_);
+        glm::vec3 own = s.emissive * s.coverage + ambient_light(s, scene_, !visible_);
         if (point.next.unresolved_share != glm::vec3(0))
             own += point.next.unresolved_share * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.share * own;
@@ -276,6 +281,30 @@ void TileTracer::find_lit_by_paper(std::size_t l)
         if (!blocked_[i]) lit_.push_back(shadow_point_[i]);
 }
 
+// Adds light that comes by one bounce, wherever a surface scatters light.
+void TileTracer::bounce_light(bool primary)
+{
+    if (!visible_) return;
+    indirect_points_.clear();
+    indirect_point_.clear();
+    for (std::uint32_t p = 0; p < points_.size(); ++p) {
+        const SurfacePoint& s = points_[p].surface;
+        if (s.model == scene::ShadingModel::unlit || s.diffuse == glm::vec3(0)) continue;
+        const shadow_culling::ShadowPoint& here = shadow_points_[p];
+        indirect_points_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
+                                    s.cone.width});
+        indirect_point_.push_back(p);
+    }
+    irradiance_.resize(indirect_points_.size());
+    visible_->shade(*indirect_batch_, indirect_points_, irradiance_.data());
+    for (std::size_t k = 0; k < indirect_point_.size(); ++k) {
+        const Point& point = points_[indirect_point_[k]];
+        const glm::vec3 radiance = point.share * reflect_diffuse(point.surface, irradiance_[k]);
+        color_[point.pixel] += radiance;
+        if (primary && options_.layers) indirect_[point.pixel] += radiance;
+    }
+}
+
 // Queues the rays that go on from the points just shaded, each kind by itself.
 void TileTracer::queue_continuations()
 {
@@ -321,6 +350,7 @@ void TileTracer::store(const TileRect& tile, FrameBuffers& out) const
             put(out.color, px, py, color_[from] * weight);
             if (!options_.layers) continue;
             put(out.direct, px, py, direct_[from] * weight);
+            put(out.indirect, px, py, indirect_[from] * weight);
             put(out.albedo, px, py, albedo_[from] * weight);
             put(out.normal, px, py, normal_[from]);
             out.depth.pixel(px, py)[0] = depth_[from];

@@ -2,6 +2,7 @@
 #pragma once
 // The work of one tile of the traced frame, with the memory it needs. One a thread, reused from tile to tile.
 
+#include "light_quadtree/visible_light.h"
 #include "render/shading.h"
 #include "render/state_map.h"
 #include "render/traced_frame.h"
@@ -25,6 +26,7 @@ class TileTracer {
     const FrameCounters& counters() const { return counters_; }
     /// What its rays saw, for the culling's end of frame; null without culling.
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
+    std::unique_ptr<light_quadtree::VisibleLight::Batch> take_indirect_batch() { return std::move(indirect_batch_); }
     shadow_culling::PaperCulling::Notes take_notes() { return paper_tracer_.take_notes(); }
 
  private:
@@ -64,6 +66,7 @@ class TileTracer {
     void mark_states(std::size_t light, const TileRect& tile);
     StateMark mark_of(std::uint32_t point, std::size_t light, bool& untrusted) const;
     void check_lit(std::size_t light, bool primary, const TileRect& tile);
+    void bounce_light(bool primary);
     void queue_continuations();
     void store(const TileRect& tile, FrameBuffers& out) const;
     std::size_t pixel_of_picture(std::uint32_t pixel_of_tile, const TileRect& tile) const;
@@ -75,6 +78,8 @@ class TileTracer {
     const TracedOptions& options_;
     shadow_culling::CertifiedCulling* culling_;
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> batch_;
+    light_quadtree::VisibleLight* visible_;
+    std::unique_ptr<light_quadtree::VisibleLight::Batch> indirect_batch_;
     shadow_culling::PaperCulling* paper_;
     shadow_culling::PaperTracer paper_tracer_;
     shadow_culling::PrimaryHit* primary_hits_;
@@ -95,7 +100,11 @@ class TileTracer {
     std::vector<shadow_culling::PrimitiveId> origins_;   // by shadow ray, for the published culling
     std::vector<std::uint8_t> found_lit_;                // by point, for the check
 
-    std::vector<glm::vec3> color_, direct_, albedo_, normal_;   // by pixel of the tile
+    std::vector<light_quadtree::IndirectPoint> indirect_points_;
+    std::vector<std::uint32_t> indirect_point_;   // of points_
+    std::vector<glm::vec3> irradiance_;
+
+    std::vector<glm::vec3> color_, direct_, indirect_, albedo_, normal_;   // by pixel of the tile
     std::vector<float> depth_, shadow_;
 };
 

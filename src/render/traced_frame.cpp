@@ -42,11 +42,12 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     GNOMON_CHECK(!log || (tasks.threads() == 1 && !culling && !paper && !remembered.states));
     if (culling) culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
     if (paper) paper->begin_frame(state, rays);
+    if (remembered.visible) remembered.visible->begin_frame(state, rays, tasks);
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     const Size size = view.size;
     resize(out.color, size, 3);
     if (options.layers) {
-        for (ImageF* image : {&out.direct, &out.albedo, &out.normal}) resize(*image, size, 3);
+        for (ImageF* image : {&out.direct, &out.indirect, &out.albedo, &out.normal}) resize(*image, size, 3);
         resize(out.depth, size, 1);
         resize(out.shadow, size, static_cast<int>(state.scene().lights.size()));
     }
@@ -94,6 +95,15 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.shadow.rays = culled.skipped + culled.dynamic_only + culled.traced;
         counters.shadow.rays_skipped = culled.skipped;
         counters.shadow.rays_dynamic_only = culled.dynamic_only;
+    }
+    if (remembered.visible) {
+        std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches;
+        for (const auto& worker : workers)
+            if (worker) batches.push_back(worker->take_indirect_batch());
+        remembered.visible->end_frame(batches);
+        const light_quadtree::VisibleCounters& c = remembered.visible->counters();
+        counters.indirect.rays = c.rays;
+        counters.indirect.clusters = c.nodes;
     }
     if (paper) {
         std::vector<shadow_culling::PaperCulling::Notes> notes;

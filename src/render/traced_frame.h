@@ -24,6 +24,9 @@ namespace gnomon::shadow_culling {
 class CertifiedCulling;
 class PaperCulling;
 }   // namespace gnomon::shadow_culling
+namespace gnomon::light_quadtree {
+class VisibleLight;
+}
 
 namespace gnomon::render {
 
@@ -42,6 +45,7 @@ struct FrameBuffers {
     ImageF normal;   // 3: shading normal in world space
     ImageF albedo;   // 3
     ImageF direct;   // 3: what lights add at primary hits
+    ImageF indirect;   // 3: what bounced light adds there
     ImageF shadow;   // one channel a light: 1 lit, 0 in shadow or unlit, at primary hits
 };
 
@@ -60,10 +64,11 @@ struct TraceLog {
 
 struct StateMap;
 
-/// What is remembered from frame to frame. At most one of the two.
+/// What is remembered from frame to frame. At most one of the two of shadow culling.
 struct Remembered {
     shadow_culling::CertifiedCulling* certified = nullptr;   // the picture is the same to the bit
     shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the picture can be wrong
+    light_quadtree::VisibleLight* visible = nullptr;   // bounced light; null: none
     // Optional, its lights set: filled, and every answer is checked by tracing every ray.
     StateMap* states = nullptr;
 

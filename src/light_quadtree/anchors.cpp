@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_quadtree/anchors.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "shadow_culling/micro_triangles.h"
+
+namespace gnomon::light_quadtree {
+
+namespace {
+
+// Lattice: bit 63 set | level + 32 (6 bits) | axis and sign (3) | i, j, k + 2^17 (18 each).
+constexpr int k_bias = 1 << 17;
+constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
+constexpr int k_level_bias = 32;
+// Part: bit 62: front | level (4 bits) | triangle (28) | index (16).
+constexpr std::uint32_t k_part_levels = 8;
+
+// The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line in
+// the very plane of a wall would find nothing but rounding.
+constexpr float k_offset[3] = {0.3819660f, 0.2360680f, 0.1458980f};
+
+int axis_of(const glm::vec3& n)
+{
+    const glm::vec3 a = glm::abs(n);
+    return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+}
+
+// 2^level, for the levels of keys.
+float power_of_two(int level)
+{
+    return std::bit_cast<float>(static_cast<std::uint32_t>(level + 127) << 23);
+}
+
+}   // namespace
+
+Detail detail_of(float spacing)
+{
+    const auto bits = std::bit_cast<std::uint32_t>(spacing);
+    const auto mantissa = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f800000u);
+    return {static_cast<int>(bits >> 23) - 127, mantissa - 1};
+}
+
+bool lattice_cell(const IndirectPoint& point, int level, LatticeCell& cell)
+{
+    if (level < -k_level_bias || level >= k_level_bias) return false;
+    const float per_h = power_of_two(-level);
+    const glm::vec3 n = point.geometric_normal;
+    const int axis = axis_of(n), b = (axis + 1) % 3, c = (axis + 2) % 3;
+    const float x = point.position[b] * per_h - k_offset[b], y = point.position[c] * per_h - k_offset[c];
+    const float fi = std::floor(x), fj = std::floor(y);
+    if (!(std::abs(fi) < k_bias - 2 && std::abs(fj) < k_bias - 2)) return false;
+    const float fx = x - fi, fy = y - fj;
+    const std::uint64_t head = (1ull << 63) | (static_cast<std::uint64_t>(level + k_level_bias) << 57) |
+                               (static_cast<std::uint64_t>(2 * axis + (n[axis] < 0 ? 1 : 0)) << 54);
+    const auto bits = [](float f) {
+        return static_cast<std::uint64_t>(static_cast<std::int64_t>(f) + k_bias) & k_coordinate;
+    };
+    // Where the point's own plane meets the lines, in spacings.
+    const float slope_b = -n[b] / n[axis], slope_c = -n[c] / n[axis];
+    const float height = point.position[axis] * per_h - k_offset[axis] + 0.5f - fx * slope_b - fy * slope_c;
+    cell.x = fx, cell.y = fy;
+    for (int corner = 0; corner < 4; ++corner) {
+        const bool right = corner & 1, up = corner >> 1;
+        const float k = std::floor(height + (right ? slope_b : 0) + (up ? slope_c : 0));
+        if (!(std::abs(k) < k_bias - 2)) return false;
+        cell.key[corner] = head | (bits(fi + static_cast<float>(right)) << 36) | (bits(fj + static_cast<float>(up)) << 18) | bits(k);
+    }
+    return true;
+}
+
+LatticeLine lattice_line(AnchorKey key)
+{
+    const float h = lattice_spacing(key);
+    const int code = static_cast<int>((key >> 54) & 7), axis = code / 2;
+    const float sign = code & 1 ? -1.0f : 1.0f;
+    const auto coordinate = [&](int shift, int along) {
+        return (static_cast<float>(static_cast<int>((key >> shift) & k_coordinate) - k_bias) + k_offset[along]) * h;
+    };
+    LatticeLine line{glm::vec3(0), glm::vec3(0)};
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    line.from[b] = coordinate(36, b);
+    line.from[c] = coordinate(18, c);
+    line.from[axis] = coordinate(0, axis) + sign * h;
+    line.direction[axis] = -2 * sign * h;
+    return line;
+}
+
+float lattice_spacing(AnchorKey key)
+{
+    return power_of_two(static_cast<int>((key >> 57) & 63) - k_level_bias);
+}
+
+int lattice_axis(AnchorKey key)
+{
+    return static_cast<int>((key >> 54) & 7) / 2;
+}
+
+bool is_lattice(AnchorKey key)
+{
+    return (key >> 63) != 0;
+}
+
+AnchorKey part_key(std::uint32_t scene_triangle, bool front, float triangle_area, float u, float v, float spacing)
+{
+    const float parts = triangle_area / (spacing * spacing);
+    const float halvings = parts > 1 ? std::ceil(0.5f * std::log2(parts)) : 0.0f;
+    const auto level = static_cast<std::uint32_t>(std::min(halvings, static_cast<float>(k_part_levels)));
+    const std::uint64_t index = shadow_culling::micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level);
+    return (static_cast<std::uint64_t>(front) << 62) | (static_cast<std::uint64_t>(level) << 44) |
+           (static_cast<std::uint64_t>(scene_triangle) << 16) | index;
+}
+
+Part part_of(AnchorKey key)
+{
+    return {static_cast<std::uint32_t>((key >> 16) & ((1u << 28) - 1)), ((key >> 62) & 1) != 0,
+            static_cast<std::uint32_t>((key >> 44) & 15), static_cast<std::uint32_t>(key & 0xffff)};
+}
+
+}   // namespace gnomon::light_quadtree

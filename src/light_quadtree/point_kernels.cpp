@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "light_quadtree/point_kernels.cpp"
+#include <hwy/foreach_target.h>   // first of all
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "light_quadtree/point_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gnomon::light_quadtree::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr float k_tiny = 1e-30f;
+
+// What the four emitters of a quad may do at a point.
+struct Four {
+    alignas(16) float light[4];   // irradiance, visibility apart
+    alignas(16) float most[4];    // that no place inside the node exceeds, nearly
+    alignas(16) float width[4];   // radius over distance
+    alignas(16) float spread[4];   // of the normals: 0 where all agree
+    unsigned there;               // lanes with flux, not wholly below the horizon
+};
+
+HWY_INLINE void evaluate(const EmitterQuad& q, const glm::vec3& origin, const glm::vec3& normal, Four& four)
+{
+    const hn::FixedTag<float, 4> d;
+    const auto inverse_pi = hn::Set(d, static_cast<float>(1 / k_pi)), tiny = hn::Set(d, k_tiny);
+    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    const auto x = hn::Sub(hn::LoadU(d, q.x), hn::Set(d, origin.x));
+    const auto y = hn::Sub(hn::LoadU(d, q.y), hn::Set(d, origin.y));
+    const auto z = hn::Sub(hn::LoadU(d, q.z), hn::Set(d, origin.z));
+    const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+    const auto inverse = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
+    const auto area = hn::Mul(hn::LoadU(d, q.area), inverse_pi);
+    const auto flux = hn::LoadU(d, q.flux);
+    const auto kernel = hn::Mul(hn::Div(inverse_pi, hn::Add(hn::Add(square, area), tiny)), flux);
+    const auto width = hn::Mul(hn::LoadU(d, q.radius), inverse);
+    const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::Set(d, normal.x)), hn::Mul(y, hn::Set(d, normal.y))),
+                                          hn::Mul(z, hn::Set(d, normal.z))),
+                                  inverse);
+    const auto emitter = hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::LoadU(d, q.nx)), hn::Mul(y, hn::LoadU(d, q.ny))),
+                                                 hn::Mul(z, hn::LoadU(d, q.nz))),
+                                         inverse));
+    const auto r = hn::Max(receiver, zero), e = hn::Max(emitter, zero);
+    hn::StoreU(hn::Mul(hn::Mul(r, e), kernel), d, four.light);
+    hn::StoreU(hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Add(e, width), one)), kernel), d, four.most);
+    hn::StoreU(width, d, four.width);
+    const auto nx = hn::LoadU(d, q.nx), ny = hn::LoadU(d, q.ny), nz = hn::LoadU(d, q.nz);
+    hn::StoreU(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), d, four.spread);
+    const auto there = hn::And(hn::Gt(flux, zero), hn::Gt(hn::Add(receiver, width), zero));
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, there, bits);
+    four.there = bits[0] & 15u;
+}
+
+// A node's light from its parts: the kernel is convex, its value at the mean position is too small.
+HWY_INLINE float of_parts(const EmitterTree& tree, NodeId below, float whole, const glm::vec3& origin,
+                          const glm::vec3& normal)
+{
+    if (below == scene::none) return whole;
+    Four parts;
+    evaluate(tree.quad(below), origin, normal, parts);
+    return (parts.light[0] + parts.light[1]) + (parts.light[2] + parts.light[3]);
+}
+
+void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+                 std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
+{
+    // Estimate all light, visibility apart, from an even cut.
+    constexpr float k_even = 0.3f;
+    float total = 0;
+    Four four;
+    stack = tree.roots();
+    while (!stack.empty()) {
+        const NodeId q = stack.back();
+        stack.pop_back();
+        evaluate(tree.quad(q), origin, normal, four);
+        for (unsigned lanes = four.there; lanes != 0; lanes &= lanes - 1) {
+            const auto i = static_cast<unsigned>(__builtin_ctz(lanes));
+            const NodeId below = tree.children(4 * q + i);
+            if (below != scene::none && std::max(four.width[i], four.spread[i]) > k_even)
+                stack.push_back(below);
+            else
+                total += of_parts(tree, below, four.light[i], origin, normal);
+        }
+    }
+    // Refine.
+    const float wrong = options.error * total, negligible = options.negligible * total;
+    float kept = 0;
+    nodes.clear();
+    weights.clear();
+    stack = tree.roots();
+    while (!stack.empty()) {
+        const NodeId q = stack.back();
+        stack.pop_back();
+        const EmitterQuad& quad = tree.quad(q);
+        evaluate(quad, origin, normal, four);
+        for (unsigned lanes = four.there; lanes != 0; lanes &= lanes - 1) {
+            const auto i = static_cast<unsigned>(__builtin_ctz(lanes));
+            const NodeId id = 4 * q + i, below = tree.children(id);
+            if (below != scene::none) {
+                const float width = std::max(four.width[i], four.spread[i]);
+                if (four.most[i] * (width > options.nearest ? 1.0f : width) > wrong) {
+                    stack.push_back(below);
+                    continue;
+                }
+            }
+            const float light = of_parts(tree, below, four.light[i], origin, normal);
+            if (!(light > negligible)) continue;
+            nodes.push_back(id);
+            weights.push_back(light / quad.flux[i]);
+            kept += light;
+        }
+    }
+    // Coarse nodes are too dark, since the kernel is convex: share out what they lack.
+    constexpr float k_most_lack = 1.25f;
+    const float lack = kept > 0 ? std::clamp(total / kept, 1.0f, k_most_lack) : 1.0f;
+    for (float& weight : weights) weight *= lack;
+}
+
+void sum_seen_of(const EmitterTree& tree, const NodeId* nodes, const float* weights, std::uint32_t count,
+                 const glm::vec3& origin, const std::vector<Sphere>& movers, glm::vec3 (&light)[3],
+                 std::vector<std::uint32_t>& through)
+{
+    const hn::CappedTag<float, k_seen_step> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
+    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), tiny = hn::Set(d, k_tiny);
+    const EmitterTree::Samples& samples = tree.samples();
+    const EmitterTree::Flux& flux = tree.flux();
+    auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
+    for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
+        const auto id = hn::BitCast(di, hn::LoadU(hn::RebindToUnsigned<decltype(d)>(), nodes + k));
+        const auto x = hn::Sub(hn::GatherIndex(d, samples.x.data(), id), ox);
+        const auto y = hn::Sub(hn::GatherIndex(d, samples.y.data(), id), oy);
+        const auto z = hn::Sub(hn::GatherIndex(d, samples.z.data(), id), oz);
+        const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
+        auto weight = hn::Div(hn::LoadU(d, weights + k), hn::Sqrt(square));
+        if (!movers.empty()) {
+            const auto inverse = hn::Div(one, square);
+            auto meets = hn::Lt(one, zero);
+            for (const Sphere& mover : movers) {
+                const glm::vec3 at = mover.centre - origin;
+                const auto ax = hn::Set(d, at.x), ay = hn::Set(d, at.y), az = hn::Set(d, at.z);
+                const auto along = hn::Min(
+                    hn::Max(hn::Mul(hn::Add(hn::Add(hn::Mul(ax, x), hn::Mul(ay, y)), hn::Mul(az, z)), inverse), zero),
+                    one);
+                const auto dx = hn::Sub(ax, hn::Mul(along, x)), dy = hn::Sub(ay, hn::Mul(along, y)),
+                           dz = hn::Sub(az, hn::Mul(along, z));
+                const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+                meets = hn::Or(meets, hn::Le(off, hn::Set(d, mover.radius * mover.radius)));
+            }
+            meets = hn::And(meets, hn::Gt(weight, zero));
+            if (!hn::AllFalse(d, meets)) {
+                weight = hn::IfThenZeroElse(meets, weight);
+                std::uint8_t bits[8] = {};
+                hn::StoreMaskBits(d, meets, bits);
+                for (std::uint32_t lane = 0; lane < hn::Lanes(d); ++lane)
+                    if ((bits[lane / 8] >> (lane % 8)) & 1) through.push_back(k + lane);
+            }
+        }
+        const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), id), weight);
+        const auto g = hn::Mul(hn::GatherIndex(d, flux.g.data(), id), weight);
+        const auto b = hn::Mul(hn::GatherIndex(d, flux.b.data(), id), weight);
+        rx = hn::Add(rx, hn::Mul(r, x)), ry = hn::Add(ry, hn::Mul(r, y)), rz = hn::Add(rz, hn::Mul(r, z));
+        gx = hn::Add(gx, hn::Mul(g, x)), gy = hn::Add(gy, hn::Mul(g, y)), gz = hn::Add(gz, hn::Mul(g, z));
+        bx = hn::Add(bx, hn::Mul(b, x)), by = hn::Add(by, hn::Mul(b, y)), bz = hn::Add(bz, hn::Mul(b, z));
+    }
+    const auto total = [&](auto v) { return hn::GetLane(hn::SumOfLanes(d, v)); };
+    light[0] = {total(rx), total(ry), total(rz)};
+    light[1] = {total(gx), total(gy), total(gz)};
+    light[2] = {total(bx), total(by), total(bz)};
+}
+
+}   // namespace gnomon::light_quadtree::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace gnomon::light_quadtree {
+
+HWY_EXPORT(cut_tree_of);
+HWY_EXPORT(sum_seen_of);
+
+void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+              std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
+{
+    HWY_DYNAMIC_DISPATCH(cut_tree_of)(tree, options, origin, normal, nodes, weights, stack);
+}
+
+void sum_seen(const EmitterTree& tree, const NodeId* nodes, const float* weights, std::uint32_t count,
+              const glm::vec3& origin, const std::vector<Sphere>& movers, glm::vec3 (&light)[3],
+              std::vector<std::uint32_t>& through)
+{
+    HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, nodes, weights, count, origin, movers, light, through);
+}
+
+}   // namespace gnomon::light_quadtree
+#endif

@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_quadtree/visible_light.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "ray/origin.h"
+#include "shadow_culling/micro_triangles.h"
+
+namespace gnomon::light_quadtree {
+
+namespace {
+
+// What a point may be interpolated from: no further from the pixel's plane than this share of the spacing, and facing
+// the same way.
+constexpr float k_plane = 0.35f, k_facing = 0.7f;
+// Where nothing else is left: this far.
+constexpr float k_plane_around = 2.0f;
+// The way to it may end this share of the spacing short.
+constexpr float k_room = 0.1f;
+// Together with at least this much bilinear weight.
+constexpr float k_least_weight = 0.02f;
+
+float smoothstep(float t)
+{
+    return t * t * (3 - 2 * t);
+}
+
+}   // namespace
+
+void VisibleCounters::add(const VisibleCounters& o)
+{
+    rays += o.rays, rays_dynamic += o.rays_dynamic;
+    new_points += o.new_points, summed_points += o.summed_points, moving_points += o.moving_points;
+    nodes += o.nodes;
+}
+
+VisibleLight::VisibleLight(const scene::SceneState& state, const ray::RayScene& rays, const VisibleOptions& options,
+                           Tasks& tasks)
+    : options_(options), state_(&state), rays_(&rays), emitters_(state, rays, options.emitters, tasks), casters_(state)
+{
+    const scene::Scene& scene = state.scene();
+    std::uint32_t triangles = 0;
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
+        first_triangle_.push_back(triangles);
+        triangles += static_cast<std::uint32_t>(scene.meshes[scene.objects[o].mesh].triangles.size());
+        if (scene.objects[o].dynamic && casters_.casts(o)) dynamics_.push_back(o);
+    }
+}
+
+VisibleLight::~VisibleLight() = default;
+
+std::unique_ptr<VisibleLight::Batch> VisibleLight::make_batch() const
+{
+    return std::make_unique<Batch>();
+}
+
+void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+{
+    state_ = &state;
+    rays_ = &rays;
+    counters_ = {};
+    const bool first = frame_++ == 0;
+    const scene::FrameChanges& changes = state.changes();
+    if (!first) {
+        casters_.update(state);
+        emitters_.update(state, rays, tasks);
+    }
+    if (!first && changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() &&
+        changes.vanished.empty())
+        return;
+    // Enclose what moves.
+    ++movers_version_;
+    movers_.clear();
+    for (const scene::ObjectId o : dynamics_) {
+        if (!state.object_visible(o)) continue;
+        const Box3& box = casters_.box(o);
+        if (box.empty()) continue;
+        const glm::mat4 m = state.object_matrix(o);
+        Box3 world;
+        for (int corner = 0; corner < 8; ++corner)
+            world.add(transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x,
+                                                   corner & 2 ? box.high.y : box.low.y,
+                                                   corner & 4 ? box.high.z : box.low.z)));
+        movers_.push_back({world.centre(), 0.5f * world.diagonal() * 1.0001f});
+    }
+}
+
+RememberedPoint* VisibleLight::want(Batch& batch, AnchorKey key)
+{
+    // Neighbouring pixels want the same few anchors.
+    auto& recent = batch.recent[(key * 0x9e3779b97f4a7c15ull) >> (64 - Batch::k_recent_bits)];
+    if (recent.key == key && recent.frame == frame_) return recent.point;
+    RememberedPoint& point = points_.at(key);
+    recent = {key, frame_, &point};
+    std::uint32_t claimed = point.claimed.load(std::memory_order_relaxed);
+    if (claimed != frame_ && point.claimed.compare_exchange_strong(claimed, frame_))
+        batch.claimed.push_back(&point);
+    else if (point.ready.load(std::memory_order_acquire) != frame_)
+        batch.awaited.push_back(&point);
+    return &point;
+}
+
+void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+{
+    // The lattice around each point, on one level of detail or two.
+    batch.wanted.assign(points.size(), {});
+    batch.cells.clear();
+    batch.claimed.clear();
+    batch.awaited.clear();
+    find_anchors(batch, points);
+    serve(batch);
+    fill_cells(batch);
+
+    // What has no lattice point to be interpolated from gets a part of its triangle.
+    batch.left.clear();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        float weight = 0;
+        irradiance[i] = interpolate(batch, points[i], i, true, weight);
+        if (weight < k_least_weight) batch.left.push_back(static_cast<std::uint32_t>(i));
+    }
+    if (batch.left.empty()) return;
+    batch.claimed.clear();
+    batch.awaited.clear();
+    batch.parts.clear();
+    for (const std::uint32_t i : batch.left) batch.parts.push_back(want(batch, part_anchor(points[i])));
+    serve(batch);
+    for (std::size_t k = 0; k < batch.left.size(); ++k) {
+        const std::uint32_t i = batch.left[k];
+        irradiance[i] = at_part(*batch.parts[k], points[i].normal);
+        // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, than a
+        // black dot.
+        float weight = 0;
+        if (irradiance[i] == glm::vec3(0)) irradiance[i] = interpolate(batch, points[i], i, false, weight);
+    }
+}
+
+// A part of a large triangle; or the triangle that stands for the small ones around.
+AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
+{
+    const float spacing = options_.pixels_per_point * point.width;
+    const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
+    glm::vec3 corner[3];
+    const auto cross_of = [&](std::uint32_t triangle) {
+        geometry.corners(triangle, corner);
+        return glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+    };
+    std::uint32_t triangle = point.triangle;
+    glm::vec3 cross = cross_of(triangle);
+    float u = point.u, v = point.v;
+    if (glm::length(cross) < spacing * spacing) {
+        const scene::Object& object = state_->scene().objects[point.object];
+        const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
+        const float own = scale > 0 ? spacing / scale : spacing;
+        if (own > 0 && std::isfinite(own)) {
+            triangle = clusters_.representatives(object.mesh, *geometry.mesh, detail_of(own).level)[triangle];
+            cross = cross_of(triangle);
+            u = v = 1 / 3.0f;
+        }
+    }
+    return part_key(first_triangle_[point.object] + triangle, glm::dot(cross, point.geometric_normal) > 0,
+                    0.5f * glm::length(cross), u, v, spacing);
+}
+
+void VisibleLight::find_anchors(Batch& batch, std::span<const IndirectPoint> points)
+{
+    const scene::Scene& scene = state_->scene();
+    LatticeCell last[2] = {};
+    std::uint32_t last_cell[2] = {scene::none, scene::none};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const IndirectPoint& p = points[i];
+        if (scene.objects[p.object].dynamic || !(p.width > 0)) continue;   // anchored to itself
+        const Detail detail = detail_of(options_.pixels_per_point * p.width);
+        const float fade = (detail.fraction - (1 - options_.level_blend)) / options_.level_blend;
+        Batch::Wanted& wanted = batch.wanted[i];
+        LatticeCell cell;
+        for (int l = 0; l < (fade > 0 ? 2 : 1); ++l) {
+            if (!lattice_cell(p, detail.level + l, cell)) break;
+            // Neighbours mostly share a cell.
+            if (last_cell[l] == scene::none || !std::equal(cell.key, cell.key + 4, last[l].key)) {
+                last[l] = cell;
+                last_cell[l] = static_cast<std::uint32_t>(batch.cells.size());
+                Batch::Cell& made = batch.cells.emplace_back();
+                made.axis = lattice_axis(cell.key[0]);
+                for (int c = 0; c < 4; ++c) made.point[c] = want(batch, cell.key[c]);
+            }
+            wanted.cell[l] = last_cell[l];
+            wanted.fx[l] = cell.x, wanted.fy[l] = cell.y;
+            wanted.share[l] = fade > 0 ? (l == 0 ? 1 - smoothstep(fade) : smoothstep(fade)) : 1;
+        }
+    }
+}
+
+void VisibleLight::fill_cells(Batch& batch) const
+{
+    for (Batch::Cell& cell : batch.cells) {
+        const int b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
+        for (int i = 0; i < 4; ++i) {
+            const RememberedPoint& from = *cell.point[i];
+            const glm::vec3 p = from.position, n = from.normal;
+            // No plane goes through what is not there.
+            cell.x[i] = from.exists ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
+            cell.nx[i] = n.x, cell.ny[i] = n.y, cell.nz[i] = n.z;
+            const float room = k_room * lattice_spacing(from.key);
+            // Nothing is open to what is not there.
+            cell.low_b[i] = from.exists ? p[b] - from.free[0] - room : k_infinity;
+            cell.high_b[i] = p[b] + from.free[1] + room;
+            cell.low_c[i] = p[c] - from.free[2] - room;
+            cell.high_c[i] = p[c] + from.free[3] + room;
+            for (int colour = 0; colour < 3; ++colour)
+                for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
+        }
+    }
+}
+
+glm::vec3 VisibleLight::interpolate(const Batch& batch, const IndirectPoint& p, std::size_t index, bool strict,
+                                    float& weight) const
+{
+    const Batch::Wanted& wanted = batch.wanted[index];
+    const float reach = strict ? k_plane : k_plane_around;
+    const float per_reach = 1 / (reach * options_.pixels_per_point * p.width);
+    const glm::vec3 n = p.normal, g = p.geometric_normal, x = p.position;
+    float sum[3] = {0, 0, 0};
+    weight = 0;
+    for (int l = 0; l < 2; ++l) {
+        if (!(wanted.share[l] > 0)) continue;
+        const Batch::Cell& cell = batch.cells[wanted.cell[l]];
+        const float fx = wanted.fx[l], fy = wanted.fy[l], share = wanted.share[l];
+        const float between[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+        const float at_b = x[(cell.axis + 1) % 3], at_c = x[(cell.axis + 2) % 3];
+        float w[4], r[4], gr[4], bl[4];
+        for (int i = 0; i < 4; ++i) {
+            const float off = ((cell.x[i] - x.x) * g.x + (cell.y[i] - x.y) * g.y + (cell.z[i] - x.z) * g.z) * per_reach;
+            const float near = 1 - (off < 0 ? -off : off);
+            const float facing = ((cell.nx[i] * n.x + cell.ny[i] * n.y + cell.nz[i] * n.z) - k_facing) / (1 - k_facing);
+            const float along = (near > 0 ? near : 0) * (facing > 0 ? (facing < 1 ? facing : 1) : 0);
+            const bool open = (!strict) | ((at_b >= cell.low_b[i]) & (at_b <= cell.high_b[i]) & (at_c >= cell.low_c[i]) &
+                                        (at_c <= cell.high_c[i]));
+            w[i] = open ? share * between[i] * along : 0;
+            const auto& light = cell.light;
+            const float red = light[0][i] * n.x + light[1][i] * n.y + light[2][i] * n.z;
+            const float green = light[3][i] * n.x + light[4][i] * n.y + light[5][i] * n.z;
+            const float blue = light[6][i] * n.x + light[7][i] * n.y + light[8][i] * n.z;
+            r[i] = w[i] * (red > 0 ? red : 0), gr[i] = w[i] * (green > 0 ? green : 0),
+            bl[i] = w[i] * (blue > 0 ? blue : 0);
+        }
+        weight += (w[0] + w[1]) + (w[2] + w[3]);
+        sum[0] += (r[0] + r[1]) + (r[2] + r[3]);
+        sum[1] += (gr[0] + gr[1]) + (gr[2] + gr[3]);
+        sum[2] += (bl[0] + bl[1]) + (bl[2] + bl[3]);
+    }
+    return weight > 0 ? glm::vec3(sum[0], sum[1], sum[2]) / weight : glm::vec3(0);
+}
+
+glm::vec3 VisibleLight::at_part(const RememberedPoint& part, const glm::vec3& normal) const
+{
+    return glm::max(glm::vec3(glm::dot(part.light[0], normal), glm::dot(part.light[1], normal),
+                              glm::dot(part.light[2], normal)),
+                    glm::vec3(0));
+}
+
+// Brings all claimed points up to this frame, and waits for those of others.
+void VisibleLight::serve(Batch& batch)
+{
+    if (!batch.claimed.empty()) {
+        place(batch);
+        see(batch);
+        sum(batch);
+        for (RememberedPoint* point : batch.claimed) point->ready.store(frame_, std::memory_order_release);
+    }
+    // Nobody waits before having published what it claimed.
+    for (const RememberedPoint* point : batch.awaited)
+        while (point->ready.load(std::memory_order_acquire) != frame_) std::this_thread::yield();
+}
+
+// Finds the surfaces of new anchors.
+void VisibleLight::place(Batch& batch)
+{
+    batch.searching.clear();
+    batch.placed.clear();
+    for (RememberedPoint* point : batch.claimed) {
+        if (!is_lattice(point->key)) {
+            place_part(*point);   // again each frame: it may move
+            continue;
+        }
+        if (point->version != 0) continue;
+        batch.searching.push_back({point, 0, 1});
+        batch.placed.push_back(point);
+    }
+    // Follow every line through the surfaces it meets to the one nearest to its middle.
+    constexpr int k_most_surfaces = 6;
+    for (int surface = 0; surface < k_most_surfaces && !batch.searching.empty(); ++surface) {
+        batch.rays.clear();
+        for (const Batch::Search& search : batch.searching) {
+            const LatticeLine line = lattice_line(search.point->key);
+            batch.rays.push(line.from, search.from, line.direction, 1);
+        }
+        batch.hits.resize(batch.rays.size());
+        rays_->closest(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::front, ray::Against::static_only);
+        std::size_t kept = 0;
+        for (std::size_t s = 0; s < batch.searching.size(); ++s) {
+            Batch::Search search = batch.searching[s];
+            const ray::Hits& hits = batch.hits;
+            if (hits.object[s] == scene::none) continue;
+            const float from_middle = std::abs(hits.t[s] - 0.5f);
+            if (from_middle >= search.best) continue;   // further surfaces lie further still
+            const ray::ObjectGeometry& geometry = rays_->geometry(hits.object[s]);
+            glm::vec3 p[3];
+            geometry.corners(hits.triangle[s], p);
+            const float u = hits.u[s], v = hits.v[s], w = std::max(0.0f, 1 - u - v);
+            glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+            const float length = glm::length(normal);
+            if (length > 0) {
+                normal /= length;
+                if (glm::dot(normal, batch.rays.direction(s)) > 0) normal = -normal;
+                RememberedPoint& point = *search.point;
+                point.exists = true;
+                point.position = w * p[0] + u * p[1] + v * p[2];
+                point.origin = point.position + ray::origin_lift(p) * normal;
+                point.geometric_normal = point.normal = normal;
+                if (geometry.normals) {
+                    const glm::uvec3 index = geometry.mesh->triangles[hits.triangle[s]];
+                    glm::vec3 n = w * geometry.normals[index[0]] + u * geometry.normals[index[1]] +
+                                  v * geometry.normals[index[2]];
+                    if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
+                    if (glm::dot(n, normal) < 0) n = -n;
+                    if (glm::dot(n, n) > 0) point.normal = glm::normalize(n);
+                }
+                search.best = from_middle;
+            }
+            search.from = std::nextafter(hits.t[s], 2.0f) + 1e-5f;
+            if (search.from < 1) batch.searching[kept++] = search;
+        }
+        batch.searching.resize(kept);
+    }
+    open_ways(batch);
+}
+
+// How far a new lattice point can be seen along the surface: beyond a wall, or from inside one, its light says nothing.
+void VisibleLight::open_ways(Batch& batch)
+{
+    constexpr float k_height = 0.02f;   // above the surface, in spacings
+    constexpr float k_reach = 1.5f;     // spacings
+    batch.rays.clear();
+    for (const RememberedPoint* point : batch.placed) {
+        if (!point->exists) continue;
+        const float h = lattice_spacing(point->key);
+        const int axis = lattice_axis(point->key);
+        const glm::vec3& n = point->geometric_normal;
+        for (int way = 0; way < 4; ++way) {
+            const int along = (axis + 1 + way / 2) % 3;
+            glm::vec3 d(0);
+            d[along] = way % 2 ? 1.0f : -1.0f;
+            d[axis] = -d[along] * n[along] / n[axis];   // in the surface's plane
+            batch.rays.push(point->origin + k_height * h * n, 0, d * h, k_reach);
+        }
+    }
+    batch.hits.resize(batch.rays.size());
+    rays_->closest(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::both, ray::Against::static_only);
+    std::size_t r = 0;
+    for (RememberedPoint* point : batch.placed) {
+        if (!point->exists) continue;
+        const float h = lattice_spacing(point->key);
+        for (float& open : point->free) {
+            open = batch.hits.object[r] == scene::none ? k_reach * h : batch.hits.t[r] * h;
+            ++r;
+        }
+    }
+}
+
+void VisibleLight::place_part(RememberedPoint& point) const
+{
+    const Part part = part_of(point.key);
+    const auto after = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), part.triangle);
+    const auto object = static_cast<scene::ObjectId>(after - first_triangle_.begin() - 1);
+    const std::uint32_t triangle = part.triangle - first_triangle_[object];
+    const ray::ObjectGeometry& geometry = rays_->geometry(object);
+    glm::vec3 p[3];
+    geometry.corners(triangle, p);
+    glm::dvec2 corner[3];
+    shadow_culling::corners_of(shadow_culling::micro_at(part.index, part.level), part.level, corner);
+    const glm::vec2 uv((corner[0] + corner[1] + corner[2]) / 3.0);
+    const float w = 1 - uv.x - uv.y;
+    glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const float length = glm::length(normal);
+    point.exists = length > 0;
+    if (!point.exists) return;
+    normal /= part.front ? length : -length;
+    point.position = w * p[0] + uv.x * p[1] + uv.y * p[2];
+    point.origin = point.position + ray::origin_lift(p) * normal;
+    point.geometric_normal = point.normal = normal;
+    if (geometry.normals) {
+        const glm::uvec3 index = geometry.mesh->triangles[triangle];
+        glm::vec3 n = w * geometry.normals[index[0]] + uv.x * geometry.normals[index[1]] + uv.y * geometry.normals[index[2]];
+        if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
+        if (glm::dot(n, normal) < 0) n = -n;
+        if (glm::dot(n, n) > 0) point.normal = glm::normalize(n);
+    }
+    if (state_->scene().objects[object].dynamic) point.version = 0;   // what it sees changes as it moves
+}
+
+// Asks for new points what they see past everything static (and moving, for points that move).
+void VisibleLight::see(Batch& batch)
+{
+    const std::uint32_t version = emitters_.geometry_version();
+    std::size_t begin = 0;
+    while (begin < batch.claimed.size()) {
+        // Some points at a time: their rays fill packets and stay in the cache.
+        constexpr std::size_t k_rays = 4096;
+        batch.rays.clear();
+        batch.entries.clear();
+        batch.entry_weight.clear();
+        batch.fresh.clear();
+        std::size_t next = begin;
+        for (; next < batch.claimed.size() && batch.rays.size() < k_rays; ++next) {
+            RememberedPoint& point = *batch.claimed[next];
+            if (!point.exists || point.version == version) continue;
+            cut_tree(emitters_, options_.cut, point.origin, point.normal, batch.cut, batch.cut_weight, batch.stack);
+            batch.fresh.push_back({&point, batch.entries.size()});
+            for (std::size_t k = 0; k < batch.cut.size(); ++k) {
+                const glm::vec3 to = emitters_.samples().at(batch.cut[k]) - point.origin;
+                const float cosine = glm::dot(to, point.normal) / glm::length(to);
+                if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
+                batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
+                // At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
+                constexpr float k_least_cosine = 0.1f;
+                batch.entries.push_back(batch.cut[k]);
+                batch.entry_weight.push_back(batch.cut_weight[k] / std::max(cosine, k_least_cosine));
+            }
+        }
+        begin = next;
+        const std::size_t count = batch.rays.size();
+        batch.blocked.resize(count + ray::k_packet_pad);
+        rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::static_only);
+        batch.counters.rays += count;
+        for (std::size_t f = 0; f < batch.fresh.size(); ++f) {
+            RememberedPoint& point = *batch.fresh[f].point;
+            const std::size_t first = batch.fresh[f].first;
+            const std::size_t last = f + 1 < batch.fresh.size() ? batch.fresh[f + 1].first : count;
+            std::uint32_t seen = 0;
+            for (std::size_t e = first; e < last; ++e) seen += !batch.blocked[e];
+            point.count = (seen + k_seen_step - 1) / k_seen_step * k_seen_step;
+            point.seen = std::make_unique<NodeId[]>(point.count);
+            point.weight = std::make_unique<float[]>(point.count);
+            std::uint32_t k = 0;
+            for (std::size_t e = first; e < last; ++e)
+                if (!batch.blocked[e]) point.seen[k] = batch.entries[e], point.weight[k++] = batch.entry_weight[e];
+            point.version = version;
+            point.flux_version = 0;
+            ++batch.counters.new_points;
+            batch.counters.nodes += seen;
+        }
+    }
+    for (RememberedPoint* point : batch.claimed)
+        if (!point->exists) point->version = version;
+}
+
+// Present light: flux over what is seen, less what something that moves keeps off.
+void VisibleLight::sum(Batch& batch)
+{
+    const EmitterTree::Flux& flux = emitters_.flux();
+    const EmitterTree::Samples& samples = emitters_.samples();
+    batch.rays.clear();
+    batch.shares.clear();
+    for (RememberedPoint* p : batch.claimed) {
+        RememberedPoint& point = *p;
+        if (!point.exists ||
+            (point.flux_version == emitters_.flux_version() && point.movers_version == movers_version_))
+            continue;
+        ++batch.counters.summed_points;
+        point.flux_version = emitters_.flux_version();
+        point.movers_version = movers_version_;
+        batch.through.clear();
+        sum_seen(emitters_, point.seen.get(), point.weight.get(), point.count, point.origin, movers_, point.light,
+                 batch.through);
+        // What passes near something that moves is added once it is known to arrive.
+        for (const std::uint32_t k : batch.through) {
+            const NodeId node = point.seen[k];
+            const glm::vec3 to = samples.at(node) - point.origin;
+            batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
+            batch.shares.push_back({&point, {flux.r[node], flux.g[node], flux.b[node]},
+                                    to * (point.weight[k] / glm::length(to))});
+        }
+    }
+    const std::size_t count = batch.rays.size();
+    if (count == 0) return;
+    batch.blocked.resize(count + ray::k_packet_pad);
+    rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::dynamic_only);
+    batch.counters.rays += count;
+    batch.counters.rays_dynamic += count;
+    for (std::size_t r = 0; r < count; ++r) {
+        if (batch.blocked[r]) continue;
+        const Batch::Share& share = batch.shares[r];
+        for (int colour = 0; colour < 3; ++colour) share.point->light[colour] += share.flux[colour] * share.direction;
+    }
+}
+
+void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
+{
+    for (const auto& batch : batches) {
+        if (!batch) continue;
+        counters_.add(batch->counters);
+        batch->counters = {};
+        for (auto& recent : batch->recent) recent = {};
+    }
+    points_.drop_unseen(frame_, options_.memory);
+}
+
+}   // namespace gnomon::light_quadtree
