@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "shadow_culling/micro_triangles.h"
+#include "base/micro_triangles.h"
 
 namespace gnomon::light_quadtree {
 
@@ -18,8 +18,8 @@ constexpr int k_level_bias = 32;
 // Part: bit 62: front | level (4 bits) | triangle (28) | index (16).
 constexpr std::uint32_t k_part_levels = 8;
 
-// The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line in
-// the very plane of a wall would find nothing but rounding.
+// The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line
+// in the very plane of a wall would find nothing but rounding.
 constexpr float k_offset[3] = {0.3819660f, 0.2360680f, 0.1458980f};
 
 int axis_of(const glm::vec3& n)
@@ -66,7 +66,8 @@ bool lattice_cell(const IndirectPoint& point, int level, LatticeCell& cell)
         const bool right = corner & 1, up = corner >> 1;
         const float k = std::floor(height + (right ? slope_b : 0) + (up ? slope_c : 0));
         if (!(std::abs(k) < k_bias - 2)) return false;
-        cell.key[corner] = head | (bits(fi + static_cast<float>(right)) << 36) | (bits(fj + static_cast<float>(up)) << 18) | bits(k);
+        cell.key[corner] =
+            head | (bits(fi + static_cast<float>(right)) << 36) | (bits(fj + static_cast<float>(up)) << 18) | bits(k);
     }
     return true;
 }
@@ -108,7 +109,7 @@ AnchorKey part_key(std::uint32_t scene_triangle, bool front, float triangle_area
     const float parts = triangle_area / (spacing * spacing);
     const float halvings = parts > 1 ? std::ceil(0.5f * std::log2(parts)) : 0.0f;
     const auto level = static_cast<std::uint32_t>(std::min(halvings, static_cast<float>(k_part_levels)));
-    const std::uint64_t index = shadow_culling::micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level);
+    const std::uint64_t index = micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level);
     return (static_cast<std::uint64_t>(front) << 62) | (static_cast<std::uint64_t>(level) << 44) |
            (static_cast<std::uint64_t>(scene_triangle) << 16) | index;
 }

@@ -21,8 +21,7 @@ glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGe
     if (has(material.base_color_texture)) diffuse *= glm::vec3(look_up(material.base_color_texture));
     if (material.model == scene::ShadingModel::whitted) return static_cast<float>(k_pi) * diffuse;
     if (!mesh.colors.empty())
-        diffuse *=
-            glm::vec3(w * mesh.colors[index[0]] + u * mesh.colors[index[1]] + v * mesh.colors[index[2]]);
+        diffuse *= glm::vec3(w * mesh.colors[index[0]] + u * mesh.colors[index[1]] + v * mesh.colors[index[2]]);
     float metallic = material.metallic;
     if (has(material.metallic_roughness_texture)) metallic *= look_up(material.metallic_roughness_texture).z;
     return diffuse * ((1 - metallic) * (1 - material.transmission));

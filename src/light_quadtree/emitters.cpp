@@ -54,8 +54,8 @@ TexelRay texel_ray(const light_views::ViewProjection& view, int x, int y)
 {
     const double texel = 2.0 / view.size;
     const auto cx = static_cast<float>((x + 0.5) * texel - 1), cy = static_cast<float>((y + 0.5) * texel - 1);
-    const double cell = texel * texel * static_cast<double>(glm::length(view.across)) *
-                        static_cast<double>(glm::length(view.down));
+    const double cell =
+        texel * texel * static_cast<double>(glm::length(view.across)) * static_cast<double>(glm::length(view.down));
     const glm::vec3 off = cx * view.across + cy * view.down;
     if (!view.perspective) return {view.origin + off, glm::normalize(view.forward), cell};
     const glm::vec3 direction = view.forward + off;
@@ -145,7 +145,8 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
     ray::RayQueue queue;
     std::vector<double> measure(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const TexelRay r = texel_ray(view.projection, static_cast<int>(gathered(i)), static_cast<int>(gathered(i >> 1)));
+        const TexelRay r =
+            texel_ray(view.projection, static_cast<int>(gathered(i)), static_cast<int>(gathered(i >> 1)));
         queue.push(r.origin, 0, r.direction, k_infinity);
         measure[i] = r.measure;
     }
@@ -179,9 +180,9 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
         const scene::LightSample sample = scene::illuminate(light, at, position);
         if (sample.irradiance == glm::vec3(0)) continue;
 
-        const double facing_area =
-            view.projection.perspective ? measure[i] * static_cast<double>(hits.t[i]) * static_cast<double>(hits.t[i])
-                                        : measure[i];
+        const double facing_area = view.projection.perspective
+                                       ? measure[i] * static_cast<double>(hits.t[i]) * static_cast<double>(hits.t[i])
+                                       : measure[i];
         const glm::vec3 exitance = exitance_per_irradiance(scene, geometry, hits.triangle[i], u, v);
         Node& leaf = node_of(leaves + i);
         leaf.position = position;
@@ -262,11 +263,10 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
     std::vector<std::uint32_t> asked;
     for (const light_views::Rect& rect : where)
         for (int y = rect.y0; y < rect.y1; ++y)
-            for (int x = rect.x0; x < rect.x1; ++x)
-                {
-                    const std::uint32_t i = morton(x, y);
-                    if (quads_[(leaves + i) / 4].flux[i % 4] > 0) asked.push_back(i);
-                }
+            for (int x = rect.x0; x < rect.x1; ++x) {
+                const std::uint32_t i = morton(x, y);
+                if (quads_[(leaves + i) / 4].flux[i % 4] > 0) asked.push_back(i);
+            }
     std::sort(asked.begin(), asked.end());
     asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
     ray::RayQueue queue;
@@ -314,7 +314,8 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     if (changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty())
         return;
     for (View& view : views_) {
-        if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light)) continue;
+        if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
+            continue;
         std::vector<light_views::Rect> where = view.movers;
         find_movers(view, state);
         where.insert(where.end(), view.movers.begin(), view.movers.end());

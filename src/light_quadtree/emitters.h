@@ -8,7 +8,8 @@
 // point sees, past everything static, is worth remembering.
 //
 // Cost: construction casts one ray a leaf. A frame: rays against what moves, in the tiles that it left or entered, and
-// the nodes above what changed (`dirty_leaves`, `dirty_nodes`). Present flux equals that of a tree made anew, to the bit.
+// the nodes above what changed (`dirty_leaves`, `dirty_nodes`). Present flux equals that of a tree made anew, to the
+// bit.
 
 #include <atomic>
 #include <vector>

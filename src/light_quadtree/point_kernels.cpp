@@ -19,11 +19,11 @@ constexpr float k_tiny = 1e-30f;
 
 // What the four emitters of a quad may do at a point.
 struct Four {
-    alignas(16) float light[4];   // irradiance, visibility apart
-    alignas(16) float most[4];    // that no place inside the node exceeds, nearly
-    alignas(16) float width[4];   // radius over distance
+    alignas(16) float light[4];    // irradiance, visibility apart
+    alignas(16) float most[4];     // that no place inside the node exceeds, nearly
+    alignas(16) float width[4];    // radius over distance
     alignas(16) float spread[4];   // of the normals: 0 where all agree
-    unsigned there;               // lanes with flux, not wholly below the horizon
+    unsigned there;                // lanes with flux, not wholly below the horizon
 };
 
 HWY_INLINE void evaluate(const EmitterQuad& q, const glm::vec3& origin, const glm::vec3& normal, Four& four)
@@ -43,12 +43,14 @@ HWY_INLINE void evaluate(const EmitterQuad& q, const glm::vec3& origin, const gl
     const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::Set(d, normal.x)), hn::Mul(y, hn::Set(d, normal.y))),
                                           hn::Mul(z, hn::Set(d, normal.z))),
                                   inverse);
-    const auto emitter = hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::LoadU(d, q.nx)), hn::Mul(y, hn::LoadU(d, q.ny))),
-                                                 hn::Mul(z, hn::LoadU(d, q.nz))),
-                                         inverse));
+    const auto emitter =
+        hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::LoadU(d, q.nx)), hn::Mul(y, hn::LoadU(d, q.ny))),
+                                hn::Mul(z, hn::LoadU(d, q.nz))),
+                        inverse));
     const auto r = hn::Max(receiver, zero), e = hn::Max(emitter, zero);
     hn::StoreU(hn::Mul(hn::Mul(r, e), kernel), d, four.light);
-    hn::StoreU(hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Add(e, width), one)), kernel), d, four.most);
+    hn::StoreU(hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Add(e, width), one)), kernel), d,
+               four.most);
     hn::StoreU(width, d, four.width);
     const auto nx = hn::LoadU(d, q.nx), ny = hn::LoadU(d, q.ny), nz = hn::LoadU(d, q.nz);
     hn::StoreU(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), d, four.spread);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The inner loops of the visible scheme for one surface point, with what the processor at hand offers (Highway): its cut
-// through the emitters' tree, and the sum over what it sees.
+// The inner loops of the visible scheme for one surface point, with what the processor at hand offers (Highway): its
+// cut through the emitters' tree, and the sum over what it sees.
 //
-// Irradiance from a node of flux P at distance d: P / pi * cosine at the emitter * cosine at the point / (d^2 + A / pi).
-// The disk's kernel stays finite where surfaces meet.
+// Irradiance from a node of flux P at distance d: P / pi * cosine at the emitter * cosine at the point / (d^2 + A /
+// pi). The disk's kernel stays finite where surfaces meet.
 
 #include <vector>
 

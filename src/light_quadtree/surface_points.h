@@ -2,9 +2,9 @@
 #pragma once
 // The table of remembered surface points: by anchor, shared by all threads.
 //
-// Threads look up and add at once; a point is evaluated by whoever claims it for the frame first, and read by others once
-// it is ready. What a point holds is a function of its anchor, the scene and the frame, so who did it does not matter.
-// Points that were not seen lately go first when there are too many; between frames only.
+// Threads look up and add at once; a point is evaluated by whoever claims it for the frame first, and read by others
+// once it is ready. What a point holds is a function of its anchor, the scene and the frame, so who did it does not
+// matter. Points that were not seen lately go first when there are too many; between frames only.
 
 #include <array>
 #include <atomic>
@@ -20,19 +20,19 @@ namespace gnomon::light_quadtree {
 
 struct RememberedPoint {
     AnchorKey key = 0;
-    bool exists = false;   // the anchor meets a surface
+    bool exists = false;                // the anchor meets a surface
     glm::vec3 position{0}, origin{0};   // on the surface; where rays start
     glm::vec3 normal{0};                // unit, shading
     glm::vec3 geometric_normal{0};
-    float free[4] = {0, 0, 0, 0};       // of lattice anchors: how far the way is open along the lattice, -b +b -c +c
-    glm::vec3 light[3] = {};   // present, by colour: irradiance is dot(light, normal), near this point's own normal
-    std::uint32_t version = 0;        // of the emitters' geometry that `seen` belongs to; 0: never asked
+    float free[4] = {0, 0, 0, 0};   // of lattice anchors: how far the way is open along the lattice, -b +b -c +c
+    glm::vec3 light[3] = {};     // present, by colour: irradiance is dot(light, normal), near this point's own normal
+    std::uint32_t version = 0;   // of the emitters' geometry that `seen` belongs to; 0: never asked
     std::uint32_t flux_version = 0;   // that `light` belongs to
     std::uint32_t movers_version = 0;
     // What it sees of the emitters past everything static; padded to k_seen_step.
     std::uint32_t count = 0;
     std::unique_ptr<NodeId[]> seen;
-    std::unique_ptr<float[]> weight;   // what a unit of flux adds to the light that arrives from there
+    std::unique_ptr<float[]> weight;                   // what a unit of flux adds to the light that arrives from there
     std::atomic<std::uint32_t> claimed{0}, ready{0};   // frames
 };
 

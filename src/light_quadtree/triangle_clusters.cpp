@@ -18,14 +18,16 @@ struct CubeHash {
     std::size_t operator()(const Cube& cube) const
     {
         std::uint64_t h = 0;
-        for (const std::int64_t v : cube.at) h = (h ^ static_cast<std::uint64_t>(v)) * 0x9e3779b97f4a7c15ull, h ^= h >> 32;
+        for (const std::int64_t v : cube.at)
+            h = (h ^ static_cast<std::uint64_t>(v)) * 0x9e3779b97f4a7c15ull, h ^= h >> 32;
         return h;
     }
 };
 
 }   // namespace
 
-const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshId id, const scene::Mesh& mesh, int level)
+const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshId id, const scene::Mesh& mesh,
+                                                                    int level)
 {
     const std::lock_guard lock(mutex_);
     auto& made = made_[{id, level}];
@@ -46,8 +48,9 @@ const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshI
         const glm::dvec3 centre = glm::dvec3(a + b + c) * (scale / 3);
         for (int axis = 0; axis < 3; ++axis)
             cube[t].at[static_cast<std::size_t>(axis)] =
-                std::isfinite(centre[axis]) ? static_cast<std::int64_t>(std::floor(std::clamp(centre[axis], -1e15, 1e15)))
-                                            : 0;
+                std::isfinite(centre[axis])
+                    ? static_cast<std::int64_t>(std::floor(std::clamp(centre[axis], -1e15, 1e15)))
+                    : 0;
         cube[t].at[3] = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const float area = glm::dot(cross, cross);
         const auto [at, fresh] = largest.try_emplace(cube[t], Largest{t, area});

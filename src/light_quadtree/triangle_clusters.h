@@ -2,9 +2,9 @@
 #pragma once
 // Small triangles that share one remembered point: leaves, rounded edges, balls.
 //
-// A mesh's triangles are sorted into cubes of its own space and by the axis they face most; the largest of each set stands
-// for all. That depends on the mesh and the size of the cubes (a power of two), never on what was seen.
-// Cost: O(triangles) for each mesh and size, when first asked.
+// A mesh's triangles are sorted into cubes of its own space and by the axis they face most; the largest of each set
+// stands for all. That depends on the mesh and the size of the cubes (a power of two), never on what was seen. Cost:
+// O(triangles) for each mesh and size, when first asked.
 
 #include <cstdint>
 #include <map>

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "base/micro_triangles.h"
 #include "ray/origin.h"
-#include "shadow_culling/micro_triangles.h"
 
 namespace gnomon::light_quadtree {
 
@@ -79,9 +79,9 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
         const glm::mat4 m = state.object_matrix(o);
         Box3 world;
         for (int corner = 0; corner < 8; ++corner)
-            world.add(transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x,
-                                                   corner & 2 ? box.high.y : box.low.y,
-                                                   corner & 4 ? box.high.z : box.low.z)));
+            world.add(
+                transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                             corner & 4 ? box.high.z : box.low.z)));
         movers_.push_back({world.centre(), 0.5f * world.diagonal() * 1.0001f});
     }
 }
@@ -234,8 +234,8 @@ glm::vec3 VisibleLight::interpolate(const Batch& batch, const IndirectPoint& p, 
             const float near = 1 - (off < 0 ? -off : off);
             const float facing = ((cell.nx[i] * n.x + cell.ny[i] * n.y + cell.nz[i] * n.z) - k_facing) / (1 - k_facing);
             const float along = (near > 0 ? near : 0) * (facing > 0 ? (facing < 1 ? facing : 1) : 0);
-            const bool open = (!strict) | ((at_b >= cell.low_b[i]) & (at_b <= cell.high_b[i]) & (at_c >= cell.low_c[i]) &
-                                        (at_c <= cell.high_c[i]));
+            const bool open = (!strict) | ((at_b >= cell.low_b[i]) & (at_b <= cell.high_b[i]) &
+                                           (at_c >= cell.low_c[i]) & (at_c <= cell.high_c[i]));
             w[i] = open ? share * between[i] * along : 0;
             const auto& light = cell.light;
             const float red = light[0][i] * n.x + light[1][i] * n.y + light[2][i] * n.z;
@@ -254,9 +254,9 @@ glm::vec3 VisibleLight::interpolate(const Batch& batch, const IndirectPoint& p, 
 
 glm::vec3 VisibleLight::at_part(const RememberedPoint& part, const glm::vec3& normal) const
 {
-    return glm::max(glm::vec3(glm::dot(part.light[0], normal), glm::dot(part.light[1], normal),
-                              glm::dot(part.light[2], normal)),
-                    glm::vec3(0));
+    return glm::max(
+        glm::vec3(glm::dot(part.light[0], normal), glm::dot(part.light[1], normal), glm::dot(part.light[2], normal)),
+        glm::vec3(0));
 }
 
 // Brings all claimed points up to this frame, and waits for those of others.
@@ -378,7 +378,7 @@ void VisibleLight::place_part(RememberedPoint& point) const
     glm::vec3 p[3];
     geometry.corners(triangle, p);
     glm::dvec2 corner[3];
-    shadow_culling::corners_of(shadow_culling::micro_at(part.index, part.level), part.level, corner);
+    corners_of(micro_at(part.index, part.level), part.level, corner);
     const glm::vec2 uv((corner[0] + corner[1] + corner[2]) / 3.0);
     const float w = 1 - uv.x - uv.y;
     glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
@@ -391,7 +391,8 @@ void VisibleLight::place_part(RememberedPoint& point) const
     point.geometric_normal = point.normal = normal;
     if (geometry.normals) {
         const glm::uvec3 index = geometry.mesh->triangles[triangle];
-        glm::vec3 n = w * geometry.normals[index[0]] + uv.x * geometry.normals[index[1]] + uv.y * geometry.normals[index[2]];
+        glm::vec3 n =
+            w * geometry.normals[index[0]] + uv.x * geometry.normals[index[1]] + uv.y * geometry.normals[index[2]];
         if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
         if (glm::dot(n, normal) < 0) n = -n;
         if (glm::dot(n, n) > 0) point.normal = glm::normalize(n);
@@ -478,8 +479,8 @@ void VisibleLight::sum(Batch& batch)
             const NodeId node = point.seen[k];
             const glm::vec3 to = samples.at(node) - point.origin;
             batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
-            batch.shares.push_back({&point, {flux.r[node], flux.g[node], flux.b[node]},
-                                    to * (point.weight[k] / glm::length(to))});
+            batch.shares.push_back(
+                {&point, {flux.r[node], flux.g[node], flux.b[node]}, to * (point.weight[k] / glm::length(to))});
         }
     }
     const std::size_t count = batch.rays.size();

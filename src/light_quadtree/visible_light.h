@@ -26,7 +26,7 @@ struct VisibleOptions {
     EmitterOptions emitters;
     float pixels_per_point = 8;   // spacing of anchors on the screen: between half of this and this
     CutOptions cut;
-    float level_blend = 0.3f;     // share of a level of detail over which it fades into the next
+    float level_blend = 0.3f;         // share of a level of detail over which it fades into the next
     std::size_t memory = 64u << 20;   // bytes of remembered points; those not in the last frame go first
 };
 
@@ -40,7 +40,8 @@ struct VisibleCounters {
 
 class VisibleLight {
  public:
-    VisibleLight(const scene::SceneState& state, const ray::RayScene& rays, const VisibleOptions& options, Tasks& tasks);
+    VisibleLight(const scene::SceneState& state, const ray::RayScene& rays, const VisibleOptions& options,
+                 Tasks& tasks);
     ~VisibleLight();
 
     /// After the state advanced and the ray scene followed.

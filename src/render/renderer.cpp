@@ -7,10 +7,10 @@
 #include <chrono>
 
 #include "base/check.h"
+#include "light_quadtree/visible_light.h"
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
-#include "light_quadtree/visible_light.h"
 #include "shadow_culling/certified_culling.h"
 #include "shadow_culling/paper_culling.h"
 
@@ -113,8 +113,8 @@ struct Renderer::Inside {
             scene = wanted;
             follow_paper();
             if (options.indirect == Indirect::visible)
-                visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays, light_quadtree::VisibleOptions{},
-                                                                         tasks);
+                visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
+                                                                         light_quadtree::VisibleOptions{}, tasks);
             return;
         }
         state->advance(time);
@@ -185,7 +185,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         picture.counters =
             render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, remembered, nullptr, progress);
     } catch (...) {
-        in.paper.reset();   // half a frame would be remembered
+        in.paper.reset();                   // half a frame would be remembered
         if (in.visible) in.scene.reset();   // so would points that were claimed and not evaluated
         throw;
     }

@@ -25,7 +25,8 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 /// @param stand_in  false where bounced light is computed
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in);
 
-/// Radiance towards the viewer from diffusely arriving light. With pi for AFF surfaces too: it is radiance that arrives.
+/// Radiance towards the viewer from diffusely arriving light. With pi for AFF surfaces too: it is radiance that
+/// arrives.
 glm::vec3 reflect_diffuse(const SurfacePoint& s, const glm::vec3& irradiance);
 
 /// Rays that go on from a surface, each with the share of what it brings. A share of zero: no such ray.

@@ -291,8 +291,8 @@ void TileTracer::bounce_light(bool primary)
         const SurfacePoint& s = points_[p].surface;
         if (s.model == scene::ShadingModel::unlit || s.diffuse == glm::vec3(0)) continue;
         const shadow_culling::ShadowPoint& here = shadow_points_[p];
-        indirect_points_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
-                                    s.cone.width});
+        indirect_points_.push_back(
+            {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, s.cone.width});
         indirect_point_.push_back(p);
     }
     irradiance_.resize(indirect_points_.size());

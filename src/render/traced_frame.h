@@ -40,13 +40,13 @@ struct TracedOptions {
 
 /// Linear, averaged over samples; depth and normal are the first sample's.
 struct FrameBuffers {
-    ImageF color;    // 3
-    ImageF depth;    // 1: along the view's forward axis; 0 where nothing was hit
-    ImageF normal;   // 3: shading normal in world space
-    ImageF albedo;   // 3
-    ImageF direct;   // 3: what lights add at primary hits
+    ImageF color;      // 3
+    ImageF depth;      // 1: along the view's forward axis; 0 where nothing was hit
+    ImageF normal;     // 3: shading normal in world space
+    ImageF albedo;     // 3
+    ImageF direct;     // 3: what lights add at primary hits
     ImageF indirect;   // 3: what bounced light adds there
-    ImageF shadow;   // one channel a light: 1 lit, 0 in shadow or unlit, at primary hits
+    ImageF shadow;     // one channel a light: 1 lit, 0 in shadow or unlit, at primary hits
 };
 
 /// Every bulk trace of a frame, in order: the rays alone can then be traced again, for comparison (bench trace).
@@ -68,7 +68,7 @@ struct StateMap;
 struct Remembered {
     shadow_culling::CertifiedCulling* certified = nullptr;   // the picture is the same to the bit
     shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the picture can be wrong
-    light_quadtree::VisibleLight* visible = nullptr;   // bounced light; null: none
+    light_quadtree::VisibleLight* visible = nullptr;         // bounced light; null: none
     // Optional, its lights set: filled, and every answer is checked by tracing every ray.
     StateMap* states = nullptr;
 

@@ -17,7 +17,7 @@
 #include <mutex>
 #include <vector>
 
-#include "shadow_culling/micro_triangles.h"
+#include "base/micro_triangles.h"
 #include "shadow_culling/rim.h"
 
 namespace gnomon::shadow_culling {

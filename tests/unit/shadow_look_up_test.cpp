@@ -5,7 +5,7 @@
 #include <random>
 
 #include "shadow_culling/look_up.h"
-#include "shadow_culling/micro_triangles.h"
+#include "base/micro_triangles.h"
 #include "shadow_culling/rim.h"
 
 namespace gnomon::shadow_culling {

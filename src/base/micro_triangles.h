@@ -10,7 +10,7 @@
 
 #include "base/math.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon {
 
 struct MicroTriangle {
     std::uint32_t i = 0, j = 0;
@@ -85,4 +85,4 @@ inline void corners_of(const MicroTriangle& m, std::uint32_t level, glm::dvec2 (
     for (glm::dvec2& c : corner) c *= scale;
 }
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon
