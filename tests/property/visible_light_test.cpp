@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Indirect light with remembered visibility: the same bytes whatever came before and for any number of threads,
+// repaired trees as good as new ones, and light where it must be.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "light_quadtree/visible_light.h"
+#include "render/traced_frame.h"
+#include "scene/builtin.h"
+
+namespace gnomon {
+namespace {
+
+using light_quadtree::EmitterTree;
+using light_quadtree::VisibleLight;
+
+struct World {
+    explicit World(const char* name, int frame, int threads)
+        : scene(std::make_shared<const scene::Scene>(scene::make_builtin(name))),
+          state(scene, scene->timeline.time_of(frame)),
+          rays(state),
+          tasks(threads)
+    {
+    }
+    void go(int frame)
+    {
+        state.advance(scene->timeline.time_of(frame));
+        rays.update(state);
+    }
+    std::shared_ptr<const scene::Scene> scene;
+    scene::SceneState state;
+    ray::RayScene rays;
+    Tasks tasks;
+};
+
+// The indirect layer of a frame, after others.
+std::vector<float> indirect_of(const char* name, std::vector<int> frames, int threads, int size = 64)
+{
+    World world(name, frames.front(), threads);
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    render::Remembered remembered;
+    remembered.visible = &visible;
+    render::TracedOptions options;
+    options.layers = true;
+    render::FrameBuffers buffers;
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        if (f > 0) world.go(frames[f]);
+        render::trace_frame(world.state, world.rays, render::make_view(world.state, 0, {size, size}), options,
+                            world.tasks, buffers, remembered);
+    }
+    return buffers.indirect.data;
+}
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b)
+{
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+TEST(VisibleLight, SameBytesColdAndWarm)
+{
+    for (const char* name : {"cornell", "kinetic"}) {
+        const auto cold = indirect_of(name, {8}, 1);
+        EXPECT_TRUE(same_bits(cold, indirect_of(name, {5, 6, 7, 8}, 1))) << name;
+        EXPECT_TRUE(same_bits(cold, indirect_of(name, {20, 3, 8}, 1))) << name;
+        EXPECT_FALSE(same_bits(cold, indirect_of(name, {7}, 1))) << name << ": something moves";
+    }
+}
+
+TEST(VisibleLight, SameBytesForAnyNumberOfThreads)
+{
+    const auto one = indirect_of("cornell", {1, 2}, 1, 128);
+    EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 2, 128)));
+    EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 5, 128)));
+}
+
+TEST(VisibleLight, RepairedTreeEqualsANewOne)
+{
+    World world("cornell", 1, 2);
+    EmitterTree repaired(world.state, world.rays, {}, world.tasks);
+    std::uint64_t dirty = 0;
+    for (const int frame : {2, 3, 7, 40, 39, 12, 12, 13}) {
+        world.go(frame);
+        repaired.update(world.state, world.rays, world.tasks);
+        dirty += repaired.dirty_leaves();
+        const EmitterTree fresh(world.state, world.rays, {}, world.tasks);
+        ASSERT_EQ(repaired.size(), fresh.size());
+        EXPECT_EQ(repaired.flux().r, fresh.flux().r) << "frame " << frame;
+        EXPECT_EQ(repaired.flux().g, fresh.flux().g) << "frame " << frame;
+        EXPECT_EQ(repaired.flux().b, fresh.flux().b) << "frame " << frame;
+    }
+    EXPECT_GT(dirty, 0u);
+}
+
+TEST(VisibleLight, OnlyWhatMovedIsTouched)
+{
+    World world("cornell", 1, 1);
+    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    world.go(1);
+    tree.update(world.state, world.rays, world.tasks);
+    EXPECT_EQ(tree.dirty_leaves(), 0u);
+    EXPECT_EQ(tree.dirty_nodes(), 0u);
+    world.go(2);
+    tree.update(world.state, world.rays, world.tasks);
+    EXPECT_GT(tree.dirty_leaves(), 0u);
+    EXPECT_LT(tree.dirty_leaves(), tree.size() / 50);
+}
+
+// The spot lights the red wall, the floor and the back; the ceiling above and the wall opposite see them.
+TEST(VisibleLight, LightComesRoundCornersAndBringsColour)
+{
+    constexpr int k_size = 64;
+    const auto light = indirect_of("cornell", {1}, 2, k_size);
+    const auto at = [&](int x, int y) {
+        const float* p = &light[3 * static_cast<std::size_t>(y * k_size + x)];
+        return glm::vec3(p[0], p[1], p[2]);
+    };
+    const glm::vec3 ceiling = at(40, 4), green = at(58, 30), back_left = at(14, 20);
+    EXPECT_GT(ceiling.y, 0.002f);
+    EXPECT_GT(green.y, 2 * green.x);              // a green wall
+    EXPECT_GT(back_left.x, 1.3f * back_left.y);   // beside the lit red wall
+    for (const float value : light) ASSERT_TRUE(std::isfinite(value) && value >= 0);
+}
+
+TEST(VisibleLight, NothingComesFromNoLight)
+{
+    scene::Scene dark = scene::make_builtin("cornell");
+    for (scene::Light& light : dark.lights) light.color = glm::vec3(0);
+    const auto scene = std::make_shared<const scene::Scene>(std::move(dark));
+    scene::SceneState state(scene, 0);
+    ray::RayScene rays(state);
+    Tasks tasks(1);
+    VisibleLight visible(state, rays, {}, tasks);
+    render::Remembered remembered;
+    remembered.visible = &visible;
+    render::TracedOptions options;
+    options.layers = true;
+    render::FrameBuffers buffers;
+    render::trace_frame(state, rays, render::make_view(state, 0, {32, 32}), options, tasks, buffers, remembered);
+    for (const float value : buffers.indirect.data) ASSERT_EQ(value, 0);
+}
+
+}   // namespace
+}   // namespace gnomon
