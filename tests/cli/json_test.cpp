@@ -129,7 +129,7 @@ TEST(Config, FaultsAreNamedByPlace)
         {"{\"resume\": 1}", "/resume: expected true or false"},
         {"{\"light\": [1]}", "/light"},
         {"{\"size\": null}", "/size"},
-        {"{\"indirect\": \"visible\"}", "not built"},
+        {"{\"indirect\": \"rsm\"}", "not built"},
     };
     for (const auto& [text, about] : faults) {
         std::ofstream(file) << text;
