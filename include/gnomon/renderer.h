@@ -22,6 +22,7 @@ struct RenderOptions {
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
+    Accelerator accelerator = Accelerator::embree;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, shadow
     /// Instead of the scene's light; the picture is then larger than `size`, see picture_size, and has no other layers.

@@ -34,6 +34,9 @@ enum class ShadowCulling { off, paper, certified };
 /// Light that arrives by one bounce. `visible` knows what stands between; it is free of noise and of history.
 enum class Indirect { off, visible };
 
+/// What finds a ray's hit: Embree, or a kd-tree that counts its work, far slower and the same up to edges.
+enum class Accelerator { embree, kdtree };
+
 /// A picture of the method's inside instead of the scene's light. `shadow_states`: per light, what was remembered
 /// where.
 enum class Overlay { none, shadow_states };
@@ -53,6 +56,17 @@ struct FrameCounters {
         std::uint64_t clusters = 0;
         std::uint64_t rays = 0;
     } indirect;
+    /// Work of Accelerator::kdtree by what the rays were for. What an overlay asks to check answers is not in it.
+    struct KdTree {
+        struct Work {
+            std::uint64_t nodes = 0;   // traversed
+            std::uint64_t tests = 0;   // ray against triangle
+            friend bool operator==(const Work&, const Work&) = default;
+        };
+        Work primary, reflection, refraction, shadow, indirect;
+        friend bool operator==(const KdTree&, const KdTree&) = default;
+    };
+    std::optional<KdTree> kdtree;
     std::uint64_t primary_rays = 0;
     std::uint64_t reflection_rays = 0;
     std::uint64_t refraction_rays = 0;

@@ -89,7 +89,8 @@ constexpr Option k_options[] = {
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64, .verbs = k_sized,
      .group = k_quality, .help = "reflections and refractions in a row"},
     {.name = "accelerator", .argument = "NAME", .kind = Kind::choice, .fallback = "embree", .choices = "embree|kdtree",
-     .built_choices = "embree", .verbs = k_pictures, .group = k_quality, .help = "what finds a ray's hit"},
+     .verbs = k_pictures, .group = k_quality,
+     .help = "what finds a ray's hit; kdtree: counts nodes and triangle tests, slow, the same picture up to edges"},
 
     {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "auto", .low = -100, .high = 100,
      .verbs = k_pictures, .group = k_look, .help = "in stops; auto: from each frame alone"},

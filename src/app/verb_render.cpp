@@ -38,6 +38,7 @@ RenderOptions render_options(const OptionValues& values)
     options.max_depth = values.integer("max-depth");
     options.shadow_culling = culling_of(values.text("shadow-culling"));
     options.indirect = values.text("indirect") == "off" ? Indirect::off : Indirect::visible;
+    if (values.text("accelerator") == "kdtree") options.accelerator = Accelerator::kdtree;
     if (values.given("overlay")) options.overlay = Overlay::shadow_states;
     if (values.given("overlay-light")) {
         if (!values.given("overlay")) throw UsageError("--overlay-light needs --overlay shadow-states");
@@ -88,6 +89,16 @@ Json document_of(const CommandLine& line, const FilmResult& result)
                           {"shadow", std::move(shadow)},
                           {"indirect", {{"clusters", counters.indirect.clusters}, {"rays", counters.indirect.rays}}},
                           {"draws", counters.draws}});
+        if (counters.kdtree) {
+            const auto work = [](const FrameCounters::KdTree::Work& of) {
+                return Json{{"nodes", of.nodes}, {"tests", of.tests}};
+            };
+            frames.back()["kdtree"] = {{"primary", work(counters.kdtree->primary)},
+                                       {"reflection", work(counters.kdtree->reflection)},
+                                       {"refraction", work(counters.kdtree->refraction)},
+                                       {"shadow", work(counters.kdtree->shadow)},
+                                       {"indirect", work(counters.kdtree->indirect)}};
+        }
     }
     return {{"version", std::string(version())},
             {"scene", line.positionals[0]},

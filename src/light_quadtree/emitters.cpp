@@ -143,6 +143,7 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
 
     // Cast one ray a leaf, in tree order: neighbours share packets.
     ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
     std::vector<double> measure(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         const TexelRay r =
@@ -270,6 +271,7 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
     std::sort(asked.begin(), asked.end());
     asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
     ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
     const scene::LightState& at = state.light(view.light);
     for (const std::uint32_t i : asked) {
         const glm::vec3 from = samples_.at(leaves + i);

@@ -92,6 +92,7 @@ class VisibleLight {
 
 class VisibleLight::Batch {
  public:
+    Batch() { rays.purpose = ray::RayClass::indirect; }
     VisibleCounters counters;
 
  private:

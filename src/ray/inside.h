@@ -6,12 +6,15 @@
 // Two trees of everything: `still`, where geometries carry world-space vertices (or are instances of meshes that many
 // objects share), and `moving`, where each solid is an instance of a tree of its own. An object is in one of them.
 
+#include <array>
+#include <atomic>
 #include <deque>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
 #include "ray/embree.h"
+#include "ray/kdtree.h"
 #include "ray/ray_scene.h"
 #include "ray/solid.h"
 
@@ -71,10 +74,23 @@ struct RayScene::Inside {
 
     SceneHandle one;   // both, for comparison; mostly absent
 
+    std::unique_ptr<CountingKdTree> kdtree;   // answers instead; mostly absent
+    struct Sums {
+        std::atomic<std::uint64_t> nodes{0}, tests{0};
+    };
+    mutable std::array<Sums, k_ray_classes> kdtree_sums;   // by RayClass, of this frame
+
     std::vector<ObjectGeometry> geometry;
     RaySceneStatistics statistics;
     std::uint64_t updates = 0;
     std::size_t baked_bytes = 0;
+
+    // kdtree_queues.cpp
+    void closest_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
+                           Against against) const;
+    void blocked_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
+                           Against against) const;
+    void add_to_kdtree_sums(RayClass purpose, const KdCounts& counts) const;
 
     // build.cpp
     void build(const scene::SceneState& state);

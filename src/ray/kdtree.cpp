@@ -3,6 +3,8 @@
 #include "ray/kdtree.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "base/check.h"
 #include "ray/inside.h"
@@ -116,6 +118,7 @@ struct CountingKdTree::Inside {
     std::shared_ptr<const scene::Scene> scene;
     KdOptions options;
     KdPart still, moving;
+    const std::array<const KdPart*, 2> parts{&still, &moving};
     std::vector<char> dynamic;   // by object
 
     void regroup()
@@ -131,6 +134,12 @@ struct CountingKdTree::Inside {
         part.build(how);
     }
 
+    std::span<const KdPart* const> asked(Against against) const
+    {
+        const std::size_t first = against == Against::dynamic_only ? 1 : 0,
+                          last = against == Against::static_only ? 1 : 2;
+        return std::span(parts).subspan(first, last - first);
+    }
     bool holed(const KdTriangle& t, const TriangleHit& hit) const
     {
         return t.surface == scene::SurfaceClass::masked &&
@@ -200,19 +209,18 @@ bool CountingKdTree::blocked(const glm::vec3& origin, float tnear, const glm::ve
     if (!usable(origin, tnear, direction, tfar)) return false;
     const KdRay ray(origin, tnear, direction, tfar);
     ++counts.nodes;   // the root
-    const auto in_part = [&](const KdPart& part) {
-        return walk(part, ray, ray.tfar, counts, [&](const KdNode& leaf) {
+    const auto in_part = [&](const KdPart* part) {
+        return walk(*part, ray, ray.tfar, counts, [&](const KdNode& leaf) {
             for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
-                if (in.blocks(part.triangles[part.references[i]], ray, counts)) return true;
+                if (in.blocks(part->triangles[part->references[i]], ray, counts)) return true;
             return false;
         });
     };
-    return (against != Against::dynamic_only && in_part(in.still)) ||
-           (against != Against::static_only && in_part(in.moving));
+    return std::ranges::any_of(in.asked(against), in_part);
 }
 
 Hit CountingKdTree::closest(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
-                            KdCounts& counts) const
+                            KdCounts& counts, Against against) const
 {
     const Inside& in = *inside_;
     Hit best;
@@ -221,7 +229,7 @@ Hit CountingKdTree::closest(const glm::vec3& origin, float tnear, const glm::vec
     const KdRay ray(origin, tnear, direction, tfar);
     ++counts.nodes;   // the root
     float limit = tfar;
-    for (const KdPart* part : {&in.still, &in.moving})
+    for (const KdPart* part : in.asked(against))
         walk(*part, ray, limit, counts, [&](const KdNode& leaf) {
             for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
                 if (in.nearest(part->triangles[part->references[i]], ray, sides, best, counts))
@@ -238,16 +246,13 @@ bool CountingKdTree::blocked_by_any(const glm::vec3& origin, float tnear, const 
     if (!usable(origin, tnear, direction, tfar)) return false;
     const KdRay ray(origin, tnear, direction, tfar);
     KdCounts counts;
-    const auto in_part = [&](const KdPart& part) {
-        return std::any_of(part.triangles.begin(), part.triangles.end(),
-                           [&](const KdTriangle& t) { return in.blocks(t, ray, counts); });
-    };
-    return (against != Against::dynamic_only && in_part(in.still)) ||
-           (against != Against::static_only && in_part(in.moving));
+    const auto blocks = [&](const KdTriangle& t) { return in.blocks(t, ray, counts); };
+    return std::ranges::any_of(in.asked(against),
+                               [&](const KdPart* part) { return std::ranges::any_of(part->triangles, blocks); });
 }
 
 Hit CountingKdTree::closest_of_all(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                                   Sides sides) const
+                                   Sides sides, Against against) const
 {
     const Inside& in = *inside_;
     Hit best;
@@ -255,7 +260,7 @@ Hit CountingKdTree::closest_of_all(const glm::vec3& origin, float tnear, const g
     if (!usable(origin, tnear, direction, tfar)) return best;
     const KdRay ray(origin, tnear, direction, tfar);
     KdCounts counts;
-    for (const KdPart* part : {&in.still, &in.moving})
+    for (const KdPart* part : in.asked(against))
         for (const KdTriangle& t : part->triangles) in.nearest(t, ray, sides, best, counts);
     return best;
 }

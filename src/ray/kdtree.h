@@ -83,12 +83,13 @@ class CountingKdTree {
                  KdCounts& counts) const;
     /// The nearest surface, transparent ones included; t is tfar where there is none. Thread-safe.
     Hit closest(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
-                KdCounts& counts) const;
+                KdCounts& counts, Against against = Against::everything) const;
 
     /// The same by asking every triangle: the trees' slow twins.
     bool blocked_by_any(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                         Against against) const;
-    Hit closest_of_all(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides) const;
+    Hit closest_of_all(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
+                       Against against = Against::everything) const;
 
     KdStatistics statistics() const;
 

@@ -12,10 +12,16 @@ namespace gnomon::ray {
 
 inline constexpr std::size_t k_packet_pad = 16;   // arrays are padded so that the last packet may be read whole
 
+/// What rays are for. It changes no answer: a tree that counts keeps a sum for each. `check`: what a measurement asks
+/// and a picture does not need.
+enum class RayClass : std::uint8_t { primary, reflection, refraction, shadow, indirect, check };
+inline constexpr int k_ray_classes = 6;
+
 /// Rays to trace together. Neighbours in the queue share a packet: keep rays that go the same way side by side.
 struct RayQueue {
     std::vector<float> ox, oy, oz, tnear;
     std::vector<float> dx, dy, dz, tfar;
+    RayClass purpose = RayClass::shadow;
 
     std::size_t size() const { return count_; }
     bool empty() const { return count_ == 0; }

@@ -39,6 +39,9 @@ RayScene::~RayScene() = default;
 void RayScene::update(const scene::SceneState& state)
 {
     inside_->update(state);
+    if (!inside_->kdtree) return;
+    inside_->kdtree->update(state, *this);
+    for (Inside::Sums& sums : inside_->kdtree_sums) sums.nodes = 0, sums.tests = 0;
 }
 
 void RayScene::keep_one_tree()
@@ -61,6 +64,7 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
                        Against against) const
 {
     const Inside& in = *inside_;
+    if (in.kdtree) return in.closest_on_kdtree(rays, begin, end, hits, sides, against);
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     const bool anything_moves = !in.solids.empty() && against == Against::everything;
     RawHits still, moving;
@@ -88,6 +92,7 @@ void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end,
                        Against against) const
 {
     const Inside& in = *inside_;
+    if (in.kdtree) return in.blocked_on_kdtree(rays, begin, end, blocked, against);
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     TraceContext context(TraceContext::Kind::any);
     const auto step = static_cast<std::size_t>(in.width);

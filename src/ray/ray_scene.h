@@ -62,6 +62,8 @@ struct RaySceneStatistics {
     std::uint64_t touched = 0;            // instances and refitted meshes handled by the last update
 };
 
+struct KdCounts;   // kdtree.h
+
 class RayScene {
  public:
     /// Builds from the state's present. Keeps a reference to the state's scene, not to the state.
@@ -90,6 +92,12 @@ class RayScene {
     /// Keeps one more tree over the same geometries and instances, rebuilt whenever something moves: the opponent of
     /// benchmarks, never used by a renderer.
     void keep_one_tree();
+
+    /// From now on answers queues by a CountingKdTree instead of Embree: far slower, the same up to edges and surfaces
+    /// in one place, and counted. For studies.
+    void trace_on_kdtree(const scene::SceneState& state);
+    /// What that tree did for rays of one purpose since the last update; zeros without it.
+    KdCounts kdtree_work(RayClass purpose) const;
 
     const ObjectGeometry& geometry(scene::ObjectId object) const;
     /// Around everything visible, as of the last update.

@@ -99,6 +99,7 @@ std::uint64_t fingerprint_of(const Scene& shown, const RenderOptions& options)
     print.add(options.max_depth), print.add(options.samples);
     print.add(options.exposure.has_value()), print.add(options.exposure.value_or(0));
     print.add(options.tonemap);
+    print.add(options.accelerator);
     // Certified culling and none give the same pixels; what the published one gives depends on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);
     print.add(options.indirect);

@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "light_quadtree/visible_light.h"
+#include "ray/kdtree.h"
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
@@ -110,6 +111,7 @@ struct Renderer::Inside {
             rays.reset();
             state = std::make_unique<scene::SceneState>(wanted, time);
             rays = std::make_unique<ray::RayScene>(*state);
+            if (options.accelerator == Accelerator::kdtree) rays->trace_on_kdtree(*state);
             scene = wanted;
             follow_paper();
             if (options.indirect == Indirect::visible)
@@ -188,6 +190,15 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         in.paper.reset();                   // half a frame would be remembered
         if (in.visible) in.scene.reset();   // so would points that were claimed and not evaluated
         throw;
+    }
+    if (options.accelerator == Accelerator::kdtree) {
+        const auto work = [&](ray::RayClass purpose) {
+            const ray::KdCounts counts = in.rays->kdtree_work(purpose);
+            return FrameCounters::KdTree::Work{counts.nodes, counts.tests};
+        };
+        picture.counters.kdtree = {work(ray::RayClass::primary), work(ray::RayClass::reflection),
+                                   work(ray::RayClass::refraction), work(ray::RayClass::shadow),
+                                   work(ray::RayClass::indirect)};
     }
     picture.time = time;
     picture.frame = frame;

@@ -66,6 +66,7 @@ StateMark TileTracer::mark_of(std::uint32_t p, std::size_t l, bool& untrusted) c
 void TileTracer::check_lit(std::size_t l, bool primary, const TileRect& tile)
 {
     queue_shadow_rays(l);
+    shadow_rays_.purpose = ray::RayClass::check;
     const std::size_t count = shadow_rays_.size();
     blocked_.resize(count + ray::k_packet_pad);
     rays_.blocked(shadow_rays_, 0, count, blocked_.data());

@@ -42,6 +42,9 @@ TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays
       states_(remembered.states),
       log_(log)
 {
+    primary_.rays.purpose = ray::RayClass::primary;
+    for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
+    for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
     if (culling_) batch_ = culling_->make_batch();
     if (visible_) indirect_batch_ = visible_->make_batch();
     if (states_) counters_.shadow.rays_wrong = 0;
@@ -226,6 +229,7 @@ void TileTracer::queue_shadow_rays(std::size_t l)
     const bool directional = light.type == scene::LightType::directional;
     const bool bounded = light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
     shadow_rays_.clear();
+    shadow_rays_.purpose = ray::RayClass::shadow;
     shadow_rays_.reserve(shadow_points_.size());
     shadow_point_.clear();
     for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {

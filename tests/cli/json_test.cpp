@@ -46,6 +46,20 @@ TEST(Json, Render)
     }
 }
 
+TEST(Json, RenderOnTheTreeThatCounts)
+{
+    const ScratchFolder folder;
+    const Outcome outcome = run({"render", "builtin:cornell", "-o", folder / "p.png", "--frame", "2", "--size", "48x32",
+                                 "--accelerator", "kdtree", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json frame = outcome.json()["frames"][0];
+    EXPECT_EQ(keys_of(frame), (Keys{"draws", "file", "frame", "indirect", "kdtree", "ms", "shadow", "time"}));
+    EXPECT_EQ(keys_of(frame["kdtree"]), (Keys{"indirect", "primary", "reflection", "refraction", "shadow"}));
+    for (const json& work : frame["kdtree"]) EXPECT_EQ(keys_of(work), (Keys{"nodes", "tests"}));
+    EXPECT_GT(frame["kdtree"]["shadow"]["nodes"].get<int>(), frame["shadow"]["rays"].get<int>());
+    EXPECT_GT(frame["kdtree"]["primary"]["tests"].get<int>(), 0);
+}
+
 TEST(Json, Info)
 {
     const Outcome outcome = run({"info", "builtin:cornell", "--json"});

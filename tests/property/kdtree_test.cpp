@@ -172,6 +172,41 @@ TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
     EXPECT_TRUE(groups_split);
 }
 
+TEST(KdTree, FindsTheNearestOfOneTreeAlone)
+{
+    std::size_t hidden = 0, unlike = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const SceneState state(make_soups(seed), 0.3);
+        const RayScene rays(state);
+        const CountingKdTree tree(state, rays);
+        const ray::RayQueue queue = random_rays(seed + 20, 700);
+        ray::Hits embree;
+        embree.resize(queue.size());
+        rays.closest(queue, 0, queue.size(), embree, Sides::both, Against::static_only);
+        for (std::size_t i = 0; i < queue.size(); ++i) {
+            const glm::vec3 o = queue.origin(i), d = queue.direction(i);
+            const float tnear = queue.tnear[i], tfar = queue.tfar[i];
+            KdCounts counts;
+            Hit best;
+            best.t = tfar;
+            for (const Against part : {Against::static_only, Against::dynamic_only}) {
+                const Hit hit = tree.closest(o, tnear, d, tfar, Sides::both, counts, part);
+                EXPECT_TRUE(same_bits(hit, tree.closest_of_all(o, tnear, d, tfar, Sides::both, part)));
+                if (hit.object == scene::none) continue;
+                EXPECT_EQ(state.scene().objects[hit.object].dynamic, part == Against::dynamic_only);
+                if (part == Against::static_only)
+                    unlike += embree.object[i] == scene::none ||
+                              std::abs(hit.t - embree.t[i]) > 1e-4f * std::max(1.0f, hit.t);
+                hidden += best.object != scene::none && best.t < hit.t;
+                if (best.object == scene::none || hit.t < best.t) best = hit;
+            }
+            EXPECT_TRUE(same_bits(best, tree.closest(o, tnear, d, tfar, Sides::both, counts)));
+        }
+    }
+    EXPECT_LE(unlike, 1u) << "Embree, but for edges of holes";
+    EXPECT_GT(hidden, 20u) << "something dynamic behind something static";
+}
+
 /// A flat square of n x n cells in the plane z = 0.3.
 scene::Mesh sheet(int n)
 {
