@@ -13,7 +13,7 @@ namespace gnomon::render {
 
 namespace {
 constexpr std::uint8_t k_paper_tone = 24, k_ink = 210;   // of the frame around the panels, and of its text
-constexpr int k_small_panel = 400;                       // pixels; narrower ones get small letters
+constexpr int k_small_picture = 900;                     // pixels; narrower ones get small letters
 constexpr int k_gap = 4;
 
 // Told apart without red and green [Okabe and Ito 2008].
@@ -33,11 +33,6 @@ struct Entry {
     Rgb8 color;
     std::string text;
 };
-
-int dot_of(Size panel)
-{
-    return panel.width < k_small_panel ? 1 : 2;
-}
 
 int line_height(int dot)
 {
@@ -60,9 +55,20 @@ int cell_width(Size panel)
     return panel.width + k_gap;
 }
 
-int cell_height(Size panel)
+int inner_width(Size panel, std::size_t panels)
 {
-    return panel.height + line_height(dot_of(panel)) + k_gap;
+    return columns_of(panels) * cell_width(panel) - k_gap;
+}
+
+// Pixels a dot of the letters.
+int dot_of(Size panel, std::size_t panels)
+{
+    return inner_width(panel, panels) < k_small_picture ? 1 : 2;
+}
+
+int cell_height(Size panel, std::size_t panels)
+{
+    return panel.height + line_height(dot_of(panel, panels)) + k_gap;
 }
 
 Rgb8 mix(const Rgb8& a, const Rgb8& b, float share_of_b)
@@ -148,11 +154,6 @@ std::vector<Line> lines_of(const std::vector<Entry>& entries, int width, int dot
     }
     return lines;
 }
-
-int inner_width(Size panel, std::size_t panels)
-{
-    return columns_of(panels) * cell_width(panel) - k_gap;
-}
 }   // namespace
 
 Rgb8 state_color(StateMark mark)
@@ -173,11 +174,11 @@ Rgb8 cell_color(const StateCell& cell, std::uint8_t shade)
 
 Size overlay_size(Size panel, std::size_t panels, bool paper)
 {
-    const int dot = dot_of(panel);
+    const int dot = dot_of(panel, panels);
     const auto lines = lines_of(legend_of({}, paper), inner_width(panel, panels), dot);
     const int width = inner_width(panel, panels) + 2 * k_gap;
-    const int height =
-        k_gap + rows_of(panels) * cell_height(panel) + static_cast<int>(lines.size()) * line_height(dot) + k_gap;
+    const int height = k_gap + rows_of(panels) * cell_height(panel, panels) +
+                       static_cast<int>(lines.size()) * line_height(dot) + k_gap;
     return {(width + 1) / 2 * 2, (height + 1) / 2 * 2};
 }
 
@@ -185,14 +186,14 @@ PanelPlace panel_place(Size panel, std::size_t panels, std::size_t index)
 {
     const int columns = columns_of(panels), i = static_cast<int>(index);
     return {k_gap + i % columns * cell_width(panel),
-            k_gap + i / columns * cell_height(panel) + line_height(dot_of(panel))};
+            k_gap + i / columns * cell_height(panel, panels) + line_height(dot_of(panel, panels))};
 }
 
 Image8 paint_states(const StateMap& map, const std::vector<std::string>& titles, bool paper)
 {
     GNOMON_CHECK_EQ(titles.size(), map.lights.size());
     const std::size_t panels = map.lights.size();
-    const int dot = dot_of(map.size);
+    const int dot = dot_of(map.size, panels);
     const Size size = overlay_size(map.size, panels, paper);
     Image8 picture(size.width, size.height, 3);
     std::fill(picture.data.begin(), picture.data.end(), k_paper_tone);
@@ -213,7 +214,7 @@ Image8 paint_states(const StateMap& map, const std::vector<std::string>& titles,
     // The legend, laid out as it was measured.
     const std::vector<Entry> entries = legend_of(sums_of(map), paper), measured = legend_of({}, paper);
     const int width = inner_width(map.size, panels);
-    int top = k_gap + rows_of(panels) * cell_height(map.size);
+    int top = k_gap + rows_of(panels) * cell_height(map.size, panels);
     for (const Line& line : lines_of(measured, width, dot)) {
         int left = k_gap;
         for (const std::size_t e : line.entries) {
