@@ -74,6 +74,17 @@ MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& ra
         if (alone || lifted[o]) add_alone(o);
     }
     for (Mover& mover : movers_) place(mover, state, rays);
+    grow_tree();
+}
+
+// Takes in movers that are new.
+void MoverBounds::grow_tree()
+{
+    if (tree_.size() == movers_.size()) return;
+    std::vector<Box3> boxes;
+    boxes.reserve(movers_.size());
+    for (const Mover& mover : movers_) boxes.push_back(mover.world);
+    tree_ = BoxTree(boxes);
 }
 
 void MoverBounds::add_alone(scene::ObjectId object)
@@ -82,13 +93,16 @@ void MoverBounds::add_alone(scene::ObjectId object)
     movers_.push_back({object, scene::none, {}, {}});
 }
 
-void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays) const
+void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays)
 {
     mover.world = Box3{};
-    if (!state.object_visible(mover.object)) return;
-    const ray::ObjectGeometry& geometry = rays.geometry(mover.object);
-    const Box3 own = mover.group != scene::none ? mover.own : bounds_of(geometry);
-    mover.world = widened(geometry.to_world ? transformed(own, *geometry.to_world) : own);
+    if (state.object_visible(mover.object)) {
+        const ray::ObjectGeometry& geometry = rays.geometry(mover.object);
+        const Box3 own = mover.group != scene::none ? mover.own : bounds_of(geometry);
+        mover.world = widened(geometry.to_world ? transformed(own, *geometry.to_world) : own);
+    }
+    const auto index = static_cast<std::uint32_t>(&mover - movers_.data());
+    if (index < tree_.size()) tree_.move(index, mover.world);
 }
 
 void MoverBounds::update(const scene::SceneState& state, const ray::RayScene& rays)
@@ -107,23 +121,38 @@ void MoverBounds::update(const scene::SceneState& state, const ray::RayScene& ra
             const std::uint32_t m = g != scene::none ? by_group_[g] : by_object_[o];
             if (m != scene::none && (g == scene::none || movers_[m].object == o)) place(movers_[m], state, rays);
         }
+    grow_tree();
 }
 
-void MoverBounds::select(const Box3& points, const glm::vec3& light, bool directional,
-                         std::vector<Box3>& selected) const
+// Monotone: what it says of a box it says of every larger one around it. Rounding keeps order, so this holds to the
+// bit.
+bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light, bool directional)
 {
-    selected.clear();
     const glm::vec3 slope_low = directional ? light : light - points.low;
     const glm::vec3 slope_high = directional ? light : light - points.high;
-    for (const Mover& mover : movers_) {
-        if (mover.world.empty()) continue;
-        float first = 0, last = directional ? k_infinity : 1;
-        bool meets = true;
-        for (int axis = 0; axis < 3 && meets; ++axis)
-            meets = narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis],
-                           mover.world.low[axis], mover.world.high[axis], first, last);
-        if (meets) selected.push_back(mover.world);
-    }
+    float first = 0, last = directional ? k_infinity : 1;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis], blocker.low[axis],
+                    blocker.high[axis], first, last))
+            return false;
+    return true;
+}
+
+std::size_t MoverBounds::select(const Box3& points, const glm::vec3& light, bool directional,
+                                std::vector<Box3>& selected) const
+{
+    selected.clear();
+    return tree_.find([&](const Box3& box) { return may_shadow(box, points, light, directional); },
+                      [&](std::uint32_t mover) { selected.push_back(movers_[mover].world); });
+}
+
+void MoverBounds::select_of_all(const Box3& points, const glm::vec3& light, bool directional,
+                                std::vector<Box3>& selected) const
+{
+    selected.clear();
+    for (const Mover& mover : movers_)
+        if (!mover.world.empty() && may_shadow(mover.world, points, light, directional))
+            selected.push_back(mover.world);
 }
 
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end)

@@ -3,10 +3,12 @@
 // Where what moves is now, as boxes, and which of it can shadow a patch of points from a light: the mask that keeps
 // rays from static, unshadowed points away from the movers' tree.
 //
-// Cost a frame: the groups that moved. Cost a query: the boxes.
+// Cost a frame: the groups that moved, by the depth of a tree of their boxes. Cost a query: what is near, and that
+// depth.
 
 #include <vector>
 
+#include "base/box_tree.h"
 #include "ray/ray_scene.h"
 
 namespace gnomon::shadow_culling {
@@ -20,7 +22,10 @@ class MoverBounds {
 
     /// Boxes that a ray from anywhere in `points` to the light may meet. Conservative.
     /// @param light  its place, or for a directional light the direction towards it
-    void select(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
+    /// @return how many boxes were looked at
+    std::size_t select(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
+    /// The same by looking at all: its slow twin. In another order.
+    void select_of_all(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
 
  private:
     struct Mover {
@@ -30,11 +35,16 @@ class MoverBounds {
         Box3 world;   // empty while it is hidden
     };
     void add_alone(scene::ObjectId object);
-    void place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays) const;
+    void place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays);
+    void grow_tree();
 
     std::vector<Mover> movers_;
+    BoxTree tree_;   // of their world boxes
     std::vector<std::uint32_t> by_group_, by_object_;
 };
+
+/// Whether a segment from anywhere in `points` to the light may meet the blocker's box. Conservative.
+bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light, bool directional);
 
 /// Whether the segment from origin along direction * [0, end] meets a box, with a little room for rounding.
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end);
