@@ -48,6 +48,16 @@ void refuse_unknown(const VerbInfo& verb, const std::vector<std::string>& words)
     }
 }
 
+// A word as a shell must be given it.
+std::string quoted(const std::string& word)
+{
+    constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
+    if (!word.empty() && word.find_first_not_of(k_plain) == std::string::npos) return word;
+    std::string text = "'";
+    for (const char c : word) c == '\'' ? text += "'\\''" : text += c;
+    return text + "'";
+}
+
 CLI::Option* add(CLI::App& parser, const Option& option)
 {
     std::string names = fmt::format("--{}", option.name);
@@ -78,6 +88,8 @@ void spell_out_lists(std::vector<std::string>& words)
 CommandLine parse_command_line(const std::vector<std::string>& arguments)
 {
     CommandLine line;
+    line.command = "gnomon";
+    for (const std::string& word : arguments) line.command += " " + quoted(word);
     std::vector<std::string> words = arguments;
     if (words.empty()) throw UsageError("nothing to do; see gnomon --help");
     if (words.front() == "--version") return line.version = true, line;

@@ -15,6 +15,7 @@ struct CommandLine {
     const VerbInfo* verb = nullptr;   // nullptr: none was named; only --help and --version make sense then
     std::vector<std::string> positionals;
     OptionValues values{Verb::render};
+    std::string command;   // the whole of it, as a shell takes it
     bool help = false;
     bool version = false;
 };

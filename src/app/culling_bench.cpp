@@ -5,18 +5,19 @@
 #include <chrono>
 #include <ctime>
 
+#include "app/culling_counts.h"
+#include "app/culling_pictures.h"
+#include "app/culling_summary.h"
 #include "app/paper_bench.h"
-#include "base/tasks.h"
-#include "ray/kdtree.h"
-#include "ray/origin.h"
-#include "render/view.h"
+#include "gnomon/error.h"
 #include "shadow_culling/certified_culling.h"
 
 namespace gnomon::app {
 
 namespace {
 
-constexpr int k_tile = 32;
+using shadow_culling::CertifiedCulling;
+using shadow_culling::CertifiedOptions;
 
 double cpu_ms()
 {
@@ -30,298 +31,244 @@ double wall_ms()
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The primary hits of one tile.
-struct TilePoints {
-    std::vector<shadow_culling::ShadowPoint> points;
-    std::vector<std::uint8_t> off, paper, certified;        // [light][point]: 1 blocked or behind
-    std::vector<std::uint8_t> paper_rays, certified_rays;   // alike: 1 a ray against everything, 2 against movers
-    std::vector<std::uint8_t> asked;                        // alike: 1 where the light shines on the surface
-};
-
-void trace_primary(const render::View& view, const ray::RayScene& rays, int x0, int y0, TilePoints& tile,
-                   PaperBench* paper)
+std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, std::vector<std::uint8_t> CullingTile::*method)
 {
-    ray::RayQueue queue;
-    std::vector<std::pair<int, int>> pixels;   // of the rays
-    ray::Hits hits;
-    for (int block = 0; block < k_tile * k_tile; ++block) {
-        // 4 x 2 blocks, row by row: coherent packets.
-        const int in_block = block % 8, b = block / 8;
-        const int x = x0 + (b % (k_tile / 4)) * 4 + in_block % 4, y = y0 + (b / (k_tile / 4)) * 2 + in_block / 4;
-        if (x >= view.size.width || y >= view.size.height) continue;
-        glm::vec3 origin, direction;
-        float tnear, tfar;
-        view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
-        queue.push(origin, tnear, direction, tfar);
-        pixels.emplace_back(x, y);
-    }
-    tile.points.clear();
-    if (queue.empty()) return;
-    hits.resize(queue.size());
-    rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-        if (hits.object[i] == scene::none) continue;
-        if (paper)
-            paper->set_pixel(pixels[i].first, pixels[i].second, hits.object[i], hits.triangle[i], queue.origin(i),
-                             queue.direction(i));
-        glm::vec3 p[3];
-        rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
-        const float u = hits.u[i], v = hits.v[i];
-        const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
-        const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-        const float length = glm::length(cross);
-        if (!(length > 0)) continue;
-        const bool front = glm::dot(cross, queue.direction(i)) < 0;
-        const glm::vec3 normal = (front ? cross : -cross) / length;
-        tile.points.push_back(
-            {position + ray::origin_lift(p) * normal, normal, hits.object[i], hits.triangle[i], u, v, front});
-    }
+    std::uint64_t wrong = 0;
+    for (const CullingTile& tile : tiles)
+        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.asked[i] && tile.off[i] != (tile.*method)[i];
+    return wrong;
 }
 
-// Walks the counting kd-tree with every ray that each method traced; by no means in their times.
-void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state, float ray_end,
-                     const std::vector<TilePoints>& tiles, Tasks& tasks, CullingFrame& record)
-{
-    const scene::Scene& scene = state.scene();
-    struct Sums {
-        ray::KdCounts off, paper, certified;
-    };
-    const auto add = [](ray::KdCounts& sum, const ray::KdCounts& part) {
-        sum.nodes += part.nodes;
-        sum.tests += part.tests;
-    };
-    std::vector<Sums> sums(tiles.size());
-    tasks.for_each(tiles.size(), [&](std::size_t t, int) {
-        const TilePoints& tile = tiles[t];
-        for (std::size_t l = 0; l < scene.lights.size(); ++l) {
-            const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
-            const bool directional = scene.lights[l].type == scene::LightType::directional;
-            for (std::size_t p = 0; p < tile.points.size(); ++p) {
-                const auto& point = tile.points[p];
-                const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
-                if (!tile.asked[l * tile.points.size() + p]) continue;
-                const float end = directional ? k_infinity : ray_end;
-                ray::KdCounts all, movers;
-                tree.blocked(point.origin, 0, d, end, ray::Against::everything, all);
-                const std::size_t at_point = l * tile.points.size() + p;
-                const int paper = tile.paper_rays[at_point], certified = tile.certified_rays[at_point];
-                if (paper == 2 || certified == 2)
-                    tree.blocked(point.origin, 0, d, end, ray::Against::dynamic_only, movers);
-                add(sums[t].off, all);
-                if (paper) add(sums[t].paper, paper == 1 ? all : movers);
-                if (certified) add(sums[t].certified, certified == 1 ? all : movers);
-            }
+// One run over the frames: every method with a memory of its own, empty at first.
+class Run {
+ public:
+    Run(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options)
+        : options_(options),
+          scene_(*scene),
+          state_(scene, scene->timeline.time_of(options.frames.first)),
+          rays_(state_),
+          tasks_(options.threads),
+          tracers_(static_cast<std::size_t>(tasks_.threads())),
+          workers_(static_cast<std::size_t>(tasks_.threads()))
+    {
+        rays_.keep_one_tree();
+        CertifiedOptions certified_options;
+        certified_options.pixels_per_part = options.pixels_per_part;
+        ray_end_ = certified_options.ray_end;
+        if (options.certified) {
+            culling_ = std::make_unique<CertifiedCulling>(state_, rays_, certified_options);
+            for (int t = 0; t < tasks_.threads(); ++t) batches_.push_back(culling_->make_batch());
         }
-    });
-    for (const Sums& s : sums) {
-        record.off.nodes += s.off.nodes, record.off.tests += s.off.tests;
-        record.paper.nodes += s.paper.nodes, record.paper.tests += s.paper.tests;
-        record.certified.nodes += s.certified.nodes, record.certified.tests += s.certified.tests;
+        if (options.paper)
+            paper_ = std::make_unique<PaperBench>(state_, rays_, tasks_.threads(), options.paper_options, ray_end_);
+        if (options.counts) kdtree_ = std::make_unique<ray::CountingKdTree>(state_, rays_);
+        columns_ = (options.size.width + PointTracer::k_tile - 1) / PointTracer::k_tile;
+        const int rows = (options.size.height + PointTracer::k_tile - 1) / PointTracer::k_tile;
+        tiles_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows));
     }
-}
 
-// Percent of what every ray would have cost.
-template <class Method>
-CullingBenchResult::Saved saved(const std::vector<CullingFrame>& frames, Method CullingFrame::*method)
-{
-    CullingBenchResult::Saved result;
-    const auto percent = [](std::uint64_t with, std::uint64_t without) {
-        return without > 0 ? 100.0 - 100.0 * static_cast<double>(with) / static_cast<double>(without) : 0.0;
-    };
-    for (const CullingFrame& frame : frames) {
-        const double nodes = percent((frame.*method).nodes, frame.off.nodes);
-        const double tests = percent((frame.*method).tests, frame.off.tests);
-        result.nodes_mean += nodes / static_cast<double>(frames.size());
-        result.tests_mean += tests / static_cast<double>(frames.size());
-        result.nodes_best = std::max(result.nodes_best, nodes);
-        result.tests_best = std::max(result.tests_best, tests);
-    }
-    return result;
-}
-
-}   // namespace
-
-CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
-                                 const std::function<void(const CullingFrame&)>& on_frame)
-{
-    using namespace shadow_culling;
-    CullingBenchResult result;
-    scene::SceneState state(scene, scene->timeline.time_of(options.frames.first));
-    ray::RayScene rays(state);
-    rays.keep_one_tree();
-    Tasks tasks(options.threads);
-    CertifiedOptions certified_options;
-    certified_options.pixels_per_part = options.pixels_per_part;
-    std::unique_ptr<CertifiedCulling> culling;
-    if (options.certified) culling = std::make_unique<CertifiedCulling>(state, rays, certified_options);
-    std::unique_ptr<PaperBench> paper;
-    if (options.paper)
-        paper = std::make_unique<PaperBench>(state, rays, tasks.threads(), options.paper_options,
-                                             certified_options.ray_end);
-
-    std::unique_ptr<ray::CountingKdTree> kdtree;
-    if (options.counts) kdtree = std::make_unique<ray::CountingKdTree>(state, rays);
-
-    const int lights = static_cast<int>(scene->lights.size());
-    const int columns = (options.size.width + k_tile - 1) / k_tile, rows = (options.size.height + k_tile - 1) / k_tile;
-    std::vector<TilePoints> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches;
-    for (int t = 0; culling && t < tasks.threads(); ++t) batches.push_back(culling->make_batch());
-
-    double off_sum = 0, certified_sum = 0;
-    for (int frame = options.frames.first; frame <= options.frames.last; ++frame) {
-        state.advance(scene->timeline.time_of(frame));
-        rays.update(state);
-        const render::View view = render::make_view(state, 0, options.size);
-        if (paper) paper->clear_picture(options.size);
-        tasks.for_each(tiles.size(), [&](std::size_t t, int) {
-            const int at = static_cast<int>(t);
-            trace_primary(view, rays, at % columns * k_tile, at / columns * k_tile, tiles[t], paper.get());
-            tiles[t].off.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
-            if (paper) tiles[t].paper.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
-            tiles[t].certified.assign(tiles[t].points.size() * static_cast<std::size_t>(lights), 1);
-            tiles[t].asked.assign(tiles[t].off.size(), 0);
-            tiles[t].paper_rays.assign(options.counts ? tiles[t].off.size() : 0, 0);
-            tiles[t].certified_rays.assign(options.counts ? tiles[t].off.size() : 0, 0);
-        });
+    CullingFrame measure(int frame)
+    {
+        state_.advance(scene_.timeline.time_of(frame));
+        rays_.update(state_);
+        view_ = render::make_view(state_, 0, options_.size);
+        find_points();
         CullingFrame record;
         record.frame = frame;
+        trace_every_ray(record);
+        if (paper_) follow_paper(record);
+        if (culling_) follow_certified(record);
+        if (kdtree_) {
+            if (frame != options_.frames.first) kdtree_->update(state_, rays_);
+            count_on_kdtree(*kdtree_, state_, ray_end_, tiles_, tasks_, record);
+        }
+        return record;
+    }
 
-        // Off: every facing pair is a ray.
-        std::vector<std::uint64_t> off_rays(static_cast<std::size_t>(tasks.threads()));
-        std::vector<ray::RayQueue> queues(static_cast<std::size_t>(tasks.threads()));
-        std::vector<std::vector<std::uint32_t>> whose(static_cast<std::size_t>(tasks.threads()));
-        std::vector<std::vector<std::uint8_t>> answers(static_cast<std::size_t>(tasks.threads()));
-        const auto for_facing = [&](const TilePoints& tile, int l, const auto& take) {
-            const scene::Light& light = scene->lights[static_cast<std::size_t>(l)];
-            const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
-            const bool directional = light.type == scene::LightType::directional;
-            for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
-                const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
-                if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
-                // Outside a spot's cone nothing is asked.
-                if (light.type == scene::LightType::spot &&
-                    scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
-                    continue;
-                take(p, d, directional);
-            }
-        };
-        const float end = certified_options.ray_end;
-        double cpu = cpu_ms(), wall = wall_ms();
-        tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
-            const auto worker = static_cast<std::size_t>(w);
-            TilePoints& tile = tiles[t];
-            for (int l = 0; l < lights; ++l) {
-                queues[worker].clear();
-                whose[worker].clear();
-                for_facing(tile, l, [&](std::uint32_t p, const glm::vec3& d, bool directional) {
-                    queues[worker].push(tile.points[p].origin, 0, d, directional ? k_infinity : end);
-                    whose[worker].push_back(p);
-                    tile.asked[static_cast<std::size_t>(l) * tile.points.size() + p] = 1;
-                });
-                const std::size_t count = queues[worker].size();
-                off_rays[worker] += count;
-                answers[worker].resize(count + ray::k_packet_pad);
-                rays.blocked(queues[worker], 0, count, answers[worker].data(), ray::Against::one_tree);
-                std::uint8_t* out = tile.off.data() + static_cast<std::size_t>(l) * tile.points.size();
-                for (std::size_t i = 0; i < count; ++i) out[whose[worker][i]] = answers[worker][i];
+    /// Of the frame measured last.
+    WrongPictures pictures(const CullingFrame& record) const
+    {
+        return wrong_pictures(state_, options_.size, tiles_, record);
+    }
+
+    void sizes(CullingBenchResult& result) const
+    {
+        if (paper_) result.paper_bytes = paper_->culling().bytes();
+        if (!culling_) return;
+        result.bytes = culling_->bytes();
+        result.visible_triangles = culling_->visible_triangles();
+        const auto pairs = static_cast<double>(result.visible_triangles * scene_.lights.size());
+        if (pairs > 0) result.bytes_per_triangle_light = static_cast<double>(result.bytes) / pairs;
+    }
+
+ private:
+    struct Worker {
+        ray::RayQueue queue;
+        std::vector<std::uint32_t> whose;   // by ray
+        std::vector<std::uint8_t> answers;
+        std::uint64_t rays = 0;
+    };
+
+    void find_points()
+    {
+        if (paper_) paper_->clear_picture(options_.size);
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            CullingTile& tile = tiles_[t];
+            const int at = static_cast<int>(t);
+            tracers_[static_cast<std::size_t>(w)].trace(state_, rays_, view_, at % columns_ * PointTracer::k_tile,
+                                                        at / columns_ * PointTracer::k_tile, options_.max_depth, tile);
+            for (const SeenPixel& p : tile.pixels)
+                if (paper_) paper_->set_pixel(p.x, p.y, p.object, p.triangle, p.origin, p.direction);
+            const std::size_t pairs = tile.points.size() * scene_.lights.size();
+            tile.asked.assign(pairs, 0);
+            tile.off.assign(pairs, 1);
+            tile.paper.assign(paper_ ? pairs : 0, 1);
+            tile.certified.assign(culling_ ? pairs : 0, 1);
+            tile.paper_rays.assign(options_.counts ? pairs : 0, 0);
+            tile.certified_rays.assign(options_.counts ? pairs : 0, 0);
+        });
+    }
+
+    // The points of a tile that face a light, as rays.
+    void queue_facing(CullingTile& tile, std::size_t l, Worker& worker) const
+    {
+        const scene::Light& light = scene_.lights[l];
+        const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+        const bool directional = light.type == scene::LightType::directional;
+        worker.queue.clear();
+        worker.whose.clear();
+        for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
+            const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
+            if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
+            // Outside a spot's cone nothing is asked.
+            if (light.type == scene::LightType::spot &&
+                scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
+                continue;
+            worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray_end_);
+            worker.whose.push_back(p);
+            tile.asked[l * tile.points.size() + p] = 1;
+        }
+    }
+
+    // Off: every facing pair is a ray.
+    void trace_every_ray(CullingFrame& record)
+    {
+        const double cpu = cpu_ms(), wall = wall_ms();
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            Worker& worker = workers_[static_cast<std::size_t>(w)];
+            CullingTile& tile = tiles_[t];
+            for (std::size_t l = 0; l < scene_.lights.size(); ++l) {
+                queue_facing(tile, l, worker);
+                const std::size_t count = worker.queue.size();
+                worker.rays += count;
+                worker.answers.resize(count + ray::k_packet_pad);
+                rays_.blocked(worker.queue, 0, count, worker.answers.data(), ray::Against::one_tree);
+                std::uint8_t* out = tile.off.data() + l * tile.points.size();
+                for (std::size_t i = 0; i < count; ++i) out[worker.whose[i]] = worker.answers[i];
             }
         });
         record.off.ms = cpu_ms() - cpu;
         record.off.wall_ms = wall_ms() - wall;
-        for (const std::uint64_t n : off_rays) record.off.rays += n;
-
-        if (paper) {
-            // Paper: what Table 2 leaves to trace, the occlusion test, and the merge.
-            cpu = cpu_ms(), wall = wall_ms();
-            paper->begin_frame(state, rays);
-            tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
-                paper->shadow(w, tiles[t].points, tiles[t].paper.data(),
-                              options.counts ? tiles[t].paper_rays.data() : nullptr);
-            });
-            paper->end_frame();
-            record.paper.ms = cpu_ms() - cpu;
-            record.paper.wall_ms = wall_ms() - wall;
-            const PaperCounters& p = paper->culling().counters();
-            record.paper.rays = p.rays;
-            record.paper.skipped = p.skipped;
-            record.paper.dynamic_only = p.dynamic_only;
-            record.paper.extra_tests_per_pixel = paper->extra_tests_per_pixel();
-            for (const TilePoints& tile : tiles)
-                for (std::size_t i = 0; i < tile.off.size(); ++i)
-                    record.paper.wrong += tile.asked[i] && tile.off[i] != tile.paper[i];
-            result.paper_extra_tests_per_pixel += record.paper.extra_tests_per_pixel;
-            result.paper_wrong_mean += static_cast<double>(record.paper.wrong);
+        for (Worker& worker : workers_) {
+            record.off.rays += worker.rays;
+            worker.rays = 0;
         }
+    }
 
-        if (culling) {
-            // Certified: look-ups, what rays are left, and the judging of what they saw.
-            cpu = cpu_ms(), wall = wall_ms();
-            culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
-            tasks.for_each(tiles.size(), [&](std::size_t t, int w) {
-                const auto worker = static_cast<std::size_t>(w);
-                TilePoints& tile = tiles[t];
-                CertifiedCulling::Batch& batch = *batches[worker];
-                culling->classify(batch, tile.points);
-                for (int l = 0; l < lights; ++l) {
-                    answers[worker].resize(tile.points.size() + 8);
-                    culling->shadow(batch, l, answers[worker].data(),
-                                    options.counts
-                                        ? tile.certified_rays.data() + static_cast<std::size_t>(l) * tile.points.size()
-                                        : nullptr);
-                    std::copy_n(answers[worker].data(), tile.points.size(),
-                                tile.certified.data() + static_cast<std::size_t>(l) * tile.points.size());
-                }
-            });
-            const double before_judging = wall_ms();
-            culling->end_frame(batches, tasks);
-            record.certified.ms = cpu_ms() - cpu;
-            record.certified.wall_ms = wall_ms() - wall;
-            record.certified.judge_ms = wall_ms() - before_judging;
-            const CullingCounters& c = culling->counters();
-            record.certified.rays = record.off.rays;
-            record.certified.dynamic_only = c.dynamic_only;
-            record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
-            record.certified.partial = c.partial;
-            record.certified.certificates = c.certificates;
-            record.certified.certified = c.certified;
-            for (const TilePoints& tile : tiles)
-                for (std::size_t i = 0; i < tile.off.size(); ++i)
-                    record.certified.wrong += tile.asked[i] && tile.off[i] != tile.certified[i];
-            result.wrong_total += record.certified.wrong;
+    // Paper: what Table 2 leaves to trace, the occlusion test, and the merge.
+    void follow_paper(CullingFrame& record)
+    {
+        const double cpu = cpu_ms(), wall = wall_ms();
+        paper_->begin_frame(state_, rays_);
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            paper_->shadow(w, tiles_[t].points, tiles_[t].paper.data(),
+                           options_.counts ? tiles_[t].paper_rays.data() : nullptr);
+        });
+        paper_->end_frame();
+        record.paper.ms = cpu_ms() - cpu;
+        record.paper.wall_ms = wall_ms() - wall;
+        const shadow_culling::PaperCounters& p = paper_->culling().counters();
+        record.paper.rays = p.rays;
+        record.paper.skipped = p.skipped;
+        record.paper.dynamic_only = p.dynamic_only;
+        record.paper.extra_tests = p.extra_tests;
+        record.paper.extra_tests_per_pixel = paper_->extra_tests_per_pixel();
+        record.paper.wrong = wrong_of(tiles_, &CullingTile::paper);
+    }
 
-            off_sum += record.off.ms;
-            certified_sum += record.certified.ms;
-            const double ratio = record.certified.wall_ms / record.off.wall_ms;
-            if (result.frames.empty())
-                result.first_frame_ratio = ratio;
-            else
-                result.worst_frame_ratio = std::max(result.worst_frame_ratio, ratio);
+    // Certified: look-ups, what rays are left, and the judging of what they saw.
+    void follow_certified(CullingFrame& record)
+    {
+        const double cpu = cpu_ms(), wall = wall_ms();
+        culling_->begin_frame(state_, rays_, {view_.eye, view_.pixel_spread, view_.pixel_width});
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            std::vector<std::uint8_t>& answers = workers_[static_cast<std::size_t>(w)].answers;
+            CullingTile& tile = tiles_[t];
+            CertifiedCulling::Batch& batch = *batches_[static_cast<std::size_t>(w)];
+            culling_->classify(batch, tile.points);
+            answers.resize(tile.points.size() + ray::k_packet_pad);
+            for (std::size_t l = 0; l < scene_.lights.size(); ++l) {
+                const std::size_t at = l * tile.points.size();
+                culling_->shadow(batch, static_cast<int>(l), answers.data(),
+                                 options_.counts ? tile.certified_rays.data() + at : nullptr);
+                std::copy_n(answers.data(), tile.points.size(), tile.certified.data() + at);
+            }
+        });
+        const double before_judging = wall_ms();
+        culling_->end_frame(batches_, tasks_);
+        record.certified.ms = cpu_ms() - cpu;
+        record.certified.wall_ms = wall_ms() - wall;
+        record.certified.judge_ms = wall_ms() - before_judging;
+        const shadow_culling::CullingCounters& c = culling_->counters();
+        record.certified.rays = record.off.rays;
+        record.certified.dynamic_only = c.dynamic_only;
+        record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
+        record.certified.partial = c.partial;
+        record.certified.certificates = c.certificates;
+        record.certified.certified = c.certified;
+        record.certified.wrong = wrong_of(tiles_, &CullingTile::certified);
+    }
+
+    const CullingBenchOptions& options_;
+    const scene::Scene& scene_;
+    scene::SceneState state_;
+    ray::RayScene rays_;
+    Tasks tasks_;
+    float ray_end_ = 1;
+    std::unique_ptr<CertifiedCulling> culling_;
+    std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches_;   // by worker
+    std::unique_ptr<PaperBench> paper_;
+    std::unique_ptr<ray::CountingKdTree> kdtree_;
+    render::View view_;
+    int columns_ = 0;
+    std::vector<CullingTile> tiles_;
+    std::vector<PointTracer> tracers_;   // by worker
+    std::vector<Worker> workers_;
+};
+
+}   // namespace
+
+CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
+                                 const Progress& progress, const std::function<void(const CullingFrame&)>& on_frame)
+{
+    CullingBenchResult result;
+    std::vector<std::vector<CullingFrame>> runs(static_cast<std::size_t>(options.repeat));
+    const double steps = static_cast<double>(options.repeat) * options.frames.count();
+    double done = 0;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        Run run(scene, options);
+        for (int frame = options.frames.first; frame <= options.frames.last; ++frame, ++done) {
+            if (progress && !progress({"measuring", done / steps})) throw InterruptedError("interrupted");
+            const CullingFrame& record = runs[r].emplace_back(run.measure(frame));
+            if (r > 0) continue;
+            if (options.pictures && options.paper && (!result.pictures || record.paper.wrong > result.pictures->wrong))
+                result.pictures = run.pictures(record);
+            if (on_frame) on_frame(record);
         }
-        if (kdtree) {
-            if (frame != options.frames.first) kdtree->update(state, rays);
-            count_on_kdtree(*kdtree, state, end, tiles, tasks, record);
-        }
-        result.frames.push_back(record);
-        if (on_frame) on_frame(record);
+        if (r == 0) run.sizes(result);
     }
-    if (options.counts && options.paper) result.paper_saved = saved(result.frames, &CullingFrame::paper);
-    if (options.counts && options.certified) result.certified_saved = saved(result.frames, &CullingFrame::certified);
-    result.speedup_mean = certified_sum > 0 ? off_sum / certified_sum : 0;
-    double off_late = 0, certified_late = 0;
-    for (std::size_t f = result.frames.size() / 2; f < result.frames.size(); ++f) {
-        off_late += result.frames[f].off.ms;
-        certified_late += result.frames[f].certified.ms;
-    }
-    result.speedup_steady = certified_late > 0 ? off_late / certified_late : 0;
-    if (!result.frames.empty()) {
-        result.paper_extra_tests_per_pixel /= static_cast<double>(result.frames.size());
-        result.paper_wrong_mean /= static_cast<double>(result.frames.size());
-    }
-    if (culling) {
-        result.bytes = culling->bytes();
-        result.visible_triangles = culling->visible_triangles();
-    }
+    result.frames = medians_of(runs);
+    summarise(options, result);
     return result;
 }
 

@@ -10,6 +10,8 @@ constexpr std::uint32_t k_every = ~0u;
 constexpr std::uint32_t k_pictures = bit(render) | bit(view);
 constexpr std::uint32_t k_benches =
     bit(bench_trace) | bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect);
+constexpr std::uint32_t k_reports =
+    bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect) | bit(bench_all);
 constexpr std::uint32_t k_sized = k_pictures | k_benches;
 constexpr std::uint32_t k_ranged = bit(render) | bit(bench_culling) | bit(bench_indirect);
 
@@ -50,6 +52,12 @@ constexpr Option k_options[] = {
      .verbs = bit(bench_culling), .group = k_shadows, .help = "which to measure beside tracing every ray (default: both)"},
     {.name = "no-counts", .verbs = bit(bench_culling), .group = k_shadows,
      .help = "no nodes and triangle tests on the counting kd-tree"},
+    {.name = "moving-lights", .verbs = bit(bench_culling), .group = k_shadows,
+     .help = "every light runs a small circle, so that nothing can be remembered"},
+    {.name = "repeat", .argument = "R", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 1000,
+     .verbs = bit(bench_culling), .group = k_frames, .help = "run R times; times are medians, counts must be the same"},
+    {.name = "report", .argument = "DIR", .kind = Kind::text, .verbs = k_reports, .group = k_output,
+     .help = "also write DIR/index.html: tables and charts beside the paper's, data attached"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .verbs = bit(render), .group = k_output,
      .help = "also write a labelled grid of up to 12 frames, evenly spaced over the range"},
     {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = "trace|raster",
@@ -86,8 +94,11 @@ constexpr Option k_options[] = {
 
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 4096,
      .verbs = k_pictures, .group = k_quality, .help = "per pixel"},
-    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64, .verbs = k_sized,
-     .group = k_quality, .help = "reflections and refractions in a row"},
+    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64,
+     .verbs = k_sized & ~bit(bench_culling), .group = k_quality, .help = "reflections and refractions in a row"},
+    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 64,
+     .verbs = bit(bench_culling), .group = k_quality,
+     .help = "reflections and refractions in a row whose hits ask for shadows, too; 0: primary hits alone"},
     {.name = "accelerator", .argument = "NAME", .kind = Kind::choice, .fallback = "embree", .choices = "embree|kdtree",
      .verbs = k_pictures, .group = k_quality,
      .help = "what finds a ray's hit; kdtree: counts nodes and triangle tests, slow, the same picture up to edges"},

@@ -3,18 +3,21 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "app/culling_bench.h"
+#include "app/culling_report.h"
+#include "app/machine.h"
+#include "app/moving_lights.h"
 #include "app/verbs.h"
 
 namespace gnomon::app {
 
 namespace {
 
-nlohmann::json to_json(const CullingFrame& f, const CullingBenchOptions& options)
+nlohmann::ordered_json to_json(const CullingFrame& f, const CullingBenchOptions& options)
 {
-    nlohmann::json json{{"frame", f.frame},
-                        {"off", {{"rays", f.off.rays}, {"ms", f.off.ms}, {"wall_ms", f.off.wall_ms}}}};
+    nlohmann::ordered_json json{{"frame", f.frame},
+                                {"off", {{"rays", f.off.rays}, {"ms", f.off.ms}, {"wall_ms", f.off.wall_ms}}}};
     if (options.paper)
         json["paper"] = {{"rays", f.paper.rays},
                          {"skipped", f.paper.skipped},
@@ -55,12 +58,8 @@ std::string line_of(const CullingFrame& f, const CullingBenchOptions& options)
     return text;
 }
 
-}   // namespace
-
-int run_bench_culling(const CommandLine& line, Output& output)
+CullingBenchOptions options_of(const OptionValues& values, const Scene& scene)
 {
-    const OptionValues& values = line.values;
-    const Scene scene = load_scene(line, output.progress());
     CullingBenchOptions options;
     options.frames = {1, std::min(100, scene.frame_count())};
     if (values.given("frames")) options.frames = *parse_range(values.text("frames"));
@@ -69,33 +68,33 @@ int run_bench_culling(const CommandLine& line, Output& output)
                                      options.frames.last, scene.frame_count()));
     if (values.given("size")) options.size = *parse_size(values.text("size"));
     options.threads = values.given("threads") ? values.integer("threads") : 1;
+    options.max_depth = values.integer("max-depth");
+    options.repeat = values.integer("repeat");
     options.counts = !values.flag("no-counts");
+    options.pictures = values.given("report");
     if (const std::vector<std::string> methods = values.all("method"); !methods.empty()) {
         options.paper = std::find(methods.begin(), methods.end(), "paper") != methods.end();
         options.certified = std::find(methods.begin(), methods.end(), "certified") != methods.end();
     }
+    return options;
+}
 
-    nlohmann::json frames = nlohmann::json::array();
-    const CullingBenchResult result = bench_culling(scene.inside(), options, [&](const CullingFrame& frame) {
-        output.say(line_of(frame, options));
-        frames.push_back(to_json(frame, options));
-    });
-
-    nlohmann::json summary;
+nlohmann::ordered_json summary_of(const CullingBenchResult& result, const CullingBenchOptions& options,
+                                  bool moving_lights)
+{
+    nlohmann::ordered_json summary;
     if (options.paper) {
         summary["paper"] = {{"extra_tests_per_pixel", result.paper_extra_tests_per_pixel},
-                            {"wrong_mean", result.paper_wrong_mean}};
-        if (options.counts) {
-            const CullingBenchResult::Saved& s = result.paper_saved;
+                            {"wrong_mean", result.paper_wrong_mean},
+                            {"bytes", result.paper_bytes}};
+        const CullingBenchResult::Saved& s = result.paper_saved;
+        if (options.counts)
             summary["paper"].update({{"nodes_saved_mean", s.nodes_mean},
                                      {"nodes_saved_best", s.nodes_best},
+                                     {"nodes_saved_of_totals", s.nodes_of_totals},
                                      {"tests_saved_mean", s.tests_mean},
-                                     {"tests_saved_best", s.tests_best}});
-            output.say(fmt::format("paper      nodes saved {:.1f} % (best {:.1f}), tests {:.1f} % (best {:.1f})",
-                                   s.nodes_mean, s.nodes_best, s.tests_mean, s.tests_best));
-        }
-        output.say(fmt::format("paper      {:.3f} extra tests a pixel, {:.1f} wrong a frame",
-                               result.paper_extra_tests_per_pixel, result.paper_wrong_mean));
+                                     {"tests_saved_best", s.tests_best},
+                                     {"tests_saved_of_totals", s.tests_of_totals}});
     }
     if (options.certified) {
         summary["certified"] = {{"speedup_mean", result.speedup_mean},
@@ -104,20 +103,87 @@ int run_bench_culling(const CommandLine& line, Output& output)
                                 {"worst_frame_ratio", result.worst_frame_ratio},
                                 {"wrong_total", result.wrong_total},
                                 {"bytes", result.bytes},
-                                {"visible_triangles", result.visible_triangles}};
-        if (options.counts) {
-            summary["certified"].update({{"nodes_saved_mean", result.certified_saved.nodes_mean},
-                                         {"tests_saved_mean", result.certified_saved.tests_mean}});
-            output.say(fmt::format("certified  nodes saved {:.1f} %, tests {:.1f} %", result.certified_saved.nodes_mean,
-                                   result.certified_saved.tests_mean));
-        }
-        output.say(
-            fmt::format("certified  {:.2f} x faster, {:.2f} x over the second half; first frame {:.2f} x the time, "
-                        "worst later one {:.2f} x; {} wrong; {:.1f} MB",
-                        result.speedup_mean, result.speedup_steady, result.first_frame_ratio, result.worst_frame_ratio,
-                        result.wrong_total, static_cast<double>(result.bytes) / 1e6));
+                                {"visible_triangles", result.visible_triangles},
+                                {"bytes_per_triangle_light", result.bytes_per_triangle_light}};
+        if (moving_lights) summary["certified"]["moving_lights_ratio"] = result.later_frames_ratio;
+        const CullingBenchResult::Saved& s = result.certified_saved;
+        if (options.counts)
+            summary["certified"].update({{"nodes_saved_mean", s.nodes_mean},
+                                         {"nodes_saved_best", s.nodes_best},
+                                         {"nodes_saved_of_totals", s.nodes_of_totals},
+                                         {"tests_saved_mean", s.tests_mean},
+                                         {"tests_saved_best", s.tests_best},
+                                         {"tests_saved_of_totals", s.tests_of_totals}});
     }
-    output.finish({{"frames", frames}, {"summary", summary}});
+    return summary;
+}
+
+void say_summary(const CullingBenchResult& result, const CullingBenchOptions& options, bool moving_lights,
+                 Output& output)
+{
+    const auto saved = [&](const char* method, const CullingBenchResult::Saved& s) {
+        output.say(fmt::format(
+            "{:10} nodes saved {:.1f} % (best {:.1f}, frame {}; of totals {:.1f}), tests {:.1f} % (best {:.1f}, "
+            "frame {}; of totals {:.1f})",
+            method, s.nodes_mean, s.nodes_best, s.nodes_best_frame, s.nodes_of_totals, s.tests_mean, s.tests_best,
+            s.tests_best_frame, s.tests_of_totals));
+    };
+    if (options.paper) {
+        if (options.counts) saved("paper", result.paper_saved);
+        output.say(fmt::format("{:10} {:.3f} extra tests a pixel, {:.1f} wrong a frame; {:.1f} MB", "paper",
+                               result.paper_extra_tests_per_pixel, result.paper_wrong_mean,
+                               static_cast<double>(result.paper_bytes) / 1e6));
+    }
+    if (!options.certified) return;
+    if (options.counts) saved("certified", result.certified_saved);
+    output.say(
+        fmt::format("{:10} {:.2f} x faster, {:.2f} x over the second half; first frame {:.2f} x the time, worst "
+                    "later one {:.2f} x; {} wrong",
+                    "certified", result.speedup_mean, result.speedup_steady, result.first_frame_ratio,
+                    result.worst_frame_ratio, result.wrong_total));
+    output.say(fmt::format("{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light", "certified",
+                           static_cast<double>(result.bytes) / 1e6, result.visible_triangles,
+                           result.bytes_per_triangle_light));
+    if (moving_lights)
+        output.say(fmt::format("{:10} {:.3f} x the time while every light moves, from the second frame on", "certified",
+                               result.later_frames_ratio));
+}
+
+}   // namespace
+
+int run_bench_culling(const CommandLine& line, Output& output)
+{
+    const OptionValues& values = line.values;
+    const Scene scene = load_scene(line, output.progress());
+    const CullingBenchOptions options = options_of(values, scene);
+    const bool moving_lights = values.flag("moving-lights");
+    // Made now, so that a folder that cannot be written is found before the work.
+    std::optional<ReportFile> report;
+    if (values.given("report")) report.emplace(values.text("report"));
+
+    const auto inside = moving_lights ? with_moving_lights(scene.inside()) : scene.inside();
+    const bool live = options.repeat == 1;   // else times are known at the end
+    const CullingBenchResult result = bench_culling(inside, options, output.progress(), [&](const CullingFrame& frame) {
+        if (live) output.say(line_of(frame, options));
+    });
+
+    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+    for (const CullingFrame& frame : result.frames) {
+        if (!live) output.say(line_of(frame, options));
+        frames.push_back(to_json(frame, options));
+    }
+    say_summary(result, options, moving_lights, output);
+    const nlohmann::ordered_json document{{"frames", std::move(frames)},
+                                          {"summary", summary_of(result, options, moving_lights)}};
+    if (report) {
+        const int threads = options.threads > 0 ? options.threads : processor_threads();
+        ReportPage page("Gnomon: shadow culling", machine_line(threads));
+        add_culling_section(page, {line.positionals.at(0), line.command, moving_lights, inside->lights.size()}, options,
+                            result, document);
+        report->write(page);
+        output.say(fmt::format("report     {}", report->path().string()));
+    }
+    output.finish(document);
     return 0;
 }
 

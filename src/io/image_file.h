@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <vector>
 
 #include "base/image.h"
 
@@ -25,6 +26,10 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
 /// 8-bit PNG, 1 to 4 channels; the bytes depend on the pixels alone.
 /// @throws MissingError if it cannot be written
 void write_png(const std::filesystem::path& file, const Image8& image);
+
+/// The same bytes, in memory.
+/// @throws MissingError  out of memory
+std::vector<std::uint8_t> encode_png(const Image8& image);
 
 /// Whether a file is a PNG of that size with nothing missing: every chunk's checksum is looked at, up to the last.
 bool is_whole_png(const std::filesystem::path& file, int width, int height);

@@ -84,15 +84,21 @@ std::uint32_t big_endian(const std::uint8_t* p)
 }
 }   // namespace
 
-void write_png(const std::filesystem::path& file, const Image8& image)
+std::vector<std::uint8_t> encode_png(const Image8& image)
 {
     GNOMON_CHECK(image.width > 0 && image.height > 0 && image.channels >= 1 && image.channels <= 4);
-    AtomicFile out(file);
     Encoding encoding;
     if (!encode(image, encoding))
-        throw MissingError(fmt::format("cannot write {}: {}", file.string(),
-                                       encoding.error[0] ? encoding.error : "libpng could not start"));
-    out.write(encoding.bytes.data(), encoding.bytes.size());
+        throw MissingError(
+            fmt::format("cannot encode a PNG: {}", encoding.error[0] ? encoding.error : "libpng could not start"));
+    return std::move(encoding.bytes);
+}
+
+void write_png(const std::filesystem::path& file, const Image8& image)
+{
+    AtomicFile out(file);
+    const std::vector<std::uint8_t> bytes = encode_png(image);
+    out.write(bytes.data(), bytes.size());
     out.commit();
 }
 

@@ -99,6 +99,45 @@ TEST(Json, BenchTrace)
     EXPECT_GE(document["rays"].get<int>(), 64 * 64);
 }
 
+TEST(Json, BenchCulling)
+{
+    const Outcome outcome = run({"bench", "culling", "builtin:cornell", "--frames", "2-4", "--size", "48x32",
+                                 "--repeat", "2", "--max-depth", "2", "--moving-lights", "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document), (Keys{"frames", "summary"}));
+    ASSERT_EQ(document["frames"].size(), 3u);
+    for (const json& frame : document["frames"]) {
+        EXPECT_EQ(keys_of(frame), (Keys{"certified", "frame", "off", "paper"}));
+        EXPECT_EQ(keys_of(frame["off"]), (Keys{"ms", "nodes", "rays", "tests", "wall_ms"}));
+        EXPECT_EQ(keys_of(frame["paper"]),
+                  (Keys{"dynamic_only", "extra_tests_per_pixel", "ms", "nodes", "rays", "skipped", "tests", "wrong"}));
+        EXPECT_EQ(keys_of(frame["certified"]), (Keys{"certificates", "dynamic_only", "ms", "nodes", "partial", "rays",
+                                                     "skipped", "tests", "wall_ms", "wrong"}));
+    }
+    EXPECT_EQ(keys_of(document["summary"]["paper"]),
+              (Keys{"bytes", "extra_tests_per_pixel", "nodes_saved_best", "nodes_saved_mean", "nodes_saved_of_totals",
+                    "tests_saved_best", "tests_saved_mean", "tests_saved_of_totals", "wrong_mean"}));
+    EXPECT_EQ(
+        keys_of(document["summary"]["certified"]),
+        (Keys{"bytes", "bytes_per_triangle_light", "first_frame_ratio", "moving_lights_ratio", "nodes_saved_best",
+              "nodes_saved_mean", "nodes_saved_of_totals", "speedup_mean", "speedup_steady", "tests_saved_best",
+              "tests_saved_mean", "tests_saved_of_totals", "visible_triangles", "worst_frame_ratio", "wrong_total"}));
+    EXPECT_EQ(document["summary"]["certified"]["wrong_total"], 0);
+}
+
+TEST(Json, BenchCullingWithoutCountsAndWithOneMethod)
+{
+    const Outcome outcome = run({"bench", "culling", "builtin:cornell", "--frames", "1-2", "--size", "48x32",
+                                 "--no-counts", "--method", "certified", "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document["frames"][0]), (Keys{"certified", "frame", "off"}));
+    EXPECT_EQ(keys_of(document["frames"][0]["off"]), (Keys{"ms", "rays", "wall_ms"}));
+    EXPECT_EQ(keys_of(document["summary"]), Keys{"certified"});
+}
+
 TEST(Json, ToAFileLeavesStandardOutputToText)
 {
     const ScratchFolder folder;

@@ -134,7 +134,8 @@ TEST(Usage, HelpNamesEveryOptionAndFitsALine)
                 outcome.out.find("  --" + std::string(option.name) + (option.argument.empty() ? "" : " "));
             const bool short_form = outcome.out.find(", --" + std::string(option.name)) != std::string::npos;
             const bool with_file = outcome.out.find("  --" + std::string(option.name) + "[=") != std::string::npos;
-            EXPECT_EQ(at != std::string::npos || short_form || with_file, (option.verbs & app::bit(verb.verb)) != 0)
+            EXPECT_EQ(at != std::string::npos || short_form || with_file,
+                      app::find_option(verb.verb, option.name) != nullptr)
                 << verb.name << " " << option.name;
         }
         for (std::size_t at = 0; at < outcome.out.size();) {

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wakes a report page: draws its charts, moves its sliders, fills its downloads. Everything it needs is in the page.
+'use strict';
+
+// 1234567 as 1.23 M: what an axis has room for.
+function short_number(value) {
+  const steps = [[1e9, ' G'], [1e6, ' M'], [1e3, ' k']];
+  for (const [size, unit] of steps)
+    if (Math.abs(value) >= size) return +(value / size).toPrecision(3) + unit;
+  return String(+value.toPrecision(3));
+}
+
+function draw_charts() {
+  Chart.defaults.animation = false;   // a page that is printed or photographed is whole at once
+  Chart.defaults.maintainAspectRatio = false;
+  Chart.defaults.font.size = 13;
+  Chart.defaults.color = '#1c2128';
+  Chart.defaults.interaction.mode = 'nearest';
+  Chart.defaults.interaction.axis = 'x';
+  Chart.defaults.interaction.intersect = false;
+  for (const data of document.querySelectorAll('script.chart-data')) {
+    const config = JSON.parse(data.textContent);
+    config.options.scales.x.ticks = {precision: 0};
+    config.options.scales.y.ticks = {callback: short_number};
+    config.options.plugins.title.font = {size: 15};
+    // The legend shows what is drawn: lines, dashed where they are, marks; of areas their colour.
+    const areas = config.options.scales.y.stacked;
+    const shown = set => areas ? {} : {
+      pointStyle: set.showLine ? 'line' : 'rectRot', lineDash: set.borderDash || [], lineWidth: 2};
+    config.options.plugins.legend = {labels: {
+      usePointStyle: !areas, pointStyleWidth: 28, boxHeight: areas ? 12 : 8,
+      generateLabels: chart => Chart.defaults.plugins.legend.labels.generateLabels(chart)
+        .map(label => Object.assign(label, shown(chart.data.datasets[label.datasetIndex]))),
+    }};
+    config.options.plugins.tooltip = {callbacks: {
+      title: items => config.options.scales.x.title.text + ' ' + items[0].parsed.x,
+      label: item => item.dataset.label + ': ' + +item.parsed.y.toPrecision(5),
+    }};
+    new Chart(document.getElementById(data.dataset.canvas), config);
+  }
+}
+
+function wake_comparisons() {
+  for (const figure of document.querySelectorAll('figure.pictures')) {
+    const area = figure.querySelector('.compare');
+    const range = figure.querySelector('input[type=range]');
+    const show = percent => {
+      area.querySelector('.left').style.clipPath = `inset(0 ${100 - percent}% 0 0)`;
+      area.querySelector('.handle').style.left = percent + '%';
+      range.value = percent;
+    };
+    const follow = event => {
+      const box = area.getBoundingClientRect();
+      show(Math.min(100, Math.max(0, 100 * (event.clientX - box.left) / box.width)));
+    };
+    range.addEventListener('input', () => show(Number(range.value)));
+    area.addEventListener('pointerdown', event => { area.setPointerCapture(event.pointerId); follow(event); });
+    area.addEventListener('pointermove', event => { if (event.buttons) follow(event); });
+    const box = figure.querySelector('.show-difference');
+    if (box) box.addEventListener('change', () => area.classList.toggle('different', box.checked));
+    show(50);
+  }
+}
+
+function fill_downloads() {
+  for (const data of document.querySelectorAll('script.attachment'))
+    document.getElementById(data.dataset.link).href =
+      URL.createObjectURL(new Blob([data.textContent.trim() + '\n'], {type: 'application/json'}));
+}
+
+draw_charts();
+wake_comparisons();
+fill_downloads();

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Report pages as text: what goes in comes out, whole and harmless. tests/cli/report_test.cpp opens one.
+#include "app/report_page.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "gnomon/error.h"
+#include "support.h"
+
+namespace gnomon::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t times(const std::string& text, const std::string& word)
+{
+    std::size_t count = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+    return count;
+}
+
+TEST(Chart, IsLinesOverNumbers)
+{
+    Chart chart;
+    chart.title = "T", chart.x_label = "frame";
+    chart.series.push_back({"a", {{3, 1.5}, {7, 2}}, k_color_ours, ChartSeries::Style::line});
+    chart.series.push_back({"b", {{5, 4}}, k_color_printed, ChartSeries::Style::points});
+    const Json json = chart_js(chart);
+    EXPECT_EQ(json["type"], "line");
+    EXPECT_EQ(json["options"]["scales"]["x"]["min"], 3);
+    EXPECT_EQ(json["options"]["scales"]["x"]["max"], 7);
+    ASSERT_EQ(json["data"]["datasets"].size(), 2u);
+    EXPECT_EQ(json["data"]["datasets"][0]["data"][0], (Json{{"x", 3.0}, {"y", 1.5}}));
+    EXPECT_EQ(json["data"]["datasets"][0]["showLine"], true);
+    EXPECT_EQ(json["data"]["datasets"][1]["showLine"], false);
+}
+
+TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
+{
+    ReportPage page("Title", "a machine");
+    page.section("One", "gnomon one");
+    page.table({"numbers", {"", "x"}, {{{"row", "1"}, false}, {{"row", "2"}, true}}});
+    page.chart({}, "first chart");
+    page.section("Two", "gnomon two");
+    page.comparison({"pictures", "a", "b", Image8(2, 2, 3), Image8(2, 2, 3), Image8(2, 2, 3)});
+    const std::string html = page.html();
+    EXPECT_EQ(times(html, "<figure "), 3u);
+    EXPECT_EQ(times(html, "<figcaption>"), 3u);
+    EXPECT_EQ(times(html, "a machine"), 4u);   // and in the head
+    EXPECT_EQ(times(html, "<code>gnomon one</code>"), 2u);
+    EXPECT_EQ(times(html, "<code>gnomon two</code>"), 1u);
+    EXPECT_EQ(times(html, "<section>"), 2u);
+    EXPECT_EQ(times(html, "</section>"), 2u);
+    EXPECT_EQ(times(html, "data:image/png;base64,iVBORw0KGgo"), 3u);
+}
+
+TEST(ReportPage, NothingInItIsTakenForMarkup)
+{
+    const std::string evil = "</script><script>alert('x')</script>&\"";
+    ReportPage page(evil, evil);
+    page.section(evil, evil);
+    page.text(evil);
+    page.table({evil, {evil}, {{{evil}, false}}});
+    Chart chart;
+    chart.title = evil;
+    chart.series.push_back({evil, {{1, 2}}, k_color_off, ChartSeries::Style::line});
+    page.chart(chart, evil);
+    page.attach(evil, {{evil, evil}});
+    const std::string html = page.html();
+    EXPECT_EQ(times(html, "alert("), times(html, "script>alert(") + times(html, "script&gt;alert("));
+    EXPECT_EQ(times(html, "<script>alert("), 0u);
+    EXPECT_EQ(times(html, "</script>"), 4u);   // the chart, the attachment, Chart.js and our own
+}
+
+TEST(ReportPage, FetchesNothing)
+{
+    ReportPage page("t", "m");
+    page.section("s", "c");
+    page.chart({}, "");
+    page.comparison({"p", "a", "b", Image8(1, 1, 3), Image8(1, 1, 3), {}});
+    std::string html = page.html();
+    for (const char* outside : {"src=\"http", "href=\"http", "src=\"//", "@import", "url(http"})
+        EXPECT_EQ(times(html, outside), 0u) << outside;
+}
+
+TEST(ReportFile, IsWholeOrNotThere)
+{
+    const test::ScratchFolder scratch;
+    const auto folder = scratch / "a/b/c";
+    {
+        ReportFile file(folder);
+        EXPECT_TRUE(std::filesystem::exists(folder));
+    }
+    EXPECT_FALSE(std::filesystem::exists(scratch / "a")) << "what it made goes with it";
+    {
+        ReportFile file(folder);
+        file.write(ReportPage("t", "m"));
+    }
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder / "index.html"));
+    const auto size = std::filesystem::file_size(folder / "index.html");
+    EXPECT_EQ(size, ReportPage("t", "m").html().size());
+    {
+        const ReportFile abandoned(folder);
+    }
+    EXPECT_EQ(std::filesystem::file_size(folder / "index.html"), size) << "an older page stays";
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
+TEST(ReportFile, AFolderThatCannotBeIsNamed)
+{
+    const test::ScratchFolder scratch;
+    std::ofstream(scratch / "file") << "x";
+    EXPECT_THROW(ReportFile(scratch / "file/below"), MissingError);
+    EXPECT_THROW(ReportFile(scratch / "file"), MissingError);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.path()), {}), 1);
+}
+
+}   // namespace
+}   // namespace gnomon::app
