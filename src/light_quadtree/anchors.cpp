@@ -28,13 +28,12 @@ int axis_of(const glm::vec3& n)
     return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
 }
 
-// 2^level, for the levels of keys.
-float power_of_two(int level)
+}   // namespace
+
+float spacing_of(int level)
 {
     return std::bit_cast<float>(static_cast<std::uint32_t>(level + 127) << 23);
 }
-
-}   // namespace
 
 Detail detail_of(float spacing)
 {
@@ -46,7 +45,7 @@ Detail detail_of(float spacing)
 bool lattice_cell(const IndirectPoint& point, int level, LatticeCell& cell)
 {
     if (level < -k_level_bias || level >= k_level_bias) return false;
-    const float per_h = power_of_two(-level);
+    const float per_h = spacing_of(-level);
     const glm::vec3 n = point.geometric_normal;
     const int axis = axis_of(n), b = (axis + 1) % 3, c = (axis + 2) % 3;
     const float x = point.position[b] * per_h - k_offset[b], y = point.position[c] * per_h - k_offset[c];
@@ -91,7 +90,7 @@ LatticeLine lattice_line(AnchorKey key)
 
 float lattice_spacing(AnchorKey key)
 {
-    return power_of_two(static_cast<int>((key >> 57) & 63) - k_level_bias);
+    return spacing_of(static_cast<int>((key >> 57) & 63) - k_level_bias);
 }
 
 int lattice_axis(AnchorKey key)

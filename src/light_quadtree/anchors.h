@@ -32,6 +32,8 @@ struct Detail {
     float fraction;   // 0 to 1
 };
 Detail detail_of(float spacing);
+/// 2^level
+float spacing_of(int level);
 
 /// The four lattice lines around a point.
 struct LatticeCell {

@@ -2,6 +2,8 @@
 #include "light_quadtree/emitters.h"
 
 #include <algorithm>
+#include <functional>
+#include <unordered_map>
 
 #include "base/check.h"
 #include "light_quadtree/diffuse.h"
@@ -68,7 +70,7 @@ TexelRay texel_ray(const light_views::ViewProjection& view, int x, int y)
 
 EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options,
                          Tasks& tasks)
-    : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene()))
+    : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene())), state_(&state), rays_(&rays)
 {
     const scene::Scene& scene = state.scene();
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
@@ -92,15 +94,20 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
         view.blocked.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
     }
     quads_.resize(end / 4);
-    for (auto* lane : {&samples_.x, &samples_.y, &samples_.z, &flux_.r, &flux_.g, &flux_.b}) lane->resize(end);
-    leaf_flux_.resize(end);
+    GNOMON_CHECK(end <= 1u << k_node_bits);
+    for (auto* lane : {&samples_.x, &samples_.y, &samples_.z}) lane->resize(end);
+    for (Flux* flux : {&flux_, &still_})
+        for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->resize(end);
+    differs_.assign(end / 32 + 1, 0);
     children_.assign(end, k_none);
     for (const View& view : views_)
         for (int level = 1; level < view.levels; ++level)
             for (std::uint32_t i = 0; i < 1u << (2 * level); ++i)
                 children_[first_of_level(view, level) + i] = first_of_level(view, level + 1) / 4 + i;
-    tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(views_[v], state, rays); });
+    tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(views_[v]); });
     find_roots();
+    mark_changes();
+    gather_movers();
 }
 
 void EmitterTree::find_roots()
@@ -112,19 +119,50 @@ void EmitterTree::find_roots()
     }
 }
 
-void EmitterTree::set_flux(NodeId id, const glm::vec3& flux)
+// What a light map's ray hits, as a light; area 0: nothing.
+EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits,
+                                       std::size_t i, double measure) const
 {
-    flux_.r[id] = flux.x, flux_.g[id] = flux.y, flux_.b[id] = flux.z;
-}
-
-glm::vec3 EmitterTree::flux_of(NodeId id) const
-{
-    return {flux_.r[id], flux_.g[id], flux_.b[id]};
+    if (hits.object[i] == scene::none) return {};
+    const scene::Scene& scene = state_->scene();
+    const scene::Light& light = scene.lights[view.light];
+    const scene::LightState& at = state_->light(view.light);
+    const ray::ObjectGeometry& geometry = rays_->geometry(hits.object[i]);
+    glm::vec3 p[3];
+    geometry.corners(hits.triangle[i], p);
+    const float u = hits.u[i], v = hits.v[i];
+    const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
+    glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const float length = glm::length(normal);
+    if (!(length > 0)) return {};
+    normal /= length;
+    float cosine = -glm::dot(normal, queue.direction(i));
+    if (cosine < 0) normal = -normal, cosine = -cosine;
+    // The wide view of a directional light leaves out what the near one has.
+    if (light.type == scene::LightType::directional && view.face == 1) {
+        const glm::vec4 clip = view.near_clip * glm::vec4(position, 1);
+        if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) return {};
+    }
+    const scene::LightSample sample = scene::illuminate(light, at, position);
+    if (sample.irradiance == glm::vec3(0)) return {};
+    const auto t = static_cast<double>(hits.t[i]);
+    const double facing_area = view.projection.perspective ? measure * t * t : measure;
+    Leaf leaf;
+    leaf.object = hits.object[i];
+    leaf.position = position;
+    leaf.normal = normal;
+    leaf.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
+    leaf.sample = position + ray::origin_lift(p) * normal;
+    leaf.flux = exitance_per_irradiance(scene, geometry, hits.triangle[i], u, v) * sample.irradiance *
+                static_cast<float>(facing_area);
+    return leaf;
 }
 
 // Casts the static layer, builds the pyramid, and darkens what moving objects shadow.
-void EmitterTree::make_view(View& view, const scene::SceneState& state, const ray::RayScene& rays)
+void EmitterTree::make_view(View& view)
 {
+    const scene::SceneState& state = *state_;
+    const ray::RayScene& rays = *rays_;
     const scene::Scene& scene = state.scene();
     const scene::Light& light = scene.lights[view.light];
     const scene::LightState& at = state.light(view.light);
@@ -132,14 +170,18 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
     const auto count = static_cast<std::uint32_t>(view.side * view.side);
     const NodeId end = leaves + count;
     std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, EmitterQuad{});
-    for (NodeId id = view.first; id < end; ++id) set_flux(id, glm::vec3(0));
-    std::fill_n(leaf_flux_.begin() + leaves, count, glm::vec3(0));
+    for (NodeId id = view.first; id < end; ++id) {
+        flux_.set(id, glm::vec3(0));
+        still_.set(id, glm::vec3(0));
+        view.dirty.push_back(id);
+    }
     std::fill(view.blocked.begin(), view.blocked.end(), 0);
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
     view.movers.clear();
     if (!view.on) return;
     const auto projections = light_views::project(light, at, bounds_, view.side, k_projection);
     view.projection = projections[static_cast<std::size_t>(view.face)];
+    view.near_clip = projections[0].clip_from_world;
 
     // Cast one ray a leaf, in tree order: neighbours share packets.
     ray::RayQueue queue;
@@ -161,39 +203,17 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
     hits.resize(count);
     rays.closest(queue, 0, count, hits, ray::Sides::both, ray::Against::static_only);
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (hits.object[i] == scene::none) continue;
-        const ray::ObjectGeometry& geometry = rays.geometry(hits.object[i]);
-        glm::vec3 p[3];
-        geometry.corners(hits.triangle[i], p);
-        const float u = hits.u[i], v = hits.v[i];
-        const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
-        glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-        const float length = glm::length(normal);
-        if (!(length > 0)) continue;
-        normal /= length;
-        float cosine = -glm::dot(normal, queue.direction(i));
-        if (cosine < 0) normal = -normal, cosine = -cosine;
-        // The wide view of a directional light leaves out what the near one has.
-        if (light.type == scene::LightType::directional && view.face == 1) {
-            const glm::vec4 clip = projections[0].clip_from_world * glm::vec4(position, 1);
-            if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
-        }
-        const scene::LightSample sample = scene::illuminate(light, at, position);
-        if (sample.irradiance == glm::vec3(0)) continue;
-
-        const double facing_area = view.projection.perspective
-                                       ? measure[i] * static_cast<double>(hits.t[i]) * static_cast<double>(hits.t[i])
-                                       : measure[i];
-        const glm::vec3 exitance = exitance_per_irradiance(scene, geometry, hits.triangle[i], u, v);
-        Node& leaf = node_of(leaves + i);
-        leaf.position = position;
-        leaf.normal = normal;
-        leaf.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
-        leaf.radius = std::sqrt(leaf.area * static_cast<float>(1 / k_pi));
-        leaf.sample = position + ray::origin_lift(p) * normal;
-        leaf_flux_[leaves + i] = exitance * sample.irradiance * static_cast<float>(facing_area);
-        leaf.flux = luminance(leaf_flux_[leaves + i]);
-        set_flux(leaves + i, leaf_flux_[leaves + i]);
+        const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+        if (!(leaf.area > 0)) continue;
+        Node& node = node_of(leaves + i);
+        node.position = leaf.position;
+        node.normal = leaf.normal;
+        node.sample = leaf.sample;
+        node.area = leaf.area;
+        node.radius = std::sqrt(leaf.area * static_cast<float>(1 / k_pi));
+        node.flux = luminance(leaf.flux);
+        still_.set(leaves + i, leaf.flux);
+        flux_.set(leaves + i, leaf.flux);
     }
 
     // Pull up: means weighted by flux; four children in one fixed order.
@@ -210,7 +230,8 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
                 position += part.flux * part.position;
                 normal += part.flux * part.normal;
             }
-            sum_children(id);
+            sum_children(flux_, id);
+            still_.set(id, flux_.at(id));
             if (!(node.flux > 0)) continue;
             node.position = position / node.flux;
             node.normal = normal / node.flux;
@@ -232,32 +253,31 @@ void EmitterTree::make_view(View& view, const scene::SceneState& state, const ra
         quad.radius[lane] = node.radius, quad.area[lane] = node.area, quad.flux[lane] = node.flux;
         samples_.x[id] = node.sample.x, samples_.y[id] = node.sample.y, samples_.z[id] = node.sample.z;
     }
-    find_movers(view, state);
-    block_leaves(view, view.movers, state, rays);
+    find_movers(view);
+    block_leaves(view, view.movers);
 }
 
 // Four children in one fixed order.
-void EmitterTree::sum_children(NodeId id)
+void EmitterTree::sum_children(Flux& flux, NodeId id) const
 {
     glm::vec3 sum(0);
-    for (NodeId c = 4 * children_[id]; c < 4 * children_[id] + 4; ++c) sum += flux_of(c);
-    set_flux(id, sum);
+    for (NodeId c = 4 * children_[id]; c < 4 * children_[id] + 4; ++c) sum += flux.at(c);
+    flux.set(id, sum);
 }
 
-void EmitterTree::find_movers(View& view, const scene::SceneState& state) const
+void EmitterTree::find_movers(View& view) const
 {
     view.movers.clear();
     if (!view.on) return;
     for (const scene::ObjectId o : dynamics_) {
-        const light_views::Rect rect = casters_.footprint(view.projection, state, o);
+        const light_views::Rect rect = casters_.footprint(view.projection, *state_, o);
         if (!rect.empty()) view.movers.push_back(rect);
     }
 }
 
 // Asks for the leaves in some rectangles anew whether something that moves keeps the light from them, and repairs the
 // flux above those that changed.
-void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>& where, const scene::SceneState& state,
-                               const ray::RayScene& rays)
+void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>& where)
 {
     if (where.empty()) return;
     const NodeId leaves = first_of_level(view, view.levels);
@@ -272,7 +292,7 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
     asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
-    const scene::LightState& at = state.light(view.light);
+    const scene::LightState& at = state_->light(view.light);
     for (const std::uint32_t i : asked) {
         const glm::vec3 from = samples_.at(leaves + i);
         if (view.projection.perspective)
@@ -281,56 +301,176 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
             queue.push(from, 0, -at.direction, k_infinity);
     }
     std::vector<std::uint8_t> blocked(asked.size() + ray::k_packet_pad);
-    rays.blocked(queue, 0, asked.size(), blocked.data(), ray::Against::dynamic_only);
+    rays_->blocked(queue, 0, asked.size(), blocked.data(), ray::Against::dynamic_only);
 
     std::vector<std::uint32_t> dirty;
     for (std::size_t k = 0; k < asked.size(); ++k) {
         const std::uint32_t i = asked[k];
         if (view.blocked[i] == blocked[k]) continue;
         view.blocked[i] = blocked[k];
-        set_flux(leaves + i, blocked[k] ? glm::vec3(0) : leaf_flux_[leaves + i]);
+        flux_.set(leaves + i, blocked[k] ? glm::vec3(0) : still_.at(leaves + i));
         dirty.push_back(i);
+        view.dirty.push_back(leaves + i);
     }
     dirty_leaves_ += dirty.size();
     for (int level = view.levels - 1; level > 0; --level) {
         for (std::uint32_t& i : dirty) i >>= 2;
         dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
         dirty_nodes_ += dirty.size();
-        for (const std::uint32_t i : dirty) sum_children(first_of_level(view, level) + i);
+        for (const std::uint32_t i : dirty) {
+            sum_children(flux_, first_of_level(view, level) + i);
+            view.dirty.push_back(first_of_level(view, level) + i);
+        }
     }
+}
+
+// Notes which nodes have another flux than when nothing that moves stands in the light.
+void EmitterTree::mark_changes()
+{
+    for (View& view : views_) {
+        for (const NodeId id : view.dirty) {
+            const std::uint32_t bit = 1u << (id % 32);
+            std::uint32_t& word = differs_[id / 32];
+            differing_ -= (word & bit) != 0;
+            word &= ~bit;
+            if (flux_.at(id) == still_.at(id)) continue;
+            word |= bit;
+            ++differing_;
+        }
+        view.dirty.clear();
+    }
+}
+
+// What the lights shine on that moves, anew for every frame in which anything does: by owner and by the octant in which
+// it faces.
+void EmitterTree::gather_movers()
+{
+    movers_.clear();
+    const scene::Scene& scene = state_->scene();
+    struct Lit {
+        glm::vec3 position, sample;
+        std::size_t of;
+    };
+    std::vector<Lit> lit;
+    std::unordered_map<std::uint64_t, std::size_t> found;
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    ray::Hits hits;
+    std::vector<double> measure;
+    std::vector<std::uint32_t> asked;
+    for (const View& view : views_) {
+        // Their texels; of large movers not every one.
+        std::size_t area = 0;
+        for (const light_views::Rect& rect : view.movers)
+            area += static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
+        int step = 1;
+        while (area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) > options_.mover_rays)
+            step *= 2;
+        asked.clear();
+        for (const light_views::Rect& rect : view.movers)
+            for (int y = rect.y0 / step * step; y < rect.y1; y += step)
+                for (int x = rect.x0 / step * step; x < rect.x1; x += step) asked.push_back(morton(x, y));
+        std::sort(asked.begin(), asked.end());
+        asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+        if (asked.empty()) continue;
+        queue.clear();
+        measure.clear();
+        for (const std::uint32_t i : asked) {
+            const TexelRay r =
+                texel_ray(view.projection, static_cast<int>(gathered(i)), static_cast<int>(gathered(i >> 1)));
+            queue.push(r.origin, 0, r.direction, k_infinity);
+            measure.push_back(r.measure * step * step);
+        }
+        hits.resize(asked.size());
+        rays_->closest(queue, 0, asked.size(), hits, ray::Sides::both);
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            if (hits.object[i] == scene::none || !scene.objects[hits.object[i]].dynamic) continue;
+            const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+            if (!(leaf.area > 0)) continue;
+            const std::uint32_t octant =
+                (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
+            const std::uint32_t owner = owner_of(leaf.object);
+            const auto [at, first] =
+                found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, movers_.size());
+            if (first) movers_.push_back({.owner = owner});
+            MoverEmitter& emitter = movers_[at->second];
+            const float flux = luminance(leaf.flux);
+            emitter.flux += leaf.flux;
+            emitter.area += leaf.area;
+            emitter.position += flux * leaf.position;
+            emitter.normal += flux * leaf.normal;
+            lit.push_back({leaf.position, leaf.sample, at->second});
+        }
+    }
+    std::vector<float> nearest(movers_.size(), k_infinity);
+    for (MoverEmitter& emitter : movers_) {
+        const float flux = luminance(emitter.flux), length = glm::length(emitter.normal);
+        if (flux > 0) emitter.position /= flux;
+        if (length > 0) emitter.normal /= length;
+    }
+    for (const Lit& leaf : lit) {
+        const float distance = glm::length(leaf.position - movers_[leaf.of].position);
+        if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, movers_[leaf.of].sample = leaf.sample;
+    }
+    // The brightest, in the order in which they were met.
+    if (movers_.size() > options_.mover_emitters) {
+        std::vector<float> flux;
+        for (const MoverEmitter& emitter : movers_) flux.push_back(luminance(emitter.flux));
+        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.mover_emitters), flux.end(),
+                         std::greater<>());
+        const float least = flux[options_.mover_emitters];
+        std::erase_if(movers_, [&](const MoverEmitter& emitter) { return !(luminance(emitter.flux) > least); });
+    }
+    std::erase_if(movers_, [](const MoverEmitter& emitter) { return emitter.flux == glm::vec3(0); });
+}
+
+std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
+{
+    const scene::GroupId group = state_->scene().objects[object].group;
+    return group == scene::none ? ~object : group;
 }
 
 void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
 {
+    state_ = &state;
+    rays_ = &rays;
     casters_.update(state);
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
     if (!changes.lights_moved.empty()) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
             if (std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
-                make_view(views_[v], state, rays);
+                make_view(views_[v]);
         });
         find_roots();
         ++geometry_version_, ++flux_version_;
     }
-    if (changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty())
-        return;
+    const bool still =
+        changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
+    if (still && changes.lights_moved.empty()) return;
+    if (!still) follow_movers(changes);
+    mark_changes();
+    gather_movers();
+}
+
+void EmitterTree::follow_movers(const scene::FrameChanges& changes)
+{
     for (View& view : views_) {
         if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
             continue;
         std::vector<light_views::Rect> where = view.movers;
-        find_movers(view, state);
+        find_movers(view);
         where.insert(where.end(), view.movers.begin(), view.movers.end());
         const std::uint64_t before = dirty_leaves_;
-        block_leaves(view, where, state, rays);
+        block_leaves(view, where);
         if (dirty_leaves_ != before) ++flux_version_;
     }
 }
 
 std::size_t EmitterTree::bytes() const
 {
-    return quads_.size() * sizeof(EmitterQuad) +
-           children_.size() * (6 * sizeof(float) + sizeof(glm::vec3) + sizeof(NodeId));
+    return quads_.size() * sizeof(EmitterQuad) + children_.size() * (9 * sizeof(float) + sizeof(NodeId)) +
+           differs_.size() * sizeof(std::uint32_t);
 }
 
 }   // namespace gnomon::light_quadtree

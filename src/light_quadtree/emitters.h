@@ -26,9 +26,12 @@ struct EmitterOptions {
     int least_side = 16;
     float least_cosine = 0.05f;   // surfaces at a more grazing angle stand for no larger area
     float ray_end = 0.9999f;
+    std::size_t mover_rays = 4096;     // by view, against what moves and is lit
+    std::size_t mover_emitters = 64;   // at most; the darkest are left out
 };
 
 using NodeId = std::uint32_t;
+inline constexpr std::uint32_t k_node_bits = 18;   // of a node's number, at most
 
 /// Four nodes with the same parent, side by side. A node stands for the static leaves below it.
 struct EmitterQuad {
@@ -37,6 +40,15 @@ struct EmitterQuad {
     float nx[4], ny[4], nz[4];   // mean normal, weighted by static flux; shorter than 1 where they differ
     float area[4];               // of the surfaces, square units
     float flux[4];               // static, luminance; 0: nothing there
+};
+
+/// What the lights shine on of a thing that moves, and that faces one octant.
+struct MoverEmitter {
+    std::uint32_t owner = 0;            // owner_of() what it is on
+    glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is unit
+    glm::vec3 sample{0};                // where visibility is asked
+    glm::vec3 flux{0};
+    float area = 0;
 };
 
 class EmitterTree {
@@ -54,8 +66,18 @@ class EmitterTree {
     /// Present flux by node: radiant exitance times area, pi times the radiance of a diffuse surface times its area.
     struct Flux {
         std::vector<float> r, g, b;
+        glm::vec3 at(NodeId id) const { return {r[id], g[id], b[id]}; }
+        void set(NodeId id, const glm::vec3& flux) { r[id] = flux.x, g[id] = flux.y, b[id] = flux.z; }
     };
     const Flux& flux() const { return flux_; }
+    /// As if nothing that moves stood in the light.
+    const Flux& still_flux() const { return still_; }
+    /// A bit by node: the two differ.
+    const std::uint32_t* differs() const { return differs_.data(); }
+    bool any_differs() const { return differing_ > 0; }
+    const std::vector<MoverEmitter>& movers() const { return movers_; }
+    /// Of an object that moves: its rigid group, or it alone.
+    std::uint32_t owner_of(scene::ObjectId object) const;
     /// By node: a place on the leaf nearest to the mean, lifted: where visibility is asked.
     struct Samples {
         std::vector<float> x, y, z;
@@ -83,16 +105,25 @@ class EmitterTree {
         bool on = false;
         light_views::ViewProjection projection;
         std::vector<light_views::Rect> movers;   // footprints now
+        glm::mat4 near_clip{1};                  // of the same light's first view
         std::vector<std::uint8_t> blocked;       // by leaf, in tree order
+        std::vector<NodeId> dirty;               // flux changed in this frame
     };
-    void make_view(View& view, const scene::SceneState& state, const ray::RayScene& rays);
-    void block_leaves(View& view, const std::vector<light_views::Rect>& where, const scene::SceneState& state,
-                      const ray::RayScene& rays);
+    struct Leaf {
+        scene::ObjectId object = scene::none;
+        glm::vec3 position{0}, normal{0}, sample{0}, flux{0};
+        float area = 0;
+    };
+    void make_view(View& view);
+    Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
+                 double measure) const;
+    void follow_movers(const scene::FrameChanges& changes);
+    void find_movers(View& view) const;
+    void block_leaves(View& view, const std::vector<light_views::Rect>& where);
+    void mark_changes();
+    void gather_movers();
     void find_roots();
-    void sum_children(NodeId id);
-    void set_flux(NodeId id, const glm::vec3& flux);
-    glm::vec3 flux_of(NodeId id) const;
-    void find_movers(View& view, const scene::SceneState& state) const;
+    void sum_children(Flux& flux, NodeId id) const;
     static NodeId first_of_level(const View& view, int level)
     {
         return view.first + ((1u << (2 * level)) - 4) / 3;   // level 1 is the first
@@ -104,8 +135,12 @@ class EmitterTree {
     std::vector<View> views_;
     std::vector<EmitterQuad> quads_;
     Samples samples_;
-    Flux flux_;                          // present
-    std::vector<glm::vec3> leaf_flux_;   // static, by node id (leaves only used)
+    Flux flux_, still_;
+    std::vector<std::uint32_t> differs_;
+    std::size_t differing_ = 0;
+    std::vector<MoverEmitter> movers_;
+    const scene::SceneState* state_;
+    const ray::RayScene* rays_;
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
     std::vector<scene::ObjectId> dynamics_;

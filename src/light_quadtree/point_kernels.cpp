@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "light_quadtree/point_kernels.h"
 
@@ -125,47 +126,31 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
     for (float& weight : weights) weight *= lack;
 }
 
-void sum_seen_of(const EmitterTree& tree, const NodeId* nodes, const float* weights, std::uint32_t count,
-                 const glm::vec3& origin, const std::vector<Sphere>& movers, glm::vec3 (&light)[3],
-                 std::vector<std::uint32_t>& through)
+// Bits of a weight: the leading ones of a float between 2^-64 and 2^64.
+constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
+
+void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                 glm::vec3 (&light)[3])
 {
     const hn::CappedTag<float, k_seen_step> d;
     const hn::RebindToSigned<decltype(d)> di;
+    const hn::RebindToUnsigned<decltype(d)> du;
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
-    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), tiny = hn::Set(d, k_tiny);
+    const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
     const EmitterTree::Samples& samples = tree.samples();
-    const EmitterTree::Flux& flux = tree.flux();
+    const EmitterTree::Flux& flux = tree.still_flux();
     auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
-        const auto id = hn::BitCast(di, hn::LoadU(hn::RebindToUnsigned<decltype(d)>(), nodes + k));
+        const auto packed = hn::LoadU(du, seen + k);
+        const auto id = hn::BitCast(di, hn::ShiftRight<k_weight_bits>(packed));
+        const auto code = hn::And(packed, hn::Set(du, (1u << k_weight_bits) - 1));
+        auto weight = hn::BitCast(d, hn::Add(hn::ShiftLeft<k_weight_shift>(code), hn::Set(du, k_weight_bias)));
+        weight = hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(packed, hn::Zero(du))), weight);
         const auto x = hn::Sub(hn::GatherIndex(d, samples.x.data(), id), ox);
         const auto y = hn::Sub(hn::GatherIndex(d, samples.y.data(), id), oy);
         const auto z = hn::Sub(hn::GatherIndex(d, samples.z.data(), id), oz);
         const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
-        auto weight = hn::Div(hn::LoadU(d, weights + k), hn::Sqrt(square));
-        if (!movers.empty()) {
-            const auto inverse = hn::Div(one, square);
-            auto meets = hn::Lt(one, zero);
-            for (const Sphere& mover : movers) {
-                const glm::vec3 at = mover.centre - origin;
-                const auto ax = hn::Set(d, at.x), ay = hn::Set(d, at.y), az = hn::Set(d, at.z);
-                const auto along = hn::Min(
-                    hn::Max(hn::Mul(hn::Add(hn::Add(hn::Mul(ax, x), hn::Mul(ay, y)), hn::Mul(az, z)), inverse), zero),
-                    one);
-                const auto dx = hn::Sub(ax, hn::Mul(along, x)), dy = hn::Sub(ay, hn::Mul(along, y)),
-                           dz = hn::Sub(az, hn::Mul(along, z));
-                const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-                meets = hn::Or(meets, hn::Le(off, hn::Set(d, mover.radius * mover.radius)));
-            }
-            meets = hn::And(meets, hn::Gt(weight, zero));
-            if (!hn::AllFalse(d, meets)) {
-                weight = hn::IfThenZeroElse(meets, weight);
-                std::uint8_t bits[8] = {};
-                hn::StoreMaskBits(d, meets, bits);
-                for (std::uint32_t lane = 0; lane < hn::Lanes(d); ++lane)
-                    if ((bits[lane / 8] >> (lane % 8)) & 1) through.push_back(k + lane);
-            }
-        }
+        weight = hn::Div(weight, hn::Sqrt(square));
         const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), id), weight);
         const auto g = hn::Mul(hn::GatherIndex(d, flux.g.data(), id), weight);
         const auto b = hn::Mul(hn::GatherIndex(d, flux.b.data(), id), weight);
@@ -179,6 +164,58 @@ void sum_seen_of(const EmitterTree& tree, const NodeId* nodes, const float* weig
     light[2] = {total(bx), total(by), total(bz)};
 }
 
+void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                     const MovingSpheres& movers, std::vector<std::uint32_t>& changed)
+{
+    const hn::CappedTag<float, k_seen_step> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
+    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), tiny = hn::Set(d, k_tiny);
+    const EmitterTree::Samples& samples = tree.samples();
+    const bool differs = tree.any_differs();
+    const auto* words = reinterpret_cast<const std::int32_t*>(tree.differs());
+    for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
+        const auto node = hn::ShiftRight<k_weight_bits>(hn::LoadU(du, seen + k));
+        const auto id = hn::BitCast(di, node);
+        auto found = hn::Lt(one, zero);
+        if (differs) {
+            const auto word = hn::BitCast(du, hn::GatherIndex(di, words, hn::BitCast(di, hn::ShiftRight<5>(node))));
+            const auto bit = hn::Shl(hn::Set(du, 1), hn::And(node, hn::Set(du, 31)));
+            found = hn::RebindMask(d, hn::Ne(hn::And(word, bit), hn::Zero(du)));
+        }
+        if (!movers.each.empty()) {
+            const auto x = hn::Sub(hn::GatherIndex(d, samples.x.data(), id), ox);
+            const auto y = hn::Sub(hn::GatherIndex(d, samples.y.data(), id), oy);
+            const auto z = hn::Sub(hn::GatherIndex(d, samples.z.data(), id), oz);
+            const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
+            const auto inverse = hn::Div(one, square);
+            const auto meets = [&](const Sphere& sphere) HWY_ATTR {
+                const glm::vec3 at = sphere.centre - origin;
+                const auto ax = hn::Set(d, at.x), ay = hn::Set(d, at.y), az = hn::Set(d, at.z);
+                const auto along = hn::Min(
+                    hn::Max(hn::Mul(hn::Add(hn::Add(hn::Mul(ax, x), hn::Mul(ay, y)), hn::Mul(az, z)), inverse), zero),
+                    one);
+                const auto dx = hn::Sub(ax, hn::Mul(along, x)), dy = hn::Sub(ay, hn::Mul(along, y)),
+                           dz = hn::Sub(az, hn::Mul(along, z));
+                const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+                return hn::Le(off, hn::Set(d, sphere.radius * sphere.radius));
+            };
+            for (const MovingSpheres::Together& group : movers.together) {
+                const auto near = meets(group.sphere);
+                if (hn::AllFalse(d, near)) continue;
+                for (std::uint32_t m = group.first; m < group.end; ++m)
+                    found = hn::Or(found, hn::And(near, meets(movers.each[m])));
+            }
+        }
+        if (hn::AllFalse(d, found)) continue;
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, found, bits);
+        for (std::uint32_t lane = 0; lane < hn::Lanes(d) && k + lane < count; ++lane)
+            if ((bits[lane / 8] >> (lane % 8)) & 1) changed.push_back(k + lane);
+    }
+}
+
 }   // namespace gnomon::light_quadtree::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -187,6 +224,7 @@ namespace gnomon::light_quadtree {
 
 HWY_EXPORT(cut_tree_of);
 HWY_EXPORT(sum_seen_of);
+HWY_EXPORT(find_changed_of);
 
 void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
               std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
@@ -194,11 +232,34 @@ void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec
     HWY_DYNAMIC_DISPATCH(cut_tree_of)(tree, options, origin, normal, nodes, weights, stack);
 }
 
-void sum_seen(const EmitterTree& tree, const NodeId* nodes, const float* weights, std::uint32_t count,
-              const glm::vec3& origin, const std::vector<Sphere>& movers, glm::vec3 (&light)[3],
-              std::vector<std::uint32_t>& through)
+SeenNode pack_seen(NodeId node, float weight)
 {
-    HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, nodes, weights, count, origin, movers, light, through);
+    using HWY_NAMESPACE::k_weight_bias;
+    using HWY_NAMESPACE::k_weight_shift;
+    constexpr std::uint32_t k_most = (1u << k_weight_bits) - 1;
+    const std::uint32_t rounded = std::bit_cast<std::uint32_t>(weight) + (1u << (k_weight_shift - 1));
+    const std::uint32_t code =
+        rounded < k_weight_bias ? 0 : std::min((rounded - k_weight_bias) >> k_weight_shift, k_most);
+    return (node << k_weight_bits) | std::max(code, 1u);
+}
+
+float seen_weight(SeenNode seen)
+{
+    using HWY_NAMESPACE::k_weight_bias;
+    using HWY_NAMESPACE::k_weight_shift;
+    return std::bit_cast<float>(((seen & ((1u << k_weight_bits) - 1)) << k_weight_shift) + k_weight_bias);
+}
+
+void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+              glm::vec3 (&light)[3])
+{
+    HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, seen, count, origin, light);
+}
+
+void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                  const MovingSpheres& movers, std::vector<std::uint32_t>& changed)
+{
+    HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, movers, changed);
 }
 
 }   // namespace gnomon::light_quadtree

@@ -24,19 +24,44 @@ struct CutOptions {
 void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
               std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack);
 
-/// Seen emitters come in steps of this many; fill the last step with weight 0.
+/// A seen node and what a unit of its flux adds to the light that arrives from there, in one word: the number of the
+/// node above the leading bits of the float, which is within 0.4 % of the weight.
+using SeenNode = std::uint32_t;
+inline constexpr std::uint32_t k_weight_bits = 32 - k_node_bits;
+SeenNode pack_seen(NodeId node, float weight);
+inline NodeId seen_node(SeenNode seen)
+{
+    return seen >> k_weight_bits;
+}
+float seen_weight(SeenNode seen);
+
+/// Seen nodes come in steps of this many; what fills the last step is 0.
 inline constexpr std::uint32_t k_seen_step = 16;
 
+/// Sums still flux times weight times direction over seen nodes, by colour.
+void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+              glm::vec3 (&light)[3]);
+
 struct Sphere {
-    glm::vec3 centre;
-    float radius;
+    glm::vec3 centre{0};
+    float radius = 0;
 };
 
-/// Sums flux times weight times direction over seen emitters, by colour.
-/// @param movers   emitters whose way to the point passes one of these spheres are left out,
-/// @param through  and appended here: places in the list
-void sum_seen(const EmitterTree& tree, const NodeId* nodes, const float* weights, std::uint32_t count,
-              const glm::vec3& origin, const std::vector<Sphere>& movers, glm::vec3 (&light)[3],
-              std::vector<std::uint32_t>& through);
+/// What moves, enclosed: things that move together in one sphere, and each by itself in it.
+struct MovingSpheres {
+    struct Together {
+        Sphere sphere;
+        std::uint32_t first, end;   // of `each`
+    };
+    std::vector<Together> together;
+    std::vector<Sphere> each;
+};
+
+/// Which seen nodes may bring other light now: their flux differs from still flux, or their way to the point passes one
+/// of these spheres.
+/// @param count    without what fills the last step
+/// @param changed  out: places in the list, rising
+void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                  const MovingSpheres& movers, std::vector<std::uint32_t>& changed);
 
 }   // namespace gnomon::light_quadtree

@@ -61,7 +61,7 @@ std::size_t SurfacePoints::bytes() const
     std::size_t sum = 0;
     for (const Shard& shard : shards_) {
         sum += (shard.slots.size() + shard.points.size()) * sizeof(void*);
-        for (const auto& p : shard.points) sum += sizeof(RememberedPoint) + p->count * (sizeof(NodeId) + sizeof(float));
+        for (const auto& p : shard.points) sum += sizeof(RememberedPoint) + p->count * sizeof(SeenNode);
     }
     return sum;
 }

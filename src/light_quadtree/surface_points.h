@@ -25,14 +25,14 @@ struct RememberedPoint {
     glm::vec3 normal{0};                // unit, shading
     glm::vec3 geometric_normal{0};
     float free[4] = {0, 0, 0, 0};   // of lattice anchors: how far the way is open along the lattice, -b +b -c +c
-    glm::vec3 light[3] = {};     // present, by colour: irradiance is dot(light, normal), near this point's own normal
-    std::uint32_t version = 0;   // of the emitters' geometry that `seen` belongs to; 0: never asked
-    std::uint32_t flux_version = 0;   // that `light` belongs to
-    std::uint32_t movers_version = 0;
+    // By colour: irradiance is dot(light, normal), near this point's own normal. If nothing moved; and present.
+    glm::vec3 still[3] = {}, light[3] = {};
+    std::uint32_t owner = scene::none - 1;   // of what moves: EmitterTree::owner_of()
+    std::uint32_t version = 0;               // of the emitters' geometry that `seen` belongs to; 0: never asked
+    std::uint32_t movers_version = 0;        // that `light` belongs to
     // What it sees of the emitters past everything static; padded to k_seen_step.
     std::uint32_t count = 0;
-    std::unique_ptr<NodeId[]> seen;
-    std::unique_ptr<float[]> weight;                   // what a unit of flux adds to the light that arrives from there
+    std::unique_ptr<SeenNode[]> seen;
     std::atomic<std::uint32_t> claimed{0}, ready{0};   // frames
 };
 

@@ -19,7 +19,17 @@ constexpr float k_plane_around = 2.0f;
 // The way to it may end this share of the spacing short.
 constexpr float k_room = 0.1f;
 // Together with at least this much bilinear weight.
-constexpr float k_least_weight = 0.02f;
+constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
+// Shares of a point's light that may be taken from a level that is a little too coarse.
+constexpr float k_least_rest = 0.02f;
+
+// Spheres around what moves: grown against rounding.
+constexpr float k_grown = 1.0001f;
+
+float luminance(const glm::vec3& c)
+{
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
 float smoothstep(float t)
 {
@@ -44,7 +54,14 @@ VisibleLight::VisibleLight(const scene::SceneState& state, const ray::RayScene& 
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         first_triangle_.push_back(triangles);
         triangles += static_cast<std::uint32_t>(scene.meshes[scene.objects[o].mesh].triangles.size());
-        if (scene.objects[o].dynamic && casters_.casts(o)) dynamics_.push_back(o);
+        if (!scene.objects[o].dynamic || !casters_.casts(o)) continue;
+        const std::uint32_t owner = emitters_.owner_of(o);
+        const auto at = std::find_if(together_.begin(), together_.end(),
+                                     [&](const Together& together) { return together.owner == owner; });
+        if (at == together_.end())
+            together_.push_back({owner, {o}});
+        else
+            at->objects.push_back(o);
     }
 }
 
@@ -71,18 +88,30 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
         return;
     // Enclose what moves.
     ++movers_version_;
-    movers_.clear();
-    for (const scene::ObjectId o : dynamics_) {
-        if (!state.object_visible(o)) continue;
-        const Box3& box = casters_.box(o);
-        if (box.empty()) continue;
-        const glm::mat4 m = state.object_matrix(o);
-        Box3 world;
-        for (int corner = 0; corner < 8; ++corner)
-            world.add(
-                transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                             corner & 4 ? box.high.z : box.low.z)));
-        movers_.push_back({world.centre(), 0.5f * world.diagonal() * 1.0001f});
+    movers_.together.clear();
+    movers_.each.clear();
+    for (const Together& together : together_) {
+        const auto begin = static_cast<std::uint32_t>(movers_.each.size());
+        Box3 all;
+        for (const scene::ObjectId o : together.objects) {
+            if (!state.object_visible(o)) continue;
+            const Box3& box = casters_.box(o);
+            if (box.empty()) continue;
+            const glm::mat4 m = state.object_matrix(o);
+            Box3 world;
+            for (int corner = 0; corner < 8; ++corner)
+                world.add(transform_point(
+                    m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                 corner & 4 ? box.high.z : box.low.z)));
+            movers_.each.push_back({world.centre(), 0.5f * world.diagonal() * k_grown});
+            all.add(world);
+        }
+        const auto end = static_cast<std::uint32_t>(movers_.each.size());
+        if (end == begin) continue;
+        float radius = 0;
+        for (std::uint32_t m = begin; m < end; ++m)
+            radius = std::max(radius, glm::length(movers_.each[m].centre - all.centre()) + movers_.each[m].radius);
+        movers_.together.push_back({{all.centre(), radius * k_grown}, begin, end});
     }
 }
 
@@ -103,42 +132,80 @@ RememberedPoint* VisibleLight::want(Batch& batch, AnchorKey key)
 
 void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
-    // The lattice around each point, on one level of detail or two.
-    batch.wanted.assign(points.size(), {});
-    batch.cells.clear();
-    batch.claimed.clear();
-    batch.awaited.clear();
-    find_anchors(batch, points);
-    serve(batch);
-    fill_cells(batch);
-
-    // What has no lattice point to be interpolated from gets a part of its triangle.
-    batch.left.clear();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        float weight = 0;
-        irradiance[i] = interpolate(batch, points[i], i, true, weight);
-        if (weight < k_least_weight) batch.left.push_back(static_cast<std::uint32_t>(i));
-    }
-    if (batch.left.empty()) return;
-    batch.claimed.clear();
-    batch.awaited.clear();
+    batch.wanted.clear();
     batch.parts.clear();
-    for (const std::uint32_t i : batch.left) batch.parts.push_back(want(batch, part_anchor(points[i])));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        irradiance[i] = glm::vec3(0);
+        const auto index = static_cast<std::uint32_t>(i);
+        if (state_->scene().objects[points[i].object].dynamic || !(points[i].width > 0))
+            batch.parts.push_back({index, 1, nullptr, glm::vec3(0)});   // anchored to itself
+        else
+            batch.wanted.push_back({index, detail_of(options_.widest * points[i].width).level, 0, 0, 0, 1});
+    }
+    // From coarse to fine, as far as each point needs.
+    while (!batch.wanted.empty()) {
+        find_cells(batch, points);
+        serve(batch);
+        fill_cells(batch);
+        blend_level(batch, points, irradiance);
+    }
+    shade_parts(batch, points, irradiance);
+}
+
+// Takes from the present cells what they can tell, and leaves in `wanted` what needs finer ones.
+void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+{
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < batch.wanted.size(); ++k) {
+        Batch::Wanted wanted = batch.wanted[k];
+        const IndirectPoint& point = points[wanted.point];
+        const Between between = interpolate(batch, point, k, true);
+        const float spacing = spacing_of(wanted.level);
+        const float narrow = options_.narrowest * point.width, wide = options_.widest * point.width;
+        // The widest level fades in.
+        const float spare = wide / spacing - 1;
+        float share = spare >= options_.level_blend ? 1.0f : smoothstep(spare / options_.level_blend);
+        share *= std::clamp((between.weight - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
+        irradiance[wanted.point] += wanted.rest * share * between.light;
+        wanted.rest *= 1 - share;
+        if (!(wanted.rest > k_least_rest)) {
+            // What is missing would not be seen; the sum of all shares is 1 all the same.
+            irradiance[wanted.point] += wanted.rest * between.light;
+            continue;
+        }
+        if (2 * spacing > narrow) {
+            --wanted.level;
+            batch.wanted[kept++] = wanted;
+            continue;
+        }
+        const Between around = interpolate(batch, point, k, false);
+        batch.parts.push_back({wanted.point, wanted.rest, nullptr, around.light});
+    }
+    batch.wanted.resize(kept);
+}
+
+// What has no lattice point to be interpolated from gets a part of its triangle.
+void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+{
+    if (batch.parts.empty()) return;
+    batch.claimed.clear();
+    batch.awaited.clear();
+    for (Batch::Part& part : batch.parts) part.part = want(batch, part_anchor(points[part.point]));
     serve(batch);
-    for (std::size_t k = 0; k < batch.left.size(); ++k) {
-        const std::uint32_t i = batch.left[k];
-        irradiance[i] = at_part(*batch.parts[k], points[i].normal);
+    for (const Batch::Part& part : batch.parts) {
+        glm::vec3 light = at_part(*part.part, points[part.point].normal);
         // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, than a
         // black dot.
-        float weight = 0;
-        if (irradiance[i] == glm::vec3(0)) irradiance[i] = interpolate(batch, points[i], i, false, weight);
+        if (light == glm::vec3(0)) light = part.around;
+        irradiance[part.point] += part.rest * light;
     }
 }
 
 // A part of a large triangle; or the triangle that stands for the small ones around.
 AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
 {
-    const float spacing = options_.pixels_per_point * point.width;
+    const bool moves = state_->scene().objects[point.object].dynamic;
+    const float spacing = (moves ? options_.pixels_per_part : options_.narrowest) * point.width;
     const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
     glm::vec3 corner[3];
     const auto cross_of = [&](std::uint32_t triangle) {
@@ -162,33 +229,32 @@ AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
                     0.5f * glm::length(cross), u, v, spacing);
 }
 
-void VisibleLight::find_anchors(Batch& batch, std::span<const IndirectPoint> points)
+void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> points)
 {
-    const scene::Scene& scene = state_->scene();
-    LatticeCell last[2] = {};
-    std::uint32_t last_cell[2] = {scene::none, scene::none};
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const IndirectPoint& p = points[i];
-        if (scene.objects[p.object].dynamic || !(p.width > 0)) continue;   // anchored to itself
-        const Detail detail = detail_of(options_.pixels_per_point * p.width);
-        const float fade = (detail.fraction - (1 - options_.level_blend)) / options_.level_blend;
-        Batch::Wanted& wanted = batch.wanted[i];
-        LatticeCell cell;
-        for (int l = 0; l < (fade > 0 ? 2 : 1); ++l) {
-            if (!lattice_cell(p, detail.level + l, cell)) break;
-            // Neighbours mostly share a cell.
-            if (last_cell[l] == scene::none || !std::equal(cell.key, cell.key + 4, last[l].key)) {
-                last[l] = cell;
-                last_cell[l] = static_cast<std::uint32_t>(batch.cells.size());
-                Batch::Cell& made = batch.cells.emplace_back();
-                made.axis = lattice_axis(cell.key[0]);
-                for (int c = 0; c < 4; ++c) made.point[c] = want(batch, cell.key[c]);
-            }
-            wanted.cell[l] = last_cell[l];
-            wanted.fx[l] = cell.x, wanted.fy[l] = cell.y;
-            wanted.share[l] = fade > 0 ? (l == 0 ? 1 - smoothstep(fade) : smoothstep(fade)) : 1;
+    batch.cells.clear();
+    batch.claimed.clear();
+    batch.awaited.clear();
+    LatticeCell last, cell;
+    bool any = false;
+    std::size_t kept = 0;
+    for (Batch::Wanted wanted : batch.wanted) {
+        if (!lattice_cell(points[wanted.point], wanted.level, cell)) {
+            batch.parts.push_back({wanted.point, wanted.rest, nullptr, glm::vec3(0)});
+            continue;
         }
+        // Neighbours mostly share a cell.
+        if (!any || !std::equal(cell.key, cell.key + 4, last.key)) {
+            last = cell;
+            any = true;
+            Batch::Cell& made = batch.cells.emplace_back();
+            made.axis = lattice_axis(cell.key[0]);
+            for (int c = 0; c < 4; ++c) made.point[c] = want(batch, cell.key[c]);
+        }
+        wanted.cell = static_cast<std::uint32_t>(batch.cells.size() - 1);
+        wanted.fx = cell.x, wanted.fy = cell.y;
+        batch.wanted[kept++] = wanted;
     }
+    batch.wanted.resize(kept);
 }
 
 void VisibleLight::fill_cells(Batch& batch) const
@@ -213,43 +279,37 @@ void VisibleLight::fill_cells(Batch& batch) const
     }
 }
 
-glm::vec3 VisibleLight::interpolate(const Batch& batch, const IndirectPoint& p, std::size_t index, bool strict,
-                                    float& weight) const
+VisibleLight::Between VisibleLight::interpolate(const Batch& batch, const IndirectPoint& p, std::size_t index,
+                                                bool strict) const
 {
     const Batch::Wanted& wanted = batch.wanted[index];
+    const Batch::Cell& cell = batch.cells[wanted.cell];
     const float reach = strict ? k_plane : k_plane_around;
-    const float per_reach = 1 / (reach * options_.pixels_per_point * p.width);
+    const float per_reach = 1 / (reach * spacing_of(wanted.level));
     const glm::vec3 n = p.normal, g = p.geometric_normal, x = p.position;
-    float sum[3] = {0, 0, 0};
-    weight = 0;
-    for (int l = 0; l < 2; ++l) {
-        if (!(wanted.share[l] > 0)) continue;
-        const Batch::Cell& cell = batch.cells[wanted.cell[l]];
-        const float fx = wanted.fx[l], fy = wanted.fy[l], share = wanted.share[l];
-        const float between[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-        const float at_b = x[(cell.axis + 1) % 3], at_c = x[(cell.axis + 2) % 3];
-        float w[4], r[4], gr[4], bl[4];
-        for (int i = 0; i < 4; ++i) {
-            const float off = ((cell.x[i] - x.x) * g.x + (cell.y[i] - x.y) * g.y + (cell.z[i] - x.z) * g.z) * per_reach;
-            const float near = 1 - (off < 0 ? -off : off);
-            const float facing = ((cell.nx[i] * n.x + cell.ny[i] * n.y + cell.nz[i] * n.z) - k_facing) / (1 - k_facing);
-            const float along = (near > 0 ? near : 0) * (facing > 0 ? (facing < 1 ? facing : 1) : 0);
-            const bool open = (!strict) | ((at_b >= cell.low_b[i]) & (at_b <= cell.high_b[i]) &
-                                           (at_c >= cell.low_c[i]) & (at_c <= cell.high_c[i]));
-            w[i] = open ? share * between[i] * along : 0;
-            const auto& light = cell.light;
-            const float red = light[0][i] * n.x + light[1][i] * n.y + light[2][i] * n.z;
-            const float green = light[3][i] * n.x + light[4][i] * n.y + light[5][i] * n.z;
-            const float blue = light[6][i] * n.x + light[7][i] * n.y + light[8][i] * n.z;
-            r[i] = w[i] * (red > 0 ? red : 0), gr[i] = w[i] * (green > 0 ? green : 0),
-            bl[i] = w[i] * (blue > 0 ? blue : 0);
-        }
-        weight += (w[0] + w[1]) + (w[2] + w[3]);
-        sum[0] += (r[0] + r[1]) + (r[2] + r[3]);
-        sum[1] += (gr[0] + gr[1]) + (gr[2] + gr[3]);
-        sum[2] += (bl[0] + bl[1]) + (bl[2] + bl[3]);
+    const float fx = wanted.fx, fy = wanted.fy;
+    const float between[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+    const float at_b = x[(cell.axis + 1) % 3], at_c = x[(cell.axis + 2) % 3];
+    float w[4], r[4], gr[4], bl[4];
+    for (int i = 0; i < 4; ++i) {
+        const float off = ((cell.x[i] - x.x) * g.x + (cell.y[i] - x.y) * g.y + (cell.z[i] - x.z) * g.z) * per_reach;
+        const float near = 1 - (off < 0 ? -off : off);
+        const float facing = ((cell.nx[i] * n.x + cell.ny[i] * n.y + cell.nz[i] * n.z) - k_facing) / (1 - k_facing);
+        const float along = (near > 0 ? near : 0) * (facing > 0 ? (facing < 1 ? facing : 1) : 0);
+        const bool open = (!strict) | ((at_b >= cell.low_b[i]) & (at_b <= cell.high_b[i]) & (at_c >= cell.low_c[i]) &
+                                       (at_c <= cell.high_c[i]));
+        w[i] = open ? between[i] * along : 0;
+        const auto& light = cell.light;
+        const float red = light[0][i] * n.x + light[1][i] * n.y + light[2][i] * n.z;
+        const float green = light[3][i] * n.x + light[4][i] * n.y + light[5][i] * n.z;
+        const float blue = light[6][i] * n.x + light[7][i] * n.y + light[8][i] * n.z;
+        r[i] = w[i] * (red > 0 ? red : 0), gr[i] = w[i] * (green > 0 ? green : 0), bl[i] = w[i] * (blue > 0 ? blue : 0);
     }
-    return weight > 0 ? glm::vec3(sum[0], sum[1], sum[2]) / weight : glm::vec3(0);
+    const float weight = (w[0] + w[1]) + (w[2] + w[3]);
+    if (!(weight > 0)) return {};
+    const glm::vec3 sum((r[0] + r[1]) + (r[2] + r[3]), (gr[0] + gr[1]) + (gr[2] + gr[3]),
+                        (bl[0] + bl[1]) + (bl[2] + bl[3]));
+    return {sum / weight, weight};
 }
 
 glm::vec3 VisibleLight::at_part(const RememberedPoint& part, const glm::vec3& normal) const
@@ -280,11 +340,12 @@ void VisibleLight::place(Batch& batch)
     batch.placed.clear();
     for (RememberedPoint* point : batch.claimed) {
         if (!is_lattice(point->key)) {
-            place_part(*point);   // again each frame: it may move
+            // Again whenever it may have moved.
+            if (point->version == 0 || point->movers_version != movers_version_) place_part(*point);
             continue;
         }
         if (point->version != 0) continue;
-        batch.searching.push_back({point, 0, 1});
+        batch.searching.push_back({point, 0, 1, 0});
         batch.placed.push_back(point);
     }
     // Follow every line through the surfaces it meets to the one nearest to its middle.
@@ -304,6 +365,13 @@ void VisibleLight::place(Batch& batch)
             if (hits.object[s] == scene::none) continue;
             const float from_middle = std::abs(hits.t[s] - 0.5f);
             if (from_middle >= search.best) continue;   // further surfaces lie further still
+            // Of layers that a point may be interpolated across, the outermost is the one that is seen.
+            if (search.point->exists && hits.t[s] - search.found < 0.5f * k_plane) {
+                search.from = std::nextafter(hits.t[s], 2.0f) + 1e-5f;
+                if (search.from < 1) batch.searching[kept++] = search;
+                continue;
+            }
+            search.found = hits.t[s];
             const ray::ObjectGeometry& geometry = rays_->geometry(hits.object[s]);
             glm::vec3 p[3];
             geometry.corners(hits.triangle[s], p);
@@ -397,7 +465,9 @@ void VisibleLight::place_part(RememberedPoint& point) const
         if (glm::dot(n, normal) < 0) n = -n;
         if (glm::dot(n, n) > 0) point.normal = glm::normalize(n);
     }
-    if (state_->scene().objects[object].dynamic) point.version = 0;   // what it sees changes as it moves
+    if (!state_->scene().objects[object].dynamic) return;
+    point.version = 0;   // what it sees changes as it moves
+    point.owner = emitters_.owner_of(object);
 }
 
 // Asks for new points what they see past everything static (and moving, for points that move).
@@ -419,8 +489,10 @@ void VisibleLight::see(Batch& batch)
             cut_tree(emitters_, options_.cut, point.origin, point.normal, batch.cut, batch.cut_weight, batch.stack);
             batch.fresh.push_back({&point, batch.entries.size()});
             for (std::size_t k = 0; k < batch.cut.size(); ++k) {
-                const glm::vec3 to = emitters_.samples().at(batch.cut[k]) - point.origin;
-                const float cosine = glm::dot(to, point.normal) / glm::length(to);
+                const NodeId node = batch.cut[k];
+                const glm::vec3 to = emitters_.samples().at(node) - point.origin;
+                const float distance = glm::length(to);
+                const float cosine = glm::dot(to, point.normal) / distance;
                 if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
                 batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
                 // At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
@@ -440,14 +512,15 @@ void VisibleLight::see(Batch& batch)
             const std::size_t last = f + 1 < batch.fresh.size() ? batch.fresh[f + 1].first : count;
             std::uint32_t seen = 0;
             for (std::size_t e = first; e < last; ++e) seen += !batch.blocked[e];
-            point.count = (seen + k_seen_step - 1) / k_seen_step * k_seen_step;
-            point.seen = std::make_unique<NodeId[]>(point.count);
-            point.weight = std::make_unique<float[]>(point.count);
+            const std::uint32_t padded = (seen + k_seen_step - 1) / k_seen_step * k_seen_step;
+            point.count = seen;
+            point.seen = std::make_unique<SeenNode[]>(padded);
             std::uint32_t k = 0;
             for (std::size_t e = first; e < last; ++e)
-                if (!batch.blocked[e]) point.seen[k] = batch.entries[e], point.weight[k++] = batch.entry_weight[e];
+                if (!batch.blocked[e]) point.seen[k++] = pack_seen(batch.entries[e], batch.entry_weight[e]);
+            sum_seen(emitters_, point.seen.get(), padded, point.origin, point.still);
             point.version = version;
-            point.flux_version = 0;
+            point.movers_version = 0;
             ++batch.counters.new_points;
             batch.counters.nodes += seen;
         }
@@ -456,44 +529,80 @@ void VisibleLight::see(Batch& batch)
         if (!point->exists) point->version = version;
 }
 
-// Present light: flux over what is seen, less what something that moves keeps off.
+// Present light: still light, and what movers change of it: what they keep off, and what comes from them.
 void VisibleLight::sum(Batch& batch)
 {
-    const EmitterTree::Flux& flux = emitters_.flux();
+    const EmitterTree::Flux &still = emitters_.still_flux(), &flux = emitters_.flux();
     const EmitterTree::Samples& samples = emitters_.samples();
     batch.rays.clear();
     batch.shares.clear();
+    batch.bounce_rays.clear();
+    batch.bounces.clear();
     for (RememberedPoint* p : batch.claimed) {
         RememberedPoint& point = *p;
-        if (!point.exists ||
-            (point.flux_version == emitters_.flux_version() && point.movers_version == movers_version_))
-            continue;
+        if (!point.exists || point.movers_version == movers_version_) continue;
         ++batch.counters.summed_points;
-        point.flux_version = emitters_.flux_version();
         point.movers_version = movers_version_;
-        batch.through.clear();
-        sum_seen(emitters_, point.seen.get(), point.weight.get(), point.count, point.origin, movers_, point.light,
-                 batch.through);
-        // What passes near something that moves is added once it is known to arrive.
-        for (const std::uint32_t k : batch.through) {
-            const NodeId node = point.seen[k];
+        std::copy(point.still, point.still + 3, point.light);
+        if (movers_.each.empty() && !emitters_.any_differs()) continue;
+        batch.changed.clear();
+        find_changed(emitters_, point.seen.get(), point.count, point.origin, movers_, batch.changed);
+        for (const std::uint32_t k : batch.changed) {
+            const NodeId node = seen_node(point.seen[k]);
             const glm::vec3 to = samples.at(node) - point.origin;
+            const glm::vec3 direction = to * (seen_weight(point.seen[k]) / glm::length(to));
+            add_light(point, -still.at(node), direction);
+            const glm::vec3 now = flux.at(node);
+            if (now == glm::vec3(0)) continue;
+            // It is added again once it is known to arrive.
             batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
-            batch.shares.push_back(
-                {&point, {flux.r[node], flux.g[node], flux.b[node]}, to * (point.weight[k] / glm::length(to))});
+            batch.shares.push_back({&point, now, direction});
         }
+        bounce_off_movers(batch, point);
     }
-    const std::size_t count = batch.rays.size();
+    add_what_arrives(batch, batch.rays, batch.shares, ray::Against::dynamic_only);
+    add_what_arrives(batch, batch.bounce_rays, batch.bounces, ray::Against::everything);
+}
+
+void VisibleLight::add_light(RememberedPoint& point, const glm::vec3& flux, const glm::vec3& direction)
+{
+    for (int colour = 0; colour < 3; ++colour) point.light[colour] += flux[colour] * direction;
+}
+
+// Light from what moves. Where it is a small part of a point's light nobody asks what stands between.
+void VisibleLight::bounce_off_movers(Batch& batch, RememberedPoint& point)
+{
+    if (emitters_.movers().empty()) return;
+    const float still = luminance(at_part(point, point.normal));
+    for (const MoverEmitter& emitter : emitters_.movers()) {
+        const glm::vec3 to = emitter.sample - point.origin;
+        const float square = glm::dot(to, to), distance = std::sqrt(square);
+        const float cosine = glm::dot(to, point.normal), facing = -glm::dot(to, emitter.normal);
+        if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.geometric_normal) > 0)) continue;
+        if (emitter.owner == point.owner) continue;
+        const float kernel =
+            facing / distance / (static_cast<float>(k_pi) * square + emitter.area);   // of a disk, as for the tree
+        const glm::vec3 direction = to * (kernel / distance);
+        if (luminance(emitter.flux) * glm::dot(direction, point.normal) < options_.unasked * still) {
+            add_light(point, emitter.flux, direction);
+            continue;
+        }
+        batch.bounce_rays.push(point.origin, 0, to, options_.emitters.ray_end);
+        batch.bounces.push_back({&point, emitter.flux, direction});
+    }
+}
+
+void VisibleLight::add_what_arrives(Batch& batch, ray::RayQueue& rays, const std::vector<Share>& shares,
+                                    ray::Against against)
+{
+    const std::size_t count = rays.size();
     if (count == 0) return;
     batch.blocked.resize(count + ray::k_packet_pad);
-    rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::dynamic_only);
+    rays_->blocked(rays, 0, count, batch.blocked.data(), against);
     batch.counters.rays += count;
     batch.counters.rays_dynamic += count;
-    for (std::size_t r = 0; r < count; ++r) {
-        if (batch.blocked[r]) continue;
-        const Batch::Share& share = batch.shares[r];
-        for (int colour = 0; colour < 3; ++colour) share.point->light[colour] += share.flux[colour] * share.direction;
-    }
+    for (std::size_t r = 0; r < count; ++r)
+        if (!batch.blocked[r]) add_light(*shares[r].point, shares[r].flux, shares[r].direction);
 }
 
 void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)

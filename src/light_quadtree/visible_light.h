@@ -24,10 +24,14 @@ namespace gnomon::light_quadtree {
 
 struct VisibleOptions {
     EmitterOptions emitters;
-    float pixels_per_point = 8;   // spacing of anchors on the screen: between half of this and this
+    // Spacing of anchors on the screen, in pixels: as wide as the first where neighbours can be interpolated, down to
+    // the second where they lie behind corners.
+    float widest = 24, narrowest = 4;
+    float level_blend = 0.3f;    // share of a level of detail over which it fades into the next
+    float pixels_per_part = 6;   // of what moves
     CutOptions cut;
-    float level_blend = 0.3f;         // share of a level of detail over which it fades into the next
-    std::size_t memory = 64u << 20;   // bytes of remembered points; those not in the last frame go first
+    float unasked = 0.02f;            // share of a point's light: less than this comes from a mover unshadowed
+    std::size_t memory = 16u << 20;   // bytes of remembered points; those not in the last frame go first
 };
 
 struct VisibleCounters {
@@ -63,7 +67,9 @@ class VisibleLight {
 
  private:
     AnchorKey part_anchor(const IndirectPoint& point);
-    void find_anchors(Batch& batch, std::span<const IndirectPoint> points);
+    void find_cells(Batch& batch, std::span<const IndirectPoint> points);
+    void blend_level(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    void shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     RememberedPoint* want(Batch& batch, AnchorKey key);
     void serve(Batch& batch);
     void place(Batch& batch);
@@ -71,9 +77,19 @@ class VisibleLight {
     void place_part(RememberedPoint& point) const;
     void see(Batch& batch);
     void sum(Batch& batch);
+    static void add_light(RememberedPoint& point, const glm::vec3& flux, const glm::vec3& direction);
+    void bounce_off_movers(Batch& batch, RememberedPoint& point);
+    struct Share {   // light that arrives if nothing stands between
+        RememberedPoint* point;
+        glm::vec3 flux, direction;
+    };
+    void add_what_arrives(Batch& batch, ray::RayQueue& rays, const std::vector<Share>& shares, ray::Against against);
     void fill_cells(Batch& batch) const;
-    glm::vec3 interpolate(const Batch& batch, const IndirectPoint& point, std::size_t index, bool strict,
-                          float& weight) const;
+    struct Between {   // anchors of a cell at a point
+        glm::vec3 light{0};
+        float weight = 0;
+    };
+    Between interpolate(const Batch& batch, const IndirectPoint& point, std::size_t index, bool strict) const;
     glm::vec3 at_part(const RememberedPoint& part, const glm::vec3& normal) const;
 
     VisibleOptions options_;
@@ -83,8 +99,12 @@ class VisibleLight {
     SurfacePoints points_;
     TriangleClusters clusters_;
     light_views::Casters casters_;
-    std::vector<scene::ObjectId> dynamics_;
-    std::vector<Sphere> movers_;
+    struct Together {   // what moves together
+        std::uint32_t owner;
+        std::vector<scene::ObjectId> objects;
+    };
+    std::vector<Together> together_;
+    MovingSpheres movers_;
     std::vector<std::uint32_t> first_triangle_;   // by object, among all of the scene
     std::uint32_t frame_ = 0, movers_version_ = 1;
     VisibleCounters counters_;
@@ -92,7 +112,7 @@ class VisibleLight {
 
 class VisibleLight::Batch {
  public:
-    Batch() { rays.purpose = ray::RayClass::indirect; }
+    Batch() { rays.purpose = bounce_rays.purpose = ray::RayClass::indirect; }
     VisibleCounters counters;
 
  private:
@@ -103,12 +123,20 @@ class VisibleLight::Batch {
         float x[4], y[4], z[4], nx[4], ny[4], nz[4];
         float low_b[4], high_b[4], low_c[4], high_c[4];   // places that are open to the anchor
         float light[9][4];                                // by colour and axis
-        int axis;
+        int axis, level;
     };
-    struct Wanted {   // by one pixel: a cell on one level of detail or two
-        std::uint32_t cell[2] = {0, 0};
-        float fx[2] = {0, 0}, fy[2] = {0, 0};
-        float share[2] = {0, 0};   // 0: no such cell
+    struct Wanted {            // by one point: a cell, while levels of detail are gone through
+        std::uint32_t point;   // which
+        int level;
+        std::uint32_t cell;
+        float fx, fy;
+        float rest;   // share of its light that finer levels bring
+    };
+    struct Part {
+        std::uint32_t point;
+        float rest;
+        RememberedPoint* part;
+        glm::vec3 around;   // what the lattice says, such as it is
     };
     struct Recent {
         AnchorKey key = 0;
@@ -117,32 +145,27 @@ class VisibleLight::Batch {
     };
     struct Search {
         RememberedPoint* point;
-        float from, best;
+        float from, best, found;
     };
     struct Fresh {
         RememberedPoint* point;
         std::size_t first;   // of its rays
     };
-    struct Share {
-        RememberedPoint* point;
-        glm::vec3 flux, direction;
-    };
     static constexpr unsigned k_recent_bits = 10;
     std::array<Recent, 1u << k_recent_bits> recent;
     std::vector<Wanted> wanted;
     std::vector<Cell> cells;
-    std::vector<RememberedPoint*> parts;   // by left pixel
-    std::vector<std::uint32_t> left;
+    std::vector<Part> parts;
     std::vector<RememberedPoint*> claimed, awaited;
     std::vector<Search> searching;
     std::vector<RememberedPoint*> placed;   // new lattice points
     std::vector<NodeId> cut, entries;
     std::vector<float> cut_weight, entry_weight;
-    std::vector<std::uint32_t> through;
+    std::vector<std::uint32_t> changed;
     std::vector<NodeId> stack;
     std::vector<Fresh> fresh;
-    std::vector<Share> shares;
-    ray::RayQueue rays;
+    std::vector<Share> shares, bounces;
+    ray::RayQueue rays, bounce_rays;
     ray::Hits hits;
     std::vector<std::uint8_t> blocked;
 };
