@@ -71,12 +71,13 @@ HWY_INLINE float of_parts(const EmitterTree& tree, NodeId below, float whole, co
     return (parts.light[0] + parts.light[1]) + (parts.light[2] + parts.light[3]);
 }
 
-void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
-                 std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
+// All light, visibility apart, from a cut in which no node may be wrong by more than `wrong`; 0: from the tops of the
+// trees, and then more than nothing where anything might arrive.
+float estimate(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+               float wrong, std::vector<NodeId>& stack)
 {
-    // Estimate all light, visibility apart, from an even cut.
-    constexpr float k_even = 0.3f;
-    float total = 0;
+    constexpr float k_likely = 0.05f;   // share of the most that a wide node can bring
+    float total = 0, most = 0;
     Four four;
     stack = tree.roots();
     while (!stack.empty()) {
@@ -86,12 +87,28 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
         for (unsigned lanes = four.there; lanes != 0; lanes &= lanes - 1) {
             const auto i = static_cast<unsigned>(__builtin_ctz(lanes));
             const NodeId below = tree.children(4 * q + i);
-            if (below != scene::none && std::max(four.width[i], four.spread[i]) > k_even)
+            const float width = std::max(four.width[i], four.spread[i]);
+            if (wrong > 0 && below != scene::none && four.most[i] * (width > options.nearest ? 1.0f : width) > wrong) {
                 stack.push_back(below);
-            else
+            } else {
                 total += of_parts(tree, below, four.light[i], origin, normal);
+                most += four.most[i];
+            }
         }
     }
+    return wrong > 0 ? total : std::max(total, k_likely * most);
+}
+
+void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+                 std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
+{
+    // Estimate all light, visibility apart, by coarse cuts, each of which says what matters to the next.
+    float total = estimate(tree, options, origin, normal, 0, stack);
+    for (const float share : {0.3f, 0.01f}) {
+        if (!(total > 0)) break;
+        total = estimate(tree, options, origin, normal, share * total, stack);
+    }
+    Four four;
     // Refine.
     const float wrong = options.error * total, negligible = options.negligible * total;
     float kept = 0;

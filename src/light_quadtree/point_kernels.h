@@ -13,7 +13,7 @@
 namespace gnomon::light_quadtree {
 
 struct CutOptions {
-    float error = 0.03f;        // a node that may be wrong by more than this share of all light is refined,
+    float error = 0.02f;        // a node that may be wrong by more than this share of all light is refined,
     float nearest = 0.6f;       // all the more if it is wider than this share of its distance
     float negligible = 1e-5f;   // shares smaller than this are left out
 };

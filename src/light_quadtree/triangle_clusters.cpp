@@ -11,7 +11,7 @@ namespace gnomon::light_quadtree {
 namespace {
 
 struct Cube {
-    std::array<std::int64_t, 4> at;   // place and axis
+    std::array<std::int64_t, 4> at;   // place, and axis that it faces
     bool operator==(const Cube&) const = default;
 };
 struct CubeHash {
@@ -51,7 +51,9 @@ const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshI
                 std::isfinite(centre[axis])
                     ? static_cast<std::int64_t>(std::floor(std::clamp(centre[axis], -1e15, 1e15)))
                     : 0;
-        cube[t].at[3] = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        // The two sides of a thin thing are not one.
+        cube[t].at[3] = 2 * axis + (cross[axis] < 0 ? 1 : 0);
         const float area = glm::dot(cross, cross);
         const auto [at, fresh] = largest.try_emplace(cube[t], Largest{t, area});
         if (!fresh && area > at->second.area) at->second = {t, area};

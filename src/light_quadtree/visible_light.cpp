@@ -161,9 +161,8 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
         const IndirectPoint& point = points[wanted.point];
         const Between between = interpolate(batch, point, k, true);
         const float spacing = spacing_of(wanted.level);
-        const float narrow = options_.narrowest * point.width, wide = options_.widest * point.width;
         // The widest level fades in.
-        const float spare = wide / spacing - 1;
+        const float spare = options_.widest * point.width / spacing - 1;
         float share = spare >= options_.level_blend ? 1.0f : smoothstep(spare / options_.level_blend);
         share *= std::clamp((between.weight - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
         irradiance[wanted.point] += wanted.rest * share * between.light;
@@ -173,7 +172,7 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
             irradiance[wanted.point] += wanted.rest * between.light;
             continue;
         }
-        if (2 * spacing > narrow) {
+        if (spacing > options_.narrowest * point.width) {
             --wanted.level;
             batch.wanted[kept++] = wanted;
             continue;
