@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inner loops of indirect light against plain ones.
+#include "light_quadtree/point_kernels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "scene/builtin.h"
+
+namespace gnomon {
+namespace {
+
+using namespace light_quadtree;
+
+struct World {
+    std::shared_ptr<const scene::Scene> scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
+    scene::SceneState state{scene, scene->timeline.time_of(3)};
+    ray::RayScene rays{state};
+    Tasks tasks{1};
+    EmitterTree tree{state, rays, EmitterOptions{}, tasks};
+
+    // Some nodes with flux, with some weights.
+    std::vector<SeenNode> some(std::uint32_t count, unsigned seed) const
+    {
+        std::mt19937 random(seed);
+        std::vector<SeenNode> seen;
+        while (seen.size() < count) {
+            const auto node = static_cast<NodeId>(random() % tree.size());
+            if (tree.still_flux().at(node) == glm::vec3(0)) continue;
+            seen.push_back(pack_seen(node, std::ldexp(1.0f + static_cast<float>(random() % 1000) / 1000, -4)));
+        }
+        seen.resize((count + k_seen_step - 1) / k_seen_step * k_seen_step, 0);
+        return seen;
+    }
+};
+
+TEST(PointKernels, APackedNodeKeepsItsNumberAndNearlyItsWeight)
+{
+    std::mt19937 random(7);
+    for (int i = 0; i < 100000; ++i) {
+        const NodeId node = random() & ((1u << k_node_bits) - 1);
+        const float weight =
+            std::ldexp(1 + static_cast<float>(random() % 4096) / 4096, static_cast<int>(random() % 120) - 60);
+        const SeenNode seen = pack_seen(node, weight);
+        ASSERT_EQ(seen_node(seen), node);
+        ASSERT_NEAR(seen_weight(seen) / weight, 1, 1.0f / 256) << weight;
+        ASSERT_NE(seen, 0u) << "means nothing seen";
+    }
+    EXPECT_GT(seen_weight(pack_seen(1, 1e-30f)), 0);
+    EXPECT_TRUE(std::isfinite(seen_weight(pack_seen(1, 1e30f))));
+}
+
+TEST(PointKernels, SumsAsAPlainLoopDoes)
+{
+    const World world;
+    const glm::vec3 origin(0.1f, -0.9f, 0.2f);
+    for (const std::uint32_t count : {0u, 1u, 15u, 16u, 17u, 203u}) {
+        const std::vector<SeenNode> seen = world.some(count, count);
+        glm::vec3 light[3];
+        sum_seen(world.tree, seen.data(), static_cast<std::uint32_t>(seen.size()), origin, light);
+        glm::dvec3 sum[3] = {};
+        double size = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const NodeId node = seen_node(seen[k]);
+            const glm::dvec3 to(world.tree.samples().at(node) - origin), flux(world.tree.still_flux().at(node));
+            for (int c = 0; c < 3; ++c)
+                sum[c] += flux[c] * static_cast<double>(seen_weight(seen[k])) * glm::normalize(to);
+            size += glm::length(flux) * static_cast<double>(seen_weight(seen[k]));
+        }
+        for (int c = 0; c < 3; ++c)
+            for (int axis = 0; axis < 3; ++axis)
+                EXPECT_NEAR(static_cast<double>(light[c][axis]), sum[c][axis], 1e-5 * size) << count;
+    }
+}
+
+TEST(PointKernels, FindsWhatMoversMayChange)
+{
+    const World world;
+    ASSERT_TRUE(world.tree.any_differs()) << "the ball stands in the light";
+    std::mt19937 random(3);
+    const auto number = [&] { return static_cast<float>(random() % 2000) / 1000 - 1; };
+    std::size_t found = 0, asked = 0;
+    for (int round = 0; round < 50; ++round) {
+        const glm::vec3 origin(number(), number(), number());
+        const auto count = static_cast<std::uint32_t>(random() % 100);
+        const std::vector<SeenNode> seen = world.some(count, static_cast<unsigned>(round));
+        MovingSpheres movers;
+        for (std::uint32_t group = 0; group < 3; ++group) {
+            const auto first = static_cast<std::uint32_t>(movers.each.size());
+            const glm::vec3 middle(number(), number(), number());
+            for (int m = 0; m < 4; ++m)
+                movers.each.push_back({middle + 0.1f * glm::vec3(number(), number(), number()), 0.05f});
+            movers.together.push_back({{middle, 0.25f}, first, static_cast<std::uint32_t>(movers.each.size())});
+        }
+        std::vector<std::uint32_t> changed;
+        find_changed(world.tree, seen.data(), count, origin, movers, changed);
+        std::size_t next = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const NodeId node = seen_node(seen[k]);
+            const glm::dvec3 to(world.tree.samples().at(node) - origin);
+            double margin = 1;   // how clearly it passes
+            for (const Sphere& sphere : movers.each) {
+                const glm::dvec3 at(sphere.centre - origin);
+                const double along = std::clamp(glm::dot(at, to) / glm::dot(to, to), 0.0, 1.0);
+                margin = std::min(margin, glm::length(at - along * to) - static_cast<double>(sphere.radius));
+            }
+            const bool differs = world.tree.flux().at(node) != world.tree.still_flux().at(node);
+            const bool listed = next < changed.size() && changed[next] == k;
+            if (listed) ++next;
+            ++asked;
+            found += listed;
+            if (std::abs(margin) > 1e-4) {
+                EXPECT_EQ(listed, differs || margin < 0) << round << " " << k;
+            }
+        }
+        EXPECT_EQ(next, changed.size());
+    }
+    EXPECT_GT(found, 20u);
+    EXPECT_LT(found, asked);
+}
+
+TEST(MoverEmitters, LightComesOffTheBallAndFollowsIt)
+{
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
+    scene::SceneState state(scene, scene->timeline.time_of(1));
+    ray::RayScene rays(state);
+    Tasks tasks(1);
+    EmitterTree tree(state, rays, {}, tasks);
+    const auto middle = [&] {
+        glm::vec3 sum(0);
+        for (const MoverEmitter& emitter : tree.movers()) sum += emitter.position;
+        return sum / static_cast<float>(tree.movers().size());
+    };
+    ASSERT_FALSE(tree.movers().empty());
+    for (const MoverEmitter& emitter : tree.movers()) {
+        EXPECT_GT(emitter.flux.z, emitter.flux.x) << "a blue ball";
+        EXPECT_NEAR(glm::length(emitter.normal), 1, 1e-4f);
+        EXPECT_LT(emitter.area, 0.2f) << "half of its surface at most";
+    }
+    const glm::vec3 before = middle();
+    state.advance(scene->timeline.time_of(21));
+    rays.update(state);
+    tree.update(state, rays, tasks);
+    const glm::vec3 moved = middle() - before;
+    EXPECT_NEAR(moved.x, 0.4f, 0.05f);   // 20 frames of (0.02, -0.01, 0)
+    EXPECT_NEAR(moved.y, -0.2f, 0.05f);
+}
+
+}   // namespace
+}   // namespace gnomon
