@@ -33,10 +33,15 @@ if(GNOMON_SANITIZE)
     target_link_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE})
 endif()
 
-# gnomon_library(NAME [LINK targets...] [PRIVATE targets...]): all .cpp files of src/NAME, public and private needs.
+# gnomon_library(NAME [FOLDER f] [LINK targets...] [PRIVATE targets...]): all .cpp files of src/NAME, or of src/FOLDER;
+# public and private needs.
 function(gnomon_library name)
-    cmake_parse_arguments(ARG "" "" "LINK;PRIVATE" ${ARGN})
-    file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${name}/*.cpp" "${PROJECT_SOURCE_DIR}/src/${name}/*.h")
+    cmake_parse_arguments(ARG "" "FOLDER" "LINK;PRIVATE" ${ARGN})
+    if(NOT ARG_FOLDER)
+        set(ARG_FOLDER "${name}")
+    endif()
+    set(from "${PROJECT_SOURCE_DIR}/src/${ARG_FOLDER}")
+    file(GLOB sources CONFIGURE_DEPENDS "${from}/*.cpp" "${from}/*.h")
     if(NOT sources MATCHES "\\.cpp")
         return()   # a room that is still empty
     endif()
@@ -54,7 +59,7 @@ endfunction()
 # "ROOM/NAME.STAGE.inc". The target environment is Vulkan 1.2's: 1.3's would put work group sizes where reflection
 # cannot read them. Not optimised here: that would take the names that bindings go by, and drivers do it anyway.
 function(gnomon_shaders target folder)
-    get_filename_component(room "${folder}" NAME)
+    string(REGEX REPLACE "^(src|tests)/" "" room "${folder}")
     set(from "${PROJECT_SOURCE_DIR}/${folder}")
     set(to "${PROJECT_BINARY_DIR}/shaders/${room}")
     file(GLOB shaders CONFIGURE_DEPENDS "${from}/*.vert" "${from}/*.frag" "${from}/*.comp")

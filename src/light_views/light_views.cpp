@@ -105,7 +105,10 @@ void LightViews::update(const scene::SceneState& state)
             LightView& view = views_[v];
             view.shown = light.visible;
             if (light.visible) {
-                trackers_[v].plan(frame, view.projection, restless, options_.receivers, view.plan);
+                if (options_.coherence)
+                    trackers_[v].plan(frame, view.projection, restless, options_.receivers, view.plan);
+                else
+                    trackers_[v].plan_anew(frame, view.projection, view.plan);
             } else {
                 trackers_[v].forget();
                 view.plan.clear();

@@ -21,6 +21,7 @@ struct LightViewsOptions {
     ProjectionOptions projection;
     AtlasOptions atlas;
     int quiet_frames = 8;     // frames of rest after which an object counts as static
+    bool coherence = true;    // false: everything is drawn in every frame, as without this house's second idea
     bool receivers = false;   // list whose shadow textures change, too
 };
 
@@ -55,6 +56,7 @@ class LightViews {
     /// Fixes an object as static or dynamic, or leaves it to its motion again. Takes effect with the next update.
     void set_override(scene::ObjectId object, scene::MobilityOverride value);
 
+    const LightViewsOptions& options() const { return options_; }
     const Atlas& atlas() const { return atlas_; }
     const std::vector<LightView>& views() const { return views_; }
     /// A light's views are views()[first_view(light)] and those after it.
@@ -63,6 +65,7 @@ class LightViews {
     const SceneBounds& bounds() const { return bounds_; }
     const Casters& casters() const { return casters_; }
     bool is_dynamic(scene::ObjectId object) const { return is_dynamic_[object] != 0; }
+    std::size_t object_count() const { return is_dynamic_.size(); }
     const LightViewsCounts& counts() const { return counts_; }
 
  private:

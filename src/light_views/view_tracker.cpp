@@ -73,6 +73,14 @@ void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& project
         plan_whole(frame, receivers, plan);
 }
 
+void ViewTracker::plan_anew(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan)
+{
+    plan.clear();
+    projection_ = projection;
+    known_ = statics_known_ = false;
+    plan_restless(frame, plan);
+}
+
 // Where dynamic objects are now.
 void ViewTracker::place_dynamics(const FrameMobility& frame)
 {

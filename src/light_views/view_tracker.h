@@ -32,6 +32,8 @@ class ViewTracker {
     /// @param receivers  also list whose shadow textures change
     void plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, bool receivers,
               ViewPlan& plan);
+    /// Without coherence: empties the view and draws everything in it.
+    void plan_anew(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan);
     /// The buffers are no longer to be trusted (the light was off).
     void forget() { known_ = statics_known_ = false; }
 

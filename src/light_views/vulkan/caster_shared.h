@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_LIGHT_VIEWS_CASTER_SHARED_H
+#define GNOMON_LIGHT_VIEWS_CASTER_SHARED_H
+// What the shaders that draw casters share with the host.
+
+#include "vk/shared_types.h"
+
+GNOMON_SHARED_BEGIN(light_views)
+
+struct CasterConstants {
+    mat4 clip_from_world;
+    uint page;       // of the atlas
+    uint ties;       // 1: where the static buffer is equally near, the higher item of both is written
+    uint material;   // of alpha-tested parts: index into AlphaMaterial[]
+    uint place;      // for those who draw receivers: the view's first entry in their table
+};
+
+// Where an alpha-tested material's texture lies, and how it is looked up.
+struct AlphaMaterial {
+    uint first_byte;   // of its alpha texels; none: no texture
+    uint width, height;
+    uint wrap_u, wrap_v;   // scene::Wrap
+    uint nearest;          // 1: no interpolation
+    float alpha, cutoff;
+    vec2 offset;         // of uv
+    vec2 row_u, row_v;   // uv' = offset + (dot(row_u, uv), dot(row_v, uv))
+};
+
+GNOMON_SHARED_END
+
+#endif
