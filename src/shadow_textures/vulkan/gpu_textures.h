@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// One shadow texture a receiver, on the device [Oh and Shin 2004, 2 and 3.2], and the method before it.
+//
+// `depth`, and the paper's coherent method: one draw a receiver against the depth of everything. `per_caster`: for
+// every receiver the casters between it and the light are drawn first: O(N^2). All give the same bits, and so do the
+// items of the light views wherever no two objects are equally near; the renderer therefore looks items up, and these
+// textures are the measure of what that saves. DEVIATION(Oh and Shin 2004, 2): a texture covers its receiver's
+// footprint alone, a bit a texel, written from the fragment shader: a target a receiver would mean as many passes as
+// receivers.
+
+#include "light_views/vulkan/gpu_light_views.h"
+#include "shadow_textures/vulkan/texture_arena.h"
+#include "shadow_textures/vulkan/textures_shared.h"
+
+namespace gnomon::shadow_textures {
+
+struct TextureCounts {           // of the last record
+    std::uint64_t updated = 0;   // textures made anew
+    std::uint64_t draws = 0;     // of receivers, and of casters between (per_caster)
+};
+
+class GpuTextures {
+ public:
+    GpuTextures(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views);
+
+    /// By depth: makes the textures that the plans list anew. Call after GpuLightViews::record, with plans that list
+    /// receivers; textures stay from frame to frame.
+    void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
+                const light_views::CasterGeometry& casters, const scene::SceneState& state);
+    /// Per caster: makes all textures anew, without any light view.
+    void record_per_caster(vk::Commands& commands, const light_views::LightViews& views,
+                           const light_views::CasterGeometry& casters, const scene::SceneState& state);
+
+    const TextureCounts& counts() const { return counts_; }
+    const vk::Buffer& textures() const { return words_; }
+    const vk::Buffer& places() const { return places_; }
+    /// Where a receiver's texture is, for tests and read-back.
+    const shared::TexturePlace& place(std::size_t view, scene::ObjectId object) const
+    {
+        return host_places_[view * objects_ + object];
+    }
+
+ private:
+    struct Receiver {
+        std::uint32_t view = 0;
+        scene::ObjectId object = scene::none;
+        light_views::Rect rect;   // in the view
+    };
+    void place_texture(const light_views::LightView& view, const Receiver& receiver);
+    void drop_texture(std::size_t view, scene::ObjectId object);
+    void make_room(vk::Commands& commands, bool keep);
+    void upload_places(vk::Commands& commands);
+    void clear_textures(vk::Commands& commands, const std::vector<Receiver>& receivers);
+    void draw_receivers(vk::Commands& commands, const light_views::LightViews& views, const vk::Image& depth, int page,
+                        std::span<const Receiver> receivers, const light_views::CasterGeometry& casters);
+    void draw_casters_between(vk::Commands& commands, const light_views::LightViews& views, int page,
+                              std::span<const Receiver> receivers, const light_views::CasterGeometry& casters,
+                              const scene::SceneState& state);
+
+    std::shared_ptr<vk::Device> device_;
+    std::size_t objects_;
+    TextureArena arena_;
+    std::vector<shared::TexturePlace> host_places_;   // by view and object
+    std::vector<std::uint32_t> place_words_;          // their sizes
+    std::vector<std::uint32_t> changed_places_;
+    vk::Buffer words_, places_;
+    std::vector<vk::Buffer> outgrown_;
+    vk::Image scratch_;                            // per caster: the depth of what lies between
+    vk::Pipeline receiver_[2][2], caster_[2][2];   // perspective or not, opaque or alpha-tested
+    bool places_filled_ = false;
+    TextureCounts counts_;
+};
+
+}   // namespace gnomon::shadow_textures

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Room for the shadow textures of all receivers in one buffer of words. A texture keeps its place while its size class
+// stays; freed places are kept for the next of their class.
+//
+// Sizes are rounded up to powers of two. Cost of each call: constant.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace gnomon::shadow_textures {
+
+class TextureArena {
+ public:
+    static constexpr std::uint32_t k_nowhere = 0xffffffffu;
+
+    /// @param words  at least 1
+    std::uint32_t take(std::uint32_t words);
+    void give_back(std::uint32_t first_word, std::uint32_t words);
+    void clear();
+    /// Words that were ever in use at once: what the buffer must hold.
+    std::uint32_t words() const { return end_; }
+
+    /// log2 of the room that a texture of so many words gets.
+    static unsigned size_class(std::uint32_t words);
+
+ private:
+    std::array<std::vector<std::uint32_t>, 32> free_;
+    std::uint32_t end_ = 0;
+};
+
+}   // namespace gnomon::shadow_textures

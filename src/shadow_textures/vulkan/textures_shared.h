@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_SHADOW_TEXTURES_TEXTURES_SHARED_H
+#define GNOMON_SHADOW_TEXTURES_TEXTURES_SHARED_H
+// Where the shadow texture of one receiver in one view lies: rows of whole words, a bit a texel.
+
+#include "vk/shared_types.h"
+
+GNOMON_SHARED_BEGIN(shadow_textures)
+
+struct TexturePlace {
+    uint first_word;
+    uint row_words;   // 0: no texture, the receiver is not in view
+    ivec2 corner;     // the texture's first texel, in the atlas's page
+    int columns, rows;
+};
+
+GNOMON_SHARED_END
+
+#endif
