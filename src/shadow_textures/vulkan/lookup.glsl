@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is this point of this object in shadow? The twin of shadow_textures::visibility (lookup.h), which explains it. Needs
+// `view_records`, `light_records`, `places`, `textures`, the images light_depth and light_item, and `lookup`.
+
+// The view of a light that sees a point; view_count must not be 0.
+uint view_of_light(LightRecord light, vec3 point)
+{
+    if (light.view_count == 6u) {
+        vec3 d = point - view_records[light.first_view].origin, size = abs(d);
+        uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+        return light.first_view + 2u * axis + (d[axis] < 0.0 ? 1u : 0u);
+    }
+    if (light.view_count == 2u) {
+        ViewRecord dense = view_records[light.first_view];
+        vec4 clip = dense.clip_from_world * vec4(point, 1);
+        float inside = 1.0 - 2.0 * lookup.border / float(dense.size);
+        return light.first_view + (abs(clip.x) <= inside && abs(clip.y) <= inside ? 0u : 1u);
+    }
+    return light.first_view;
+}
+
+// Whether a receiver is the object nearest the light at a texel.
+bool is_nearest(uint view, ivec3 at, uint object)
+{
+    if (lookup.by_textures == 0u) return texelFetch(light_item, at, 0).x == object + 1u;
+    TexturePlace place = places[view * lookup.objects + object];
+    ivec2 texel = at.xy - place.corner;
+    // Outside its texture the word index would be another's.
+    if (place.row_words == 0u || any(lessThan(texel, ivec2(0))) || texel.x >= place.columns || texel.y >= place.rows) return false;
+    return (textures[place.first_word + uint(texel.y) * place.row_words + uint(texel.x) / 32u] >> (uint(texel.x) % 32u) & 1u) != 0u;
+}
+
+float light_visibility(uint light_number, vec3 point, vec3 normal, uint object)
+{
+    LightRecord light = light_records[light_number];
+    if (light.view_count == 0u) return 0.0;
+    uint number = view_of_light(light, point);
+    ViewRecord view = view_records[number];
+    bool perspective = view.perspective != 0u;
+    if (dot(normal, perspective ? view.origin - point : -view.forward) <= 0.0) return 0.0;
+    vec4 clip = view.clip_from_world * vec4(point, 1);
+    if (clip.w <= 0.0) return 1.0;
+    float size = float(view.size);
+    vec2 at = (0.5 * clip.xy / clip.w + 0.5) * size;
+    if (any(lessThan(at, vec2(0))) || any(greaterThanEqual(at, vec2(size)))) return 1.0;
+
+    float own = perspective ? clip.w : dot(point - view.origin, view.forward);
+    float texel_width = 2.0 * length(view.across) / size * (perspective ? own : 1.0);
+    float above = dot(normal, point - view.origin);
+    float half_width = 0.5 * lookup.filter_width;
+    ivec2 first = ivec2(floor(at - half_width)), last = ivec2(ceil(at + half_width)) - 1;
+    if (half_width == 0.0) last = first;
+
+    float sum = 0.0, covered = 0.0;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) {
+            vec2 low = max(vec2(x, y), at - half_width), high = min(vec2(x + 1, y + 1), at + half_width);
+            float cover = half_width == 0.0 ? 1.0 : (high.x - low.x) * (high.y - low.y);
+            ivec2 texel = clamp(ivec2(x, y), ivec2(0), ivec2(int(view.size) - 1));
+            ivec3 in_page = ivec3(view.corner + texel, view.page);
+            float depth = texelFetch(light_depth, in_page, 0).x;
+            float nearest = depth <= 0.0 ? 3.0e38 : perspective ? view.reach / depth : (1.0 - depth) * view.reach;
+            vec2 centre = 2.0 * (vec2(texel) + 0.5) / size - 1.0;
+            vec3 offset = centre.x * view.across + centre.y * view.down;
+            vec3 ray = perspective ? view.forward + offset : view.forward;
+            float plane = (above - (perspective ? 0.0 : dot(normal, offset))) / dot(normal, ray);
+            float here = plane > 0.0 && plane < own ? plane : own;
+            float margin = texel_width * (is_nearest(number, in_page, object) ? lookup.self_margin : lookup.other_margin);
+            if (nearest >= here - margin) sum += cover;
+            covered += cover;
+        }
+    return covered > 0.0 ? sum / covered : 1.0;
+}

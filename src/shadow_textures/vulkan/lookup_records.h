@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What every look-up of shadows on the device reads: light views, their records, and the receivers' textures or the
+// items in their place.
+//
+// Cost a frame: a comparison a view; records are sent when a light moved or was switched.
+
+#include "light_views/vulkan/gpu_light_views.h"
+#include "shadow_textures/lookup.h"
+#include "shadow_textures/vulkan/gpu_textures.h"
+#include "shadow_textures/vulkan/lookup_shared.h"
+
+namespace gnomon::shadow_textures {
+
+class LookupRecords {
+ public:
+    LookupRecords(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views);
+
+    /// Records the sending of what changed.
+    void update(vk::Commands& commands, const light_views::LightViews& views);
+
+    /// Everything that lookup.glsl reads.
+    /// @param textures  the receivers' own textures are looked up; nullptr: the items instead
+    vk::Pass& declare(vk::Pass& pass, const light_views::GpuLightViews& buffers, const GpuTextures* textures) const;
+    void bind(vk::Recorder& recorder, const light_views::GpuLightViews& buffers, const GpuTextures* textures) const;
+
+    /// @param size  of the picture
+    static shared::LookupConstants constants(glm::uvec2 size, const light_views::LightViews& views,
+                                             const GpuTextures* textures, const LookupOptions& options);
+
+ private:
+    const vk::Buffer& places(const GpuTextures* textures) const { return textures ? textures->places() : nothing_; }
+    const vk::Buffer& words(const GpuTextures* textures) const { return textures ? textures->textures() : nothing_; }
+
+    vk::Buffer view_records_, light_records_, nothing_;
+    std::vector<shared::ViewRecord> sent_views_;
+    std::vector<shared::LightRecord> sent_lights_;
+};
+
+}   // namespace gnomon::shadow_textures

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_SHADOW_TEXTURES_LOOKUP_SHARED_H
+#define GNOMON_SHADOW_TEXTURES_LOOKUP_SHARED_H
+// Light views as look-ups need them: light_views::ViewProjection and where the view lies in the atlas.
+
+#include "vk/shared_types.h"
+
+GNOMON_SHARED_BEGIN(shadow_textures)
+
+struct ViewRecord {
+    mat4 clip_from_world;
+    vec3 origin;
+    float reach;
+    vec3 forward;
+    uint perspective;
+    vec3 across;
+    uint size;
+    vec3 down;
+    uint page;
+    ivec2 corner;   // of its square, in the page
+};
+
+struct LightRecord {
+    uint first_view;
+    uint view_count;   // 1; 2: a dense part, then everything; 6: faces. 0: the light is off
+};
+
+struct LookupConstants {
+    uvec2 size;           // of the picture
+    float filter_width;   // of the box that softens edges, in texels; 0: hard
+    float self_margin;    // see LookupOptions
+    float other_margin;
+    float border;   // texels: ProjectionOptions::border
+    uint objects;
+    uint by_textures;   // 1: the receiver's own texture says where it is nearest; 0: the items do
+};
+
+GNOMON_SHARED_END
+
+#endif

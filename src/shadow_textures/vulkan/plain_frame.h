@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The plainest whole frame with shadow textures, as their paper measures it [Oh and Shin 2004, 4]: every object drawn
+// once from the camera, its texture looked up where it is shaded. No materials, no culling, alpha ignored: what is left
+// is the least that shadows can be a part of.
+//
+// Cost: every caster's triangles once, and a look-up a light and fragment.
+
+#include "shadow_textures/vulkan/lookup_records.h"
+#include "shadow_textures/vulkan/plain_shared.h"
+
+namespace gnomon::shadow_textures {
+
+class PlainFrame {
+ public:
+    PlainFrame(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views, std::uint32_t width,
+               std::uint32_t height);
+
+    /// @param clip_from_world  of the camera; reversed depth, y down
+    /// @param textures         the receivers' own textures are looked up; nullptr: the items instead
+    void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
+                const GpuTextures* textures, const light_views::CasterGeometry& casters, const scene::SceneState& state,
+                const glm::mat4& clip_from_world, const glm::vec3& eye, const LookupOptions& options = {});
+
+    const vk::Image& color() const { return color_; }   // RGBA, 8 bits
+
+ private:
+    vk::Pipeline pipeline_;
+    LookupRecords records_;
+    vk::Image color_, depth_;
+    vk::Buffer draws_;
+    std::vector<VkDrawIndexedIndirectCommand> sent_draws_;
+};
+
+}   // namespace gnomon::shadow_textures

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// How much of each light each pixel sees, from the picture's positions, normals and object numbers. One layer a light.
+#include "shadow_textures/vulkan/lookup_shared.h"
+#include "shadow_textures/vulkan/textures_shared.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0) uniform sampler2D positions;    // world space
+layout(binding = 1) uniform sampler2D normals;      // geometric, unit, on the viewer's side
+layout(binding = 2) uniform usampler2D objects;     // object + 1; 0: nothing there
+layout(binding = 3) uniform sampler2DArray light_depth;
+layout(binding = 4) uniform usampler2DArray light_item;
+layout(binding = 5, scalar) readonly buffer ViewRecords { ViewRecord view_records[]; };
+layout(binding = 6, scalar) readonly buffer LightRecords { LightRecord light_records[]; };
+layout(binding = 7, scalar) readonly buffer Places { TexturePlace places[]; };
+layout(binding = 8, scalar) readonly buffer Textures { uint textures[]; };
+layout(binding = 9, r8) writeonly uniform image2DArray visibility;
+layout(push_constant, scalar) uniform Constants { LookupConstants lookup; };
+#include "shadow_textures/vulkan/lookup.glsl"
+
+void main()
+{
+    uvec2 pixel = gl_GlobalInvocationID.xy;
+    if (pixel.x >= lookup.size.x || pixel.y >= lookup.size.y) return;
+    uint light = gl_GlobalInvocationID.z;
+    uint object = texelFetch(objects, ivec2(pixel), 0).x;
+    float seen = 0.0;
+    if (object != 0u)
+        seen = light_visibility(light, texelFetch(positions, ivec2(pixel), 0).xyz, texelFetch(normals, ivec2(pixel), 0).xyz, object - 1u);
+    imageStore(visibility, ivec3(pixel, light), vec4(seen));
+}
