@@ -140,7 +140,7 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
         if (state_->scene().objects[points[i].object].dynamic || !(points[i].width > 0))
             batch.parts.push_back({index, 1, nullptr, glm::vec3(0)});   // anchored to itself
         else
-            batch.wanted.push_back({index, detail_of(options_.widest * points[i].width).level, 0, 0, 0, 1});
+            batch.wanted.push_back({index, detail_of(options_.widest * points[i].width).level, 0, 1});
     }
     // From coarse to fine, as far as each point needs.
     while (!batch.wanted.empty()) {
@@ -155,21 +155,27 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
 // Takes from the present cells what they can tell, and leaves in `wanted` what needs finer ones.
 void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
+    LatticeLight& light = batch.light;
+    light.resize(batch.wanted.size());
+    batch.around.resize(batch.wanted.size());
+    for (const Batch::Cell& cell : batch.cells)
+        interpolate_cell(cell.anchors, {k_plane * spacing_of(cell.level), k_facing, true}, batch.lattice, cell.first,
+                         cell.end - cell.first, light);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < batch.wanted.size(); ++k) {
         Batch::Wanted wanted = batch.wanted[k];
         const IndirectPoint& point = points[wanted.point];
-        const Between between = interpolate(batch, point, k, true);
+        const glm::vec3 between(light.r[k], light.g[k], light.b[k]);
         const float spacing = spacing_of(wanted.level);
         // The widest level fades in.
         const float spare = options_.widest * point.width / spacing - 1;
         float share = spare >= options_.level_blend ? 1.0f : smoothstep(spare / options_.level_blend);
-        share *= std::clamp((between.weight - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
-        irradiance[wanted.point] += wanted.rest * share * between.light;
+        share *= std::clamp((light.weight[k] - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
+        irradiance[wanted.point] += wanted.rest * share * between;
         wanted.rest *= 1 - share;
         if (!(wanted.rest > k_least_rest)) {
             // What is missing would not be seen; the sum of all shares is 1 all the same.
-            irradiance[wanted.point] += wanted.rest * between.light;
+            irradiance[wanted.point] += wanted.rest * between;
             continue;
         }
         if (spacing > options_.narrowest * point.width) {
@@ -177,8 +183,10 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
             batch.wanted[kept++] = wanted;
             continue;
         }
-        const Between around = interpolate(batch, point, k, false);
-        batch.parts.push_back({wanted.point, wanted.rest, nullptr, around.light});
+        interpolate_cell(batch.cells[wanted.cell].anchors, {k_plane_around * spacing, k_facing, false}, batch.lattice,
+                         k, 1, batch.around);
+        batch.parts.push_back(
+            {wanted.point, wanted.rest, nullptr, {batch.around.r[k], batch.around.g[k], batch.around.b[k]}});
     }
     batch.wanted.resize(kept);
 }
@@ -233,6 +241,7 @@ void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> point
     batch.cells.clear();
     batch.claimed.clear();
     batch.awaited.clear();
+    batch.lattice.resize(batch.wanted.size());
     LatticeCell last, cell;
     bool any = false;
     std::size_t kept = 0;
@@ -246,22 +255,32 @@ void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> point
             last = cell;
             any = true;
             Batch::Cell& made = batch.cells.emplace_back();
-            made.axis = lattice_axis(cell.key[0]);
+            made.anchors.axis = lattice_axis(cell.key[0]);
+            made.level = wanted.level;
+            made.first = kept;
             for (int c = 0; c < 4; ++c) made.point[c] = want(batch, cell.key[c]);
         }
+        LatticePoints& lattice = batch.lattice;
+        const IndirectPoint& p = points[wanted.point];
+        lattice.x[kept] = p.position.x, lattice.y[kept] = p.position.y, lattice.z[kept] = p.position.z;
+        lattice.gx[kept] = p.geometric_normal.x, lattice.gy[kept] = p.geometric_normal.y,
+        lattice.gz[kept] = p.geometric_normal.z;
+        lattice.nx[kept] = p.normal.x, lattice.ny[kept] = p.normal.y, lattice.nz[kept] = p.normal.z;
+        lattice.fx[kept] = cell.x, lattice.fy[kept] = cell.y;
         wanted.cell = static_cast<std::uint32_t>(batch.cells.size() - 1);
-        wanted.fx = cell.x, wanted.fy = cell.y;
         batch.wanted[kept++] = wanted;
+        batch.cells.back().end = kept;
     }
     batch.wanted.resize(kept);
 }
 
 void VisibleLight::fill_cells(Batch& batch) const
 {
-    for (Batch::Cell& cell : batch.cells) {
+    for (Batch::Cell& made : batch.cells) {
+        CellAnchors& cell = made.anchors;
         const int b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
         for (int i = 0; i < 4; ++i) {
-            const RememberedPoint& from = *cell.point[i];
+            const RememberedPoint& from = *made.point[i];
             const glm::vec3 p = from.position, n = from.normal;
             // No plane goes through what is not there.
             cell.x[i] = from.exists ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
@@ -276,39 +295,6 @@ void VisibleLight::fill_cells(Batch& batch) const
                 for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
         }
     }
-}
-
-VisibleLight::Between VisibleLight::interpolate(const Batch& batch, const IndirectPoint& p, std::size_t index,
-                                                bool strict) const
-{
-    const Batch::Wanted& wanted = batch.wanted[index];
-    const Batch::Cell& cell = batch.cells[wanted.cell];
-    const float reach = strict ? k_plane : k_plane_around;
-    const float per_reach = 1 / (reach * spacing_of(wanted.level));
-    const glm::vec3 n = p.normal, g = p.geometric_normal, x = p.position;
-    const float fx = wanted.fx, fy = wanted.fy;
-    const float between[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-    const float at_b = x[(cell.axis + 1) % 3], at_c = x[(cell.axis + 2) % 3];
-    float w[4], r[4], gr[4], bl[4];
-    for (int i = 0; i < 4; ++i) {
-        const float off = ((cell.x[i] - x.x) * g.x + (cell.y[i] - x.y) * g.y + (cell.z[i] - x.z) * g.z) * per_reach;
-        const float near = 1 - (off < 0 ? -off : off);
-        const float facing = ((cell.nx[i] * n.x + cell.ny[i] * n.y + cell.nz[i] * n.z) - k_facing) / (1 - k_facing);
-        const float along = (near > 0 ? near : 0) * (facing > 0 ? (facing < 1 ? facing : 1) : 0);
-        const bool open = (!strict) | ((at_b >= cell.low_b[i]) & (at_b <= cell.high_b[i]) & (at_c >= cell.low_c[i]) &
-                                       (at_c <= cell.high_c[i]));
-        w[i] = open ? between[i] * along : 0;
-        const auto& light = cell.light;
-        const float red = light[0][i] * n.x + light[1][i] * n.y + light[2][i] * n.z;
-        const float green = light[3][i] * n.x + light[4][i] * n.y + light[5][i] * n.z;
-        const float blue = light[6][i] * n.x + light[7][i] * n.y + light[8][i] * n.z;
-        r[i] = w[i] * (red > 0 ? red : 0), gr[i] = w[i] * (green > 0 ? green : 0), bl[i] = w[i] * (blue > 0 ? blue : 0);
-    }
-    const float weight = (w[0] + w[1]) + (w[2] + w[3]);
-    if (!(weight > 0)) return {};
-    const glm::vec3 sum((r[0] + r[1]) + (r[2] + r[3]), (gr[0] + gr[1]) + (gr[2] + gr[3]),
-                        (bl[0] + bl[1]) + (bl[2] + bl[3]));
-    return {sum / weight, weight};
 }
 
 glm::vec3 VisibleLight::at_part(const RememberedPoint& part, const glm::vec3& normal) const

@@ -17,6 +17,7 @@
 #include <span>
 
 #include "base/tasks.h"
+#include "light_quadtree/lattice_kernels.h"
 #include "light_quadtree/surface_points.h"
 #include "light_quadtree/triangle_clusters.h"
 
@@ -85,11 +86,6 @@ class VisibleLight {
     };
     void add_what_arrives(Batch& batch, ray::RayQueue& rays, const std::vector<Share>& shares, ray::Against against);
     void fill_cells(Batch& batch) const;
-    struct Between {   // anchors of a cell at a point
-        glm::vec3 light{0};
-        float weight = 0;
-    };
-    Between interpolate(const Batch& batch, const IndirectPoint& point, std::size_t index, bool strict) const;
     glm::vec3 at_part(const RememberedPoint& part, const glm::vec3& normal) const;
 
     VisibleOptions options_;
@@ -120,16 +116,14 @@ class VisibleLight::Batch {
     // Four lattice anchors around some pixels, side by side once they are ready.
     struct Cell {
         RememberedPoint* point[4];
-        float x[4], y[4], z[4], nx[4], ny[4], nz[4];
-        float low_b[4], high_b[4], low_c[4], high_c[4];   // places that are open to the anchor
-        float light[9][4];                                // by colour and axis
-        int axis, level;
+        int level;
+        std::size_t first, end;   // of `wanted`
+        CellAnchors anchors;
     };
     struct Wanted {            // by one point: a cell, while levels of detail are gone through
         std::uint32_t point;   // which
         int level;
         std::uint32_t cell;
-        float fx, fy;
         float rest;   // share of its light that finer levels bring
     };
     struct Part {
@@ -155,6 +149,8 @@ class VisibleLight::Batch {
     std::array<Recent, 1u << k_recent_bits> recent;
     std::vector<Wanted> wanted;
     std::vector<Cell> cells;
+    LatticePoints lattice;   // of `wanted`
+    LatticeLight light, around;
     std::vector<Part> parts;
     std::vector<RememberedPoint*> claimed, awaited;
     std::vector<Search> searching;
