@@ -48,16 +48,6 @@ void refuse_unknown(const VerbInfo& verb, const std::vector<std::string>& words)
     }
 }
 
-// A word as a shell must be given it.
-std::string quoted(const std::string& word)
-{
-    constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
-    if (!word.empty() && word.find_first_not_of(k_plain) == std::string::npos) return word;
-    std::string text = "'";
-    for (const char c : word) c == '\'' ? text += "'\\''" : text += c;
-    return text + "'";
-}
-
 CLI::Option* add(CLI::App& parser, const Option& option)
 {
     std::string names = fmt::format("--{}", option.name);
@@ -85,11 +75,20 @@ void spell_out_lists(std::vector<std::string>& words)
 }
 }   // namespace
 
+std::string shell_word(const std::string& word)
+{
+    constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
+    if (!word.empty() && word.find_first_not_of(k_plain) == std::string::npos) return word;
+    std::string text = "'";
+    for (const char c : word) c == '\'' ? text += "'\\''" : text += c;
+    return text + "'";
+}
+
 CommandLine parse_command_line(const std::vector<std::string>& arguments)
 {
     CommandLine line;
     line.command = "gnomon";
-    for (const std::string& word : arguments) line.command += " " + quoted(word);
+    for (const std::string& word : arguments) line.command += " " + shell_word(word);
     std::vector<std::string> words = arguments;
     if (words.empty()) throw UsageError("nothing to do; see gnomon --help");
     if (words.front() == "--version") return line.version = true, line;

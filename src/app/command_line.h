@@ -29,6 +29,9 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments);
 /// @throws InputError
 void read_config(const std::filesystem::path& file, const VerbInfo& verb, OptionValues& values);
 
+/// A word as a shell must be given it.
+std::string shell_word(const std::string& word);
+
 /// What --help prints. @param verb  nullptr: the program as a whole
 std::string help_text(const VerbInfo* verb);
 

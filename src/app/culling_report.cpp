@@ -4,40 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+
+#include "app/culling_json.h"
+#include "app/culling_tables.h"
 
 namespace gnomon::app {
 
 namespace {
 
 using Style = ChartSeries::Style;
-
-// What the paper prints [Nah 2009, Table 4 and Section 3.2].
-struct Printed {
-    const char* scene;
-    const char* figure;   // its frames one by one
-    const char* file;     // how names of its files begin
-    int frames;
-    double nodes_mean, nodes_best, tests_mean, tests_best;
-    int nodes_best_frame, tests_best_frame;
-    double extra_tests_per_pixel;
-};
-constexpr Printed k_printed[] = {
-    {"BART Kitchen", "Figure 7", "kitchen", 22, 19.8, 59.5, 24.5, 59.8, 20, 19, 0.173},
-    {"BART Robots", "Figure 8", "robot", 52, 7.4, 19.5, 9.5, 29.6, 31, 41, 0.149},
-};
-
-// The printed values of this scene, if the paper has it.
-const Printed* printed_of(const std::string& scene)
-{
-    std::string name = std::filesystem::path(scene).stem().string();
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const Printed& printed : k_printed)
-        if (name.starts_with(printed.file)) return &printed;
-    return nullptr;
-}
 
 // One figure of every frame as a line.
 template <class Value>
@@ -77,86 +54,40 @@ void add_printed_best(Chart& chart, const CullingBenchResult& result, const std:
 
 class Section {
  public:
-    Section(ReportPage& page, const CullingReport& about, const CullingBenchOptions& options,
-            const CullingBenchResult& result)
-        : page_(page), about_(about), options_(options), result_(result), printed_(printed_of(about.scene))
+    Section(ReportPage& page, const CullingWindow& window)
+        : page_(page),
+          window_(window),
+          options_(window.options),
+          result_(window.result),
+          printed_(printed_culling_of(window.scene))
     {
-        name_ = std::filesystem::path(about.scene).filename().string();
-        window_ = fmt::format("{}, frames {} to {}", name_, options.frames.first, options.frames.last);
     }
 
-    void write()
+    void write(CullingCharts charts)
     {
-        page_.section(fmt::format("Shadow culling: {}", window_), about_.command);
+        page_.section(fmt::format("Shadow culling: {}", name_of(window_)), window_.command);
         page_.text(fmt::format(
             "{} x {} pixels, {} light{}, {}; {} thread{}{}. Of every method the whole shadow pass is counted and timed "
             "on the same points: off traces every ray in packets through one tree; published is the method of Nah, "
             "Park and Han (2009); certified is Gnomon's own.{}",
-            options_.size.width, options_.size.height, about_.lights, about_.lights == 1 ? "" : "s",
+            options_.size.width, options_.size.height, window_.lights, window_.lights == 1 ? "" : "s",
             options_.max_depth == 0 ? "primary hits alone"
                                     : fmt::format("hits to reflection depth {}", options_.max_depth),
             options_.threads, options_.threads == 1 ? "" : "s",
             options_.repeat > 1 ? fmt::format("; times are medians of {} runs", options_.repeat) : "",
-            about_.moving_lights ? " Every light moves in every frame, so nothing can be remembered." : ""));
+            window_.moving_lights ? " Every light moves in every frame, so nothing can be remembered." : ""));
+        const bool all = charts != CullingCharts::brief;
         if (options_.counts) {
-            table_of_savings();
-            if (options_.paper) figure_of_the_paper();
+            if (charts == CullingCharts::all) page_.table(table_of_savings({&window_, 1}));
+            if (options_.paper && all) figure_of_the_paper();
             if (options_.certified) savings();
         }
-        if (options_.certified) certified();
-        if (options_.paper) {
-            rays_of_paper();
-            wrong();
-        }
+        if (options_.certified && all) certified();
+        if (options_.paper && all) rays_of_paper();
+        if (options_.paper) wrong();
     }
 
  private:
-    static std::string number(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
-
-    // Table 4: percent saved, mean and best.
-    void table_of_savings()
-    {
-        ReportTable table;
-        table.caption = fmt::format(
-            "Table 4 of the paper, printed values in colour, and ours: percent of the kd-tree's traversal steps and of "
-            "the triangle tests that shadow rays are spared. It does not say whether its means are of the frames' "
-            "percentages or of totals; both are given. {}",
-            printed_ ? fmt::format("It took {} frames of this scene, and does not name them.", printed_->frames)
-                     : "It has no values for this scene.");
-        table.columns = {"",
-                         "steps saved, mean %",
-                         "best %",
-                         "tests saved, mean %",
-                         "best %",
-                         "extra tests a pixel",
-                         "wrong results a frame"};
-        for (const Printed& p : k_printed)
-            table.rows.push_back(
-                {{fmt::format("{}, {} frames, as printed", p.scene, p.frames), number(p.nodes_mean, 1),
-                  fmt::format("{:.1f} (frame {})", p.nodes_best, p.nodes_best_frame), number(p.tests_mean, 1),
-                  fmt::format("{:.1f} (frame {})", p.tests_best, p.tests_best_frame),
-                  number(p.extra_tests_per_pixel, 3), "not given"},
-                 true});
-        const auto rows = [&](const std::string& name, const CullingBenchResult::Saved& s, const std::string& extra,
-                              const std::string& wrong_results) {
-            table.rows.push_back(
-                {{fmt::format("{}, {}", window_, name), number(s.nodes_mean, 1),
-                  fmt::format("{:.1f} (frame {})", s.nodes_best, s.nodes_best_frame), number(s.tests_mean, 1),
-                  fmt::format("{:.1f} (frame {})", s.tests_best, s.tests_best_frame), extra, wrong_results},
-                 false});
-            table.rows.push_back({{fmt::format("{}, of totals", name), number(s.nodes_of_totals, 1), "",
-                                   number(s.tests_of_totals, 1), "", "", ""},
-                                  false});
-        };
-        if (options_.paper)
-            rows("published", result_.paper_saved, number(result_.paper_extra_tests_per_pixel, 3),
-                 number(result_.paper_wrong_mean, 1));
-        if (options_.certified)
-            rows("certified", result_.certified_saved, "none",
-                 number(static_cast<double>(result_.wrong_total) / static_cast<double>(result_.frames.size()), 1));
-        page_.table(table);
-    }
-
     // Figures 7 and 8: counts of every frame.
     void figure_of_the_paper()
     {
@@ -229,29 +160,8 @@ class Section {
     void certified()
     {
         const CullingBenchResult& r = result_;
-        ReportTable table;
-        table.caption = fmt::format(
-            "Certified culling against every ray traced. Speed-ups are of sums of process CPU time, certificates "
-            "included; the worst frame is by wall time from the second frame on. Memory is by visible triangle and "
-            "light.");
-        table.columns = {"",
-                         "speed-up",
-                         "second half",
-                         "first frame",
-                         "worst later frame",
-                         "wrong",
-                         "visible triangles",
-                         "memory",
-                         "bytes a triangle and light"};
-        table.rows.push_back(
-            {{window_, fmt::format("{:.2f} x", r.speedup_mean), fmt::format("{:.2f} x", r.speedup_steady),
-              fmt::format("{:.2f} x the time", r.first_frame_ratio),
-              fmt::format("{:.2f} x the time", r.worst_frame_ratio), fmt::format("{}", r.wrong_total),
-              fmt::format("{}", r.visible_triangles), fmt::format("{:.2f} MB", static_cast<double>(r.bytes) / 1e6),
-              fmt::format("{:.1f}", r.bytes_per_triangle_light)},
-             false});
-        page_.table(table);
-        if (about_.moving_lights)
+        page_.table(table_of_speed({&window_, 1}));
+        if (window_.moving_lights)
             page_.text(
                 fmt::format("With every light moving, certified culling takes {:.3f} times the time of tracing "
                             "every ray, from the second frame on.",
@@ -323,23 +233,21 @@ class Section {
     }
 
     ReportPage& page_;
-    const CullingReport& about_;
+    const CullingWindow& window_;
     const CullingBenchOptions& options_;
     const CullingBenchResult& result_;
-    const Printed* printed_;
-    std::string name_, window_;
+    const PrintedCulling* printed_;
 };
 
 }   // namespace
 
-void add_culling_section(ReportPage& page, const CullingReport& about, const CullingBenchOptions& options,
-                         const CullingBenchResult& result, const nlohmann::ordered_json& document)
+void add_culling_section(ReportPage& page, const CullingWindow& window, CullingCharts charts)
 {
-    if (result.frames.empty()) return;
-    Section(page, about, options, result).write();
-    page.attach(fmt::format("culling-{}-{}-{}.json", std::filesystem::path(about.scene).stem().string(),
-                            options.frames.first, options.frames.last),
-                document);
+    if (window.result.frames.empty()) return;
+    Section(page, window).write(charts);
+    page.attach(fmt::format("culling-{}-{}-{}.json", std::filesystem::path(window.scene).stem().string(),
+                            window.options.frames.first, window.options.frames.last),
+                culling_json(window));
 }
 
 }   // namespace gnomon::app

@@ -25,7 +25,7 @@ constexpr VerbInfo k_verbs[] = {
     {bench_culling, "bench culling", "SCENE", 1, "measure what shadow culling saves", true},
     {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures", false},
     {bench_indirect, "bench indirect", "SCENE", 1, "measure indirect light", false},
-    {bench_all, "bench all", "", 0, "measure everything, as one page", false},
+    {bench_all, "bench all", "--report DIR", 0, "measure everything the papers print, as one page", true},
 };
 
 constexpr std::string_view k_output = "Output";
@@ -58,6 +58,8 @@ constexpr Option k_options[] = {
      .verbs = bit(bench_culling), .group = k_frames, .help = "run R times; times are medians, counts must be the same"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .verbs = k_reports, .group = k_output,
      .help = "also write DIR/index.html: tables and charts beside the paper's, data attached"},
+    {.name = "quick", .verbs = bit(bench_all), .group = k_output,
+     .help = "smaller pictures and fewer frames: minutes instead of a quarter of an hour"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .verbs = bit(render), .group = k_output,
      .help = "also write a labelled grid of up to 12 frames, evenly spaced over the range"},
     {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = "trace|raster",

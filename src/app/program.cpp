@@ -33,6 +33,8 @@ int run_verb(const CommandLine& line)
             return run_bench_trace(line, output);
         case Verb::bench_culling:
             return run_bench_culling(line, output);
+        case Verb::bench_all:
+            return run_bench_all(line, output);
         default:
             throw UsageError(fmt::format("{}: not built yet", line.verb->name));
     }

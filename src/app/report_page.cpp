@@ -90,10 +90,10 @@ ReportPage::ReportPage(ReportPage&&) noexcept = default;
 
 void ReportPage::section(const std::string& title, const std::string& command)
 {
-    if (in_section_) body_ += "</section>\n";
-    in_section_ = true;
+    if (!sections_.empty()) body_ += "</section>\n";
+    sections_.push_back(title);
     command_ = command;
-    body_ += fmt::format("<section>\n<h2>{}</h2>\n", html_text(title));
+    body_ += fmt::format("<section id=\"section-{}\">\n<h2>{}</h2>\n", sections_.size(), html_text(title));
 }
 
 void ReportPage::text(const std::string& paragraph)
@@ -101,15 +101,16 @@ void ReportPage::text(const std::string& paragraph)
     body_ += fmt::format("<p>{}</p>\n", html_text(paragraph));
 }
 
-void ReportPage::figure(const std::string& kind, const std::string& content, const std::string& caption)
+std::string ReportPage::figure(const std::string& kind, const std::string& content, const std::string& caption,
+                               const std::string& command) const
 {
-    body_ += fmt::format(
+    return fmt::format(
         "<figure class=\"{}\">\n{}<figcaption>{}\n<span class=\"origin\">{}<br><code>{}</code></span></figcaption>\n"
         "</figure>\n",
-        kind, content, html_text(caption), html_text(machine_), html_text(command_));
+        kind, content, html_text(caption), html_text(machine_), html_text(command));
 }
 
-void ReportPage::table(const ReportTable& table)
+static std::string table_html(const ReportTable& table)
 {
     std::string rows = "<table>\n<thead><tr>";
     for (const std::string& column : table.columns) rows += fmt::format("<th scope=\"col\">{}</th>", html_text(column));
@@ -123,18 +124,28 @@ void ReportPage::table(const ReportTable& table)
         }
         rows += "</tr>\n";
     }
-    figure("table", rows + "</tbody>\n</table>\n", table.caption);
+    return rows + "</tbody>\n</table>\n";
+}
+
+void ReportPage::lead(const ReportTable& table, const std::string& command)
+{
+    lead_ += figure("table", table_html(table), table.caption, command);
+}
+
+void ReportPage::table(const ReportTable& table)
+{
+    body_ += figure("table", table_html(table), table.caption, command_);
 }
 
 void ReportPage::chart(const Chart& chart, const std::string& caption)
 {
     const int number = charts_++;
-    figure(
+    body_ += figure(
         "chart",
         fmt::format("<div class=\"canvas\"><canvas id=\"chart-{0}\" role=\"img\" aria-label=\"{1}\"></canvas></div>\n"
                     "<script type=\"application/json\" class=\"chart-data\" data-canvas=\"chart-{0}\">{2}</script>\n",
                     number, html_text(chart.title), script_json(chart_js(chart))),
-        caption);
+        caption, command_);
 }
 
 void ReportPage::comparison(const PictureComparison& pictures)
@@ -154,7 +165,7 @@ void ReportPage::comparison(const PictureComparison& pictures)
         html_text(pictures.left_name), html_text(pictures.right_name));
     if (!pictures.difference.empty())
         content += "<label><input type=\"checkbox\" class=\"show-difference\"> difference</label>";
-    figure("pictures", content + "</div>\n", pictures.caption);
+    body_ += figure("pictures", content + "</div>\n", pictures.caption, command_);
 }
 
 void ReportPage::attach(const std::string& name, const Json& document)
@@ -174,8 +185,15 @@ std::string ReportPage::html() const
     page += "<link rel=\"icon\" href=\"data:,\">\n";
     page += fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", html_text(title_), k_page_css);
     page += fmt::format("<h1>{}</h1>\n<p class=\"machine\">{}</p>\n", html_text(title_), html_text(machine_));
+    page += lead_;
+    if (sections_.size() > 1) {
+        page += "<nav>\n<ol>\n";
+        for (std::size_t i = 0; i < sections_.size(); ++i)
+            page += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, html_text(sections_[i]));
+        page += "</ol>\n</nav>\n";
+    }
     page += body_;
-    if (in_section_) page += "</section>\n";
+    if (!sections_.empty()) page += "</section>\n";
     page += fmt::format("<script>\n{}</script>\n<script>\n{}</script>\n</body>\n</html>\n", k_chart_js, k_page_js);
     return page;
 }

@@ -47,7 +47,9 @@ class ReportPage {
     ~ReportPage();
     ReportPage(ReportPage&&) noexcept;
 
-    /// What follows was measured by this command.
+    /// Stands above all sections, whenever it is called. @param command  what measured it
+    void lead(const ReportTable& table, const std::string& command);
+    /// What follows was measured by this command. A page of several sections lists them above the first.
     void section(const std::string& title, const std::string& command);
     void text(const std::string& paragraph);
     void table(const ReportTable& table);
@@ -59,11 +61,12 @@ class ReportPage {
     std::string html() const;
 
  private:
-    void figure(const std::string& kind, const std::string& content, const std::string& caption);
+    std::string figure(const std::string& kind, const std::string& content, const std::string& caption,
+                       const std::string& command) const;
 
-    std::string title_, machine_, command_, body_;
+    std::string title_, machine_, command_, lead_, body_;
+    std::vector<std::string> sections_;
     int charts_ = 0, pictures_ = 0, attachments_ = 0;
-    bool in_section_ = false;
 };
 
 /// `folder`/index.html, made sure of before the work and written after it.

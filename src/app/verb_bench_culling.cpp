@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/culling_json.h"
 #include "app/culling_report.h"
 #include "app/machine.h"
 #include "app/moving_lights.h"
@@ -13,34 +14,6 @@
 namespace gnomon::app {
 
 namespace {
-
-nlohmann::ordered_json to_json(const CullingFrame& f, const CullingBenchOptions& options)
-{
-    nlohmann::ordered_json json{{"frame", f.frame},
-                                {"off", {{"rays", f.off.rays}, {"ms", f.off.ms}, {"wall_ms", f.off.wall_ms}}}};
-    if (options.paper)
-        json["paper"] = {{"rays", f.paper.rays},
-                         {"skipped", f.paper.skipped},
-                         {"dynamic_only", f.paper.dynamic_only},
-                         {"extra_tests_per_pixel", f.paper.extra_tests_per_pixel},
-                         {"wrong", f.paper.wrong},
-                         {"ms", f.paper.ms}};
-    if (options.certified)
-        json["certified"] = {{"rays", f.certified.rays},
-                             {"skipped", f.certified.skipped},
-                             {"dynamic_only", f.certified.dynamic_only},
-                             {"partial", f.certified.partial},
-                             {"certificates", f.certified.certificates},
-                             {"wrong", f.certified.wrong},
-                             {"ms", f.certified.ms},
-                             {"wall_ms", f.certified.wall_ms}};
-    if (options.counts) {
-        json["off"].update({{"nodes", f.off.nodes}, {"tests", f.off.tests}});
-        if (options.paper) json["paper"].update({{"nodes", f.paper.nodes}, {"tests", f.paper.tests}});
-        if (options.certified) json["certified"].update({{"nodes", f.certified.nodes}, {"tests", f.certified.tests}});
-    }
-    return json;
-}
 
 std::string line_of(const CullingFrame& f, const CullingBenchOptions& options)
 {
@@ -79,48 +52,10 @@ CullingBenchOptions options_of(const OptionValues& values, const Scene& scene)
     return options;
 }
 
-nlohmann::ordered_json summary_of(const CullingBenchResult& result, const CullingBenchOptions& options,
-                                  bool moving_lights)
+void say_summary(const CullingWindow& window, Output& output)
 {
-    nlohmann::ordered_json summary;
-    if (options.paper) {
-        summary["paper"] = {{"extra_tests_per_pixel", result.paper_extra_tests_per_pixel},
-                            {"wrong_mean", result.paper_wrong_mean},
-                            {"bytes", result.paper_bytes}};
-        const CullingBenchResult::Saved& s = result.paper_saved;
-        if (options.counts)
-            summary["paper"].update({{"nodes_saved_mean", s.nodes_mean},
-                                     {"nodes_saved_best", s.nodes_best},
-                                     {"nodes_saved_of_totals", s.nodes_of_totals},
-                                     {"tests_saved_mean", s.tests_mean},
-                                     {"tests_saved_best", s.tests_best},
-                                     {"tests_saved_of_totals", s.tests_of_totals}});
-    }
-    if (options.certified) {
-        summary["certified"] = {{"speedup_mean", result.speedup_mean},
-                                {"speedup_steady", result.speedup_steady},
-                                {"first_frame_ratio", result.first_frame_ratio},
-                                {"worst_frame_ratio", result.worst_frame_ratio},
-                                {"wrong_total", result.wrong_total},
-                                {"bytes", result.bytes},
-                                {"visible_triangles", result.visible_triangles},
-                                {"bytes_per_triangle_light", result.bytes_per_triangle_light}};
-        if (moving_lights) summary["certified"]["moving_lights_ratio"] = result.later_frames_ratio;
-        const CullingBenchResult::Saved& s = result.certified_saved;
-        if (options.counts)
-            summary["certified"].update({{"nodes_saved_mean", s.nodes_mean},
-                                         {"nodes_saved_best", s.nodes_best},
-                                         {"nodes_saved_of_totals", s.nodes_of_totals},
-                                         {"tests_saved_mean", s.tests_mean},
-                                         {"tests_saved_best", s.tests_best},
-                                         {"tests_saved_of_totals", s.tests_of_totals}});
-    }
-    return summary;
-}
-
-void say_summary(const CullingBenchResult& result, const CullingBenchOptions& options, bool moving_lights,
-                 Output& output)
-{
+    const CullingBenchResult& result = window.result;
+    const CullingBenchOptions& options = window.options;
     const auto saved = [&](const char* method, const CullingBenchResult::Saved& s) {
         output.say(fmt::format(
             "{:10} nodes saved {:.1f} % (best {:.1f}, frame {}; of totals {:.1f}), tests {:.1f} % (best {:.1f}, "
@@ -144,7 +79,7 @@ void say_summary(const CullingBenchResult& result, const CullingBenchOptions& op
     output.say(fmt::format("{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light", "certified",
                            static_cast<double>(result.bytes) / 1e6, result.visible_triangles,
                            result.bytes_per_triangle_light));
-    if (moving_lights)
+    if (window.moving_lights)
         output.say(fmt::format("{:10} {:.3f} x the time while every light moves, from the second frame on", "certified",
                                result.later_frames_ratio));
 }
@@ -155,31 +90,26 @@ int run_bench_culling(const CommandLine& line, Output& output)
 {
     const OptionValues& values = line.values;
     const Scene scene = load_scene(line, output.progress());
-    const CullingBenchOptions options = options_of(values, scene);
-    const bool moving_lights = values.flag("moving-lights");
+    CullingWindow window{
+        line.positionals.at(0), line.command, values.flag("moving-lights"), 0, options_of(values, scene), {}};
     // Made now, so that a folder that cannot be written is found before the work.
     std::optional<ReportFile> report;
     if (values.given("report")) report.emplace(values.text("report"));
 
-    const auto inside = moving_lights ? with_moving_lights(scene.inside()) : scene.inside();
-    const bool live = options.repeat == 1;   // else times are known at the end
-    const CullingBenchResult result = bench_culling(inside, options, output.progress(), [&](const CullingFrame& frame) {
-        if (live) output.say(line_of(frame, options));
+    const auto inside = window.moving_lights ? with_moving_lights(scene.inside()) : scene.inside();
+    window.lights = inside->lights.size();
+    const bool live = window.options.repeat == 1;   // else times are known at the end
+    window.result = bench_culling(inside, window.options, output.progress(), [&](const CullingFrame& frame) {
+        if (live) output.say(line_of(frame, window.options));
     });
-
-    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
-    for (const CullingFrame& frame : result.frames) {
-        if (!live) output.say(line_of(frame, options));
-        frames.push_back(to_json(frame, options));
-    }
-    say_summary(result, options, moving_lights, output);
-    const nlohmann::ordered_json document{{"frames", std::move(frames)},
-                                          {"summary", summary_of(result, options, moving_lights)}};
+    for (const CullingFrame& frame : window.result.frames)
+        if (!live) output.say(line_of(frame, window.options));
+    say_summary(window, output);
+    const nlohmann::ordered_json document = culling_json(window);
     if (report) {
-        const int threads = options.threads > 0 ? options.threads : processor_threads();
+        const int threads = window.options.threads > 0 ? window.options.threads : processor_threads();
         ReportPage page("Gnomon: shadow culling", machine_line(threads));
-        add_culling_section(page, {line.positionals.at(0), line.command, moving_lights, inside->lights.size()}, options,
-                            result, document);
+        add_culling_section(page, window);
         report->write(page);
         output.say(fmt::format("report     {}", report->path().string()));
     }

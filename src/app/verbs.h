@@ -14,6 +14,7 @@ int run_compare(const CommandLine& line, Output& output);
 int run_devices(const CommandLine& line, Output& output);
 int run_bench_trace(const CommandLine& line, Output& output);
 int run_bench_culling(const CommandLine& line, Output& output);
+int run_bench_all(const CommandLine& line, Output& output);
 
 /// Loads the scene that a verb names first, and applies --fps, --light and --lights where it has them.
 Scene load_scene(const CommandLine& line, const Progress& progress);

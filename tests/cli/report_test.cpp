@@ -154,6 +154,42 @@ TEST(Report, ShowsThePapersValuesAndTheCommand)
     EXPECT_EQ(times(html, "<figure "), times(html, command)) << "a name with a blank is quoted";
 }
 
+// Without the papers' scenes a built-in one stands in, and the page says so.
+TEST(Report, OfEverythingOpensInABrowser)
+{
+    NEED_CHROMIUM;
+    const ScratchFolder folder;
+    const Outcome outcome = run({"bench", "all", "--quick", "--threads", "2", "--report", folder / "page", "--json"},
+                                {{"GNOMON_SCENES", folder / "none"}});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("1 of 2: "), std::string::npos) << "says what it is doing";
+    std::string complaints;
+    const nlohmann::json found = look_at(folder / "page/index.html", complaints);
+    EXPECT_EQ(complaints, "");
+    ASSERT_TRUE(found.is_object());
+    EXPECT_EQ(found["faults"], nlohmann::json::array());
+    EXPECT_GE(found["charts"].size(), 12u);
+    for (const nlohmann::json& chart : found["charts"]) EXPECT_GT(chart["drawn"].get<int>(), 5000) << chart;
+    ASSERT_EQ(found["pictures"].size(), 3u);   // wrong results, shadows, indirect light
+    for (const nlohmann::json& picture : found["pictures"]) {
+        EXPECT_EQ(picture["clip"], "inset(0px 75% 0px 0px)");
+        EXPECT_EQ(picture["sizes"], (nlohmann::json{256, 256, 256}));
+        EXPECT_EQ(picture["different"], "block");
+    }
+
+    const nlohmann::json document = outcome.json();
+    EXPECT_EQ(document["quick"], true);
+    EXPECT_EQ(document["culling"][0]["summary"]["certified"]["wrong_total"], 0);
+    EXPECT_EQ(document["frames"].size(), 5u);
+    EXPECT_EQ(nlohmann::json::parse(found["downloads"].back()["text"].get<std::string>()), document);
+    const std::string html = bytes_of(folder / "page/index.html");
+    EXPECT_EQ(times(html, "BART's Kitchen is not there"), 1u);
+    EXPECT_EQ(times(html, "remembered since the first of these frames. Not a pixel differs."), 1u);
+    EXPECT_EQ(times(html, "<section "), times(html, "<li>"));
+    // Every figure names what measured it.
+    EXPECT_EQ(times(html, "<figure "), times(html, "<code>gnomon bench ") + times(html, "<code>gnomon render "));
+}
+
 TEST(Report, IsNotLeftBehindByAFailure)
 {
     const ScratchFolder folder;

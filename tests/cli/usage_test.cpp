@@ -24,6 +24,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"rendr", scene}, "did you mean 'render'"},
         {{"bench"}, "--help"},
         {{"bench", "trase", scene}, "did you mean 'bench trace'"},
+        {{"bench", "all"}, "--report DIR"},
         {{"render"}, "render SCENE -o OUT"},
         {{"render", scene}, "-o OUT"},
         {{"render", scene, scene, "-o", out}, "takes 1 argument"},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "app/culling_summary.h"
+#include "app/culling_window.h"
 #include "app/moving_lights.h"
 #include "gnomon/error.h"
 #include "scene/builtin.h"
@@ -62,6 +63,21 @@ TEST(CullingSummary, FiguresFollowFromTheFrames)
     EXPECT_DOUBLE_EQ(r.certified_saved.nodes_of_totals, 100 - 100.0 * 1900 / 5000);
     EXPECT_DOUBLE_EQ(r.paper_saved.tests_mean, (0 + 50 + 90 + 70) / 4.0);
     EXPECT_DOUBLE_EQ(r.paper_wrong_mean, 3);
+}
+
+TEST(CullingSummary, TheBeginningOfAWindowIsAWindow)
+{
+    CullingWindow whole;
+    whole.scene = "some/kitchen.aff";
+    whole.options.frames = {5, 8};
+    whole.result.frames = {frame_of(5, 10, 40, 1000), frame_of(6, 10, 5, 500), frame_of(7, 10, 4, 100),
+                           frame_of(8, 20, 4, 300)};
+    const CullingWindow first = beginning_of(whole, 2);
+    EXPECT_EQ(name_of(first), "kitchen.aff, frames 5 to 6");
+    EXPECT_EQ(first.result.frames.size(), 2u);
+    EXPECT_DOUBLE_EQ(first.result.certified_saved.nodes_mean, 25);
+    EXPECT_DOUBLE_EQ(beginning_of(whole, 4).result.certified_saved.nodes_mean, (0 + 50 + 90 + 70) / 4.0);
+    EXPECT_THROW(beginning_of(whole, 5), InternalError);
 }
 
 TEST(CullingBench, ReflectedHitsAreAskedTooAndNothingIsWrong)

@@ -52,9 +52,24 @@ TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
     EXPECT_EQ(times(html, "a machine"), 4u);   // and in the head
     EXPECT_EQ(times(html, "<code>gnomon one</code>"), 2u);
     EXPECT_EQ(times(html, "<code>gnomon two</code>"), 1u);
-    EXPECT_EQ(times(html, "<section>"), 2u);
+    EXPECT_EQ(times(html, "<section "), 2u);
     EXPECT_EQ(times(html, "</section>"), 2u);
     EXPECT_EQ(times(html, "data:image/png;base64,iVBORw0KGgo"), 3u);
+}
+
+TEST(ReportPage, LeadsWithItsTableAndListsItsSections)
+{
+    ReportPage page("Title", "a machine");
+    page.section("First", "gnomon one");
+    EXPECT_EQ(times(page.html(), "<nav>"), 0u);
+    page.section("Second", "gnomon two");
+    page.lead({"most important", {""}, {{{"row"}, false}}}, "gnomon all");
+    const std::string html = page.html();
+    EXPECT_EQ(times(html, "<li>"), 2u);
+    EXPECT_EQ(times(html, "href=\"#section-2\">Second<"), 1u);
+    EXPECT_LT(html.find("most important"), html.find("<nav>"));
+    EXPECT_LT(html.find("<nav>"), html.find("<h2>First"));
+    EXPECT_EQ(times(html, "<code>gnomon all</code>"), 1u);
 }
 
 TEST(ReportPage, NothingInItIsTakenForMarkup)
