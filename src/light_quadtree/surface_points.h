@@ -15,6 +15,7 @@
 
 #include "light_quadtree/anchors.h"
 #include "light_quadtree/point_kernels.h"
+#include "light_quadtree/sky_light.h"
 
 namespace gnomon::light_quadtree {
 
@@ -33,6 +34,7 @@ struct RememberedPoint {
     // What it sees of the emitters past everything static; padded to k_seen_step.
     std::uint32_t count = 0;
     std::unique_ptr<SeenNode[]> seen;
+    SkyMask sky;                                       // directions that it sees past everything static
     std::atomic<std::uint32_t> claimed{0}, ready{0};   // frames
 };
 

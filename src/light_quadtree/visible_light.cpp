@@ -47,7 +47,12 @@ void VisibleCounters::add(const VisibleCounters& o)
 
 VisibleLight::VisibleLight(const scene::SceneState& state, const ray::RayScene& rays, const VisibleOptions& options,
                            Tasks& tasks)
-    : options_(options), state_(&state), rays_(&rays), emitters_(state, rays, options.emitters, tasks), casters_(state)
+    : options_(options),
+      state_(&state),
+      rays_(&rays),
+      emitters_(state, rays, options.emitters, tasks),
+      sky_(state.scene().background),
+      casters_(state)
 {
     const scene::Scene& scene = state.scene();
     std::uint32_t triangles = 0;
@@ -509,9 +514,54 @@ void VisibleLight::see(Batch& batch)
             ++batch.counters.new_points;
             batch.counters.nodes += seen;
         }
+        if (sky_.any()) see_sky(batch);
     }
     for (RememberedPoint* point : batch.claimed)
         if (!point->exists) point->version = version;
+}
+
+// Asks for the fresh points what they see of the sky past everything static.
+void VisibleLight::see_sky(Batch& batch)
+{
+    batch.rays.clear();
+    const auto faces = [&](const RememberedPoint& point, std::size_t i) {
+        const glm::vec3 d = sky_.direction(i);
+        return glm::dot(d, point.geometric_normal) > 0 && glm::dot(d, point.normal) > 0;
+    };
+    for (const Batch::Fresh& fresh : batch.fresh)
+        for (std::size_t i = 0; i < k_sky_directions; ++i)
+            if (faces(*fresh.point, i)) batch.rays.push(fresh.point->origin, 0, sky_.direction(i), k_infinity);
+    const std::size_t count = batch.rays.size();
+    batch.blocked.resize(count + ray::k_packet_pad);
+    rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::static_only);
+    batch.counters.rays += count;
+    std::size_t r = 0;
+    for (const Batch::Fresh& fresh : batch.fresh) {
+        RememberedPoint& point = *fresh.point;
+        point.sky = {};
+        for (std::size_t i = 0; i < k_sky_directions; ++i) {
+            if (!faces(point, i) || batch.blocked[r++]) continue;
+            point.sky.set(i);
+            for (int colour = 0; colour < 3; ++colour) point.still[colour] += sky_.light(i)[colour] * sky_.direction(i);
+        }
+    }
+}
+
+// Takes away the directions that something moving may hide, until it is known that it does not.
+void VisibleLight::shade_sky(Batch& batch, RememberedPoint& point)
+{
+    SkyMask hidden;
+    for (const MovingSpheres::Together& group : movers_.together) {
+        const SkyMask near = sky_.towards(group.sphere.centre - point.origin, group.sphere.radius) & point.sky;
+        if (!near.any()) continue;
+        for (std::uint32_t m = group.first; m < group.end; ++m)
+            hidden |= sky_.towards(movers_.each[m].centre - point.origin, movers_.each[m].radius) & near;
+    }
+    hidden.for_each([&](std::size_t i) {
+        add_light(point, -sky_.light(i), sky_.direction(i));
+        batch.rays.push(point.origin, 0, sky_.direction(i), k_infinity);
+        batch.shares.push_back({&point, sky_.light(i), sky_.direction(i)});
+    });
 }
 
 // Present light: still light, and what movers change of it: what they keep off, and what comes from them.
@@ -543,6 +593,7 @@ void VisibleLight::sum(Batch& batch)
             batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
             batch.shares.push_back({&point, now, direction});
         }
+        if (sky_.any()) shade_sky(batch, point);
         bounce_off_movers(batch, point);
     }
     add_what_arrives(batch, batch.rays, batch.shares, ray::Against::dynamic_only);

@@ -77,6 +77,8 @@ class VisibleLight {
     void open_ways(Batch& batch);
     void place_part(RememberedPoint& point) const;
     void see(Batch& batch);
+    void see_sky(Batch& batch);
+    void shade_sky(Batch& batch, RememberedPoint& point);
     void sum(Batch& batch);
     static void add_light(RememberedPoint& point, const glm::vec3& flux, const glm::vec3& direction);
     void bounce_off_movers(Batch& batch, RememberedPoint& point);
@@ -94,6 +96,7 @@ class VisibleLight {
     EmitterTree emitters_;
     SurfacePoints points_;
     TriangleClusters clusters_;
+    SkyLight sky_;
     light_views::Casters casters_;
     struct Together {   // what moves together
         std::uint32_t owner;
@@ -162,6 +165,7 @@ class VisibleLight::Batch {
     std::vector<Fresh> fresh;
     std::vector<Share> shares, bounces;
     ray::RayQueue rays, bounce_rays;
+
     ray::Hits hits;
     std::vector<std::uint8_t> blocked;
 };

@@ -105,7 +105,8 @@ glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool s
 {
     glm::vec3 result = stand_in ? s.ambient * scene.ambient : glm::vec3(0);
     const glm::vec3& albedo = s.model == scene::ShadingModel::whitted ? s.diffuse : s.ambient;
-    if (scene.background.kind == scene::Background::Kind::sky) result += albedo * scene.background.ambient(s.normal);
+    if (stand_in && scene.background.kind == scene::Background::Kind::sky)
+        result += albedo * scene.background.ambient(s.normal);
     return result * s.coverage;
 }
 

@@ -21,8 +21,8 @@ glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const 
 /// Continuation::unresolved_share bring the rest. With pi for AFF surfaces too: the surroundings are radiance.
 glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
 
-/// Light that comes from everywhere: the sky's, unoccluded, and the scene's own stand-in for bounced light (AFF `am`).
-/// @param stand_in  false where bounced light is computed
+/// What stands in for light from everywhere: the sky's, unoccluded, and the scene's own for bounced light (AFF `am`).
+/// @param stand_in  false where both are computed
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in);
 
 /// Radiance towards the viewer from diffusely arriving light. With pi for AFF surfaces too: it is radiance that

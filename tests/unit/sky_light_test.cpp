@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sky as directions.
+#include "light_quadtree/sky_light.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace gnomon {
+namespace {
+
+using light_quadtree::k_sky_directions;
+using light_quadtree::SkyLight;
+using light_quadtree::SkyMask;
+
+scene::Background blue_sky()
+{
+    scene::Background sky;
+    sky.kind = scene::Background::Kind::sky;
+    return sky;
+}
+
+TEST(SkyLight, AnOpenSurfaceGetsTheWholeSky)
+{
+    const scene::Background background = blue_sky();
+    const SkyLight sky(background);
+    ASSERT_TRUE(sky.any());
+    for (const glm::vec3 normal :
+         {glm::vec3(0, 1, 0), glm::vec3(1, 0, 0), glm::vec3(0, -1, 0), glm::normalize(glm::vec3(1, 2, -3))}) {
+        glm::vec3 irradiance(0);
+        for (std::size_t i = 0; i < k_sky_directions; ++i)
+            irradiance += sky.light(i) * std::max(0.0f, glm::dot(sky.direction(i), normal));
+        glm::dvec3 expected(0);
+        constexpr int k_rows = 500, k_columns = 200;
+        for (int row = 0; row < k_rows; ++row)
+            for (int column = 0; column < k_columns; ++column) {
+                const double up = 1 - (2 * row + 1.0) / k_rows, angle = 2 * k_pi * column / k_columns;
+                const double across = std::sqrt(1 - up * up);
+                const glm::vec3 d(glm::dvec3(across * std::cos(angle), up, across * std::sin(angle)));
+                expected += glm::dvec3(background.radiance(d) * std::max(0.0f, glm::dot(d, normal))) *
+                            (4 * k_pi / (k_rows * k_columns));
+            }
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(static_cast<double>(irradiance[c]) / expected[c], 1, 0.02) << normal.x << " " << normal.y;
+    }
+}
+
+TEST(SkyLight, TheSunIsNotInIt)
+{
+    scene::Background sunny = blue_sky();
+    sunny.sun_direction = glm::vec3(0, 1, 0);
+    sunny.sun_radiance = glm::vec3(1e5f);
+    const SkyLight with(sunny), without(blue_sky());
+    for (std::size_t i = 0; i < k_sky_directions; ++i) EXPECT_EQ(with.light(i), without.light(i));
+}
+
+TEST(SkyLight, AColourIsNoSky)
+{
+    scene::Background grey;
+    grey.color = glm::vec3(0.5f);
+    EXPECT_FALSE(SkyLight(grey).any());
+}
+
+TEST(SkyLight, ConesHoldEveryDirectionThatMeetsTheSphere)
+{
+    const SkyLight sky(blue_sky());
+    std::mt19937 random(5);
+    const auto number = [&] { return static_cast<float>(random() % 2000) / 500 - 2; };
+    std::size_t in = 0;
+    for (int round = 0; round < 500; ++round) {
+        const glm::vec3 at(number(), number(), number());
+        const float radius = 0.05f + std::abs(number()) / 2;
+        const SkyMask mask = sky.towards(at, radius);
+        for (std::size_t i = 0; i < k_sky_directions; ++i) {
+            const glm::dvec3 d(sky.direction(i)), c(at);
+            const double along = std::max(0.0, glm::dot(c, d));
+            const double off = glm::length(c - along * d) - static_cast<double>(radius);
+            const bool marked = (mask.bits[i / 64] >> (i % 64)) & 1;
+            in += marked;
+            if (std::abs(off) > 1e-4) {
+                EXPECT_EQ(marked, off < 0) << round << " " << i;
+            }
+        }
+    }
+    EXPECT_GT(in, 1000u);
+}
+
+}   // namespace
+}   // namespace gnomon
