@@ -5,6 +5,15 @@
 
 namespace gnomon::light_quadtree {
 
+namespace {
+
+std::size_t bytes_of(const RememberedPoint& p)
+{
+    return sizeof(RememberedPoint) + p.count * sizeof(SeenNode);
+}
+
+}   // namespace
+
 SurfacePoints::SurfacePoints()
 {
     for (Shard& shard : shards_) shard.slots.assign(256, nullptr);
@@ -41,9 +50,22 @@ RememberedPoint& SurfacePoints::at(AnchorKey key)
 
 void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget)
 {
-    if (bytes() <= budget) return;
+    const std::size_t all = bytes();
+    if (all <= budget) return;
+    // By age: which frames must go so that a quarter of the budget is free again.
+    constexpr std::uint32_t k_ages = 256;
+    std::array<std::size_t, k_ages> size{};
+    const auto age_of = [&](const RememberedPoint& p) { return std::min(frame - p.ready.load(), k_ages - 1); };
+    for (const Shard& shard : shards_)
+        for (const auto& p : shard.points) size[age_of(*p)] += bytes_of(*p);
+    std::uint32_t oldest = k_ages - 1;
+    for (std::size_t left = all; oldest > 0; --oldest) {
+        left -= size[oldest];
+        if (left <= budget / 4 * 3) break;
+    }
+    oldest = std::max(oldest, 1u);   // what the last frame shows stays
     for (Shard& shard : shards_) {
-        std::erase_if(shard.points, [&](const auto& p) { return p->ready.load() < frame; });
+        std::erase_if(shard.points, [&](const auto& p) { return age_of(*p) >= oldest; });
         std::fill(shard.slots.begin(), shard.slots.end(), nullptr);
         for (const auto& p : shard.points) insert(shard, p.get());
     }
@@ -61,7 +83,7 @@ std::size_t SurfacePoints::bytes() const
     std::size_t sum = 0;
     for (const Shard& shard : shards_) {
         sum += (shard.slots.size() + shard.points.size()) * sizeof(void*);
-        for (const auto& p : shard.points) sum += sizeof(RememberedPoint) + p->count * sizeof(SeenNode);
+        for (const auto& p : shard.points) sum += bytes_of(*p);
     }
     return sum;
 }

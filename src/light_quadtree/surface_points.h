@@ -43,7 +43,8 @@ class SurfacePoints {
     SurfacePoints();
     /// The point of an anchor, made empty if it is new. Thread-safe; the address stays until drop().
     RememberedPoint& at(AnchorKey key);
-    /// Between frames: drops what was last seen before `frame`, if the points take more than `budget` bytes.
+    /// Between frames: if the points take more than `budget` bytes, drops the longest unseen until a quarter of it is
+    /// free; what was seen in `frame` stays.
     void drop_unseen(std::uint32_t frame, std::size_t budget);
     std::size_t size() const;
     std::size_t bytes() const;

@@ -199,25 +199,43 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
 // What has no lattice point to be interpolated from gets a part of its triangle.
 void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
-    if (batch.parts.empty()) return;
-    batch.claimed.clear();
-    batch.awaited.clear();
-    for (Batch::Part& part : batch.parts) part.part = want(batch, part_anchor(points[part.point]));
-    serve(batch);
-    for (const Batch::Part& part : batch.parts) {
-        glm::vec3 light = at_part(*part.part, points[part.point].normal);
-        // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, than a
-        // black dot.
-        if (light == glm::vec3(0)) light = part.around;
-        irradiance[part.point] += part.rest * light;
+    for (const bool last : {false, true}) {
+        if (batch.parts.empty()) return;
+        batch.claimed.clear();
+        batch.awaited.clear();
+        for (Batch::Part& part : batch.parts)
+            part.part = want(batch, last ? own_anchor(points[part.point]) : part_anchor(points[part.point]));
+        serve(batch);
+        std::size_t kept = 0;
+        for (const Batch::Part& part : batch.parts) {
+            glm::vec3 light = at_part(*part.part, points[part.point].normal);
+            // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, and
+            // where there is none, once more from close by, than a black dot.
+            if (light == glm::vec3(0)) light = part.around;
+            if (light == glm::vec3(0) && !last)
+                batch.parts[kept++] = part;
+            else
+                irradiance[part.point] += part.rest * light;
+        }
+        batch.parts.resize(kept);
     }
+}
+
+// The part of its triangle that is about the pixel itself.
+AnchorKey VisibleLight::own_anchor(const IndirectPoint& point) const
+{
+    glm::vec3 corner[3];
+    rays_->geometry(point.object).corners(point.triangle, corner);
+    const glm::vec3 cross = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+    return part_key(first_triangle_[point.object] + point.triangle, glm::dot(cross, point.geometric_normal) > 0,
+                    0.5f * glm::length(cross), point.u, point.v, point.width);
 }
 
 // A part of a large triangle; or the triangle that stands for the small ones around.
 AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
 {
     const bool moves = state_->scene().objects[point.object].dynamic;
-    const float spacing = (moves ? options_.pixels_per_part : options_.narrowest) * point.width;
+    float spacing = (moves ? options_.pixels_per_part : options_.narrowest) * point.width;
     const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
     glm::vec3 corner[3];
     const auto cross_of = [&](std::uint32_t triangle) {
@@ -228,6 +246,7 @@ AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
     glm::vec3 cross = cross_of(triangle);
     float u = point.u, v = point.v;
     if (glm::length(cross) < spacing * spacing) {
+        if (!moves) spacing = options_.pixels_per_leaf * point.width;
         const scene::Object& object = state_->scene().objects[point.object];
         const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
         const float own = scale > 0 ? spacing / scale : spacing;

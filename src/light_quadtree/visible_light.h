@@ -27,12 +27,13 @@ struct VisibleOptions {
     EmitterOptions emitters;
     // Spacing of anchors on the screen, in pixels: as wide as the first where neighbours can be interpolated, down to
     // the second where they lie behind corners.
-    float widest = 24, narrowest = 4;
-    float level_blend = 0.3f;    // share of a level of detail over which it fades into the next
-    float pixels_per_part = 6;   // of what moves
+    float widest = 24, narrowest = 12;
+    float level_blend = 0.3f;     // share of a level of detail over which it fades into the next
+    float pixels_per_part = 6;    // of what moves
+    float pixels_per_leaf = 16;   // of small triangles that no lattice fits: foliage, rods
     CutOptions cut;
     float unasked = 0.02f;            // share of a point's light: less than this comes from a mover unshadowed
-    std::size_t memory = 16u << 20;   // bytes of remembered points; those not in the last frame go first
+    std::size_t memory = 64u << 20;   // bytes of remembered points; the longest unseen go first
 };
 
 struct VisibleCounters {
@@ -68,6 +69,7 @@ class VisibleLight {
 
  private:
     AnchorKey part_anchor(const IndirectPoint& point);
+    AnchorKey own_anchor(const IndirectPoint& point) const;
     void find_cells(Batch& batch, std::span<const IndirectPoint> points);
     void blend_level(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     void shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
