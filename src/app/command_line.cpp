@@ -57,8 +57,9 @@ CLI::Option* add(CLI::App& parser, const Option& option)
     return parser.add_option(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
 }
 
-// "--method paper certified" is "--method paper --method certified": further words that are among the choices of an
-// option that repeats belong to it, and nothing else does.
+// "--method paper certified" is "--method paper --method certified", and "--objects 25 50" likewise: further words that
+// are among the choices of an option that repeats, or numbers where it takes numbers, belong to it, and nothing else
+// does.
 void spell_out_lists(std::vector<std::string>& words)
 {
     const auto among = [](const std::string& word, std::string_view choices) {
@@ -66,10 +67,12 @@ void spell_out_lists(std::vector<std::string>& words)
                ("|" + std::string(choices) + "|").find("|" + word + "|") != std::string::npos;
     };
     for (const Option& option : options()) {
-        if (!option.repeats || option.kind != Kind::choice) continue;
+        const bool numbers = option.kind == Kind::integer || option.kind == Kind::number;
+        if (!option.repeats || (option.kind != Kind::choice && !numbers)) continue;
         const std::string flag = "--" + std::string(option.name);
         for (std::size_t i = 0; i + 2 < words.size(); ++i)
-            if (words[i] == flag && among(words[i + 2], option.choices))
+            if (words[i] == flag &&
+                (numbers ? parse_number(words[i + 2]).has_value() : among(words[i + 2], option.choices)))
                 words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 2, flag);
     }
 }

@@ -13,6 +13,7 @@ constexpr std::uint32_t k_benches =
 constexpr std::uint32_t k_reports =
     bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect) | bit(bench_all);
 constexpr std::uint32_t k_sized = k_pictures | k_benches;
+constexpr std::uint32_t k_scened = k_sized & ~bit(bench_shadow_textures);   // it makes its own scene
 constexpr std::uint32_t k_ranged = bit(render) | bit(bench_culling) | bit(bench_indirect);
 
 constexpr VerbInfo k_verbs[] = {
@@ -23,7 +24,7 @@ constexpr VerbInfo k_verbs[] = {
     {devices, "devices", "", 0, "list processor and Vulkan devices, and what they can do", true},
     {bench_trace, "bench trace", "SCENE", 1, "measure the traced frame against its bare rays", true},
     {bench_culling, "bench culling", "SCENE", 1, "measure what shadow culling saves", true},
-    {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures", false},
+    {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures on Vulkan", true},
     {bench_indirect, "bench indirect", "SCENE", 1, "measure indirect light", false},
     {bench_all, "bench all", "--report DIR", 0, "measure everything the papers print, as one page", true},
 };
@@ -50,6 +51,21 @@ constexpr Option k_options[] = {
      .help = "in pixels; keeps the vertical field of view (default: the file's own, else 1280x720)"},
     {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "paper|certified", .repeats = true,
      .verbs = bit(bench_culling), .group = k_shadows, .help = "which to measure beside tracing every ray (default: both)"},
+    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent|items", .repeats = true,
+     .verbs = bit(bench_shadow_textures), .group = k_shadows,
+     .help = "which to measure: all casters between for every receiver (slow); one depth buffer; that, kept from frame to "
+             "frame; the same with one item buffer for all textures (default: depth coherent items)"},
+    {.name = "objects", .argument = "N...", .kind = Kind::integer, .low = 1, .high = 1e6, .repeats = true,
+     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "spheres in the scene (default: 300)"},
+    {.name = "dynamic", .argument = "P...", .kind = Kind::number, .low = 0, .high = 100, .repeats = true,
+     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "percent of them that move (default: 10)"},
+    {.name = "movers", .argument = "M", .kind = Kind::integer, .low = 0, .high = 1e6,
+     .verbs = bit(bench_shadow_textures), .group = k_scene,
+     .help = "that many move instead, among small objects that stand still, equally dense around them"},
+    {.name = "vertices", .argument = "V", .kind = Kind::integer, .fallback = "2037", .low = 5, .high = 1e6,
+     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "of a sphere"},
+    {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .low = 1, .high = 200,
+     .verbs = bit(bench_shadow_textures), .group = k_frames, .help = "to measure after the first; times are medians"},
     {.name = "no-counts", .verbs = bit(bench_culling), .group = k_shadows,
      .help = "no nodes and triangle tests on the counting kd-tree"},
     {.name = "moving-lights", .verbs = bit(bench_culling), .group = k_shadows,
@@ -82,13 +98,13 @@ constexpr Option k_options[] = {
      .help = "render the N frames before the first unseen, so that there is something to remember (default: 0; 8 for one "
              "picture with --overlay)"},
 
-    {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .verbs = k_sized, .group = k_scene,
+    {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .verbs = k_scened, .group = k_scene,
      .help = "by name, by number from 0, or the first"},
     {.name = "turntable", .argument = "SECONDS", .kind = Kind::number, .low = 0.001, .high = 1e6, .verbs = k_pictures,
      .group = k_scene, .help = "the camera circles the scene in that time instead"},
-    {.name = "lights", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_sized, .group = k_scene,
+    {.name = "lights", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_scened, .group = k_scene,
      .help = "keep the first N lights of the file (default: all)"},
-    {.name = "light", .argument = "\"...\"", .kind = Kind::text, .repeats = true, .verbs = k_sized, .group = k_scene,
+    {.name = "light", .argument = "\"...\"", .kind = Kind::text, .repeats = true, .verbs = k_scened, .group = k_scene,
      .help = "instead of the file's lights: \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y Z R G B\", in "
              "candela; may be given again"},
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .verbs = k_pictures, .group = k_scene,
@@ -97,7 +113,7 @@ constexpr Option k_options[] = {
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 4096,
      .verbs = k_pictures, .group = k_quality, .help = "per pixel"},
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64,
-     .verbs = k_sized & ~bit(bench_culling), .group = k_quality, .help = "reflections and refractions in a row"},
+     .verbs = k_scened & ~bit(bench_culling), .group = k_quality, .help = "reflections and refractions in a row"},
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 64,
      .verbs = bit(bench_culling), .group = k_quality,
      .help = "reflections and refractions in a row whose hits ask for shadows, too; 0: primary hits alone"},

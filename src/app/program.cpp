@@ -35,6 +35,8 @@ int run_verb(const CommandLine& line)
             return run_bench_culling(line, output);
         case Verb::bench_all:
             return run_bench_all(line, output);
+        case Verb::bench_shadow_textures:
+            return run_bench_shadow_textures(line, output);
         default:
             throw UsageError(fmt::format("{}: not built yet", line.verb->name));
     }

@@ -12,7 +12,8 @@ namespace gnomon::scene {
 namespace {
 
 constexpr const char* k_known =
-    "builtin:cornell, builtin:kinetic, builtin:spheres?objects=N&dynamic=PERCENT (or movers=N; vertices=N, seed=N)";
+    "builtin:cornell, builtin:kinetic, builtin:spheres?objects=N&dynamic=PERCENT (or movers=N; vertices=N, seed=N, "
+    "crowd=1)";
 
 [[noreturn]] void refuse(const std::string& what)
 {
@@ -50,6 +51,8 @@ SpheresOptions parse_spheres(std::string_view parameters)
             options.vertices = parse_number(key, value, 5, 1'000'000);
         else if (key == "seed")
             options.seed = parse_number<std::uint64_t>(key, value, 0, ~std::uint64_t{0});
+        else if (key == "crowd")
+            options.crowd = parse_number(key, value, 0, 1) == 1;
         else
             refuse(fmt::format("builtin:spheres has no parameter '{}'", key));
     }

@@ -23,7 +23,11 @@ struct SpheresOptions {
     int movers = -1;       // that many, if >= 0
     int vertices = 2037;   // of one sphere: 2 poles + rings; the nearest possible count is taken
     std::uint64_t seed = 1;
+    // What stands still is small; k_spheres_near of it stand where movers pass, all others beside, so that the movers'
+    // surroundings are the same whatever `objects` is.
+    bool crowd = false;
 };
+constexpr int k_spheres_near = 90;
 /// Equal spheres in a cube, a part of which moves along closed paths; one spot light sees them all.
 Scene make_spheres(const SpheresOptions& options);
 

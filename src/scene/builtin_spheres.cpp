@@ -26,6 +26,12 @@ constexpr double k_radius = 0.47;
 constexpr double k_light_height = 60;    // above the cube's centre
 constexpr double k_cone_margin = 1.02;   // of the tangent: the cube's nearest corners are just inside
 
+// A crowd: movers stay in a column of this half width as the light sees it; who stands still is small, and stands in
+// the column or beyond its shadow at the cube's floor.
+constexpr double k_stage = 3, k_beside = 3.7;
+constexpr double k_small_radius = 0.05;
+constexpr int k_small_vertices = 38;
+
 constexpr int k_harmonics = 3;
 constexpr double k_amplitude = 0.8;   // of the first harmonic; the k-th has 1 / k of it
 
@@ -96,10 +102,14 @@ Scene make_spheres(const SpheresOptions& options)
     material.roughness = 0.9f;
     scene.materials.push_back(material);
 
-    const SphereGrid grid = grid_of(options.vertices);
-    MeshBuilder builder;
-    builder.sphere(glm::vec3(0), static_cast<float>(k_radius), grid.segments, grid.rings);
-    scene.meshes.push_back(builder.finish("sphere"));
+    const auto add_sphere = [&](const char* name, double radius, int vertices) {
+        const SphereGrid grid = grid_of(vertices);
+        MeshBuilder builder;
+        builder.sphere(glm::vec3(0), static_cast<float>(radius), grid.segments, grid.rings);
+        scene.meshes.push_back(builder.finish(name));
+    };
+    add_sphere("sphere", k_radius, options.vertices);
+    if (options.crowd) add_sphere("small sphere", k_small_radius, k_small_vertices);
 
     const int movers =
         options.movers >= 0 ? options.movers : static_cast<int>(std::lround(options.objects * options.dynamic / 100));
@@ -109,11 +119,18 @@ Scene make_spheres(const SpheresOptions& options)
     scene.nodes.reserve(static_cast<std::size_t>(options.objects) + 2);
     for (int i = 0; i < options.objects; ++i) {
         const bool moves = i < movers;
-        const double room = k_half - k_radius - (moves ? ClosedPath::reach() : 0.0);
+        const bool small = options.crowd && !moves;
+        const double room = k_half - (small ? k_small_radius : k_radius) - (moves ? ClosedPath::reach() : 0.0);
         glm::dvec3 centre;
-        for (int axis = 0; axis < 3; ++axis) centre[axis] = room * (2.0 * random.uniform() - 1.0);
+        const auto draw = [&](double across) {
+            for (int axis = 0; axis < 3; ++axis)
+                centre[axis] = (axis == 1 ? room : across) * (2.0 * random.uniform() - 1.0);
+        };
+        const bool near = options.crowd && i < movers + k_spheres_near;
+        draw(near ? std::min(room, k_stage - k_half + room) : room);
+        while (small && !near && std::max(std::abs(centre.x), std::abs(centre.z)) < k_beside) draw(room);
         const NodeId node = scene.add_node({}, none, glm::translate(glm::dmat4(1), centre));
-        scene.nodes[node].mesh = 0;
+        scene.nodes[node].mesh = small ? 1 : 0;
         if (moves) scene.nodes[node].transform = std::make_shared<ClosedPath>(centre, random);
     }
 

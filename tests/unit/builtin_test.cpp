@@ -181,6 +181,36 @@ TEST(Builtin, SpheresStayInTheirCubeAndTheirPathsClose)
     }
 }
 
+TEST(Builtin, ACrowdIsTheSameAroundTheMoversHoweverLarge)
+{
+    const Scene few = make_builtin("spheres?objects=110&movers=10&crowd=1"),
+                many = make_builtin("spheres?objects=3000&movers=10&crowd=1");
+    for (const Scene* scene : {&few, &many}) {
+        EXPECT_EQ(scene->statistics().objects_dynamic, 10u);
+        ASSERT_EQ(scene->meshes.size(), 2u);
+        EXPECT_LT(scene->meshes[1].positions.size(), 50u);
+    }
+    // As the light sees them: across its axis, a unit before it.
+    const glm::dmat4 to_light = glm::inverse(few.world_matrix(few.lights[0].node, 0));
+    const auto across = [&](const Scene& scene, const Object& object, double time) {
+        const glm::dvec3 p = transform_point(to_light, glm::dvec3(scene.world_matrix(object.node, time)[3]));
+        return std::max(std::abs(p.x), std::abs(p.y)) / -p.z;
+    };
+    double movers_reach = 0;
+    const double radius = static_cast<double>(few.meshes[0].bounds().high.y) / 55;   // no nearer to the lamp
+    for (std::size_t i = 0; i < 10; ++i)
+        for (int frame = 1; frame <= 240; frame += 5)
+            movers_reach =
+                std::max(movers_reach, across(few, few.objects[i], few.timeline.time_of(frame)) + 1.1 * radius);
+    for (std::size_t i = 0; i < many.objects.size(); ++i) {
+        if (i < 100) {
+            EXPECT_EQ(few.world_matrix(few.objects[i].node, 0), many.world_matrix(many.objects[i].node, 0));
+        } else {
+            EXPECT_GT(across(many, many.objects[i], 0) - 0.1 / 55, movers_reach) << i;
+        }
+    }
+}
+
 TEST(Builtin, SpheresCoverAThirdOfTheLightView)
 {
     const Scene scene = make_builtin("spheres");
@@ -285,6 +315,7 @@ TEST(Builtin, RefusesWhatItDoesNotKnow)
                              "spheres?vertices=4",
                              "spheres?seed=-1",
                              "spheres?colour=red",
+                             "spheres?crowd=2",
                              "spheres?objects=3&&",
                              "spheres?objects=5&movers=6",
                              "spheres?objects=5&",

@@ -3,8 +3,6 @@
 
 #include <bit>
 
-#include "shadow_textures/between.h"
-
 namespace gnomon::shadow_textures {
 
 using light_views::CasterGeometry;
@@ -228,13 +226,11 @@ void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews&
                 const LightView& view = views.views()[receiver.view];
                 recorder.viewport(in_page(view, view.projection.whole()));
                 recorder.scissor(in_page(view, receiver.rect));
-                const auto range = [&](scene::ObjectId o) {
-                    return distance_range(view.projection, state.object_matrix(o), views.casters().box(o));
-                };
-                const float farthest = range(receiver.object).farthest;
+                const std::vector<DistanceRange>& range = ranges_[receiver.view];
+                const float farthest = range[receiver.object].farthest;
                 for (scene::ObjectId o = 0; o < objects_; ++o) {
                     if (!views.casters().casts(o) || !state.object_visible(o)) continue;
-                    if (o != receiver.object && range(o).nearest > farthest) continue;
+                    if (o != receiver.object && range[o].nearest > farthest) continue;
                     const auto draw = [&](const CasterGeometry::Part& part, bool masked) {
                         const vk::Pipeline& wanted = caster_[view.projection.perspective ? 0 : 1][masked ? 1 : 0];
                         if (bound != &wanted) {
@@ -277,10 +273,14 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
     };
     std::vector<Group> groups;
     std::vector<Receiver> all;
+    ranges_.resize(views.views().size());
     for (std::uint32_t v = 0; v < views.views().size(); ++v) {
         const LightView& view = views.views()[v];
         for (scene::ObjectId o = 0; o < objects_; ++o) drop_texture(v, o);
         if (!view.shown) continue;
+        ranges_[v].clear();
+        for (scene::ObjectId o = 0; o < objects_; ++o)
+            ranges_[v].push_back(distance_range(view.projection, state.object_matrix(o), views.casters().box(o)));
         for (scene::ObjectId o = 0; o < objects_; ++o) {
             const Receiver receiver{v, o, views.casters().footprint(view.projection, state, o)};
             if (receiver.rect.empty()) continue;

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/shadow_textures_bench.h"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "gnomon/error.h"
+#ifdef GNOMON_VULKAN
+#include "render/view.h"
+#include "scene/builtin.h"
+#include "shadow_textures/vulkan/plain_frame.h"
+#endif
+
+namespace gnomon::app {
+
+const char* name_of(TextureMethod method)
+{
+    constexpr const char* k_names[] = {"per-caster", "depth", "coherent", "items"};
+    return k_names[static_cast<int>(method)];
+}
+
+double growth_exponent(const std::vector<std::pair<double, double>>& points)
+{
+    GNOMON_CHECK_LE(2u, points.size());
+    const auto n = static_cast<double>(points.size());
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (const auto& [px, py] : points) {
+        const double lx = std::log(px), ly = std::log(py);
+        x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+    }
+    return (n * xy - x * y) / (n * xx - x * x);
+}
+
+#ifdef GNOMON_VULKAN
+
+namespace {
+
+using light_views::LightViews;
+using light_views::LightViewsOptions;
+
+double clock_ms(clockid_t clock)
+{
+    timespec t{};
+    clock_gettime(clock, &t);
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, TextureMethod method)
+{
+    LightViewsOptions result;
+    result.atlas.view_size = options.view_size;
+    result.coherence = method == TextureMethod::coherent || method == TextureMethod::items;
+    result.receivers = method != TextureMethod::items;
+    return result;
+}
+
+glm::mat4 clip_from_world(const render::View& view)
+{
+    constexpr float k_near = 0.1f;   // the camera stands well away from everything
+    const glm::vec3 right = view.right / glm::dot(view.right, view.right), down = -view.up / glm::dot(view.up, view.up);
+    const auto row = [&](const glm::vec3& axis) { return glm::vec4(axis, -glm::dot(axis, view.eye)); };
+    return glm::transpose(glm::mat4(row(right), row(down), glm::vec4(0, 0, 0, k_near), row(view.forward)));
+}
+
+// One method's everything: nothing is shared with the others but the motion.
+class Runner {
+ public:
+    Runner(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
+           const ShadowTexturesBenchOptions& options, TextureMethod method)
+        : method_(method),
+          by_timestamps_(device->info().kind != "software"),
+          views_(state, view_options(options, method)),
+          casters_(device, state),
+          buffers_(device, views_),
+          textures_(device, views_),
+          picture_(device, views_, static_cast<std::uint32_t>(options.size.width),
+                   static_cast<std::uint32_t>(options.size.height)),
+          commands_(device)
+    {
+    }
+
+    void frame(const scene::SceneState& state, const render::View& view, bool measured)
+    {
+        double cpu = 0;
+        // The light's depths and items.
+        const double buffers = timed(cpu, [&] {
+            views_.update(state);
+            casters_.update(commands_, state);
+            if (method_ != TextureMethod::per_caster) buffers_.record(commands_, views_, casters_);
+        });
+        // The receivers' textures.
+        const double textures = method_ == TextureMethod::items ? 0 : timed(cpu, [&] {
+            if (method_ == TextureMethod::per_caster)
+                textures_.record_per_caster(commands_, views_, casters_, state);
+            else if (method_ != TextureMethod::items)
+                textures_.record(commands_, views_, buffers_, casters_, state);
+        });
+        // Distances within a receiver are compared, too, when it is looked up: not what this method pays for.
+        if (method_ == TextureMethod::per_caster) {
+            buffers_.record(commands_, views_, casters_);
+            commands_.submit();
+        }
+        double ignored = 0;
+        const double picture = timed(ignored, [&] {
+            picture_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_,
+                            casters_, state, clip_from_world(view), view.eye);
+        });
+        if (!measured) return;
+        buffers_ms_.push_back(buffers), textures_ms_.push_back(textures), shadow_ms_.push_back(buffers + textures);
+        frame_ms_.push_back(buffers + textures + picture), cpu_ms_.push_back(cpu);
+        const light_views::LightViewsCounts& counts = views_.counts();
+        draws_ += static_cast<double>(textures_.counts().draws);
+        if (method_ != TextureMethod::per_caster) {
+            draws_ += static_cast<double>(counts.draws);
+            copies_ += static_cast<double>(counts.copies);
+        }
+        updated_ += static_cast<double>(textures_.counts().updated);
+        touched_ += static_cast<double>(counts.touched);
+    }
+
+    ShadowTexturesRow row() const
+    {
+        const auto n = static_cast<double>(frame_ms_.size());
+        ShadowTexturesRow row;
+        row.method = method_;
+        row.buffers_ms = median(buffers_ms_), row.textures_ms = median(textures_ms_);
+        row.shadow_ms = median(shadow_ms_), row.frame_ms = median(frame_ms_), row.shadow_cpu_ms = median(cpu_ms_);
+        row.draws = draws_ / n, row.copies = copies_ / n, row.textures_updated = updated_ / n;
+        row.touched = touched_ / n;
+        return row;
+    }
+
+    /// Buffers and textures as they are, to be compared.
+    struct Contents {
+        std::vector<vk::Buffer> layers;
+        vk::Buffer words;
+    };
+    Contents contents()
+    {
+        Contents c;
+        for (std::uint32_t page = 0; page < buffers_.depth().desc().layers; ++page) {
+            c.layers.push_back(commands_.read_back(buffers_.depth(), page));
+            c.layers.push_back(commands_.read_back(buffers_.item(), page));
+        }
+        if (method_ != TextureMethod::items) c.words = commands_.read_back(textures_.textures());
+        commands_.submit();
+        return c;
+    }
+    bool same(const Contents& mine, const Runner& other, const Contents& others) const
+    {
+        for (std::size_t i = 0; i < mine.layers.size(); ++i) {
+            const auto a = mine.layers[i].as<std::uint32_t>(), b = others.layers[i].as<std::uint32_t>();
+            if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return false;
+        }
+        if (method_ == TextureMethod::items) return true;   // and items say what textures would: a test of theirs
+        const auto a = mine.words.as<std::uint32_t>(), b = others.words.as<std::uint32_t>();
+        for (std::size_t v = 0; v < views_.views().size(); ++v)
+            for (scene::ObjectId o = 0; o < views_.object_count(); ++o) {
+                const auto &p = textures_.place(v, o), &q = other.textures_.place(v, o);
+                if (p.row_words != q.row_words || p.rows != q.rows || p.corner != q.corner) return false;
+                const auto words = static_cast<std::ptrdiff_t>(p.row_words) * p.rows;
+                if (!std::equal(a.begin() + p.first_word, a.begin() + p.first_word + words, b.begin() + q.first_word))
+                    return false;
+            }
+        return true;
+    }
+
+    Image8 picture()
+    {
+        const vk::Buffer pixels = commands_.read_back(picture_.color());
+        commands_.submit();
+        const int width = static_cast<int>(picture_.color().width()),
+                  height = static_cast<int>(picture_.color().height());
+        Image8 image(width, height, 3);
+        const auto bytes = pixels.as<std::uint8_t>();
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int c = 0; c < 3; ++c)
+                    image.pixel(x, y)[c] = bytes[static_cast<std::size_t>(4 * (y * width + x) + c)];
+        return image;
+    }
+
+ private:
+    // @param cpu  what was not the device's is added to it
+    template <class Body>
+    double timed(double& cpu, const Body& body)
+    {
+        const double begin = clock_ms(CLOCK_PROCESS_CPUTIME_ID), begin_thread = clock_ms(CLOCK_THREAD_CPUTIME_ID);
+        body();
+        cpu += clock_ms(CLOCK_THREAD_CPUTIME_ID) - begin_thread;
+        commands_.submit();
+        if (!by_timestamps_) return clock_ms(CLOCK_PROCESS_CPUTIME_ID) - begin;
+        double sum = 0;
+        for (const vk::PassTiming& timing : commands_.timings()) sum += timing.ms;
+        return sum;
+    }
+
+    TextureMethod method_;
+    bool by_timestamps_;
+    LightViews views_;
+    light_views::CasterGeometry casters_;
+    light_views::GpuLightViews buffers_;
+    shadow_textures::GpuTextures textures_;
+    shadow_textures::PlainFrame picture_;
+    vk::Commands commands_;
+    std::vector<double> buffers_ms_, textures_ms_, shadow_ms_, frame_ms_, cpu_ms_;
+    double draws_ = 0, copies_ = 0, updated_ = 0, touched_ = 0;
+};
+
+// All methods in one scene.
+void run_setting(const std::shared_ptr<vk::Device>& device, const ShadowTexturesBenchOptions& options, int objects,
+                 double dynamic, const std::function<void()>& before_frame, ShadowTexturesBenchResult& result)
+{
+    scene::SpheresOptions spheres;
+    spheres.objects = objects;
+    spheres.dynamic = dynamic;
+    spheres.vertices = options.vertices;
+    if (options.movers) spheres.movers = *options.movers, spheres.crowd = true;
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_spheres(spheres));
+    scene::SceneState state(scene, 0);
+    std::vector<std::unique_ptr<Runner>> runners;
+    for (const TextureMethod method : options.methods)
+        runners.push_back(std::make_unique<Runner>(device, state, options, method));
+    for (int frame = 0; frame <= options.frames; ++frame) {
+        before_frame();
+        state.advance(frame / scene->timeline.fps);
+        const render::View view = render::make_view(state, 0, options.size);
+        for (const auto& runner : runners) runner->frame(state, view, frame > 0);
+    }
+
+    // Is everything as if it had been drawn anew?
+    Runner full(device, state, options, TextureMethod::depth);
+    full.frame(state, render::make_view(state, 0, options.size), false);
+    const Runner::Contents expected = full.contents();
+    for (const auto& runner : runners) {
+        ShadowTexturesRow row = runner->row();
+        row.objects = objects;
+        row.movers = static_cast<int>(scene->statistics().objects_dynamic);
+        row.dynamic_percent = 100.0 * row.movers / objects;
+        row.identical_to_full = runner->same(runner->contents(), full, expected);
+        result.rows.push_back(row);
+    }
+    result.picture = runners.back()->picture();
+}
+
+}   // namespace
+
+ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions& options, const Progress& progress)
+{
+    const auto device = vk::Device::open();
+    ShadowTexturesBenchResult result;
+    result.device = device->info().name;
+    result.clock = device->info().kind == "software" ? "process CPU" : "device";
+    const std::vector<double> shares = options.movers ? std::vector<double>{0} : options.dynamic;
+    const auto total =
+        static_cast<double>(options.objects.size() * shares.size() * (static_cast<unsigned>(options.frames) + 1));
+    double done = 0;
+    const auto before_frame = [&] {
+        if (progress && !progress({"measuring", done++ / total})) throw InterruptedError("interrupted");
+    };
+    for (const double dynamic : shares)
+        for (const int objects : options.objects) run_setting(device, options, objects, dynamic, before_frame, result);
+
+    for (const TextureMethod method : options.methods) {
+        std::vector<std::pair<double, double>> points;
+        for (const ShadowTexturesRow& row : result.rows)
+            if (row.method == method && points.size() < options.objects.size())
+                points.emplace_back(row.objects, row.shadow_ms);
+        const auto [least, most] = std::minmax_element(points.begin(), points.end());
+        if (points.size() > 1 && least->first < most->first)
+            result.exponents.emplace_back(method, growth_exponent(points));
+    }
+    return result;
+}
+
+#else
+
+ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions&, const Progress&)
+{
+    throw MissingError("this program was built without Vulkan");
+}
+
+#endif
+
+}   // namespace gnomon::app

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// bench shadow-textures as a section of a report: Figures 7 and 8 of the paper redrawn, with what it prints beside
+// [Oh and Shin 2004, 4]; whole frame and shadow pass apart.
+
+#include "app/report_page.h"
+#include "app/shadow_textures_bench.h"
+
+namespace gnomon::app {
+
+void add_shadow_textures_section(ReportPage& page, const std::string& command,
+                                 const ShadowTexturesBenchOptions& options, const ShadowTexturesBenchResult& result,
+                                 const nlohmann::ordered_json& document);
+
+}   // namespace gnomon::app

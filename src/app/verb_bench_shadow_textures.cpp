@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/program.h"
+#include "app/shadow_textures_report.h"
+#include "app/verbs.h"
+
+namespace gnomon::app {
+
+namespace {
+
+ShadowTexturesBenchOptions options_of(const OptionValues& values)
+{
+    ShadowTexturesBenchOptions options;
+    if (values.given("objects")) {
+        options.objects.clear();
+        for (const std::string& word : values.all("objects"))
+            options.objects.push_back(static_cast<int>(*parse_integer(word)));
+    }
+    if (values.given("dynamic")) {
+        if (values.given("movers")) throw UsageError("--movers: instead of --dynamic, not with it");
+        options.dynamic.clear();
+        for (const std::string& word : values.all("dynamic")) options.dynamic.push_back(*parse_number(word));
+    }
+    if (values.given("movers")) {
+        options.movers = values.integer("movers");
+        const int fewest = *std::min_element(options.objects.begin(), options.objects.end());
+        if (*options.movers > fewest)
+            throw UsageError(fmt::format("--movers {}: there are only {} objects", *options.movers, fewest));
+    }
+    if (values.given("size")) options.size = *parse_size(values.text("size"));
+    options.vertices = values.integer("vertices");
+    options.frames = values.integer("frames");
+    if (const std::vector<std::string> words = values.all("method"); !words.empty()) {
+        options.methods.clear();
+        for (const TextureMethod method :
+             {TextureMethod::per_caster, TextureMethod::depth, TextureMethod::coherent, TextureMethod::items})
+            if (std::find(words.begin(), words.end(), name_of(method)) != words.end())
+                options.methods.push_back(method);
+    }
+    return options;
+}
+
+nlohmann::ordered_json to_json(const ShadowTexturesBenchOptions& options, const ShadowTexturesBenchResult& result)
+{
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array(), exponents = nlohmann::ordered_json::object();
+    for (const ShadowTexturesRow& row : result.rows)
+        rows.push_back({{"objects", row.objects},
+                        {"dynamic_percent", row.dynamic_percent},
+                        {"movers", row.movers},
+                        {"method", name_of(row.method)},
+                        {"shadow_ms", row.shadow_ms},
+                        {"buffers_ms", row.buffers_ms},
+                        {"textures_ms", row.textures_ms},
+                        {"shadow_cpu_ms", row.shadow_cpu_ms},
+                        {"frame_ms", row.frame_ms},
+                        {"draws", row.draws},
+                        {"copies", row.copies},
+                        {"textures_updated", row.textures_updated},
+                        {"touched", row.touched},
+                        {"identical_to_full", row.identical_to_full}});
+    for (const auto& [method, exponent] : result.exponents) exponents[name_of(method)] = exponent;
+    return {{"device", result.device},        {"clock", result.clock},
+            {"vertices", options.vertices},   {"size", {options.size.width, options.size.height}},
+            {"view_size", options.view_size}, {"frames", options.frames},
+            {"rows", std::move(rows)},        {"exponents", std::move(exponents)}};
+}
+
+}   // namespace
+
+int run_bench_shadow_textures(const CommandLine& line, Output& output)
+{
+    const ShadowTexturesBenchOptions options = options_of(line.values);
+    std::optional<ReportFile> report;
+    if (line.values.given("report")) report.emplace(line.values.text("report"));
+
+    const ShadowTexturesBenchResult result = bench_shadow_textures(options, output.progress());
+    output.say(fmt::format("device     {}; times in ms, {}", result.device, result.clock));
+    output.say(
+        "objects  moving      method    shadows  (buffers + textures)   CPU alone  whole frame   draws  copies  "
+        "textures  touched  identical");
+    for (const ShadowTexturesRow& row : result.rows)
+        output.say(
+            fmt::format("{:7} {:7} {:>11} {:10.2f}  ({:7.2f} + {:8.2f}) {:11.3f} {:12.2f} {:7.1f} {:7.1f} {:9.1f} "
+                        "{:8.1f}  {}",
+                        row.objects, row.movers, name_of(row.method), row.shadow_ms, row.buffers_ms, row.textures_ms,
+                        row.shadow_cpu_ms, row.frame_ms, row.draws, row.copies, row.textures_updated, row.touched,
+                        row.identical_to_full ? "yes" : "NO"));
+    for (const auto& [method, exponent] : result.exponents)
+        output.say(
+            fmt::format("{:10} grows with the {:.2f}th power of the number of objects", name_of(method), exponent));
+
+    const nlohmann::ordered_json document = to_json(options, result);
+    if (report) {
+        ReportPage page("Gnomon: shadow textures", fmt::format("{}; {}", result.device, machine_line(1)));
+        add_shadow_textures_section(page, line.command, options, result, document);
+        report->write(page);
+        output.say(fmt::format("report     {}", report->path().string()));
+    }
+    output.finish(document);
+    const bool identical = std::all_of(result.rows.begin(), result.rows.end(),
+                                       [](const ShadowTexturesRow& row) { return row.identical_to_full; });
+    return identical ? k_exit_done : k_exit_different;
+}
+
+}   // namespace gnomon::app

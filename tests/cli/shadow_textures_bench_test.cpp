@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench shadow-textures: what it prints, counts that cannot lie, and what it refuses.
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+using nlohmann::json;
+
+#ifdef GNOMON_VULKAN
+
+TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
+{
+    const Outcome outcome =
+        run({"bench",      "shadow-textures", "--objects", "10",     "20",     "--dynamic", "0", "50",
+             "100",        "--vertices",      "60",        "--size", "32x24",  "--frames",  "2", "--method",
+             "per-caster", "depth",           "coherent",  "items",  "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    const json document = outcome.json();
+    EXPECT_EQ(document["rows"].size(), 2u * 3 * 4);
+    EXPECT_EQ(document["exponents"].size(), 4u);
+    for (const json& row : document["rows"]) {
+        SCOPED_TRACE(row.dump());
+        const int objects = row["objects"];
+        const std::string method = row["method"];
+        EXPECT_TRUE(row["identical_to_full"].get<bool>());
+        EXPECT_NEAR(row["dynamic_percent"].get<double>(), 100.0 * row["movers"].get<int>() / objects, 1e-9);
+        EXPECT_GT(row["frame_ms"].get<double>(), row["shadow_ms"].get<double>());
+        if (method == "per-caster") {
+            // Every receiver, and at least itself again.
+            EXPECT_EQ(row["textures_updated"], objects);
+            EXPECT_GE(row["draws"], 2 * objects);
+        } else if (method == "depth") {
+            EXPECT_EQ(row["textures_updated"], objects);
+            EXPECT_EQ(row["draws"], 2 * objects);
+        } else if (row["movers"] == 0) {
+            for (const char* nothing : {"draws", "copies", "textures_updated"}) EXPECT_EQ(row[nothing], 0) << nothing;
+        } else {
+            EXPECT_GE(row["draws"], row["movers"]);
+            EXPECT_LE(row["draws"], 2 * objects);
+        }
+    }
+}
+
+TEST(BenchShadowTextures, WhatStandsFarFromMoversIsNotTouched)
+{
+    const Outcome outcome =
+        run({"bench", "shadow-textures", "--objects", "110", "1010", "10010", "--movers", "10", "--vertices", "60",
+             "--size", "16x16", "--frames", "3", "--method", "coherent", "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json rows = outcome.json()["rows"];
+    ASSERT_EQ(rows.size(), 3u);
+    for (const json& row : rows) {
+        EXPECT_EQ(row["movers"], 10);
+        EXPECT_TRUE(row["identical_to_full"].get<bool>());
+        for (const char* same : {"touched", "draws", "copies", "textures_updated"})
+            EXPECT_EQ(row[same], rows[0][same]) << same;
+    }
+    EXPECT_GT(rows[0]["textures_updated"], 10);   // some that stand still are met
+}
+
+TEST(BenchShadowTextures, ReportHoldsBothFigures)
+{
+    const ScratchFolder folder;
+    const Outcome outcome = run({"bench", "shadow-textures", "--objects", "5", "10", "--dynamic", "10", "50",
+                                 "--vertices", "40", "--size", "16x16", "--frames", "1", "--report", folder / "r"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string html = bytes_of(folder / "r/index.html");
+    for (const char* there : {"Figure 7: the whole frame", "Figure 7: the shadow pass", "Figure 8: the whole frame",
+                              "Figure 8: the shadow pass", "23.4"})
+        EXPECT_NE(html.find(there), std::string::npos) << there;
+}
+
+TEST(BenchShadowTextures, WithoutADriverSaysSo)
+{
+    expect_failure(run({"bench", "shadow-textures", "--objects", "3"},
+                       {{"VK_DRIVER_FILES", "/nowhere.json"}, {"VK_ICD_FILENAMES", "/nowhere.json"}}),
+                   4, "Vulkan");
+}
+
+#else
+
+TEST(BenchShadowTextures, WithoutVulkanSaysSo)
+{
+    expect_failure(run({"bench", "shadow-textures", "--objects", "3"}), 4, "Vulkan");
+}
+
+#endif
+
+TEST(BenchShadowTextures, RefusesWhatMakesNoSense)
+{
+    expect_failure(run({"bench", "shadow-textures", "--movers", "3", "--dynamic", "10"}), 2, "--dynamic");
+    expect_failure(run({"bench", "shadow-textures", "--objects", "20", "5", "--movers", "10"}), 2, "only 5");
+    expect_failure(run({"bench", "shadow-textures", "--objects", "0"}), 2, "--objects");
+    expect_failure(run({"bench", "shadow-textures", "--objects", "5", "ten"}), 2, "takes 0 arguments");
+    expect_failure(run({"bench", "shadow-textures", "--dynamic", "101"}), 2, "--dynamic");
+    expect_failure(run({"bench", "shadow-textures", "--method", "none"}), 2, "none");
+}
+
+}   // namespace
+}   // namespace gnomon::test
