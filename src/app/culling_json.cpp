@@ -43,6 +43,7 @@ nlohmann::ordered_json summary_of(const CullingBenchResult& result, const Cullin
         summary["paper"] = {{"extra_tests_per_pixel", result.paper_extra_tests_per_pixel},
                             {"wrong_mean", result.paper_wrong_mean},
                             {"bytes", result.paper_bytes}};
+        if (options.paper_options.set_modes.remember_dynamic_blockers) summary["paper"]["as_printed"] = true;
         const CullingBenchResult::Saved& s = result.paper_saved;
         if (options.counts)
             summary["paper"].update({{"nodes_saved_mean", s.nodes_mean},

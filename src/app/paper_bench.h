@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The shadow pass of one frame with the published shadow culling, for bench culling: primary hits alone.
+// The shadow pass of one frame with the published shadow culling, for bench culling: hits of any kind and depth, and
+// the picture of the primary ones for the occlusion test.
 
 #include <span>
 #include <vector>

@@ -44,11 +44,14 @@ CullingBenchOptions options_of(const OptionValues& values, const Scene& scene)
     options.max_depth = values.integer("max-depth");
     options.repeat = values.integer("repeat");
     options.counts = !values.flag("no-counts");
+    options.paper_options.occlusion_test.test_marked = values.flag("as-printed");
+    options.paper_options.set_modes.remember_dynamic_blockers = values.flag("as-printed");
     options.pictures = values.given("report");
     if (const std::vector<std::string> methods = values.all("method"); !methods.empty()) {
         options.paper = std::find(methods.begin(), methods.end(), "paper") != methods.end();
         options.certified = std::find(methods.begin(), methods.end(), "certified") != methods.end();
     }
+    if (values.flag("as-printed") && !options.paper) throw UsageError("--as-printed needs --method paper");
     return options;
 }
 

@@ -138,6 +138,25 @@ TEST(Json, BenchCullingWithoutCountsAndWithOneMethod)
     EXPECT_EQ(keys_of(document["summary"]), Keys{"certified"});
 }
 
+TEST(Json, BenchCullingByTheLetter)
+{
+    const auto summary = [](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"bench",  "culling",     "builtin:kinetic", "--frames", "60-63",  "--size",
+                                       "128x72", "--no-counts", "--method",        "paper",    "--json", "--quiet"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return outcome.json()["summary"]["paper"];
+    };
+    const json read = summary({}), printed = summary({"--as-printed"});
+    EXPECT_FALSE(read.contains("as_printed"));
+    EXPECT_EQ(printed["as_printed"], true);
+    EXPECT_GT(printed["extra_tests_per_pixel"].get<double>(), read["extra_tests_per_pixel"].get<double>());
+    EXPECT_NE(printed["wrong_mean"], read["wrong_mean"]) << "a moving shadow is remembered, or not";
+    expect_failure(run({"bench", "culling", "builtin:cornell", "--as-printed", "--method", "certified"}), 2,
+                   "--as-printed");
+}
+
 TEST(Json, ToAFileLeavesStandardOutputToText)
 {
     const ScratchFolder folder;
