@@ -49,11 +49,13 @@ class BenchChapter {
     /// Rows of the table at the head of the page: what, printed, as published here, Gnomon's own.
     virtual std::vector<ReportTable::Row> lead() const = 0;
     virtual void write(ReportPage& page) const = 0;
-    /// All that was measured.
+    /// Its key in the document, and all that was measured.
+    virtual std::string name() const = 0;
     virtual nlohmann::ordered_json json() const = 0;
 };
 
 std::unique_ptr<BenchChapter> culling_chapter(const BenchSettings& settings);
+std::unique_ptr<BenchChapter> shadow_textures_chapter(const BenchSettings& settings);
 std::unique_ptr<BenchChapter> frame_chapter(const BenchSettings& settings);
 
 }   // namespace gnomon::app

@@ -124,6 +124,7 @@ class CullingChapter : public BenchChapter {
         for (const CullingWindow& w : timed_) add_culling_section(page, w);
     }
 
+    std::string name() const override { return "culling"; }
     nlohmann::ordered_json json() const override
     {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();

@@ -107,6 +107,7 @@ class FrameChapter : public BenchChapter {
         page.attach("frames.json", json());
     }
 
+    std::string name() const override { return "frames"; }
     nlohmann::ordered_json json() const override
     {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();

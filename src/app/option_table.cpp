@@ -65,7 +65,7 @@ constexpr Option k_options[] = {
     {.name = "vertices", .argument = "V", .kind = Kind::integer, .fallback = "2037", .low = 5, .high = 1e6,
      .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "of a sphere"},
     {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .low = 1, .high = 200,
-     .verbs = bit(bench_shadow_textures), .group = k_frames, .help = "to measure after the first; times are medians"},
+     .verbs = bit(bench_shadow_textures), .group = k_frames, .help = "to measure after the first two; times are medians"},
     {.name = "as-printed", .verbs = bit(bench_culling), .group = k_shadows,
      .help = "the published method by the letter of its Tables 1 and 3: neighbours found occluded are tested again, and "
              "shadows of what moves are remembered"},

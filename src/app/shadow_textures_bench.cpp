@@ -23,6 +23,11 @@ const char* name_of(TextureMethod method)
     return k_names[static_cast<int>(method)];
 }
 
+std::vector<TextureMethod> usual_methods()
+{
+    return {TextureMethod::depth, TextureMethod::coherent, TextureMethod::items};
+}
+
 double growth_exponent(const std::vector<std::pair<double, double>>& points)
 {
     GNOMON_CHECK_LE(2u, points.size());
@@ -72,6 +77,9 @@ glm::mat4 clip_from_world(const render::View& view)
     const auto row = [&](const glm::vec3& axis) { return glm::vec4(axis, -glm::dot(axis, view.eye)); };
     return glm::transpose(glm::mat4(row(right), row(down), glm::vec4(0, 0, 0, k_near), row(view.forward)));
 }
+
+// In the first frame everything is drawn, in the second those who move are found out.
+constexpr int k_warm_up = 2;
 
 // One method's everything: nothing is shared with the others but the motion.
 class Runner {
@@ -128,6 +136,8 @@ class Runner {
         updated_ += static_cast<double>(textures_.counts().updated);
         touched_ += static_cast<double>(counts.touched);
     }
+
+    bool remembers() const { return method_ != TextureMethod::per_caster; }
 
     ShadowTexturesRow row() const
     {
@@ -232,11 +242,12 @@ void run_setting(const std::shared_ptr<vk::Device>& device, const ShadowTextures
     std::vector<std::unique_ptr<Runner>> runners;
     for (const TextureMethod method : options.methods)
         runners.push_back(std::make_unique<Runner>(device, state, options, method));
-    for (int frame = 0; frame <= options.frames; ++frame) {
+    for (int frame = 0; frame < k_warm_up + options.frames; ++frame) {
         before_frame();
         state.advance(frame / scene->timeline.fps);
         const render::View view = render::make_view(state, 0, options.size);
-        for (const auto& runner : runners) runner->frame(state, view, frame > 0);
+        for (const auto& runner : runners)
+            if (frame > 0 || runner->remembers()) runner->frame(state, view, frame >= k_warm_up);
     }
 
     // Is everything as if it had been drawn anew?
@@ -264,7 +275,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     result.clock = device->info().kind == "software" ? "process CPU" : "device";
     const std::vector<double> shares = options.movers ? std::vector<double>{0} : options.dynamic;
     const auto total =
-        static_cast<double>(options.objects.size() * shares.size() * (static_cast<unsigned>(options.frames) + 1));
+        static_cast<double>(options.objects.size() * shares.size() * static_cast<unsigned>(options.frames + k_warm_up));
     double done = 0;
     const auto before_frame = [&] {
         if (progress && !progress({"measuring", done++ / total})) throw InterruptedError("interrupted");

@@ -5,10 +5,10 @@
 // are made, the same with one buffer of items in place of all textures.
 //
 // All methods of a setting follow the same motion, frame by frame in turn; times are medians over the frames after the
-// first. On a hardware device they are its timestamps. A software driver's work is done by this process, and copies and
-// compute passes have no honest timestamps there: so they are process CPU time. Figure and clock are said together.
-// After the last frame every method's textures (and the light view's buffers) are compared, to the bit, with those of a
-// full redraw.
+// first two: in the first everything is drawn, in the second those who move are found out. On a hardware device they
+// are its timestamps. A software driver's work is done by this process, and copies and compute passes have no honest
+// timestamps there: so they are process CPU time. Figure and clock are said together. After the last frame every
+// method's textures (and the light view's buffers) are compared, to the bit, with those of a full redraw.
 
 #include <optional>
 #include <string>
@@ -22,6 +22,8 @@ namespace gnomon::app {
 enum class TextureMethod : std::uint8_t { per_caster, depth, coherent, items };
 /// As on the command line.
 const char* name_of(TextureMethod method);
+/// All but per_caster, which is slow.
+std::vector<TextureMethod> usual_methods();
 
 struct ShadowTexturesBenchOptions {
     std::vector<int> objects{300};
@@ -31,7 +33,7 @@ struct ShadowTexturesBenchOptions {
     Size size{512, 512};    // of the whole frame's picture
     int view_size = 1024;   // texels a side of the light's view
     int frames = 7;
-    std::vector<TextureMethod> methods{TextureMethod::depth, TextureMethod::coherent, TextureMethod::items};
+    std::vector<TextureMethod> methods = usual_methods();
 };
 
 struct ShadowTexturesRow {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace gnomon::app {
@@ -42,7 +43,8 @@ class Section {
     {
         page_.text(fmt::format(
             "Spheres of {} vertices at random places with random motions; one spot light, its view {} x {} texels; the "
-            "picture {} x {} pixels. Times are medians of {} frames after the first, of {}. Per-caster draws for every "
+            "picture {} x {} pixels. Times are medians of {} frames after the first two (everything drawn, movers "
+            "found out), of {}. Per-caster draws for every "
             "receiver all casters between it and the light; depth draws one depth buffer and every receiver once; "
             "coherent keeps both from frame to frame and touches what moved; items is coherent with one item buffer in "
             "place "
@@ -218,9 +220,15 @@ void add_shadow_textures_section(ReportPage& page, const std::string& command,
                                  const ShadowTexturesBenchOptions& options, const ShadowTexturesBenchResult& result,
                                  const nlohmann::ordered_json& document)
 {
-    page.section("Shadow textures", command);
+    const char* const of = options.movers               ? "crowd"
+                           : options.objects.size() > 1 ? "figure-7"
+                           : options.dynamic.size() > 1 ? "figure-8"
+                                                        : "one";
+    const std::map<std::string, std::string> titles{
+        {"crowd", ": a crowd"}, {"figure-7", ": Figure 7"}, {"figure-8", ": Figure 8"}, {"one", ""}};
+    page.section("Shadow textures (Oh and Shin 2004)" + titles.at(of), command);
     Section(page, options, result).write();
-    page.attach("shadow-textures.json", document);
+    page.attach(fmt::format("shadow-textures-{}.json", of), document);
 }
 
 }   // namespace gnomon::app

@@ -12,4 +12,8 @@ void add_shadow_textures_section(ReportPage& page, const std::string& command,
                                  const ShadowTexturesBenchOptions& options, const ShadowTexturesBenchResult& result,
                                  const nlohmann::ordered_json& document);
 
+/// The document of bench shadow-textures.
+nlohmann::ordered_json shadow_textures_json(const ShadowTexturesBenchOptions& options,
+                                            const ShadowTexturesBenchResult& result);
+
 }   // namespace gnomon::app

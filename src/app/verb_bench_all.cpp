@@ -53,6 +53,7 @@ int run_bench_all(const CommandLine& line, Output& output)
 
     std::vector<std::unique_ptr<BenchChapter>> chapters;
     chapters.push_back(culling_chapter(settings));
+    chapters.push_back(shadow_textures_chapter(settings));
     chapters.push_back(frame_chapter(settings));
 
     std::vector<BenchPart> parts;
@@ -68,10 +69,9 @@ int run_bench_all(const CommandLine& line, Output& output)
         for (ReportTable::Row& row : chapter->lead()) lead.rows.push_back(std::move(row));
     page.lead(lead, settings.command);
     nlohmann::ordered_json document{{"machine", machine_line(threads)}, {"quick", settings.quick}};
-    const char* names[] = {"culling", "frames"};
-    for (std::size_t i = 0; i < chapters.size(); ++i) {
-        chapters[i]->write(page);
-        document[names[i]] = chapters[i]->json();
+    for (const auto& chapter : chapters) {
+        chapter->write(page);
+        document[chapter->name()] = chapter->json();
     }
     page.section("About this page", settings.command);
     if (settings.quick)

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/machine.h"
 #include "app/program.h"
 #include "app/shadow_textures_report.h"
 #include "app/verbs.h"
@@ -45,31 +46,6 @@ ShadowTexturesBenchOptions options_of(const OptionValues& values)
     return options;
 }
 
-nlohmann::ordered_json to_json(const ShadowTexturesBenchOptions& options, const ShadowTexturesBenchResult& result)
-{
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array(), exponents = nlohmann::ordered_json::object();
-    for (const ShadowTexturesRow& row : result.rows)
-        rows.push_back({{"objects", row.objects},
-                        {"dynamic_percent", row.dynamic_percent},
-                        {"movers", row.movers},
-                        {"method", name_of(row.method)},
-                        {"shadow_ms", row.shadow_ms},
-                        {"buffers_ms", row.buffers_ms},
-                        {"textures_ms", row.textures_ms},
-                        {"shadow_cpu_ms", row.shadow_cpu_ms},
-                        {"frame_ms", row.frame_ms},
-                        {"draws", row.draws},
-                        {"copies", row.copies},
-                        {"textures_updated", row.textures_updated},
-                        {"touched", row.touched},
-                        {"identical_to_full", row.identical_to_full}});
-    for (const auto& [method, exponent] : result.exponents) exponents[name_of(method)] = exponent;
-    return {{"device", result.device},        {"clock", result.clock},
-            {"vertices", options.vertices},   {"size", {options.size.width, options.size.height}},
-            {"view_size", options.view_size}, {"frames", options.frames},
-            {"rows", std::move(rows)},        {"exponents", std::move(exponents)}};
-}
-
 }   // namespace
 
 int run_bench_shadow_textures(const CommandLine& line, Output& output)
@@ -94,9 +70,10 @@ int run_bench_shadow_textures(const CommandLine& line, Output& output)
         output.say(
             fmt::format("{:10} grows with the {:.2f}th power of the number of objects", name_of(method), exponent));
 
-    const nlohmann::ordered_json document = to_json(options, result);
+    const nlohmann::ordered_json document = shadow_textures_json(options, result);
     if (report) {
-        ReportPage page("Gnomon: shadow textures", fmt::format("{}; {}", result.device, machine_line(1)));
+        ReportPage page("Gnomon: shadow textures",
+                        fmt::format("{}; {}", result.device, machine_line(processor_threads())));
         add_shadow_textures_section(page, line.command, options, result, document);
         report->write(page);
         output.say(fmt::format("report     {}", report->path().string()));
