@@ -36,6 +36,7 @@ struct FrameRecord {
     double milliseconds = 0;   // 0 if kept from an earlier run
     bool kept = false;
     FrameCounters counters;
+    double noise = 0;   // of a reference, see Picture
 };
 
 struct FilmResult {

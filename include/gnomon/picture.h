@@ -23,6 +23,7 @@ struct Picture {
     double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
     ToneMap tonemap = ToneMap::neutral;
     FrameCounters counters;
+    double noise = 0;          // of a reference: its standard error, root mean square, over the picture's mean
     double milliseconds = 0;   // of the frame, without loading and writing
     double time = 0;           // scene time in seconds
     int frame = 1;

@@ -12,6 +12,14 @@
 
 namespace gnomon {
 
+/// Path-traced indirect light: slow, and right on average; how far off it is, is estimated. Everything else of the
+/// picture is as without it: the same rays through the same places of a pixel, so `samples` smooths edges here too.
+struct ReferenceLightOptions {
+    int spp = 1024;    // paths per pixel, 1 to 16,777,216
+    int bounces = 1;   // diffuse bounces, 0 to 1000; 1: direct light and one bounce
+    std::uint64_t seed = 0;
+};
+
 struct RenderOptions {
     Size size{};                        // 0 x 0: the file's own, else 1280 x 720
     std::string camera = "auto";        // a name, a number from 0, or auto: the first
@@ -22,9 +30,10 @@ struct RenderOptions {
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
+    std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;       // 0: all
-    bool layers = false;   // also fill depth, normal, albedo, direct, shadow
+    bool layers = false;   // also fill depth, normal, albedo, direct, indirect, shadow; more of a reference
     /// Instead of the scene's light; the picture is then larger than `size`, see picture_size, and has no other layers.
     Overlay overlay = Overlay::none;
     std::optional<int> overlay_light{};   // from 0; none: all lights, a panel each

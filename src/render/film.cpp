@@ -143,6 +143,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
                 picture.write(record.file);
                 record.milliseconds = picture.milliseconds;
                 record.counters = picture.counters;
+                record.noise = picture.noise;
             }
             if (on_frame) on_frame(record);
             result.frames.push_back(std::move(record));

@@ -104,6 +104,8 @@ std::uint64_t fingerprint_of(const Scene& shown, const RenderOptions& options)
     print.add(options.shadow_culling == ShadowCulling::paper);
     print.add(options.indirect);
     print.add(options.overlay), print.add(options.overlay_light.value_or(-1));
+    if (options.reference)
+        print.add(options.reference->spp), print.add(options.reference->bounces), print.add(options.reference->seed);
     return print.value();
 }
 

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "light_quadtree/visible_light.h"
 #include "ray/kdtree.h"
+#include "render/reference.h"
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
@@ -23,6 +24,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Size k_default_size{1280, 720};
 constexpr int k_max_side = 32768;
+constexpr int k_most_paths = 1 << 24;
+constexpr int k_most_bounces = 1000;
 constexpr std::int64_t k_max_pixels = 256'000'000;   // 3 GB of colour alone
 
 scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
@@ -47,6 +50,12 @@ void check_options(const RenderOptions& o)
                                      k_max_pixels / 1'000'000));
     if (o.max_depth < 0 || o.max_depth > 64) throw UsageError("max depth is out of range: 0 to 64");
     if (o.samples < 1 || o.samples > 4096) throw UsageError("samples are out of range: 1 to 4096");
+    if (o.reference) {
+        if (o.reference->spp < 1 || o.reference->spp > k_most_paths)
+            throw UsageError(fmt::format("spp is out of range: 1 to {}", k_most_paths));
+        if (o.reference->bounces < 0 || o.reference->bounces > k_most_bounces)
+            throw UsageError(fmt::format("bounces are out of range: 0 to {}", k_most_bounces));
+    }
     if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
     if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
     if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
@@ -79,6 +88,16 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
                                      name == number ? "" : name));
     }
     return titles;
+}
+
+// Root of the mean variance over all pixels and channels, in units of the picture's mean.
+double noise_of(const render::FrameBuffers& buffers)
+{
+    double mean = 0, square = 0;
+    for (const float value : buffers.color.data) mean += static_cast<double>(value);
+    for (const float variance : buffers.variance.data) square += static_cast<double>(variance);
+    const auto count = static_cast<double>(buffers.color.data.size());
+    return mean > 0 ? std::sqrt(square / count) / (mean / count) : 0;
 }
 
 Size traced_size(const Scene& scene, const RenderOptions& options)
@@ -114,15 +133,16 @@ struct Renderer::Inside {
             if (options.accelerator == Accelerator::kdtree) rays->trace_on_kdtree(*state);
             scene = wanted;
             follow_paper();
-            if (options.indirect == Indirect::visible)
+            if (options.indirect == Indirect::visible && !options.reference)
                 visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
                                                                          light_quadtree::VisibleOptions{}, tasks);
             return;
         }
         state->advance(time);
         rays->update(*state);
-        // Shadows are remembered from the second frame on: a single picture has nothing to gain.
-        if (!culling && options.shadow_culling == ShadowCulling::certified && !scene->lights.empty())
+        // Shadows are remembered from the second frame on: a single picture has nothing to gain. Nor has a reference.
+        if (!culling && !options.reference && options.shadow_culling == ShadowCulling::certified &&
+            !scene->lights.empty())
             culling =
                 std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
         follow_paper();
@@ -178,6 +198,14 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     render::Remembered remembered(in.culling.get());
     remembered.paper = in.paper.get();
     remembered.visible = states ? nullptr : in.visible.get();
+    std::optional<render::ReferenceLight> reference;
+    if (options.reference && !states) {
+        const auto& [spp, bounces, seed] = *options.reference;
+        // A plain colour behind everything is seen, and lights nothing.
+        const bool surroundings = in.scene->background.kind != scene::Background::Kind::color;
+        reference.emplace(*in.state, *in.rays, render::ReferenceOptions{spp, bounces, seed, surroundings});
+        traced.reference = &*reference;
+    }
     if (states) {
         in.states.lights = overlay_lights(*scene.inside(), options);
         remembered.states = &in.states;
@@ -200,6 +228,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
                                    work(ray::RayClass::refraction), work(ray::RayClass::shadow),
                                    work(ray::RayClass::indirect)};
     }
+    if (reference) picture.noise = noise_of(in.buffers);
     picture.time = time;
     picture.frame = frame;
     if (states) {
@@ -226,7 +255,12 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         give("normal", {"X", "Y", "Z"}, in.buffers.normal);
         give("albedo", {"R", "G", "B"}, in.buffers.albedo);
         give("direct", {"R", "G", "B"}, in.buffers.direct);
-        if (in.visible) give("indirect", {"R", "G", "B"}, in.buffers.indirect);
+        if (in.visible || reference) give("indirect", {"R", "G", "B"}, in.buffers.indirect);
+        if (reference) {
+            give("variance", {"R", "G", "B"}, in.buffers.variance);
+            give("irradiance", {"R", "G", "B"}, in.buffers.irradiance);
+            give("irradiance_variance", {"R", "G", "B"}, in.buffers.irradiance_variance);
+        }
         std::vector<std::string> lights;
         for (std::size_t l = 0; l < scene.inside()->lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
         if (!lights.empty()) give("shadow", std::move(lights), in.buffers.shadow);

@@ -96,11 +96,6 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
     return reflectance * irradiance * (cosine * soft * s.coverage);
 }
 
-glm::vec3 reflect_diffuse(const SurfacePoint& s, const glm::vec3& irradiance)
-{
-    return s.diffuse * irradiance * (k_inverse_pi * s.coverage);
-}
-
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in)
 {
     glm::vec3 result = stand_in ? s.ambient * scene.ambient : glm::vec3(0);
@@ -108,6 +103,17 @@ glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool s
     if (stand_in && scene.background.kind == scene::Background::Kind::sky)
         result += albedo * scene.background.ambient(s.normal);
     return result * s.coverage;
+}
+
+glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, const glm::vec3& indirect,
+                             const glm::vec3& surroundings)
+{
+    const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
+    if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
+    // Rough mirrors bring the surroundings alone, so indirect light keeps their share.
+    const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_share, glm::vec3(0));
+    const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_share, glm::vec3(0));
+    return reflectance * (not_traced * indirect + not_mirrored * surroundings);
 }
 
 Continuation continue_from(const SurfacePoint& s)

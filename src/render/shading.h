@@ -25,10 +25,6 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 /// @param stand_in  false where both are computed
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in);
 
-/// Radiance towards the viewer from diffusely arriving light. With pi for AFF surfaces too: it is radiance that
-/// arrives.
-glm::vec3 reflect_diffuse(const SurfacePoint& s, const glm::vec3& irradiance);
-
 /// Rays that go on from a surface, each with the share of what it brings. A share of zero: no such ray.
 struct Continuation {
     glm::vec3 reflected_share{0}, reflected{0};
@@ -37,6 +33,14 @@ struct Continuation {
     glm::vec3 unresolved_share{0};   // mirror light of rough surfaces, taken from the background alone
 };
 Continuation continue_from(const SurfacePoint& s);
+
+/// Radiance towards the viewer from light that comes from many directions, reflected diffusely.
+/// @param indirect      irradiance from other surfaces
+/// @param surroundings  irradiance from what lies behind everything, or shines by itself
+/// What mirror rays and Continuation::unresolved_share bring is not given back again, for glTF surfaces. With pi for
+/// AFF surfaces too: it is radiance that arrives.
+glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, const glm::vec3& indirect,
+                             const glm::vec3& surroundings);
 
 /// Fresnel reflectance of unpolarised light at a dielectric boundary.
 /// @param cosine  of the angle of incidence, 0 to 1

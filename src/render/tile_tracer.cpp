@@ -10,6 +10,8 @@ namespace {
 // A shadow ray ends this fraction short of its lamp, so that a lamp drawn as a surface does not shadow itself.
 constexpr float k_shadow_end = 0.9999f;
 
+constexpr int k_least_paths = 2;   // of a point that a reference is asked about: fewer have no spread
+
 // Every second bit of a Morton code.
 std::uint32_t even_bits(std::uint32_t code)
 {
@@ -47,6 +49,7 @@ TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
     if (culling_) batch_ = culling_->make_batch();
     if (visible_) indirect_batch_ = visible_->make_batch();
+    if (options_.reference) paths_ = std::make_unique<ReferencePaths>(*options_.reference);
     if (states_) counters_.shadow.rays_wrong = 0;
 }
 
@@ -62,6 +65,12 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
         depth_.assign(pixels, 0);
         shadow_.assign(pixels * scene_.lights.size(), 0);
     }
+    if (options_.reference) {
+        first_irradiance_.assign(pixels, glm::vec3(0));
+        first_variance_.assign(pixels, glm::vec3(0));
+        variance_.assign(pixels, glm::vec3(0));
+        points_of_pixel_.assign(pixels, 0);
+    }
 
     for (int sample = 0; sample < options_.samples; ++sample) {
         queue_primary(tile, sample);
@@ -73,6 +82,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
         shade_hits(primary_, true, sample);
         light_points(true, tile, states_ && sample == 0);
         bounce_light(true);
+        add_reference(tile, true);
 
         for (int depth = 0; depth < options_.max_depth; ++depth) {
             queue_continuations();
@@ -88,6 +98,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
             }
             light_points(false, tile, false);
             bounce_light(false);
+            add_reference(tile, false);
         }
     }
     store(tile, out);
@@ -158,7 +169,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.next = continue_from(s);
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
-        glm::vec3 own = s.emissive * s.coverage + ambient_light(s, scene_, !visible_);
+        glm::vec3 own = s.emissive * s.coverage;
+        if (!options_.reference) own += ambient_light(s, scene_, !visible_);
         if (point.next.unresolved_share != glm::vec3(0))
             own += point.next.unresolved_share * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.share * own;
@@ -199,6 +211,7 @@ void TileTracer::light_points(bool primary, const TileRect& tile, bool show_stat
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
         if (show_states) mark_states(l, tile);
         if (!at.visible || light.color == glm::vec3(0)) continue;
+        if (options_.reference && !options_.reference->uses(light)) continue;
         lit_.clear();
         if (culling_)
             find_lit_by_memory(l);
@@ -303,10 +316,60 @@ void TileTracer::bounce_light(bool primary)
     visible_->shade(*indirect_batch_, indirect_points_, irradiance_.data());
     for (std::size_t k = 0; k < indirect_point_.size(); ++k) {
         const Point& point = points_[indirect_point_[k]];
-        const glm::vec3 radiance = point.share * reflect_diffuse(point.surface, irradiance_[k]);
+        const glm::vec3 radiance =
+            point.share * reflect_irradiance(point.surface, point.next, irradiance_[k], glm::vec3(0));
         color_[point.pixel] += radiance;
         if (primary && options_.layers) indirect_[point.pixel] += radiance;
     }
+}
+
+// Asks the reference for what the points just shaded get beside the lamps' own light.
+void TileTracer::add_reference(const TileRect& tile, bool primary)
+{
+    if (!options_.reference) return;
+    requests_.clear();
+    request_point_.clear();
+    for (std::uint32_t p = 0; p < points_.size(); ++p) {
+        const Point& point = points_[p];
+        if (point.surface.diffuse * point.surface.coverage == glm::vec3(0)) continue;
+        const auto x = static_cast<std::uint64_t>(tile.x) + point.pixel % static_cast<std::uint32_t>(options_.tile);
+        const auto y = static_cast<std::uint64_t>(tile.y) + point.pixel / static_cast<std::uint32_t>(options_.tile);
+        const std::uint64_t place = y * static_cast<std::uint64_t>(view_.size.width) + x;
+        const std::uint64_t key = mix(place, points_of_pixel_[point.pixel]++);
+        requests_.push_back({irradiance_point(point.surface, key), samples_of(point.share)});
+        request_point_.push_back(p);
+    }
+    estimates_.resize(requests_.size());
+    paths_->estimate(requests_, estimates_.data());
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
+        const Point& point = points_[request_point_[r]];
+        const IrradianceEstimate& light = estimates_[r];
+        const auto reflected = [&](const glm::vec3& indirect, const glm::vec3& surroundings) {
+            return point.share * reflect_irradiance(point.surface, point.next, indirect, surroundings);
+        };
+        color_[point.pixel] += reflected(light.indirect, light.surroundings);
+        const glm::vec3 error = reflected(light.error, glm::vec3(0));
+        variance_[point.pixel] += error * error;
+        if (!primary) continue;
+        first_irradiance_[point.pixel] += light.indirect;
+        first_variance_[point.pixel] += light.indirect_error * light.indirect_error;
+        if (!options_.layers) continue;
+        // A picture of the surroundings is direct light, as are the lights that stand for it; the sky is not.
+        const bool sky = scene_.background.kind == scene::Background::Kind::sky;
+        indirect_[point.pixel] += reflected(light.indirect, sky ? light.surroundings : glm::vec3(0));
+        direct_[point.pixel] += reflected(glm::vec3(0), sky ? glm::vec3(0) : light.surroundings);
+    }
+}
+
+// What is seen in a mirror gets fewer paths, in proportion to its share, so that it adds as little to the noise.
+int TileTracer::samples_of(const glm::vec3& share) const
+{
+    const int all = std::max(1, options_.reference->options().samples / options_.samples);
+    const float wanted = static_cast<float>(all) * largest_share(share);
+    if (wanted >= static_cast<float>(all)) return all;
+    int samples = std::min(all, k_least_paths);
+    while (static_cast<float>(samples) < wanted) samples *= 2;
+    return std::min(samples, all);
 }
 
 // Queues the rays that go on from the points just shaded, each kind by itself.
@@ -352,6 +415,11 @@ void TileTracer::store(const TileRect& tile, FrameBuffers& out) const
             const auto from = static_cast<std::size_t>(y * options_.tile + x);
             const int px = tile.x + x, py = tile.y + y;
             put(out.color, px, py, color_[from] * weight);
+            if (options_.reference) {
+                put(out.variance, px, py, variance_[from] * (weight * weight));
+                put(out.irradiance, px, py, first_irradiance_[from] * weight);
+                put(out.irradiance_variance, px, py, first_variance_[from] * (weight * weight));
+            }
             if (!options_.layers) continue;
             put(out.direct, px, py, direct_[from] * weight);
             put(out.indirect, px, py, indirect_[from] * weight);

@@ -3,6 +3,7 @@
 // The work of one tile of the traced frame, with the memory it needs. One a thread, reused from tile to tile.
 
 #include "light_quadtree/visible_light.h"
+#include "render/reference.h"
 #include "render/shading.h"
 #include "render/state_map.h"
 #include "render/traced_frame.h"
@@ -24,6 +25,7 @@ class TileTracer {
 
     void trace(const TileRect& tile, FrameBuffers& out);
     const FrameCounters& counters() const { return counters_; }
+    ReferenceCounters reference_counters() const { return paths_ ? paths_->counters() : ReferenceCounters{}; }
     /// What its rays saw, for the culling's end of frame; null without culling.
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
     std::unique_ptr<light_quadtree::VisibleLight::Batch> take_indirect_batch() { return std::move(indirect_batch_); }
@@ -67,6 +69,8 @@ class TileTracer {
     StateMark mark_of(std::uint32_t point, std::size_t light, bool& untrusted) const;
     void check_lit(std::size_t light, bool primary, const TileRect& tile);
     void bounce_light(bool primary);
+    void add_reference(const TileRect& tile, bool primary);
+    int samples_of(const glm::vec3& share) const;
     void queue_continuations();
     void store(const TileRect& tile, FrameBuffers& out) const;
     std::size_t pixel_of_picture(std::uint32_t pixel_of_tile, const TileRect& tile) const;
@@ -104,7 +108,14 @@ class TileTracer {
     std::vector<std::uint32_t> indirect_point_;   // of points_
     std::vector<glm::vec3> irradiance_;
 
-    std::vector<glm::vec3> color_, direct_, indirect_, albedo_, normal_;   // by pixel of the tile
+    std::unique_ptr<ReferencePaths> paths_;   // with a reference
+    std::vector<ReferencePaths::Request> requests_;
+    std::vector<IrradianceEstimate> estimates_;
+    std::vector<std::uint32_t> request_point_;
+    std::vector<std::uint32_t> points_of_pixel_;   // asked for so far, over all samples
+
+    std::vector<glm::vec3> color_, direct_, indirect_, albedo_, normal_;    // by pixel of the tile
+    std::vector<glm::vec3> variance_, first_irradiance_, first_variance_;   // with a reference
     std::vector<float> depth_, shadow_;
 };
 

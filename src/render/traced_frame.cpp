@@ -46,6 +46,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     const Size size = view.size;
     resize(out.color, size, 3);
+    if (options.reference)
+        for (ImageF* image : {&out.variance, &out.irradiance, &out.irradiance_variance}) resize(*image, size, 3);
     if (options.layers) {
         for (ImageF* image : {&out.direct, &out.indirect, &out.albedo, &out.normal}) resize(*image, size, 3);
         resize(out.depth, size, 1);
@@ -84,8 +86,11 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (stopped) throw InterruptedError("interrupted");
 
     FrameCounters counters;
-    for (const auto& worker : workers)
-        if (worker) add(counters, worker->counters());
+    for (const auto& worker : workers) {
+        if (!worker) continue;
+        add(counters, worker->counters());
+        counters.indirect.rays += worker->reference_counters().rays;
+    }
     if (culling) {
         std::vector<std::unique_ptr<shadow_culling::CertifiedCulling::Batch>> batches;
         for (const auto& worker : workers)

@@ -30,12 +30,15 @@ class VisibleLight;
 
 namespace gnomon::render {
 
+class ReferenceLight;
+
 struct TracedOptions {
-    int max_depth = 10;            // reflections and refractions in a row
-    int samples = 1;               // per pixel
-    bool layers = false;           // fill all of FrameBuffers, not `color` alone
-    float min_share = 1 / 300.f;   // a ray that would bring less than this share of a pixel is not traced
-    int tile = 32;                 // pixels a side; a power of two
+    int max_depth = 10;                          // reflections and refractions in a row
+    int samples = 1;                             // per pixel
+    bool layers = false;                         // fill all of FrameBuffers, not `color` alone
+    const ReferenceLight* reference = nullptr;   // path-traced indirect light; then without ambient light
+    float min_share = 1 / 300.f;                 // a ray that would bring less than this share of a pixel is not traced
+    int tile = 32;                               // pixels a side; a power of two
 };
 
 /// Linear, averaged over samples; depth and normal are the first sample's.
@@ -44,9 +47,13 @@ struct FrameBuffers {
     ImageF depth;      // 1: along the view's forward axis; 0 where nothing was hit
     ImageF normal;     // 3: shading normal in world space
     ImageF albedo;     // 3
-    ImageF direct;     // 3: what lights add at primary hits
+    ImageF direct;     // 3: what lights add at primary hits; with a reference also the surroundings
     ImageF indirect;   // 3: what bounced light adds there
     ImageF shadow;     // one channel a light: 1 lit, 0 in shadow or unlit, at primary hits
+    // With a reference alone, layers or not, 3 each.
+    ImageF variance;              // of color
+    ImageF irradiance;            // by bounces, at primary hits of surfaces that scatter light
+    ImageF irradiance_variance;   // of that
 };
 
 /// Every bulk trace of a frame, in order: the rays alone can then be traced again, for comparison (bench trace).

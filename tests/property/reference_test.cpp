@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reference: right where the answer is known, honest about its error, the same for any number of threads.
+#include "render/reference.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "render/traced_frame.h"
+#include "scene/builtin.h"
+#include "scene_helpers.h"
+
+namespace gnomon {
+namespace {
+
+using render::IrradianceEstimate;
+using render::IrradiancePoint;
+using render::ReferenceOptions;
+
+struct World {
+    explicit World(std::shared_ptr<const scene::Scene> s, int frame = 1)
+        : scene(std::move(s)), state(scene, scene->timeline.time_of(frame)), rays(state)
+    {
+    }
+    std::vector<IrradianceEstimate> irradiance(const std::vector<IrradiancePoint>& points,
+                                               const ReferenceOptions& options, int threads = 2) const
+    {
+        Tasks tasks(threads);
+        return render::reference_irradiance(state, rays, points, options, tasks);
+    }
+    std::shared_ptr<const scene::Scene> scene;
+    scene::SceneState state;
+    ray::RayScene rays;
+};
+
+IrradiancePoint point_at(const glm::vec3& position, const glm::vec3& normal, std::uint64_t key = 1)
+{
+    IrradiancePoint point;
+    point.position = position, point.geometric_normal = point.normal = normal, point.key = key;
+    return point;
+}
+
+// A rectangle in y = 0 around the origin, half as wide as `half`.
+scene::Mesh rectangle(const glm::vec2& half)
+{
+    scene::Mesh mesh;
+    mesh.positions = {{-half.x, 0, -half.y}, {-half.x, 0, half.y}, {half.x, 0, half.y}, {half.x, 0, -half.y}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.parts = {{0, 0, 2}};
+    return mesh;
+}
+
+// The inside of a cube of half-width 1, every wall of material 0.
+scene::Scene closed_room()
+{
+    scene::Scene scene;
+    scene.materials.resize(1);
+    scene.materials[0].double_sided = true;
+    scene.meshes.push_back(rectangle({1, 1}));
+    const auto wall = [&](double angle, const glm::dvec3& axis) {
+        test::add_object(scene, 0, scene::none,
+                         glm::translate(glm::rotate(glm::dmat4(1), angle, axis), glm::dvec3(0, -1, 0)));
+    };
+    wall(0, {1, 0, 0}), wall(k_pi, {1, 0, 0});
+    wall(k_pi / 2, {1, 0, 0}), wall(-k_pi / 2, {1, 0, 0});
+    wall(k_pi / 2, {0, 0, 1}), wall(-k_pi / 2, {0, 0, 1});
+    return scene;
+}
+
+scene::LightId add_sun(scene::Scene& scene, const glm::vec3& direction, const glm::vec3& lux)
+{
+    scene::Light light;
+    light.type = scene::LightType::directional;
+    light.color = lux;
+    const glm::dvec3 d(glm::normalize(direction));
+    const glm::dvec3 up = std::abs(d.y) > 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+    light.node = scene.add_node("sun", scene::none, glm::inverse(glm::lookAt(glm::dvec3(0), d, up)));
+    scene.lights.push_back(light);
+    return static_cast<scene::LightId>(scene.lights.size() - 1);
+}
+
+// A furnace: in a closed room whose walls shine with radiance 1 and reflect a share of what they get, every point gets
+// the same from everywhere: pi at once, and pi times the share to the n-th power after n bounces.
+TEST(Reference, FurnaceOfShiningWalls)
+{
+    scene::Scene scene = closed_room();
+    scene.materials[0].emissive = glm::vec3(1);
+    scene.materials[0].base_color = {0.5f, 0.8f, 0.2f};
+    const World world(test::finished(scene));
+    ReferenceOptions options;
+    options.samples = 64, options.shining = true;
+    for (const int bounces : {0, 1, 3}) {
+        options.bounces = bounces;
+        for (const IrradianceEstimate& e :
+             world.irradiance({point_at({0, 0, 0}, {0, 1, 0}), point_at({0.9f, -0.9f, 0.3f}, {0, 0, 1}, 7)}, options)) {
+            for (int c = 0; c < 3; ++c) {
+                double expected = 0;
+                const auto albedo = static_cast<double>(world.scene->materials[0].base_color[c]);
+                for (int n = 1; n <= bounces; ++n) expected += k_pi * std::pow(albedo, n);
+                EXPECT_NEAR(e.surroundings[c], k_pi, 1e-4) << c;
+                EXPECT_NEAR(e.indirect[c], expected, 1e-4 * (1 + expected)) << c << ' ' << bounces;
+            }
+        }
+    }
+}
+
+// The same with many bounces, where paths end at random: right on average.
+TEST(Reference, FurnaceWithPathsThatEndAtRandom)
+{
+    scene::Scene scene = closed_room();
+    scene.materials[0].emissive = glm::vec3(1);
+    scene.materials[0].base_color = glm::vec3(0.5f);
+    const World world(test::finished(scene));
+    ReferenceOptions options;
+    options.samples = 4096, options.shining = true, options.bounces = 40;
+    const IrradianceEstimate e = world.irradiance({point_at({0, 0, 0}, {0, 1, 0})}, options)[0];
+    EXPECT_GT(e.indirect_error.x, 0);
+    EXPECT_NEAR(e.indirect.x, k_pi, 4.5f * e.indirect_error.x);
+    EXPECT_LT(e.indirect_error.x, 0.03);
+}
+
+// White things in a white world are not seen: light from everywhere, all of it sent on. (Without the ball's smooth
+// normals: what they send below the surface is lost.)
+TEST(Reference, WhiteFurnaceOfTheSurroundings)
+{
+    scene::Scene scene;
+    scene.background.color = glm::vec3(1);
+    scene.materials.resize(1);
+    scene.materials[0].base_color = glm::vec3(1);
+    scene.materials[0].double_sided = true;
+    scene.meshes.push_back(test::ball(0, 12, 18));
+    scene.meshes.back().normals.clear();
+    test::add_object(scene, 0, scene::none, test::translation(0, 2, 0));
+    scene.meshes.push_back(rectangle({3, 3}));
+    test::add_object(scene, 1);
+    const World world(test::finished(scene));
+    ReferenceOptions options;
+    options.samples = 1024, options.surroundings = true, options.bounces = 200;
+    IrradiancePoint on_floor = point_at({0.2f, 0, 0.1f}, {0, 1, 0});
+    on_floor.offset = 1e-4f;
+    const IrradianceEstimate e = world.irradiance({on_floor}, options)[0];
+    const glm::vec3 sum = e.indirect + e.surroundings;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], k_pi, 4.5f * e.error[c] + 1e-3) << c;
+}
+
+// Differential element to a parallel rectangle over its corner [Howell, catalogue of configuration factors, B-3].
+double form_factor(double a, double b, double distance)
+{
+    const double x = a / distance, y = b / distance;
+    const double rx = std::sqrt(1 + x * x), ry = std::sqrt(1 + y * y);
+    return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * k_pi);
+}
+
+TEST(Reference, AnalyticFormFactor)
+{
+    for (const scene::ShadingModel model : {scene::ShadingModel::metallic_roughness, scene::ShadingModel::whitted}) {
+        scene::Scene scene;
+        scene.materials.resize(1);
+        scene.materials[0].model = model;
+        scene.materials[0].base_color = {0.5f, 0.25f, 0.75f};
+        scene.meshes.push_back(rectangle({0.8f, 0.5f}));
+        test::add_object(scene, 0);
+        add_sun(scene, {0.6f, -0.8f, 0}, {2, 3, 4});
+        const World world(test::finished(scene));
+        ReferenceOptions options;
+        options.samples = 1 << 14;
+        // A point of no surface, so that it is in nobody's way; over the middle, and over a corner.
+        const double whole = 4 * form_factor(0.8, 0.5, 0.7), corner = form_factor(1.6, 1.0, 0.7);
+        const auto e = world.irradiance(
+            {point_at({0, 0.7f, 0}, {0, -1, 0}), point_at({0.8f, 0.7f, -0.5f}, {0, -1, 0}, 2)}, options);
+        // AFF's lights lack a factor of pi.
+        const double factor = model == scene::ShadingModel::whitted ? k_pi : 1;
+        for (int c = 0; c < 3; ++c) {
+            const double exitance = static_cast<double>(world.scene->materials[0].base_color[c]) * 0.8 * (2 + c);
+            for (int i = 0; i < 2; ++i) {
+                const IrradianceEstimate& at = e[static_cast<std::size_t>(i)];
+                const double expected = factor * exitance * (i == 0 ? whole : corner);
+                EXPECT_NEAR(at.indirect[c], expected, 4.5f * at.indirect_error[c]) << c << ' ' << i;
+                EXPECT_LT(at.indirect_error[c], 0.01 * expected);
+                EXPECT_GT(at.indirect_error[c], 0);
+            }
+        }
+        EXPECT_EQ(e[0].surroundings, glm::vec3(0));
+    }
+}
+
+// Glass between does not block light, here as for shadow rays; what is behind is met.
+TEST(Reference, PassesGlass)
+{
+    const auto irradiance = [](bool glass) {
+        scene::Scene scene;
+        scene.materials.resize(2);
+        scene.materials[1].transmission = 1;
+        scene.meshes.push_back(rectangle({2, 2}));
+        test::add_object(scene, 0);
+        add_sun(scene, {0, -1, 0}, glm::vec3(1));
+        scene.meshes.push_back(rectangle({2, 2}));
+        scene.meshes.back().parts[0].material = 1;
+        if (glass) {
+            test::add_object(scene, 1, scene::none, test::translation(0, 0.3, 0));
+            test::add_object(scene, 1, scene::none, test::translation(0, 0.4, 0));
+        }
+        const World world(test::finished(scene));
+        ReferenceOptions options;
+        options.samples = 256;
+        return world.irradiance({point_at({0, 0.7f, 0}, {0, -1, 0})}, options)[0].indirect.x;
+    };
+    EXPECT_FLOAT_EQ(irradiance(false), irradiance(true));
+    EXPECT_GT(irradiance(false), 0.5f);
+}
+
+std::vector<IrradiancePoint> points_of_cornell(const World& world, int side)
+{
+    std::vector<IrradiancePoint> points;
+    const render::View view = render::make_view(world.state, 0, {side, side});
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            glm::vec3 origin, direction;
+            float tnear, tfar;
+            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
+            const ray::Hit hit = world.rays.closest_single(origin, tnear, direction, tfar, ray::Sides::front);
+            if (hit.object == scene::none) continue;
+            points.push_back(render::irradiance_point(*world.scene, world.rays, hit.object, hit.triangle, hit.u, hit.v,
+                                                      -direction, points.size()));
+        }
+    return points;
+}
+
+// Two seeds differ by as much as both say they may: over many points, z has mean 0 and variance 1, a little more with
+// the 30 degrees of freedom that it is estimated with (30 / 28).
+TEST(Reference, SeedsDifferByTheirError)
+{
+    const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 3);
+    const auto points = points_of_cornell(world, 24);
+    ASSERT_GT(points.size(), 300u);
+    ReferenceOptions options;
+    options.samples = 1024;
+    options.seed = 1;
+    const auto a = world.irradiance(points, options);
+    options.seed = 2;
+    const auto b = world.irradiance(points, options);
+    double sum = 0, square = 0, worst = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double error = std::hypot(a[i].indirect_error.y, b[i].indirect_error.y);
+        if (!(error > 0)) continue;
+        const double z = static_cast<double>(a[i].indirect.y - b[i].indirect.y) / error;
+        sum += z, square += z * z, worst = std::max(worst, std::abs(z));
+        ++count;
+    }
+    ASSERT_GT(count, 300);
+    EXPECT_LT(std::abs(sum / count), 4 / std::sqrt(count));
+    EXPECT_NEAR(square / count, 30.0 / 28, 4 * 1.6 / std::sqrt(count));
+    EXPECT_LT(worst, 6);
+}
+
+// The error falls as paths are added, at least as fast as random numbers promise.
+TEST(Reference, MorePathsLessError)
+{
+    const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 1);
+    const auto points = points_of_cornell(world, 12);
+    double error[2];
+    for (int i = 0; i < 2; ++i) {
+        ReferenceOptions options;
+        options.samples = i == 0 ? 64 : 1024;
+        double sum = 0;
+        for (const IrradianceEstimate& e : world.irradiance(points, options))
+            sum += static_cast<double>(glm::dot(e.indirect_error, e.indirect_error));
+        error[i] = std::sqrt(sum);
+    }
+    EXPECT_LT(error[1], error[0] / 3);
+}
+
+// Lamps are asked one at a time; together they give what each gives alone.
+TEST(Reference, LightsAddUp)
+{
+    const auto scene_with = [](int mask) {
+        scene::Scene scene = closed_room();
+        const glm::vec3 colors[] = {{8, 1, 1}, {0.2f, 0.4f, 0.1f}, {0.1f, 3, 0.3f}};
+        for (int l = 0; l < 3; ++l) {
+            if (!(mask & (1 << l))) continue;
+            scene::Light light;
+            light.color = colors[l];
+            light.node = scene.add_node("", scene::none, test::translation(0.5 * l - 0.5, 0.3 * l, 0.2));
+            scene.lights.push_back(light);
+        }
+        return test::finished(scene);
+    };
+    ReferenceOptions options;
+    options.samples = 1 << 14;
+    options.bounces = 2;
+    const std::vector<IrradiancePoint> points{point_at({0, -0.5f, 0}, {0, -1, 0}),
+                                              point_at({0.3f, 0.1f, -0.4f}, {0.6f, 0.8f, 0}, 5)};
+    const auto together = World(scene_with(7)).irradiance(points, options);
+    std::vector<glm::dvec3> sum(2, glm::dvec3(0)), variance(2, glm::dvec3(0));
+    for (int l = 0; l < 3; ++l) {
+        options.seed = static_cast<std::uint64_t>(l + 1);
+        const auto one = World(scene_with(1 << l)).irradiance(points, options);
+        for (std::size_t i = 0; i < 2; ++i) {
+            sum[i] += glm::dvec3(one[i].indirect);
+            variance[i] += glm::dvec3(one[i].indirect_error * one[i].indirect_error);
+        }
+    }
+    for (std::size_t i = 0; i < 2; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double own = static_cast<double>(together[i].indirect_error[c]);
+            EXPECT_NEAR(static_cast<double>(together[i].indirect[c]), sum[i][c],
+                        4.5 * std::sqrt(variance[i][c] + own * own));
+        }
+}
+
+TEST(Reference, SameBytesForAnyNumberOfThreadsAndAnyCompany)
+{
+    const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 2);
+    const auto points = points_of_cornell(world, 10);
+    ReferenceOptions options;
+    options.samples = 100, options.bounces = 2;
+    const auto one = world.irradiance(points, options, 1);
+    for (const int threads : {2, 5}) {
+        const auto many = world.irradiance(points, options, threads);
+        ASSERT_EQ(one.size(), many.size());
+        EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof one[0]), 0) << threads;
+    }
+    const auto alone = world.irradiance({points[17]}, options, 1);
+    EXPECT_EQ(alone[0].indirect, one[17].indirect);
+    options.seed = 9;
+    EXPECT_NE(world.irradiance({points[17]}, options, 1)[0].indirect, one[17].indirect);
+}
+
+TEST(Reference, StopsWhenAsked)
+{
+    const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")));
+    const auto points = points_of_cornell(world, 10);
+    Tasks tasks(2);
+    ReferenceOptions options;
+    options.samples = 1000;
+    EXPECT_THROW(render::reference_irradiance(world.state, world.rays, points, options, tasks, nullptr,
+                                              [](const ProgressStep&) { return false; }),
+                 InterruptedError);
+}
+
+}   // namespace
+}   // namespace gnomon
