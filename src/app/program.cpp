@@ -37,6 +37,8 @@ int run_verb(const CommandLine& line)
             return run_bench_all(line, output);
         case Verb::bench_shadow_textures:
             return run_bench_shadow_textures(line, output);
+        case Verb::bench_indirect:
+            return run_bench_indirect(line, output);
         default:
             throw UsageError(fmt::format("{}: not built yet", line.verb->name));
     }

@@ -2,6 +2,7 @@
 // gnomon render: through the public interface alone.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -47,6 +48,14 @@ RenderOptions render_options(const OptionValues& values)
     options.samples = values.integer("samples");
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = tonemap_of(values.text("tonemap"));
+    if (values.flag("reference"))
+        options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
+                                                  static_cast<std::uint64_t>(values.integer("seed"))};
+    if (values.given("indirect") && values.flag("reference"))
+        throw UsageError("--reference is instead of --indirect: one of them");
+    for (const char* name : {"spp", "bounces", "seed"})
+        if (values.given(name) && !values.flag("reference"))
+            throw UsageError(fmt::format("--{} belongs to --reference", name));
     options.threads = values.integer("threads");
     std::string extension = std::filesystem::path(values.text("out")).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -73,8 +82,17 @@ FilmJob film_job(const OptionValues& values, const Scene& scene)
     return job;
 }
 
+Json indirect_of(const FrameRecord& record, bool reference)
+{
+    const FrameCounters::Indirect& counters = record.counters.indirect;
+    Json json = {{"clusters", counters.clusters}, {"rays", counters.rays}};
+    if (reference) json["noise"] = record.noise;
+    return json;
+}
+
 Json document_of(const CommandLine& line, const FilmResult& result)
 {
+    const bool reference = line.values.flag("reference");
     Json frames = Json::array();
     for (const FrameRecord& record : result.frames) {
         const FrameCounters& counters = record.counters;
@@ -87,7 +105,7 @@ Json document_of(const CommandLine& line, const FilmResult& result)
                           {"file", record.file.string()},
                           {"ms", record.milliseconds},
                           {"shadow", std::move(shadow)},
-                          {"indirect", {{"clusters", counters.indirect.clusters}, {"rays", counters.indirect.rays}}},
+                          {"indirect", indirect_of(record, reference)},
                           {"draws", counters.draws}});
         if (counters.kdtree) {
             const auto work = [](const FrameCounters::KdTree::Work& of) {
@@ -100,22 +118,28 @@ Json document_of(const CommandLine& line, const FilmResult& result)
                                        {"indirect", work(counters.kdtree->indirect)}};
         }
     }
-    return {{"version", std::string(version())},
-            {"scene", line.positionals[0]},
-            {"renderer", line.values.text("renderer")},
-            {"device", processor_name()},
-            {"width", result.size.width},
-            {"height", result.size.height},
-            {"frames", std::move(frames)},
-            {"peak_memory_bytes", peak_memory_bytes()}};
+    Json document = {
+        {"version", std::string(version())}, {"scene", line.positionals[0]}, {"renderer", line.values.text("renderer")},
+        {"device", processor_name()},        {"width", result.size.width},   {"height", result.size.height}};
+    if (reference)
+        document["reference"] = {{"spp", line.values.integer("spp")},
+                                 {"bounces", line.values.integer("bounces")},
+                                 {"seed", line.values.integer("seed")}};
+    document["frames"] = std::move(frames);
+    document["peak_memory_bytes"] = peak_memory_bytes();
+    return document;
 }
 
 std::string summary_of(const FilmResult& result, double seconds)
 {
     const std::size_t count = result.frames.size();
-    const std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
-                                           result.size.height, duration_text(seconds));
+    std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
+                                     result.size.height, duration_text(seconds));
     if (result.files.empty()) return fmt::format("nothing to do ({})", frames);
+    // Of the noisiest frame.
+    double noise = 0;
+    for (const FrameRecord& record : result.frames) noise = std::max(noise, record.noise);
+    if (noise > 0) frames += fmt::format(", noise {:.2f} %", 100 * noise);
     if (result.files.size() == 1) return fmt::format("{} ({})", result.files[0].string(), frames);
     return fmt::format("{} ... {} ({})", result.files.front().string(), result.files.back().string(), frames);
 }
@@ -154,6 +178,8 @@ int run_render(const CommandLine& line, Output& output)
 
     const FilmResult result =
         render_film(scene, renderer, film_job(values, scene), progress, [&](const FrameRecord& r) {
+            if (values.flag("reference") && !r.kept)
+                output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
             output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
                                  : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted",
                                                r.frame, r.milliseconds, r.counters.shadow.rays,

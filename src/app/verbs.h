@@ -16,6 +16,7 @@ int run_bench_trace(const CommandLine& line, Output& output);
 int run_bench_culling(const CommandLine& line, Output& output);
 int run_bench_all(const CommandLine& line, Output& output);
 int run_bench_shadow_textures(const CommandLine& line, Output& output);
+int run_bench_indirect(const CommandLine& line, Output& output);
 
 /// Loads the scene that a verb names first, and applies --fps, --light and --lights where it has them.
 Scene load_scene(const CommandLine& line, const Progress& progress);

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// render --reference and bench indirect, from outside.
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> reference(const std::string& out, std::vector<std::string> more)
+{
+    std::vector<std::string> arguments{"render", "builtin:cornell", "-o",     out,          "--frame", "3",
+                                       "--size", "32x24",           "--json", "--exposure", "0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+TEST(ReferencePicture, SaysWhatItIsAndHowNoisy)
+{
+    const ScratchFolder folder;
+    double noise[2];
+    for (int i = 0; i < 2; ++i) {
+        const Outcome outcome = run(reference(folder / "p.exr", {"--reference", "--spp", i == 0 ? "16" : "256"}));
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const json document = outcome.json();
+        EXPECT_EQ(document["reference"], (json{{"spp", i == 0 ? 16 : 256}, {"bounces", 1}, {"seed", 0}}));
+        noise[i] = document["frames"][0]["indirect"]["noise"].get<double>();
+        EXPECT_GT(document["frames"][0]["indirect"]["rays"].get<int>(), 32 * 24);
+    }
+    EXPECT_GT(noise[1], 0);
+    EXPECT_LT(noise[1], noise[0] / 2);
+}
+
+TEST(ReferencePicture, SameSeedSameBytes)
+{
+    const ScratchFolder folder;
+    const auto bytes = [&](std::vector<std::string> more) {
+        const std::string out = folder / "p.exr";
+        more.insert(more.end(), {"--reference", "--spp", "16"});
+        const Outcome outcome = run(reference(out, more));
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return bytes_of(out);
+    };
+    const auto first = bytes({"--seed", "7", "--threads", "1"});
+    EXPECT_EQ(first, bytes({"--seed", "7", "--threads", "3"}));
+    EXPECT_NE(first, bytes({"--seed", "8"}));
+}
+
+TEST(ReferencePicture, NoBounceIsDirectLight)
+{
+    const ScratchFolder folder;
+    const auto picture = [&](const std::string& name, std::vector<std::string> more) {
+        const std::string out = folder / name;
+        const Outcome outcome = run(reference(out, std::move(more)));
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return out;
+    };
+    const std::string none = picture("none.exr", {"--reference", "--spp", "4", "--bounces", "0"});
+    const std::string one = picture("one.exr", {"--reference", "--spp", "64"});
+    const std::string off = picture("off.exr", {"--indirect", "off"});
+    const auto difference = [&](const std::string& a, const std::string& b) {
+        return run({"compare", a, b, "--layer", "direct", "--json"}).json()["max_abs"].get<double>();
+    };
+    EXPECT_EQ(difference(none, off), 0);
+    EXPECT_EQ(difference(one, off), 0);
+    EXPECT_GT(run({"compare", one, none, "--json"}).json()["rmse"].get<double>(), 1e-3);
+}
+
+TEST(ReferencePicture, OptionsThatContradictAreRefused)
+{
+    const ScratchFolder folder;
+    expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
+    for (const char* option : {"--spp", "--bounces", "--seed"})
+        expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "belongs to --reference");
+    expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
+}
+
+TEST(BenchIndirect, Document)
+{
+    const ScratchFolder folder;
+    const std::filesystem::path kept = folder.path() / "kept";
+    const auto bench = [&] {
+        return run({"bench", "indirect", "builtin:cornell", "--frames", "1-4", "--size", "96x96", "--spp", "64",
+                    "--judged", "2", "--keep-references", kept.string(), "--threads", "2", "--json"});
+    };
+    const Outcome outcome = bench();
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    for (const char* key : {"device", "reference_noise", "rows"}) EXPECT_TRUE(document.contains(key)) << key;
+    EXPECT_EQ(document["judged_frames"], (json{1, 3}));
+    EXPECT_GT(document["reference_noise"].get<double>(), 0);
+    ASSERT_EQ(document["rows"].size(), 1u);
+    const json& row = document["rows"][0];
+    for (const char* key :
+         {"method", "clusters", "ms_cold", "ms_static", "ms_moving", "ms_repair", "ms_rebuild", "dirty_pixels",
+          "dirty_nodes", "nrmse", "nrmse_brute", "energy_ratio", "flicker", "rays", "bytes"})
+        EXPECT_TRUE(row.contains(key)) << key;
+    EXPECT_EQ(row["method"], "visible");
+    EXPECT_LT(row["nrmse"].get<double>(), 0.4);
+    EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.15);
+    EXPECT_GT(row["rays"].get<int>(), 0);
+
+    // From kept references: the same figures, and a file that is not whole is as good as none.
+    const auto same_as_before = [&](const Outcome& again) {
+        const json rows = again.json()["rows"];
+        for (const char* key : {"nrmse", "energy_ratio", "flicker", "flicker_floor", "rays"})
+            EXPECT_EQ(rows[0][key], row[key]) << key;
+    };
+    EXPECT_GT(names_in(kept).size(), 2u);
+    same_as_before(bench());
+    for (const std::string& name : names_in(kept)) std::filesystem::resize_file(kept / name, 40);
+    same_as_before(bench());
+}
+
+TEST(BenchIndirect, UnknownMethodsAreRefused)
+{
+    for (const char* method : {"guess", "visible:3"})
+        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "no method");
+}
+
+}   // namespace
+}   // namespace gnomon::test
