@@ -17,6 +17,9 @@ namespace gnomon::light_quadtree::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float k_tiny = 1e-30f;
+constexpr float k_second_order = 0.5f;   // largest A / (pi d^2) for which a kernel's second order helps
+constexpr float k_mixed = 0.1f;          // spread of normals above which one place cannot speak for a node
+constexpr float k_horizon = 0.1f;        // cosine at the point below which it cannot either
 
 // What the four emitters of a quad may do at a point.
 struct Four {
@@ -39,29 +42,39 @@ HWY_INLINE void evaluate(const EmitterQuad& q, const glm::vec3& origin, const gl
     const auto inverse = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
     const auto area = hn::Mul(hn::LoadU(d, q.area), inverse_pi);
     const auto flux = hn::LoadU(d, q.flux);
-    const auto kernel = hn::Mul(hn::Div(inverse_pi, hn::Add(hn::Add(square, area), tiny)), flux);
-    const auto width = hn::Mul(hn::LoadU(d, q.radius), inverse);
-    const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::Set(d, normal.x)), hn::Mul(y, hn::Set(d, normal.y))),
-                                          hn::Mul(z, hn::Set(d, normal.z))),
-                                  inverse);
-    const auto emitter =
-        hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, hn::LoadU(d, q.nx)), hn::Mul(y, hn::LoadU(d, q.ny))),
-                                hn::Mul(z, hn::LoadU(d, q.nz))),
-                        inverse));
-    const auto r = hn::Max(receiver, zero), e = hn::Max(emitter, zero);
-    hn::StoreU(hn::Mul(hn::Mul(r, e), kernel), d, four.light);
-    hn::StoreU(hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Add(e, width), one)), kernel), d,
-               four.most);
-    hn::StoreU(width, d, four.width);
     const auto nx = hn::LoadU(d, q.nx), ny = hn::LoadU(d, q.ny), nz = hn::LoadU(d, q.nz);
-    hn::StoreU(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), d, four.spread);
+    const auto mx = hn::Set(d, normal.x), my = hn::Set(d, normal.y), mz = hn::Set(d, normal.z);
+    const auto width = hn::Mul(hn::LoadU(d, q.radius), inverse);
+    const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, mx), hn::Mul(y, my)), hn::Mul(z, mz)), inverse);
+    const auto emitter = hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, nx), hn::Mul(y, ny)), hn::Mul(z, nz)), inverse));
+    const auto r = hn::Max(receiver, zero), e = hn::Max(emitter, zero);
+    const auto disk = hn::Mul(hn::Div(inverse_pi, hn::Add(hn::Add(square, area), tiny)), flux);
+    const auto spread =
+        hn::Max(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), zero);
+    hn::StoreU(spread, d, four.spread);
+    const auto room = hn::Add(width, hn::Sqrt(spread));
+    hn::StoreU(
+        hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Max(hn::Add(emitter, room), zero), one)), disk), d,
+        four.most);
+    // The kernel's mean over a disk to second order, as far as that holds (point_kernels.h).
+    const auto solid = hn::Div(area, hn::Max(square, tiny));
+    const auto near = hn::Min(solid, hn::Set(d, k_second_order)), beyond = hn::Sub(solid, near);
+    const auto mutual = hn::Add(hn::Add(hn::Mul(nx, mx), hn::Mul(ny, my)), hn::Mul(nz, mz));
+    const auto change = hn::Mul(
+        near, hn::Sub(hn::Mul(receiver, hn::Sub(one, hn::Mul(hn::Set(d, 3.0f), hn::Mul(e, e)))), hn::Mul(mutual, e)));
+    const auto more = hn::Max(hn::Add(receiver, change), zero);
+    const auto less = hn::Div(hn::Mul(r, r), hn::Max(hn::Sub(r, change), tiny));
+    const auto cosine = hn::IfThenElse(hn::Gt(change, zero), more, less);
+    const auto kernel = hn::Mul(hn::Div(inverse_pi, hn::Max(hn::Mul(square, hn::Add(one, beyond)), tiny)), flux);
+    hn::StoreU(hn::Mul(hn::Mul(cosine, e), kernel), d, four.light);
+    hn::StoreU(width, d, four.width);
     const auto there = hn::And(hn::Gt(flux, zero), hn::Gt(hn::Add(receiver, width), zero));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, there, bits);
     four.there = bits[0] & 15u;
 }
 
-// A node's light from its parts: the kernel is convex, its value at the mean position is too small.
+// A node's light from its parts.
 HWY_INLINE float of_parts(const EmitterTree& tree, NodeId below, float whole, const glm::vec3& origin,
                           const glm::vec3& normal)
 {
@@ -108,7 +121,7 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
         if (!(total > 0)) break;
         total = estimate(tree, options, origin, normal, share * total, stack);
     }
-    Four four;
+    Four four, parts;
     // Refine.
     const float wrong = options.error * total, negligible = options.negligible * total;
     float kept = 0;
@@ -130,11 +143,27 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
                     continue;
                 }
             }
-            const float light = of_parts(tree, below, four.light[i], origin, normal);
-            if (!(light > negligible)) continue;
-            nodes.push_back(id);
-            weights.push_back(light / quad.flux[i]);
-            kept += light;
+            const auto keep = [&](NodeId node, float flux, float light) {
+                if (!(light > negligible)) return;
+                nodes.push_back(node);
+                weights.push_back(light / flux);
+                kept += light;
+            };
+            if (below == scene::none) {
+                keep(id, quad.flux[i], four.light[i]);
+                continue;
+            }
+            evaluate(tree.quad(below), origin, normal, parts);
+            // One place must be able to speak for the whole node: on a side that can be seen, above the horizon. Else
+            // the node would be lost with it.
+            const glm::vec3 to = tree.samples().at(id) - origin;
+            if (four.spread[i] > k_mixed || glm::dot(to, normal) < k_horizon * glm::length(to)) {
+                for (unsigned part = 0; part < 4; ++part)
+                    if ((parts.there >> part) & 1)
+                        keep(4 * below + part, tree.quad(below).flux[part], parts.light[part]);
+            } else {
+                keep(id, quad.flux[i], (parts.light[0] + parts.light[1]) + (parts.light[2] + parts.light[3]));
+            }
         }
     }
     // Coarse nodes are too dark, since the kernel is convex: share out what they lack.

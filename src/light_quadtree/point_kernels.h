@@ -3,8 +3,10 @@
 // The inner loops of the visible scheme for one surface point, with what the processor at hand offers (Highway): its
 // cut through the emitters' tree, and the sum over what it sees.
 //
-// Irradiance from a node of flux P at distance d: P / pi * cosine at the emitter * cosine at the point / (d^2 + A /
-// pi). The disk's kernel stays finite where surfaces meet.
+// Irradiance from a node of flux P and area A at distance d, its cosine e, the point's r, m that between their normals:
+// P / (pi d^2) * e * (r + g (r (1 - 3 e^2) - m e)), g = A / (pi d^2): the mean over a disk to second order in its
+// radius. For a disk that faces the point, r = e = -m = 1, the first terms of 1 / (d^2 + A / pi). Less than nothing is
+// written as a quotient, and g beyond 1/2 only widens the distance, so that it stays finite where surfaces meet.
 
 #include <vector>
 
@@ -13,7 +15,7 @@
 namespace gnomon::light_quadtree {
 
 struct CutOptions {
-    float error = 0.02f;        // a node that may be wrong by more than this share of all light is refined,
+    float error = 0.04f;        // a node that may be wrong by more than this share of all light is refined,
     float nearest = 0.6f;       // all the more if it is wider than this share of its distance
     float negligible = 1e-5f;   // shares smaller than this are left out
 };

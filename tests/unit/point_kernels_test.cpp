@@ -75,6 +75,45 @@ TEST(PointKernels, SumsAsAPlainLoopDoes)
     }
 }
 
+TEST(PointKernels, ACutBringsTheLightOfAllLeaves)
+{
+    const World world;
+    std::mt19937 random(11);
+    const auto number = [&] { return static_cast<float>(random() % 2000) / 1000 - 1; };
+    std::vector<NodeId> nodes, stack;
+    std::vector<float> weights;
+    double sum = 0, brute_sum = 0, worst = 0, below = 0;
+    for (int i = 0; i < 40; ++i) {
+        const glm::vec3 origin = 0.9f * glm::vec3(number(), number(), number());
+        const glm::vec3 normal = glm::normalize(glm::vec3(number(), number(), number()) + glm::vec3(1e-3f));
+        cut_tree(world.tree, {}, origin, normal, nodes, weights, stack);
+        double light = 0, brute = 0;
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const auto part = static_cast<double>(weights[k] * world.tree.quad(nodes[k] / 4).flux[nodes[k] % 4]);
+            light += part;
+            if (glm::dot(world.tree.samples().at(nodes[k]) - origin, normal) <= 0) below += part;
+        }
+        for (NodeId id = 0; id < world.tree.size(); ++id) {
+            if (world.tree.children(id) != scene::none) continue;
+            const EmitterQuad& quad = world.tree.quad(id / 4);
+            const NodeId lane = id % 4;
+            if (!(quad.flux[lane] > 0)) continue;
+            const glm::dvec3 to(glm::vec3(quad.x[lane], quad.y[lane], quad.z[lane]) - origin);
+            const double d2 = glm::dot(to, to);
+            const double r = glm::dot(to, glm::dvec3(normal)) / std::sqrt(d2);
+            const double e = -glm::dot(to, glm::dvec3(quad.nx[lane], quad.ny[lane], quad.nz[lane])) / std::sqrt(d2);
+            if (r <= 0 || e <= 0) continue;
+            brute += static_cast<double>(quad.flux[lane]) * r * e / (k_pi * d2 + static_cast<double>(quad.area[lane]));
+        }
+        sum += light, brute_sum += brute;
+        worst = std::max(worst, std::abs(light - brute) / brute);
+        EXPECT_LT(nodes.size(), 2000u);
+    }
+    EXPECT_NEAR(sum / brute_sum, 1, 0.01);
+    EXPECT_LT(worst, 0.06);
+    EXPECT_LT(below / sum, 0.002) << "lost: the place that is asked for a node lies below the horizon";
+}
+
 TEST(PointKernels, FindsWhatMoversMayChange)
 {
     const World world;
