@@ -96,6 +96,7 @@ class Run {
         if (paper_) result.paper_bytes = paper_->culling().bytes();
         if (!culling_) return;
         result.bytes = culling_->bytes();
+        result.mask_bytes = culling_->mask_bytes();
         result.visible_triangles = culling_->visible_triangles();
         const auto pairs = static_cast<double>(result.visible_triangles * scene_.lights.size());
         if (pairs > 0) result.bytes_per_triangle_light = static_cast<double>(result.bytes) / pairs;

@@ -12,8 +12,11 @@
 // evidence: rays blocked and free in one part make it PARTIAL at no cost; else the one certificate that the evidence
 // allows is tried, from the coarsest open part down.
 //
-// Cost a frame: one look-up a query, the rays of PARTIAL parts and of moving receivers, and certificates for what came
-// into view. What stands still and was seen before costs the look-up alone.
+// What moves is asked of a picture of its outlines as the light sees them, drawn where enough points ask
+// (mover_mask.h); it also answers points on movers. What it cannot tell is traced.
+//
+// Cost a frame: one look-up a query, the mask, the rays of PARTIAL parts and along the movers' outlines, and
+// certificates for what came into view. What stands still and was seen before costs the look-up alone.
 
 #include <memory>
 #include <span>
@@ -24,7 +27,9 @@
 #include "shadow_culling/certificates.h"
 #include "shadow_culling/look_up.h"
 #include "shadow_culling/mover_bounds.h"
+#include "shadow_culling/mover_mask.h"
 #include "shadow_culling/shadow_memory.h"
+#include "shadow_culling/shadow_point.h"
 
 namespace gnomon::shadow_culling {
 
@@ -33,24 +38,8 @@ struct CertifiedOptions {
     std::size_t memory = 256u << 20;   // bytes for states and evidence; least recently seen go first
     double rim_margins = 2;            // width of a receiver's rim (rim.h), in margins of the certificates
     CertificateOptions certificates;
+    MaskOptions mask;
     float ray_end = 0.9999f;   // shadow rays end at this fraction of the way to a lamp
-};
-
-/// From where the picture is taken: sets how fine parts get, never what they say.
-struct CullingView {
-    glm::vec3 eye{0};
-    float pixel_spread = 0;   // growth of a pixel's width per unit of distance; 0: orthographic
-    float pixel_width = 0;    // its width at the eye
-};
-
-/// One shading point.
-struct ShadowPoint {
-    glm::vec3 origin{0};   // where its shadow rays start: above the surface on the viewer's side
-    glm::vec3 normal{0};   // geometric, unit, on that side
-    scene::ObjectId object = scene::none;
-    std::uint32_t triangle = 0;
-    float u = 0, v = 0;
-    bool front = true;   // the side is that of the world-space winding
 };
 
 struct CullingCounters {
@@ -95,12 +84,17 @@ class CertifiedCulling {
     const CullingCounters& counters() const { return counters_; }
     /// States, evidence and records.
     std::size_t bytes() const;
+    /// The mask of movers: room that is used afresh every frame.
+    std::size_t mask_bytes() const;
     std::size_t visible_triangles() const { return memory_->live_records(); }
 
  private:
     struct Lamp;
     void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
-    void queue_dynamic(Batch& batch, const Lamp& lamp, std::uint32_t point) const;
+    void ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
+    void trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
+    void note_seen(Batch& batch, int light);
+    bool may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const;
     void rebuild();
     RimCodes rim_of_record(RecordId record) const;
     std::uint32_t wanted_level(TriangleId triangle) const;
@@ -112,7 +106,8 @@ class CertifiedCulling {
     std::unique_ptr<StaticTriangles> triangles_;
     std::unique_ptr<ShadowMemory> memory_;
     std::unique_ptr<MoverBounds> movers_;
-    std::vector<char> light_on_;             // its states count: it stands still
+    std::unique_ptr<MoverMask> mask_;
+    std::vector<char> light_on_;   // its states count: it stands still
     bool any_light_on_ = true;
     std::vector<char> lifted_;               // by object: static, but moved by hand
     std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
@@ -126,8 +121,13 @@ class CertifiedCulling::Batch {
 
  private:
     friend class CertifiedCulling;
+    static constexpr std::size_t k_strip = 128;   // points that follow each other and share a box
+
+    void find_bounds();
+
     std::span<const ShadowPoint> points;
     Box3 bounds;
+    std::vector<Box3> strip_bounds;     // of every k_strip points
     LookUp at;                          // by point; no slot: not remembered (moving receiver, rim, or no room)
     std::vector<RecordId> record;       // by point
     std::vector<std::uint8_t> states;   // by group, then point
@@ -136,8 +136,12 @@ class CertifiedCulling::Batch {
     // Scratch of shadow().
     ray::RayQueue static_rays, dynamic_rays;
     std::vector<std::uint32_t> static_point, dynamic_point;
+    std::vector<std::uint8_t> then_movers;   // by static ray: 1 where what moves is asked if nothing static is hit
     std::vector<std::uint8_t> hit;
     std::vector<Box3> movers;
+    MoverMask::Asked asked;
+    std::vector<std::uint8_t> strip_open;   // by strip: 1 where a mover may be in the way
+    std::vector<std::uint8_t> open;         // by question: 1 where what stands still may be in the way
 };
 
 }   // namespace gnomon::shadow_culling

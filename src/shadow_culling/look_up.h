@@ -7,28 +7,40 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "shadow_culling/shadow_memory.h"
+#include "shadow_culling/shadow_point.h"
 
 namespace gnomon::shadow_culling {
 
 /// Arrays are read and written in steps of this many points.
 inline constexpr std::size_t k_look_up_step = 16;
 
-/// Points on remembered triangles, by point; all arrays are padded to the step.
+/// Points on remembered triangles; arrays by point are padded to the step. Points that follow each other mostly lie on
+/// one triangle: what is the triangle's is kept once for each run of them.
 struct LookUp {
-    std::vector<float> u, v;                      // in the triangle
-    std::vector<float> rim_u, rim_v, per_inner;   // of the triangle's rim (rim.h)
-    std::vector<float> divisions;                 // of each axis at the finest level: 2^level
-    std::vector<std::uint32_t> slot;   // where the finest level begins, then the part; k_no_slot: not remembered
+    struct Run {
+        std::uint32_t first;             // point; the run ends where the next one begins
+        std::uint32_t begin;             // where the triangle's finest level begins; k_no_slot: not remembered
+        float rim_u, rim_v, per_inner;   // of the triangle's rim (rim.h)
+        float divisions;                 // of each axis at the finest level: 2^level
+    };
+    std::vector<glm::vec2> uv;         // in the triangle
+    std::vector<std::uint32_t> slot;   // of the part; k_no_slot: not remembered, or in the rim
+    std::vector<Run> runs;
+    std::size_t count = 0;   // points
 
+    /// Room for points, and no runs.
     void resize(std::size_t points);
 };
 
-/// Turns the beginnings in `points.slot` into parts; k_no_slot in the rim.
+Box3 bounds_of(std::span<const ShadowPoint> points);
+
+/// Finds the parts of all points: `slot`.
 void find_parts(LookUp& points);
-/// out[k] = states[slot[k]] & mask; 0 without a slot.
+/// out[k] = states[slot[k]] & mask; 0 without a slot. For the points of all runs.
 /// @param out  padded, too
 void fetch_states(const LookUp& points, const std::uint8_t* states, std::uint8_t mask, std::uint8_t* out);
 

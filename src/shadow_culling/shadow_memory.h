@@ -35,6 +35,7 @@ inline constexpr std::size_t k_read_pad = 3;
 
 /// Record of one side of one static triangle: 2 * triangle + (front ? 0 : 1).
 using RecordId = std::uint32_t;
+inline constexpr RecordId k_no_record = k_no_slot;   // of points on what moves
 
 class ShadowMemory {
  public:

@@ -74,13 +74,13 @@ bool Shaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
     return true;
 }
 
-bool Shaft::clip(const glm::dvec3 (&p)[3], ClippedPolygon& clipped) const
+bool clip_triangle(const std::array<Plane, 4>& planes, const glm::dvec3 (&p)[3], ClippedPolygon& clipped)
 {
     // Most triangles lie outside one plane, and need no cutting.
     double at[4][3];
     bool cuts[4];
-    for (std::size_t k = 0; k < planes_.size(); ++k) {
-        for (int c = 0; c < 3; ++c) at[k][c] = planes_[k].at(p[c]);
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+        for (int c = 0; c < 3; ++c) at[k][c] = planes[k].at(p[c]);
         const int outside = (at[k][0] < 0) + (at[k][1] < 0) + (at[k][2] < 0);
         if (outside == 3) return false;
         cuts[k] = outside > 0;
@@ -91,9 +91,9 @@ bool Shaft::clip(const glm::dvec3 (&p)[3], ClippedPolygon& clipped) const
     ClippedPolygon *now = &clipped, *next = &other;
     now->corner[0] = p[0], now->corner[1] = p[1], now->corner[2] = p[2];
     now->count = 3;
-    for (std::size_t k = 0; k < planes_.size(); ++k) {
+    for (std::size_t k = 0; k < planes.size(); ++k) {
         if (!cuts[k]) continue;
-        const Plane& plane = planes_[k];
+        const Plane& plane = planes[k];
         next->count = 0;
         const glm::dvec3* before = &now->corner[static_cast<std::size_t>(now->count - 1)];
         double before_at = plane.at(*before);

@@ -31,6 +31,9 @@ struct ClippedPolygon {
     int count = 0;
 };
 
+/// Whether a triangle has a point inside all planes; to the precision of doubles. `clipped` gets what lies inside.
+bool clip_triangle(const std::array<Plane, 4>& planes, const glm::dvec3 (&p)[3], ClippedPolygon& clipped);
+
 class Shaft {
  public:
     /// @param corner    of the piece, in the receiving triangle's plane
@@ -54,7 +57,7 @@ class Shaft {
     /// Conservative: may be true for a box outside.
     bool may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const;
     /// Whether a triangle has a point inside; to the precision of doubles. `clipped` gets what lies inside.
-    bool clip(const glm::dvec3 (&p)[3], ClippedPolygon& clipped) const;
+    bool clip(const glm::dvec3 (&p)[3], ClippedPolygon& clipped) const { return clip_triangle(planes_, p, clipped); }
     /// Whether a segment has a point inside.
     bool meets_segment(const glm::dvec3& a, const glm::dvec3& b) const;
 

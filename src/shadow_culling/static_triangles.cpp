@@ -212,6 +212,48 @@ bool StaticTriangles::any_in(const Shaft& shaft, TriangleId receiver) const
     return false;
 }
 
+double StaticTriangles::least_height(const std::array<Plane, 4>& sides, const Plane& plane) const
+{
+    double least = std::numeric_limits<double>::infinity();
+    // A box's corner at which a plane is lowest or highest.
+    const auto corner = [](const Node& node, const glm::dvec3& direction, bool furthest) {
+        glm::dvec3 p;
+        for (int axis = 0; axis < 3; ++axis)
+            p[axis] = static_cast<double>((direction[axis] > 0) == furthest ? node.high[axis] : node.low[axis]);
+        return p;
+    };
+    const auto may_matter = [&](const Node& node) {
+        for (const Plane& side : sides)
+            if (side.at(corner(node, side.normal, true)) < 0) return false;
+        return plane.at(corner(node, plane.normal, false)) < least;
+    };
+    std::array<std::uint32_t, 128> stack;
+    std::size_t top = 0;
+    if (!nodes_.empty()) stack[top++] = 0;
+    while (top > 0) {
+        const Node& node = nodes_[stack[--top]];
+        if (!may_matter(node)) continue;
+        if (node.count == 0) {
+            GNOMON_CHECK_LE(top + 2, stack.size());
+            // The lower child first.
+            const bool swap = plane.at(corner(nodes_[node.first], plane.normal, false)) >
+                              plane.at(corner(nodes_[node.first + 1], plane.normal, false));
+            stack[top++] = node.first + (swap ? 0 : 1);
+            stack[top++] = node.first + (swap ? 1 : 0);
+            continue;
+        }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            const StaticTriangle& t = triangles_[order_[i]];
+            const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
+            ClippedPolygon clipped;
+            if (!clip_triangle(sides, p, clipped)) continue;
+            for (int c = 0; c < clipped.count; ++c)
+                least = std::min(least, plane.at(clipped.corner[static_cast<std::size_t>(c)]));
+        }
+    }
+    return least;
+}
+
 void StaticTriangles::along(const glm::dvec3& origin, const glm::dvec3& to_end, std::size_t most,
                             std::vector<TriangleId>& found) const
 {

@@ -6,6 +6,7 @@
 // are tested against. Edges are matched by the bits of their end points: what does not match to the bit is not
 // watertight, and no certificate may pass over it.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,6 +23,7 @@ struct StaticTriangle {
 };
 
 class Shaft;
+struct Plane;
 
 class StaticTriangles {
  public:
@@ -46,6 +48,10 @@ class StaticTriangles {
     /// Whether any triangle that can block light, opaque or masked, other than `receiver`, meets the shaft.
     /// Conservative: may say yes where none does.
     bool any_in(const Shaft& shaft, TriangleId receiver) const;
+
+    /// The least height over a plane of what lies inside four others, of triangles that can block light; infinite if
+    /// nothing does.
+    double least_height(const std::array<Plane, 4>& sides, const Plane& plane) const;
 
     /// Opaque triangles that the segment origin + [0, 1] * to_end passes through, at most `most`, in no particular
     /// order.

@@ -9,6 +9,7 @@
 #include "render/traced_frame.h"
 #include "scene/builtin.h"
 #include "shadow_culling/certified_culling.h"
+#include "soup.h"
 #include "support.h"
 
 namespace gnomon {
@@ -71,108 +72,25 @@ TEST(CulledFrame, LeavesRaysOutFromTheSecondFrameOn)
 // --- Random triangle soups: lights anywhere, on and inside geometry too; points everywhere; what is remembered is
 // asked again and again, and must be what rays say.
 
-class Soup {
- public:
-    explicit Soup(std::uint64_t seed) : random_(seed)
-    {
-        scene_.materials.emplace_back();
-        scene_.materials.back().double_sided = true;
-        const int meshes = 2 + static_cast<int>(random_.below(4));
-        for (int m = 0; m < meshes; ++m) add_mesh();
-        const int lights = 1 + static_cast<int>(random_.below(6));
-        for (int l = 0; l < lights; ++l) add_light();
-        scene_.finish();
-    }
-    std::shared_ptr<const scene::Scene> take() { return std::make_shared<scene::Scene>(std::move(scene_)); }
-
- private:
-    glm::vec3 anywhere(float reach)
-    {
-        return {random_.uniform(-reach, reach), random_.uniform(-reach, reach), random_.uniform(-reach, reach)};
-    }
-    void add_mesh()
-    {
-        scene::Mesh mesh;
-        if (random_.below(2)) {   // a bumpy sheet: shared edges, silhouettes, contact
-            constexpr std::uint32_t n = 7;
-            const glm::vec3 at = anywhere(1), u = anywhere(1), v = anywhere(1);
-            for (std::uint32_t j = 0; j <= n; ++j)
-                for (std::uint32_t i = 0; i <= n; ++i)
-                    mesh.positions.push_back(at + u * (static_cast<float>(i) / n) + v * (static_cast<float>(j) / n) +
-                                             anywhere(0.05f));
-            for (std::uint32_t j = 0; j < n; ++j)
-                for (std::uint32_t i = 0; i < n; ++i) {
-                    const std::uint32_t a = j * (n + 1) + i;
-                    mesh.triangles.emplace_back(a, a + 1, a + n + 2);
-                    mesh.triangles.emplace_back(a, a + n + 2, a + n + 1);
-                }
-        } else {
-            for (std::uint32_t t = 0; t < 20; ++t) {
-                const glm::vec3 at = anywhere(1.5f);
-                for (int c = 0; c < 3; ++c) mesh.positions.push_back(at + anywhere(0.7f));
-                mesh.triangles.emplace_back(3 * t, 3 * t + 1, 3 * t + 2);
-            }
-            mesh.triangles.emplace_back(0, 0, 1);   // degenerate
-        }
-        mesh.parts = {{0, 0, static_cast<std::uint32_t>(mesh.triangles.size())}};
-        const scene::NodeId node = scene_.add_node("", scene::none);
-        scene_.nodes[node].mesh = static_cast<scene::MeshId>(scene_.meshes.size());
-        scene_.meshes.push_back(std::move(mesh));
-    }
-    void add_light()
-    {
-        scene::Light light;
-        light.type = random_.below(4) == 0 ? scene::LightType::directional : scene::LightType::point;
-        glm::vec3 at = anywhere(3);
-        if (random_.below(4) == 0)
-            at = scene_.meshes[0]
-                     .positions[random_.below(static_cast<std::uint32_t>(scene_.meshes[0].positions.size()))];
-        glm::dmat4 place(1);
-        const glm::dvec3 z = glm::normalize(glm::dvec3(anywhere(1)) + glm::dvec3(1e-3));
-        glm::vec3 s, t;
-        make_basis(glm::vec3(z), s, t);
-        place[0] = glm::dvec4(s, 0), place[1] = glm::dvec4(t, 0), place[2] = glm::dvec4(z, 0),
-        place[3] = glm::dvec4(at, 1);
-        light.node = scene_.add_node("", scene::none, place);
-        scene_.lights.push_back(light);
-    }
-    Random random_;
-    scene::Scene scene_;
-};
-
 // Asks `rounds` batches of random surface points and returns how many answers differ from single rays.
-std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipped)
+std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipped, std::size_t movers = 0)
 {
     using namespace shadow_culling;
-    const auto scene = Soup(seed).take();
+    const auto scene = Soup(seed, static_cast<int>(movers)).take();
     scene::SceneState state(scene, 0);
-    const ray::RayScene rays(state);
-    CertifiedCulling culling(state, rays, {});
+    ray::RayScene rays(state);
+    CertifiedOptions options;
+    if (movers > 0) options.mask.asked = 1;
+    CertifiedCulling culling(state, rays, options);
     Tasks one(1);
     Random random(seed, 77);
     std::uint64_t wrong = 0;
     for (int round = 0; round < rounds; ++round) {
+        if (movers > 0 && round % 3 != 2) move_last(*scene, state, random, movers);
         state.advance(0);
+        rays.update(state);
         culling.begin_frame(state, rays, {glm::vec3(0, 0, 4), 0.004f, 0});
-        std::vector<ShadowPoint> points;
-        for (int i = 0; i < 400; ++i) {
-            ShadowPoint p;
-            p.object = random.below(static_cast<std::uint32_t>(scene->objects.size()));
-            const ray::ObjectGeometry& g = rays.geometry(p.object);
-            p.triangle = random.below(static_cast<std::uint32_t>(g.mesh->triangles.size()));
-            p.u = random.uniform(), p.v = random.uniform();
-            if (p.u + p.v > 1) p.u = 1 - p.u, p.v = 1 - p.v;
-            p.front = random.below(2);
-            glm::vec3 c[3];
-            g.corners(p.triangle, c);
-            const glm::vec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]);
-            if (!(glm::length(cross) > 0)) continue;
-            p.normal = glm::normalize(p.front ? cross : -cross);
-            float largest = 0;
-            for (const glm::vec3& q : c) largest = std::max({largest, std::abs(q.x), std::abs(q.y), std::abs(q.z)});
-            p.origin = std::max(0.0f, 1 - p.u - p.v) * c[0] + p.u * c[1] + p.v * c[2] + 2e-6f * largest * p.normal;
-            points.push_back(p);
-        }
+        const std::vector<ShadowPoint> points = random_points(*scene, rays, random, 400);
         std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches;
         batches.push_back(culling.make_batch());
         culling.classify(*batches[0], points);
@@ -233,6 +151,22 @@ TEST(CertifiedCulling, NeverWrongOnRandomSoups)
     for (std::uint64_t seed = 1; seed <= 60; ++seed) wrong += wrong_answers(seed, 12, skipped);
     EXPECT_EQ(wrong, 0u);
     EXPECT_GT(skipped, 100'000u);   // else nothing was put to the test
+}
+
+// Movers come and go, and stand still every third round.
+TEST(CertifiedCulling, NeverWrongOnRandomSoupsWithMovers)
+{
+    std::uint64_t wrong = 0, skipped = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) wrong += wrong_answers(seed, 12, skipped, 3 + seed % 4);
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(skipped, 30'000u);
+}
+
+TEST(CertifiedCullingFull, NeverWrongOnAThousandRandomSoupsWithMovers)
+{
+    std::uint64_t wrong = 0, skipped = 0;
+    for (std::uint64_t seed = 1; seed <= 1000; ++seed) wrong += wrong_answers(seed, 12, skipped, 3 + seed % 4);
+    EXPECT_EQ(wrong, 0u);
 }
 
 TEST(CertifiedCullingFull, NeverWrongOnAThousandRandomSoups)

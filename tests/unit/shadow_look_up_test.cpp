@@ -71,19 +71,23 @@ TEST(LookUp, ManyPointsAsOne)
         points.resize(count);
         std::vector<std::uint32_t> expected;
         std::size_t found = 0;
+        Rim rim{RimCodes{}};
+        std::uint32_t level = 0, begin = k_no_slot;
         for (std::size_t k = 0; k < count; ++k) {
-            const glm::vec3 corner[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-            const Rim rim(rim_of(corner, k % 3 == 0 ? 0.03f : 1e-5f));
-            const std::uint32_t level = static_cast<std::uint32_t>(random() % (k_max_level + 1));
+            // Runs of all lengths, some of one point.
+            if (k == 0 || random() % (1 + k % 29) == 0) {
+                const glm::vec3 corner[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+                rim = Rim(rim_of(corner, points.runs.size() % 3 == 0 ? 0.03f : 1e-5f));
+                level = static_cast<std::uint32_t>(random() % (k_max_level + 1));
+                begin = random() % 13 == 0 ? k_no_slot : static_cast<std::uint32_t>(random() % 100000);
+                points.runs.push_back({static_cast<std::uint32_t>(k), begin, rim.u, rim.v, rim.per_inner,
+                                       static_cast<float>(1u << level)});
+            }
             float u = unit(random), v = unit(random);
             if (k % 5 == 0) v = 1 - u;                       // on the long edge
             if (k % 7 == 0) u = std::round(u * 256) / 256;   // on borders of parts
             if (k % 11 == 0) u = 1, v = 0;                   // in a corner
-            const std::uint32_t begin = k % 13 == 0 ? k_no_slot : static_cast<std::uint32_t>(random() % 100000);
-            points.u[k] = u, points.v[k] = v;
-            points.rim_u[k] = rim.u, points.rim_v[k] = rim.v, points.per_inner[k] = rim.per_inner;
-            points.divisions[k] = static_cast<float>(1u << level);
-            points.slot[k] = begin;
+            points.uv[k] = {u, v};
             expected.push_back(one_part(u, v, rim, begin, level));
             found += expected.back() != k_no_slot;
         }
@@ -103,12 +107,17 @@ TEST(LookUp, FetchesStatesThroughTheMask)
     for (std::uint8_t& s : states) s = static_cast<std::uint8_t>(random());
     LookUp points;
     points.resize(100);
+    for (std::uint32_t r = 0; r < 100; r += 1 + r % 9) points.runs.push_back({r, r % 4 == 3 ? k_no_slot : 0, 0, 0, 1, 1});
     for (std::size_t k = 0; k < 100; ++k)
         points.slot[k] = k % 9 == 0 ? k_no_slot : k == 50 ? 999 : static_cast<std::uint32_t>(random() % 1000);
+    for (std::size_t r = 0; r < points.runs.size(); ++r)
+        if (points.runs[r].begin == k_no_slot)
+            for (std::size_t k = points.runs[r].first; k < (r + 1 < points.runs.size() ? points.runs[r + 1].first : 100); ++k)
+                points.slot[k] = k_no_slot;
     std::vector<std::uint8_t> out(points.slot.size(), 0xaa);
     fetch_states(points, states.data(), 0x3c, out.data());
     for (std::size_t k = 0; k < out.size(); ++k)
-        EXPECT_EQ(out[k], points.slot[k] == k_no_slot ? 0 : states[points.slot[k]] & 0x3c) << "point " << k;
+        EXPECT_EQ(out[k], k >= 100 || points.slot[k] == k_no_slot ? 0 : states[points.slot[k]] & 0x3c) << "point " << k;
 }
 
 }   // namespace

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// Answers a batch for one light: what is known, then what the mask of movers tells, then rays.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+#include "shadow_culling/certified_culling.h"
+
+namespace gnomon::shadow_culling {
+
+// A light as this frame's queries see it.
+struct CertifiedCulling::Lamp {
+    int index;
+    bool directional;
+    glm::vec3 to;   // its place, or the direction towards it
+    float end;      // of its shadow rays
+
+    glm::vec3 axis{0};         // of a spot, the way it shines
+    float outer_cosine = -2;   // of its cone; below -1: no spot
+
+    glm::vec3 from(const glm::vec3& origin) const { return directional ? to : to - origin; }
+    // Certainly dark, whatever stands between. A little room: the shading decides at the very edge.
+    bool outside_cone(const glm::vec3& to_light) const
+    {
+        constexpr float k_edge = 1e-4f;
+        if (outer_cosine < -1) return false;
+        return -glm::dot(to_light, axis) < (outer_cosine - k_edge) * glm::length(to_light);
+    }
+};
+
+bool CertifiedCulling::may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const
+{
+    const glm::vec3& origin = batch.points[point].origin;
+    const glm::vec3 direction = lamp.from(origin);
+    return std::any_of(batch.movers.begin(), batch.movers.end(),
+                       [&](const Box3& box) { return segment_meets(box, origin, direction, lamp.end); });
+}
+
+// Answers what is known, eight points at a time, and lists the rest.
+void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+{
+    constexpr std::uint64_t k_ones = 0x0101010101010101ull;
+    const std::size_t count = batch.points.size();
+    const int shift = 2 * (lamp.index % k_lights_per_group);
+    const std::uint8_t* const states =
+        batch.states.data() + static_cast<std::size_t>(lamp.index / k_lights_per_group) * batch.stride;
+    std::uint32_t* const asked_point = batch.asked.point.data();
+    std::uint8_t* const moving = batch.asked.moving.data();
+    std::uint8_t* const is_open = batch.open.data();
+    std::size_t asked = 0;
+    std::uint64_t known_count = 0;
+    for (std::size_t first = 0; first < count; first += 8) {
+        // States are 00 unknown, 01 none, 10 full, 11 partial.
+        std::uint64_t eight;
+        std::memcpy(&eight, states + first, 8);
+        const std::uint64_t low = (eight >> shift) & k_ones, high = (eight >> (shift + 1)) & k_ones;
+        const std::uint64_t full = high & ~low, known = low ^ high;
+        std::memcpy(blocked + first, &full, 8);
+        known_count += static_cast<std::uint64_t>(__builtin_popcountll(known));   // they face the light
+        std::uint64_t rest = batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
+        for (; rest != 0; rest &= rest - 1) {
+            const std::size_t in_eight = static_cast<std::size_t>(__builtin_ctzll(rest)) / 8, p = first + in_eight;
+            if (p >= count) break;
+            const auto point = static_cast<std::uint32_t>(p);
+            const ShadowPoint& here = batch.points[p];
+            const bool open = !((known >> (8 * in_eight)) & 1);
+            if (open) {
+                const glm::vec3 direction = lamp.from(here.origin);
+                if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) {
+                    blocked[p] = 1;
+                    continue;
+                }
+            }
+            asked_point[asked] = point;
+            moving[asked] = batch.record[p] == k_no_record;
+            is_open[asked++] = open;
+        }
+    }
+    batch.asked.count = asked;
+    batch.counters.skipped += known_count;
+}
+
+// Asks the mask what movers do, and queues the rays it leaves.
+void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* blocked)
+{
+    using Answer = MoverMask::Answer;
+    MoverMask::Asked& asked = batch.asked;
+    // Nothing is drawn for a light that moves: nobody asks for it twice.
+    const bool draw = !batch.movers.empty() && light_on_[static_cast<std::size_t>(lamp.index)];
+    if (draw) mask_->answer(static_cast<std::uint32_t>(lamp.index), batch.points, asked);
+    for (std::size_t i = 0; i < asked.count; ++i) {
+        if (draw && asked.answer[i] == Answer::free && (!batch.open[i] || asked.clear[i])) {
+            batch.counters.skipped += batch.open[i];
+            continue;
+        }
+        const std::uint32_t point = asked.point[i];
+        const Answer answer = draw ? asked.answer[i] : batch.movers.empty() ? Answer::free : Answer::not_drawn;
+        if (answer == Answer::blocked) {
+            blocked[point] = 1;
+            batch.counters.skipped += batch.open[i];
+            continue;
+        }
+        const glm::vec3& origin = batch.points[point].origin;
+        if (batch.open[i] && !(draw && asked.clear[i])) {
+            batch.static_rays.push(origin, 0, lamp.from(origin), lamp.end);
+            batch.static_point.push_back(point);
+            batch.then_movers.push_back(answer == Answer::unknown ||
+                                        (answer == Answer::not_drawn && may_meet_mover(batch, lamp, point)));
+            continue;
+        }
+        batch.counters.skipped += batch.open[i];
+        if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_mover(batch, lamp, point))) continue;
+        batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+        batch.dynamic_point.push_back(point);
+    }
+    batch.counters.traced += batch.static_point.size();
+    batch.counters.dynamic_only += batch.dynamic_point.size();
+    batch.counters.skipped -= batch.dynamic_point.size();
+}
+
+// Traces what may meet something static, and queues what must then be traced against movers.
+void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked)
+{
+    const std::size_t traced = batch.static_point.size();
+    if (traced == 0) return;
+    batch.hit.resize(traced + ray::k_packet_pad);
+    rays_->blocked(batch.static_rays, 0, traced, batch.hit.data(), ray::Against::static_only);
+    for (std::size_t r = 0; r < traced; ++r) {
+        const std::uint32_t point = batch.static_point[r];
+        blocked[point] = batch.hit[r];
+        if (batch.hit[r] || !batch.then_movers[r]) continue;
+        const glm::vec3& origin = batch.points[point].origin;
+        batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+        batch.dynamic_point.push_back(point);
+    }
+    if (light_on_[static_cast<std::size_t>(lamp.index)]) note_seen(batch, lamp.index);
+}
+
+// Notes what the rays against static geometry saw.
+void CertifiedCulling::note_seen(Batch& batch, int light)
+{
+    const int shift = 2 * (light % k_lights_per_group);
+    std::uint8_t* const evidence = memory_->evidence(light / k_lights_per_group);
+    RecordId judged = k_no_slot;
+    bool coarse = false;
+    for (std::size_t r = 0; r < batch.static_point.size(); ++r) {
+        const std::uint32_t point = batch.static_point[r];
+        const std::uint32_t slot = batch.at.slot[point];
+        if (slot == k_no_slot) continue;
+        if (state_of(batch, point, light) == ShadowState::partial) {
+            ++batch.counters.partial;
+            // Nothing to learn where parts are as fine as they get.
+            if (batch.record[point] != judged) {
+                judged = batch.record[point];
+                coarse = memory_->coarse(judged, frame_, [&] {
+                    const std::uint32_t level = memory_->level(judged);
+                    return level < k_max_level && level < wanted_level(judged / 2);
+                });
+            }
+            if (!coarse) continue;
+        }
+        if (batch.touched.empty() || batch.touched.back() != batch.record[point])
+            batch.touched.push_back(batch.record[point]);
+        const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_blocked : k_saw_free) << shift);
+        std::atomic_ref<std::uint8_t>(evidence[slot]).fetch_or(saw, std::memory_order_relaxed);
+    }
+}
+
+void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays)
+{
+    const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
+    const scene::Light& described = state_->scene().lights[static_cast<std::size_t>(light)];
+    const bool directional = described.type == scene::LightType::directional;
+    Lamp lamp{light, directional, directional ? -at.direction : at.position,
+              directional ? k_infinity : options_.ray_end};
+    if (described.type == scene::LightType::spot) {
+        lamp.axis = at.direction;
+        lamp.outer_cosine = std::cos(described.outer_angle);
+    }
+    movers_->select(batch.bounds, lamp.to, directional, batch.movers);
+    batch.strip_open.assign(batch.strip_bounds.size(), 0);
+    for (std::size_t s = 0; s < batch.strip_open.size(); ++s)
+        batch.strip_open[s] = std::any_of(batch.movers.begin(), batch.movers.end(), [&](const Box3& box) {
+            return may_shadow(box, batch.strip_bounds[s], lamp.to, directional);
+        });
+    batch.static_rays.clear();
+    batch.static_point.clear();
+    batch.then_movers.clear();
+    batch.dynamic_rays.clear();
+    batch.dynamic_point.clear();
+    batch.asked.clear_questions(batch.points.size());
+    batch.open.resize(batch.points.size());
+    sort_open(batch, lamp, blocked);
+    ask_movers(batch, lamp, blocked);
+    if (rays) {
+        for (const std::uint32_t point : batch.static_point) rays[point] = 1;
+        for (const std::uint32_t point : batch.dynamic_point) rays[point] = 2;
+    }
+    trace_static(batch, lamp, blocked);
+
+    // Trace against what moves, where nothing static was in the way.
+    if (const std::size_t moving = batch.dynamic_point.size(); moving > 0) {
+        batch.hit.resize(moving + ray::k_packet_pad);
+        rays_->blocked(batch.dynamic_rays, 0, moving, batch.hit.data(), ray::Against::dynamic_only);
+        for (std::size_t r = 0; r < moving; ++r) blocked[batch.dynamic_point[r]] |= batch.hit[r];
+    }
+}
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include <algorithm>
+
+#include "ray/origin.h"
+#include "shadow_culling/mover_mask_parts.h"
+
+namespace gnomon::shadow_culling {
+
+namespace {
+
+// Rays start a lift above their triangle. What rises less than this part of it is not in their way.
+constexpr float k_no_rise = 0.25f;
+
+}   // namespace
+
+MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted,
+                     const StaticTriangles& triangles, const MaskOptions& options)
+    : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
+{
+    const scene::Scene& scene = state.scene();
+    const auto moves = [&](scene::ObjectId o) { return scene.objects[o].dynamic || lifted[o]; };
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) unit_count_ += moves(o);
+    units_ = std::make_unique<Unit[]>(unit_count_);
+    std::size_t u = 0;
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
+        if (!moves(o)) continue;
+        Unit& unit = units_[u++];
+        unit.object = o;
+        unit.deforming = scene.objects[o].deforming;
+        if (!unit.deforming) {
+            const ray::ObjectGeometry& geometry = rays.geometry(o);
+            for (const glm::uvec3& t : geometry.mesh->triangles)
+                for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
+        }
+    }
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
+}
+
+MoverMask::~MoverMask() = default;
+
+void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view)
+{
+    state_ = &state;
+    rays_ = &rays;
+    view_ = view;
+    bool crowded = false;   // with blocks that an earlier view asked for
+    for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
+    if (state.changes().anything() || crowded) ++frame_;
+}
+
+MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
+{
+    LightMask& mask = *lights_[light];
+    if (mask.prepared.load(std::memory_order_acquire) == frame_) return mask;
+    const std::scoped_lock lock(mask.mutex);
+    if (mask.prepared.load(std::memory_order_relaxed) == frame_) return mask;
+    place_prints(mask, light);
+    fill_bins(mask);
+    if (mask.used > 0)
+        for (auto& entry : mask.table) entry.store(nullptr, std::memory_order_relaxed);
+    mask.used = 0;
+    mask.prepared.store(frame_, std::memory_order_release);
+    return mask;
+}
+
+// Whether a mover may be in the way of its own point.
+bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
+{
+    const std::vector<float>& rise = units_[print.unit].shape.rise;
+    const std::size_t side = 2 * static_cast<std::size_t>(point.triangle) + (point.front != print.mirrored ? 0 : 1);
+    if (side >= rise.size()) return true;
+    const float lift = ray::k_lift_per_coordinate *
+                       std::max({std::abs(point.origin.x), std::abs(point.origin.y), std::abs(point.origin.z)});
+    return !(rise[side] * print.stretch <= k_no_rise * lift);
+}
+
+void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points, Asked& asked)
+{
+    const std::size_t count = asked.count;
+    asked.clear.assign(count, 0);
+    if (count == 0) return;
+    LightMask& mask = prepared(light);
+    Texels& texels = asked.texels;
+    texels.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3& p = points[asked.point[i]].origin;
+        texels.x[i] = p.x, texels.y[i] = p.y, texels.z[i] = p.z;
+    }
+    find_texels(mask.space, view_, options_.texel_pixels, texels);
+
+    asked.answer.resize(texels.depth.size());
+
+    // Count who asks for which block; neighbours mostly ask for one.
+    asked.runs.clear();
+    asked.key.clear();
+    asked.asks.clear();
+    for (std::size_t i = 0; i < count;) {
+        const std::uint32_t high = texels.high[i], low = texels.low[i];
+        std::size_t end = i + 1;
+        while (end < count && texels.low[end] == low && texels.high[end] == high) ++end;
+        const BlockKey key = texels.key(i);
+        const auto b = static_cast<std::size_t>(std::find(asked.key.begin(), asked.key.end(), key) - asked.key.begin());
+        if (b == asked.key.size()) asked.key.push_back(key), asked.asks.push_back(0);
+        asked.asks[b] += static_cast<std::uint32_t>(end - i);
+        asked.runs.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(b)});
+        i = end;
+    }
+    asked.drawn.assign(asked.key.size(), nullptr);
+    for (std::size_t b = 0; b < asked.key.size(); ++b)
+        if (asked.asks[b] >= options_.asked && asked.key[b] != k_no_block)
+            asked.drawn[b] = block_at(mask, asked.key[b]);
+
+    for (std::size_t r = 0; r < asked.runs.size(); ++r) {
+        const std::size_t first = asked.runs[r].first;
+        const std::size_t end = r + 1 < asked.runs.size() ? asked.runs[r + 1].first : count;
+        Block* const block = asked.drawn[asked.runs[r].block];
+        if (block == nullptr || block->empty) {
+            std::fill(asked.answer.begin() + static_cast<std::ptrdiff_t>(first),
+                      asked.answer.begin() + static_cast<std::ptrdiff_t>(end),
+                      block == nullptr ? Answer::not_drawn : Answer::free);
+            if (block == nullptr) continue;
+        } else {
+            compare_depths(texels, first, end, block->texels, asked.answer.data());
+        }
+
+        // Points on movers: is anything static in the way, and is what begins over them only themselves?
+        float still = std::numeric_limits<float>::quiet_NaN();   // asked for when first needed
+        const MaskTexels& over = block->texels;
+        for (std::size_t i = first; i < end; ++i) {
+            if (!asked.moving[i]) continue;
+            if (std::isnan(still)) still = static_begins(mask, *block);
+            const float depth = texels.depth[i];
+            asked.clear[i] = depth < still;
+            if (asked.answer[i] != Answer::unknown) continue;
+            const std::uint32_t texel = texels.texel[i];
+            if (!(depth < over.begins[over.next(texel)])) continue;
+            const ShadowPoint& point = points[asked.point[i]];
+            const Print& print = mask.prints[block->print_of[over.first(texel)]];
+            if (units_[print.unit].object == point.object && !rises(print, point)) asked.answer[i] = Answer::free;
+        }
+    }
+}
+
+std::size_t MoverMask::bytes() const
+{
+    std::size_t bytes = 0;
+    for (const auto& mask : lights_) {
+        bytes += mask->prints.capacity() * sizeof(Print) + mask->table.size() * sizeof(void*);
+        for (const auto& outline : mask->outlines) bytes += outline.capacity() * sizeof(Piece);
+        for (const auto& block : mask->blocks)
+            bytes += sizeof(Block) + 2 * sizeof(float) * block->texels.begins.capacity();
+    }
+    return bytes;
+}
+
+}   // namespace gnomon::shadow_culling
