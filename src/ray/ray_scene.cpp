@@ -119,6 +119,11 @@ const ObjectGeometry& RayScene::geometry(scene::ObjectId object) const
     return inside_->geometry[object];
 }
 
+bool RayScene::stands_alone(scene::ObjectId object) const
+{
+    return inside_->solid_of_object[object] != scene::none;
+}
+
 Box3 RayScene::bounds() const
 {
     Box3 result;

@@ -100,6 +100,9 @@ class RayScene {
     KdCounts kdtree_work(RayClass purpose) const;
 
     const ObjectGeometry& geometry(scene::ObjectId object) const;
+    /// Whether an object moves by itself: it deforms, or somebody moved it by hand, out of what stands still or out of
+    /// its group.
+    bool stands_alone(scene::ObjectId object) const;
     /// Around everything visible, as of the last update.
     Box3 bounds() const;
     RaySceneStatistics statistics() const;

@@ -27,13 +27,14 @@ bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
 
 }   // namespace
 
-bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, TriangleId receiver)
+bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, const CertificateOptions& options)
 {
-    return shaft.valid() && !triangles.any_in(shaft, receiver);
+    if (!shaft.valid()) return false;
+    return options.left_out.has(Check::nothing_in_shaft) || !triangles.any_in(shaft);
 }
 
-bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId receiver, TriangleId occluder,
-                  double clearance, const CertificateOptions& options)
+bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId occluder, double clearance,
+                  const CertificateOptions& options)
 {
     if (!shaft.valid()) return false;
     constexpr int k_capacity = 256;
@@ -47,7 +48,6 @@ bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, Triangle
         light.directional ? std::numeric_limits<double>::infinity() : shaft.light_height() * (1 - options.end_gap);
     for (int next = 0; next < count; ++next) {
         const TriangleId id = patch[static_cast<std::size_t>(next)];
-        if (id == receiver || triangles.role(id) != StaticTriangles::Role::opaque) return false;
         const StaticTriangle& t = triangles[id];
         const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
 
@@ -60,7 +60,7 @@ bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, Triangle
         // What lies in the shaft must lie strictly between receiver and light.
         ClippedPolygon inside;
         if (!shaft.clip(p, inside)) {
-            if (next == 0) return false;   // the occluder itself must be in the way
+            if (next == 0 && !options.left_out.has(Check::occluder_in_way)) return false;
             continue;
         }
         for (int c = 0; c < inside.count; ++c) {
@@ -72,8 +72,13 @@ bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, Triangle
         for (int e = 0; e < 3; ++e) {
             if (!shaft.meets_segment(p[e], p[(e + 1) % 3])) continue;
             const TriangleId neighbour = triangles.across(id, e);
-            if (neighbour == no_triangle) return false;
-            if (!continues_behind(p[e], p[(e + 1) % 3], p[(e + 2) % 3], triangles[neighbour], light)) return false;
+            if (neighbour == no_triangle) {
+                if (options.left_out.has(Check::no_open_edge)) continue;
+                return false;
+            }
+            if (!options.left_out.has(Check::no_silhouette) &&
+                !continues_behind(p[e], p[(e + 1) % 3], p[(e + 2) % 3], triangles[neighbour], light))
+                return false;
             if (std::find(patch.begin(), patch.begin() + count, neighbour) != patch.begin() + count) continue;
             if (count >= most) return false;
             patch[static_cast<std::size_t>(count++)] = neighbour;

@@ -50,6 +50,7 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
     std::uint8_t* const is_open = batch.open.data();
     std::size_t asked = 0;
     std::uint64_t known_count = 0;
+    const bool ask_movers_too = !options_.certificates.left_out.has(Check::movers_asked);
     for (std::size_t first = 0; first < count; first += 8) {
         // States are 00 unknown, 01 none, 10 full, 11 partial.
         std::uint64_t eight;
@@ -58,7 +59,7 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
         const std::uint64_t full = high & ~low, known = low ^ high;
         std::memcpy(blocked + first, &full, 8);
         known_count += static_cast<std::uint64_t>(__builtin_popcountll(known));   // they face the light
-        std::uint64_t rest = batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
+        std::uint64_t rest = ask_movers_too && batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
         for (; rest != 0; rest &= rest - 1) {
             const std::size_t in_eight = static_cast<std::size_t>(__builtin_ctzll(rest)) / 8, p = first + in_eight;
             if (p >= count) break;

@@ -24,21 +24,15 @@ CertifiedCulling::CertifiedCulling(const scene::SceneState& state, const ray::Ra
                                    const CertifiedOptions& options)
     : state_(&state), rays_(&rays), options_(options)
 {
-    lifted_.assign(state.scene().objects.size(), 0);
-    rebuild();
+    const int lights = static_cast<int>(state.scene().lights.size());
+    triangles_ = std::make_unique<StaticTriangles>(state, rays, options.certificates.left_out);
+    memory_ = std::make_unique<ShadowMemory>(2 * triangles_->size(), lights, options.memory);
+    light_on_.assign(static_cast<std::size_t>(lights), 1);
+    movers_ = std::make_unique<MoverBounds>(state, rays);
+    mask_ = std::make_unique<MoverMask>(state, rays, *triangles_, options.mask);
 }
 
 CertifiedCulling::~CertifiedCulling() = default;
-
-void CertifiedCulling::rebuild()
-{
-    const int lights = static_cast<int>(state_->scene().lights.size());
-    triangles_ = std::make_unique<StaticTriangles>(*state_, *rays_, lifted_);
-    memory_ = std::make_unique<ShadowMemory>(2 * triangles_->size(), lights, options_.memory);
-    light_on_.assign(static_cast<std::size_t>(lights), 1);
-    movers_ = std::make_unique<MoverBounds>(*state_, *rays_, lifted_);
-    mask_ = std::make_unique<MoverMask>(*state_, *rays_, lifted_, *triangles_, options_.mask);
-}
 
 std::unique_ptr<CertifiedCulling::Batch> CertifiedCulling::make_batch() const
 {
@@ -56,28 +50,46 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
     movers_->update(state, rays);
     mask_->begin_frame(state, rays, view);
 
-    // A static object moved by hand: what stands still is no longer what it was.
-    const scene::Scene& scene = state.scene();
-    bool fewer_stand_still = false;
-    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list) {
-            if (scene.objects[o].dynamic || lifted_[o]) continue;
-            lifted_[o] = 1;
-            fewer_stand_still = true;
-        }
-    if (fewer_stand_still) rebuild();
-
     // A light that moves is not remembered; one that stopped starts afresh.
-    for (const scene::LightId l : changes.lights_moved) light_on_[l] = 0;
+    const LeftOut left_out = options_.certificates.left_out;
+    for (const scene::LightId l : changes.lights_moved) light_on_[l] = left_out.has(Check::light_moves);
     for (const scene::LightId l : changes.lights_stopped) {
-        memory_->forget_light(static_cast<int>(l));
+        if (!left_out.has(Check::light_stops)) memory_->forget_light(static_cast<int>(l));
         light_on_[l] = 1;
     }
+    forget_what_was_lifted();
     any_light_on_ = std::find(light_on_.begin(), light_on_.end(), 1) != light_on_.end();
     group_mask_.assign(static_cast<std::size_t>(memory_->groups()), 0);
     for (std::size_t l = 0; l < light_on_.size(); ++l)
         if (light_on_[l])
             group_mask_[l / k_lights_per_group] |= static_cast<std::uint8_t>(3 << (2 * (l % k_lights_per_group)));
+}
+
+// A static object moved by hand: what stands still is no longer what it was.
+void CertifiedCulling::forget_what_was_lifted()
+{
+    const scene::FrameChanges& changes = state_->changes();
+    std::vector<RememberedLight> lights;
+    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
+        for (const scene::ObjectId o : *list) {
+            if (triangles_->first_of(o) == no_triangle) continue;
+            if (lights.empty()) lights = remembered_lights();
+            const Forgotten forgotten = forget_object(o, lights, options_.certificates, *triangles_, *memory_);
+            counters_.forgotten_records += forgotten.records;
+            counters_.forgotten_visited += forgotten.visited;
+        }
+}
+
+std::vector<RememberedLight> CertifiedCulling::remembered_lights() const
+{
+    std::vector<RememberedLight> lights;
+    for (std::size_t l = 0; l < light_on_.size(); ++l) {
+        if (!light_on_[l]) continue;
+        const scene::LightState& at = state_->light(static_cast<scene::LightId>(l));
+        const bool directional = state_->scene().lights[l].type == scene::LightType::directional;
+        lights.push_back({static_cast<int>(l), directional, directional ? -at.direction : at.position});
+    }
+    return lights;
 }
 
 RimCodes CertifiedCulling::rim_of_record(RecordId record) const

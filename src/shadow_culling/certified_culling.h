@@ -25,6 +25,7 @@
 #include "base/tasks.h"
 #include "gnomon/types.h"
 #include "shadow_culling/certificates.h"
+#include "shadow_culling/forget.h"
 #include "shadow_culling/look_up.h"
 #include "shadow_culling/mover_bounds.h"
 #include "shadow_culling/mover_mask.h"
@@ -51,6 +52,8 @@ struct CullingCounters {
     std::uint64_t partial = 0;   // of these, on parts known to be partial
     std::uint64_t certificates = 0;   // tried
     std::uint64_t certified = 0;      // that held
+    std::uint64_t forgotten_records = 0;   // of static objects that started to move
+    std::uint64_t forgotten_visited = 0;   // triangles that these could have shadowed, by light: judged again
     void add(const CullingCounters& other);
 };
 
@@ -95,7 +98,8 @@ class CertifiedCulling {
     void trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
     void note_seen(Batch& batch, int light);
     bool may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const;
-    void rebuild();
+    void forget_what_was_lifted();
+    std::vector<RememberedLight> remembered_lights() const;
     RimCodes rim_of_record(RecordId record) const;
     std::uint32_t wanted_level(TriangleId triangle) const;
 
@@ -109,7 +113,6 @@ class CertifiedCulling {
     std::unique_ptr<MoverMask> mask_;
     std::vector<char> light_on_;   // its states count: it stands still
     bool any_light_on_ = true;
-    std::vector<char> lifted_;               // by object: static, but moved by hand
     std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
     CullingCounters counters_;
     std::uint32_t frame_ = 0;

@@ -13,10 +13,6 @@ namespace {
 
 // Occluders on the way to the light are tried largest first; more tries rarely find one that closes the shaft.
 constexpr std::size_t k_occluders_found = 12, k_occluders_tried = 3;
-// A FULL patch keeps this many lifts away from the receiver's plane.
-constexpr double k_clearance_lifts = 4;
-// A light this near to the receiver's plane, in lifts, grazes it: nothing is certified.
-constexpr double k_graze_lifts = 50;
 
 double area_of(const StaticTriangle& t)
 {
@@ -105,9 +101,9 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     to.place = to.directional ? glm::normalize(-glm::dvec3(at.direction)) : glm::dvec3(at.position);
 
     // A light behind the plane, or in it, is asked for by no point, or by none that can be told apart.
-    if (!to.directional && !(glm::dot(normal_, to.place - corner_[0]) > k_graze_lifts * lift_))
+    if (!to.directional && !(glm::dot(normal_, to.place - corner_[0]) > options_.certificates.graze_lifts * lift_))
         return ShadowState::partial;
-    if (to.directional && !(glm::dot(normal_, to.place) > options_.certificates.min_facing))
+    if (to.directional && !(glm::dot(normal_, to.place) > options_.certificates.graze_sine))
         return ShadowState::partial;
 
     glm::dvec2 uv[3];
@@ -119,12 +115,14 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     double coordinate = triangles_.largest_coordinate();
     if (!to.directional)
         coordinate = std::max({coordinate, std::abs(to.place.x), std::abs(to.place.y), std::abs(to.place.z)});
-    const Shaft shaft(piece, normal_, to, lift_, options_.certificates.margin * coordinate);
+    const CertificateOptions& rules = options_.certificates;
+    const Shaft shaft(piece, normal_, to, rules.base * lift_, rules.margin * coordinate,
+                      rules.left_out.has(Check::wide_enough) ? 0 : rules.margin * coordinate);
 
     ++counters_.certificates;
     bool holds = false;
     if (!saw_blocked) {
-        holds = certify_none(triangles_, shaft, triangle_);
+        holds = certify_none(triangles_, shaft, rules);
     } else if (shaft.valid()) {
         // Find what is in the way of the middle, and try the largest first.
         const glm::dvec3 origin = shaft.centroid() + lift_ * normal_;
@@ -135,8 +133,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
             return area_a != area_b ? area_a > area_b : a < b;
         });
         for (std::size_t i = 0; i < std::min(occluders_.size(), k_occluders_tried) && !holds; ++i)
-            holds = certify_full(triangles_, shaft, triangle_, occluders_[i], k_clearance_lifts * lift_,
-                                 options_.certificates);
+            holds = certify_full(triangles_, shaft, occluders_[i], rules.clearance * lift_, rules);
     }
     if (!holds) return ShadowState::partial;
     ++counters_.certified;

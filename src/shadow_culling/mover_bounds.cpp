@@ -58,21 +58,19 @@ bool narrow(float low, float slope_low, float high, float slope_high, float box_
 
 }   // namespace
 
-MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted)
+MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::Scene& scene = state.scene();
     by_group_.assign(scene.groups.size(), scene::none);
     by_object_.assign(scene.objects.size(), scene::none);
     for (scene::GroupId g = 0; g < scene.groups.size(); ++g) {
         by_group_[g] = static_cast<std::uint32_t>(movers_.size());
-        Mover mover{scene.groups[g].objects.front(), g, {}, {}};
-        for (const scene::ObjectId o : scene.groups[g].objects) mover.own.add(bounds_of(rays.geometry(o)));
+        Mover mover{scene::none, g, {}, {}, 0};
+        for (const scene::ObjectId o : scene.groups[g].objects)
+            if (!rays.stands_alone(o)) mover.own.add(bounds_of(rays.geometry(o)));
         movers_.push_back(mover);
     }
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        const bool alone = scene.objects[o].dynamic && scene.objects[o].group == scene::none;
-        if (alone || lifted[o]) add_alone(o);
-    }
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) mover_of(o, scene, rays);
     for (Mover& mover : movers_) place(mover, state, rays);
     grow_tree();
 }
@@ -87,18 +85,30 @@ void MoverBounds::grow_tree()
     tree_ = BoxTree(boxes);
 }
 
-void MoverBounds::add_alone(scene::ObjectId object)
+// An object's own mover, or its group's; none for what stands still.
+std::uint32_t MoverBounds::mover_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays)
 {
-    by_object_[object] = static_cast<std::uint32_t>(movers_.size());
-    movers_.push_back({object, scene::none, {}, {}});
+    if (!rays.stands_alone(object)) {
+        const scene::GroupId group = scene.objects[object].group;
+        return group != scene::none ? by_group_[group] : scene::none;
+    }
+    if (by_object_[object] == scene::none) {
+        by_object_[object] = static_cast<std::uint32_t>(movers_.size());
+        movers_.push_back({object, scene::none, {}, {}, 0});
+    }
+    return by_object_[object];
 }
 
 void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays)
 {
     mover.world = Box3{};
-    if (state.object_visible(mover.object)) {
+    if (mover.group != scene::none) {
+        const scene::NodeId anchor = state.scene().groups[mover.group].anchor;
+        if (state.group_visible(mover.group))
+            mover.world = widened(transformed(mover.own, glm::mat4(state.world(anchor))));
+    } else if (state.object_visible(mover.object)) {
         const ray::ObjectGeometry& geometry = rays.geometry(mover.object);
-        const Box3 own = mover.group != scene::none ? mover.own : bounds_of(geometry);
+        const Box3 own = bounds_of(geometry);
         mover.world = widened(geometry.to_world ? transformed(own, *geometry.to_world) : own);
     }
     const auto index = static_cast<std::uint32_t>(&mover - movers_.data());
@@ -109,18 +119,15 @@ void MoverBounds::update(const scene::SceneState& state, const ray::RayScene& ra
 {
     const scene::FrameChanges& changes = state.changes();
     const scene::Scene& scene = state.scene();
-    for (const scene::GroupId g : changes.groups_moved) place(movers_[by_group_[g]], state, rays);
+    ++updates_;
+    const auto follow = [&](std::uint32_t m) {
+        if (m == scene::none || movers_[m].placed_at == updates_) return;
+        movers_[m].placed_at = updates_;
+        place(movers_[m], state, rays);
+    };
+    for (const scene::GroupId g : changes.groups_moved) follow(by_group_[g]);
     for (const auto* list : {&changes.vanished, &changes.appeared, &changes.deformed, &changes.moved})
-        for (const scene::ObjectId o : *list) {
-            const scene::GroupId g = scene.objects[o].group;
-            // Moved by hand out of its group: a box of its own, beside the group's.
-            const bool by_hand = g != scene::none && list == &changes.moved &&
-                                 !std::binary_search(changes.groups_moved.begin(), changes.groups_moved.end(), g);
-            if (by_hand && by_object_[o] == scene::none) add_alone(o);
-            if (g != scene::none && by_object_[o] != scene::none) place(movers_[by_object_[o]], state, rays);
-            const std::uint32_t m = g != scene::none ? by_group_[g] : by_object_[o];
-            if (m != scene::none && (g == scene::none || movers_[m].object == o)) place(movers_[m], state, rays);
-        }
+        for (const scene::ObjectId o : *list) follow(mover_of(o, scene, rays));
     grow_tree();
 }
 

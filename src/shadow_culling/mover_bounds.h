@@ -15,9 +15,9 @@ namespace gnomon::shadow_culling {
 
 class MoverBounds {
  public:
-    /// @param lifted  by object: a static one that was moved by hand, and is a mover from then on
-    MoverBounds(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted);
-    /// Follows one advance() of the state, after the ray scene did.
+    MoverBounds(const scene::SceneState& state, const ray::RayScene& rays);
+    /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still, or
+    /// out of its group, is a mover of its own from then on.
     void update(const scene::SceneState& state, const ray::RayScene& rays);
 
     /// Boxes that a ray from anywhere in `points` to the light may meet. Conservative.
@@ -29,18 +29,20 @@ class MoverBounds {
 
  private:
     struct Mover {
-        scene::ObjectId object;   // of a deforming mover; or the first of its group
-        scene::GroupId group;
-        Box3 own;     // in the space of its matrix (rigid)
-        Box3 world;   // empty while it is hidden
+        scene::ObjectId object;   // none: a group
+        scene::GroupId group;     // none: an object by itself
+        Box3 own;                 // of a group, in the space of its anchor
+        Box3 world;               // empty while it is hidden
+        std::uint64_t placed_at = 0;   // the update that last did
     };
-    void add_alone(scene::ObjectId object);
+    std::uint32_t mover_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays);
     void place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays);
     void grow_tree();
 
     std::vector<Mover> movers_;
     BoxTree tree_;   // of their world boxes
     std::vector<std::uint32_t> by_group_, by_object_;
+    std::uint64_t updates_ = 0;
 };
 
 /// Whether a segment from anywhere in `points` to the light may meet the blocker's box. Conservative.

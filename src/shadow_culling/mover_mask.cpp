@@ -14,27 +14,29 @@ constexpr float k_no_rise = 0.25f;
 
 }   // namespace
 
-MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted,
-                     const StaticTriangles& triangles, const MaskOptions& options)
+MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
+                     const MaskOptions& options)
     : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
 {
     const scene::Scene& scene = state.scene();
-    const auto moves = [&](scene::ObjectId o) { return scene.objects[o].dynamic || lifted[o]; };
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) unit_count_ += moves(o);
-    units_ = std::make_unique<Unit[]>(unit_count_);
-    std::size_t u = 0;
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (!moves(o)) continue;
-        Unit& unit = units_[u++];
-        unit.object = o;
-        unit.deforming = scene.objects[o].deforming;
-        if (!unit.deforming) {
-            const ray::ObjectGeometry& geometry = rays.geometry(o);
-            for (const glm::uvec3& t : geometry.mesh->triangles)
-                for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
-        }
-    }
+    has_unit_.assign(scene.objects.size(), 0);
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
+        if (scene.objects[o].dynamic || rays.stands_alone(o)) take_in(o);
     for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
+}
+
+// An object that moves, from now on.
+void MoverMask::take_in(scene::ObjectId object)
+{
+    units_.push_back(std::make_unique<Unit>());
+    has_unit_[object] = 1;
+    Unit& unit = *units_.back();
+    unit.object = object;
+    unit.deforming = state_->scene().objects[object].deforming;
+    if (unit.deforming) return;
+    const ray::ObjectGeometry& geometry = rays_->geometry(object);
+    for (const glm::uvec3& t : geometry.mesh->triangles)
+        for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
 }
 
 MoverMask::~MoverMask() = default;
@@ -44,9 +46,13 @@ void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene&
     state_ = &state;
     rays_ = &rays;
     view_ = view;
+    const scene::FrameChanges& changes = state.changes();
+    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
+        for (const scene::ObjectId o : *list)
+            if (!has_unit_[o]) take_in(o);
     bool crowded = false;   // with blocks that an earlier view asked for
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
-    if (state.changes().anything() || crowded) ++frame_;
+    if (changes.anything() || crowded) ++frame_;
 }
 
 MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
@@ -67,7 +73,7 @@ MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
 // Whether a mover may be in the way of its own point.
 bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
 {
-    const std::vector<float>& rise = units_[print.unit].shape.rise;
+    const std::vector<float>& rise = units_[print.unit]->shape.rise;
     const std::size_t side = 2 * static_cast<std::size_t>(point.triangle) + (point.front != print.mirrored ? 0 : 1);
     if (side >= rise.size()) return true;
     const float lift = ray::k_lift_per_coordinate *
@@ -137,7 +143,7 @@ void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points,
             if (!(depth < over.begins[over.next(texel)])) continue;
             const ShadowPoint& point = points[asked.point[i]];
             const Print& print = mask.prints[block->print_of[over.first(texel)]];
-            if (units_[print.unit].object == point.object && !rises(print, point)) asked.answer[i] = Answer::free;
+            if (units_[print.unit]->object == point.object && !rises(print, point)) asked.answer[i] = Answer::free;
         }
     }
 }

@@ -49,12 +49,13 @@ class MoverMask {
     /// What moves, on the way from a point to a light; `not_drawn`: too few points asked there.
     using Answer = MaskAnswer;
 
-    /// @param lifted  by object: a static one that was moved by hand, and is a mover from then on
-    MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const std::vector<char>& lifted,
-              const StaticTriangles& triangles, const MaskOptions& options);
+    /// @param triangles  what stands still; kept by reference, and asked as it is then
+    MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
+              const MaskOptions& options);
     ~MoverMask();
 
-    /// Follows one advance() of the state, after the ray scene did.
+    /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still is
+    /// a mover from then on. (What is known of what stands still remains true: it only got less.)
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view);
 
     /// Questions about one light, and their answers, by question. A thread's own; reused.
@@ -91,6 +92,7 @@ class MoverMask {
  private:
     struct LightMask;
 
+    void take_in(scene::ObjectId object);
     LightMask& prepared(std::uint32_t light);
     void place_prints(LightMask& mask, std::uint32_t light);
     void forget_static_unless(LightMask& mask, const LightSpace& space, float coordinate) const;
@@ -107,8 +109,8 @@ class MoverMask {
     CullingView view_;
     const StaticTriangles& triangles_;
     std::uint32_t frame_ = 1;
-    std::unique_ptr<Unit[]> units_;
-    std::size_t unit_count_ = 0;
+    std::vector<std::unique_ptr<Unit>> units_;
+    std::vector<char> has_unit_;   // by object
     std::vector<std::unique_ptr<LightMask>> lights_;
 };
 

@@ -35,10 +35,10 @@ void MoverMask::place_prints(LightMask& mask, std::uint32_t light)
         float coordinate;                    // largest; 0: nothing to see
     };
     static thread_local std::vector<Placed> placed;
-    placed.resize(unit_count_);
+    placed.resize(units_.size());
     Box3 bounds = triangles_.bounds();
-    for (std::size_t u = 0; u < unit_count_; ++u) {
-        Unit& unit = units_[u];
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+        const Unit& unit = *units_[u];
         placed[u].coordinate = 0;
         if (!state_->object_visible(unit.object)) continue;
         const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
@@ -75,7 +75,7 @@ void MoverMask::place_prints(LightMask& mask, std::uint32_t light)
     mask.space = space;
 
     mask.prints.clear();
-    for (std::size_t u = 0; u < unit_count_; ++u) {
+    for (std::size_t u = 0; u < units_.size(); ++u) {
         if (!(placed[u].coordinate > 0)) continue;
         const glm::dvec3 from_light = placed[u].middle - to.place;
         for (std::uint32_t face = 0; face < mask.space.faces(); ++face) {

@@ -99,19 +99,40 @@ bool ShadowMemory::deepen(RecordId id, std::uint32_t level)
     return true;
 }
 
+bool ShadowMemory::drop(RecordId id)
+{
+    Record& record = records_[id];
+    const std::uint32_t base = record.base.load();
+    if (base == k_no_slot) return false;
+    release(base, record.level);
+    record.base.store(k_no_slot);
+    --live_;
+    return true;
+}
+
+void ShadowMemory::reopen(RecordId id, int light)
+{
+    const Record& record = records_[id];
+    const std::uint32_t base = record.base.load();
+    if (base == k_no_slot) return;
+    std::uint8_t* const states = states_[static_cast<std::size_t>(light / k_lights_per_group)].get() + base;
+    const int shift = 2 * (light % k_lights_per_group);
+    for (std::uint32_t i = 0; i < pyramid_size(record.level); ++i)
+        if (static_cast<ShadowState>((states[i] >> shift) & 3) != ShadowState::none)
+            states[i] &= static_cast<std::uint8_t>(~(3u << shift));
+}
+
 void ShadowMemory::drop_unseen(std::uint32_t frame)
 {
+    std::erase_if(with_pyramid_, [&](RecordId id) { return records_[id].base.load() == k_no_slot; });
     std::sort(with_pyramid_.begin(), with_pyramid_.end(), [&](RecordId a, RecordId b) {
         const auto seen_a = records_[a].seen.load(), seen_b = records_[b].seen.load();
         return seen_a != seen_b ? seen_a > seen_b : a < b;
     });
     while (!with_pyramid_.empty() && used_ > capacity_ / 2) {
-        Record& record = records_[with_pyramid_.back()];
-        if (record.seen.load() >= frame) break;
-        release(record.base.load(), record.level);
-        record.base.store(k_no_slot);
+        if (records_[with_pyramid_.back()].seen.load() >= frame) break;
+        drop(with_pyramid_.back());
         with_pyramid_.pop_back();
-        --live_;
     }
     full_.store(false);
 }

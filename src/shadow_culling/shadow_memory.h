@@ -78,6 +78,10 @@ class ShadowMemory {
     bool deepen(RecordId record, std::uint32_t level);
     /// Drops what was last seen before `frame`, least recently seen first, until half the room is free. Between frames.
     void drop_unseen(std::uint32_t frame);
+    /// Takes a record's pyramid away; true if it had one. Between frames.
+    bool drop(RecordId record);
+    /// Forgets what a record says of one light, but for NONE. Between frames.
+    void reopen(RecordId record, int light);
     /// Forgets one light everywhere. Between frames.
     void forget_light(int light);
     void forget_everything();
@@ -109,7 +113,7 @@ class ShadowMemory {
     std::uint32_t capacity_ = 0, end_ = 0;
     std::size_t used_ = 0, live_ = 0;
     std::vector<std::uint32_t> free_[k_max_level + 1];
-    std::vector<RecordId> with_pyramid_;
+    std::vector<RecordId> with_pyramid_;   // and some that were dropped since
     std::atomic<bool> full_ = false;
     std::mutex mutex_;
 };

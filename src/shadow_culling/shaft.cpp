@@ -10,12 +10,11 @@ namespace {
 constexpr double k_min_sine = 1e-9;
 }   // namespace
 
-Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double lift,
-             double margin)
+Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double base,
+             double margin, double thinnest)
     : light_(light), centroid_((corner[0] + corner[1] + corner[2]) / 3.0)
 {
-    // Base: rays start `lift` above the receiver; half of it leaves room for their rounding on either side.
-    planes_[3] = {normal, -glm::dot(normal, centroid_) - 0.5 * lift};
+    planes_[3] = {normal, -glm::dot(normal, centroid_) - base};
 
     // Sides: through each edge and the light, the third corner inside.
     for (int e = 0; e < 3; ++e) {
@@ -30,14 +29,14 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
         side = {n, -glm::dot(n, a)};
         const double third = side.at(corner[(e + 2) % 3]);
         if (third < 0) side = {-n, -side.distance};
-        if (!(std::abs(third) > margin)) return;   // thinner than the margin: hopeless
+        if (!(std::abs(third) > thinnest)) return;
         side.distance += margin;
     }
 
     // Bound it: the piece and the light, widened; an endless prism runs to infinity where the light is.
     constexpr double widen = 4;   // margins: planes that meet at an acute angle reach further out than one margin
-    glm::dvec3 low = glm::min(glm::min(corner[0], corner[1]), corner[2]) - widen * (margin + lift);
-    glm::dvec3 high = glm::max(glm::max(corner[0], corner[1]), corner[2]) + widen * (margin + lift);
+    glm::dvec3 low = glm::min(glm::min(corner[0], corner[1]), corner[2]) - widen * (margin + base);
+    glm::dvec3 high = glm::max(glm::max(corner[0], corner[1]), corner[2]) + widen * (margin + base);
     if (light.directional) {
         for (int axis = 0; axis < 3; ++axis) {
             if (light.place[axis] > 0) high[axis] = std::numeric_limits<double>::infinity();

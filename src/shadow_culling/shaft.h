@@ -39,9 +39,11 @@ class Shaft {
     /// @param corner    of the piece, in the receiving triangle's plane
     /// @param normal    unit, the receiver's, on the side that rays start from
     /// @param light     on that side of the receiver
-    /// @param lift      how far above the plane rays start
+    /// @param base      height of the shaft's base above the plane: lower than rays start
     /// @param margin    how far the side planes are pushed outward, scene units
-    Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double lift, double margin);
+    /// @param thinnest  pieces that are no thicker make no valid shaft
+    Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double base, double margin,
+          double thinnest);
 
     /// False for pieces too thin to have side planes: nothing can be certified on them.
     bool valid() const { return valid_; }

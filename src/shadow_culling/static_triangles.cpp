@@ -54,12 +54,15 @@ double half_area(const Box3& box)
 }   // namespace
 
 StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays,
-                                 const std::vector<char>& lifted)
+                                 LeftOut left_out)
+    : left_out_(left_out)
 {
     const scene::Scene& scene = state.scene();
     first_.assign(scene.objects.size(), no_triangle);
+    count_.assign(scene.objects.size(), 0);
+    std::vector<scene::ObjectId> space;   // by triangle: none for the world's, else the instance's own
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].dynamic || lifted[o] || !state.object_visible(o)) continue;
+        if (scene.objects[o].dynamic || rays.stands_alone(o) || !state.object_visible(o)) continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {
@@ -70,23 +73,34 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
                 for (const glm::vec3& p : triangle.p) bounds_.add(p);
                 triangles_.push_back(triangle);
                 roles_.push_back(role);
+                space.push_back(geometry.to_world ? o : scene::none);
             }
         }
+        count_[o] = static_cast<std::uint32_t>(triangles_.size()) - first_[o];
     }
     for (int axis = 0; axis < 3 && !bounds_.empty(); ++axis)
         largest_ = std::max({largest_, std::abs(bounds_.low[axis]), std::abs(bounds_.high[axis])});
-    match_edges();
+    match_edges(space);
     build_tree();
 }
 
-void StaticTriangles::match_edges()
+void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
 {
+    const auto leads_on = [&](TriangleId t) {
+        return roles_[t] == Role::opaque || (left_out_.has(Check::opaque_neighbour) && roles_[t] == Role::masked);
+    };
+    const auto ends = [&](const glm::vec3& p) {
+        auto bits = bits_of(p);
+        if (left_out_.has(Check::same_bits))
+            for (std::uint32_t& b : bits) b &= 0xffff0000u;
+        return bits;
+    };
     std::vector<EdgeKey> edges;
     edges.reserve(3 * triangles_.size());
     for (TriangleId t = 0; t < triangles_.size(); ++t) {
-        if (roles_[t] != Role::opaque) continue;
+        if (!leads_on(t)) continue;
         for (int e = 0; e < 3; ++e) {
-            auto a = bits_of(triangles_[t].p[e]), b = bits_of(triangles_[t].p[(e + 1) % 3]);
+            auto a = ends(triangles_[t].p[e]), b = ends(triangles_[t].p[(e + 1) % 3]);
             if (b < a) std::swap(a, b);
             edges.push_back({{a[0], a[1], a[2], b[0], b[1], b[2]}, 3 * t + static_cast<std::uint32_t>(e)});
         }
@@ -100,7 +114,8 @@ void StaticTriangles::match_edges()
         while (end < edges.size() && edges[end].bits == edges[begin].bits) ++end;
         if (end - begin == 2) {
             const std::uint32_t a = edges[begin].slot, b = edges[begin + 1].slot;
-            if (a / 3 != b / 3) {
+            const bool one_space = space[a / 3] == space[b / 3] || left_out_.has(Check::same_space);
+            if (a / 3 != b / 3 && one_space) {
                 across_[a] = b / 3;
                 across_[b] = a / 3;
             }
@@ -114,7 +129,9 @@ void StaticTriangles::build_tree()
     std::vector<Box3> boxes(triangles_.size());
     for (TriangleId t = 0; t < triangles_.size(); ++t) {
         for (const glm::vec3& p : triangles_[t].p) boxes[t].add(p);
-        if (roles_[t] != Role::transparent) order_.push_back(t);
+        const bool blocks =
+            roles_[t] == Role::opaque || (roles_[t] == Role::masked && !left_out_.has(Check::masked_blocks));
+        (blocks ? order_ : outside_tree_).push_back(t);
     }
     if (order_.empty()) return;
     nodes_.reserve(order_.size());
@@ -187,7 +204,51 @@ std::uint32_t StaticTriangles::build_range(std::uint32_t node, std::uint32_t beg
     return node;
 }
 
-bool StaticTriangles::any_in(const Shaft& shaft, TriangleId receiver) const
+void StaticTriangles::remove(scene::ObjectId object)
+{
+    const auto [begin, end] = of(object);
+    if (!left_out_.has(Check::lifted_not_receiver)) first_[object] = no_triangle;
+    if (left_out_.has(Check::lifted_not_occluder)) return;
+    for (TriangleId id = begin; id < end; ++id) {
+        take_from_tree(id);
+        for (std::size_t e = 0; e < 3; ++e) {
+            TriangleId& next = across_[3 * static_cast<std::size_t>(id) + e];
+            if (next == no_triangle) continue;
+            for (std::size_t back = 0; back < 3; ++back)
+                if (TriangleId& own = across_[3 * static_cast<std::size_t>(next) + back]; own == id) own = no_triangle;
+            next = no_triangle;
+        }
+    }
+    std::erase_if(outside_tree_, [begin = begin, end = end](TriangleId id) { return id >= begin && id < end; });
+}
+
+// Goes down wherever the triangle may be, and leaves a gap in its leaf.
+void StaticTriangles::take_from_tree(TriangleId id)
+{
+    Box3 box;
+    for (const glm::vec3& p : triangles_[id].p) box.add(p);
+    std::vector<std::uint32_t> stack;
+    if (!nodes_.empty()) stack.push_back(0);
+    while (!stack.empty()) {
+        const Node& node = nodes_[stack.back()];
+        stack.pop_back();
+        bool holds = true;
+        for (int axis = 0; axis < 3; ++axis)
+            holds = holds && node.low[axis] <= box.low[axis] && node.high[axis] >= box.high[axis];
+        if (!holds) continue;
+        if (node.count == 0) {
+            stack.push_back(node.first);
+            stack.push_back(node.first + 1);
+        }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+            if (order_[i] == id) {
+                order_[i] = no_triangle;
+                return;
+            }
+    }
+}
+
+bool StaticTriangles::any_in(const Shaft& shaft) const
 {
     if (nodes_.empty() || !shaft.may_meet(nodes_[0].low, nodes_[0].high)) return false;
     std::array<std::uint32_t, 128> stack;
@@ -202,7 +263,7 @@ bool StaticTriangles::any_in(const Shaft& shaft, TriangleId receiver) const
             continue;
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-            if (order_[i] == receiver) continue;
+            if (order_[i] == no_triangle) continue;
             const StaticTriangle& t = triangles_[order_[i]];
             const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
             ClippedPolygon clipped;
@@ -243,6 +304,7 @@ double StaticTriangles::least_height(const std::array<Plane, 4>& sides, const Pl
             continue;
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            if (order_[i] == no_triangle) continue;
             const StaticTriangle& t = triangles_[order_[i]];
             const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
             ClippedPolygon clipped;
@@ -283,7 +345,8 @@ void StaticTriangles::along(const glm::dvec3& origin, const glm::dvec3& to_end, 
             continue;
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-            if (roles_[order_[i]] != Role::opaque) continue;
+            if (order_[i] == no_triangle) continue;
+            if (roles_[order_[i]] != Role::opaque && !left_out_.has(Check::opaque_occluder)) continue;
             const StaticTriangle& t = triangles_[order_[i]];
             // [Moeller and Trumbore 1997]
             const glm::dvec3 a(t.p[0]), e1 = glm::dvec3(t.p[1]) - a, e2 = glm::dvec3(t.p[2]) - a;

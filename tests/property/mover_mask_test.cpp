@@ -86,8 +86,8 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
         state.advance(0);
         rays.update(state);
         if (!mask) {
-            triangles = std::make_unique<StaticTriangles>(state, rays, lifted);
-            mask = std::make_unique<MoverMask>(state, rays, lifted, *triangles, options);
+            triangles = std::make_unique<StaticTriangles>(state, rays);
+            mask = std::make_unique<MoverMask>(state, rays, *triangles, options);
         }
         const CullingView view{glm::vec3(random.uniform(-4, 4), 1, 4), 0.004f * random.uniform(0.2f, 3.0f), 0};
         mask->begin_frame(state, rays, view);
@@ -199,11 +199,11 @@ void ask_along_outline(double turn, Tally& tally)
     state.advance(0);
     rays.update(state);
     const std::vector<char> lifted = {0, 1};
-    const StaticTriangles triangles(state, rays, lifted);
+    const StaticTriangles triangles(state, rays);
     MaskOptions options;
     options.asked = 1;
     options.texel_pixels = 0.02f;   // finer than rounding moves a ray
-    MoverMask mask(state, rays, lifted, triangles, options);
+    MoverMask mask(state, rays, triangles, options);
     mask.begin_frame(state, rays, {at(0, 0, 9), 0.002f, 0});
     Random random(3);
     std::vector<ShadowPoint> points;
@@ -240,7 +240,7 @@ TEST(MoverMaskCulling, LeastHeightIsThatOfAllTriangles)
         const auto scene = Soup(seed).take();
         const scene::SceneState state(scene, 0);
         const ray::RayScene rays(state);
-        const StaticTriangles triangles(state, rays, std::vector<char>(scene->objects.size(), 0));
+        const StaticTriangles triangles(state, rays);
         Random random(seed, 9);
         for (int k = 0; k < 100; ++k) {
             LightPoint light;
