@@ -25,6 +25,15 @@ bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
     return (own > 0 && other < 0) || (own < 0 && other > 0);
 }
 
+// How much larger than its lateral error the error of a triangle's traced plane is: its longest side over its height.
+// (How steep the triangle is to the rays is in the shaft's room: a steep one spans much height within it.)
+double thinness(const glm::dvec3 (&p)[3])
+{
+    double longest = 0;
+    for (int c = 0; c < 3; ++c) longest = std::max(longest, glm::length(p[(c + 1) % 3] - p[c]));
+    return longest * longest / glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+}
+
 }   // namespace
 
 bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, const CertificateOptions& options)
@@ -33,7 +42,7 @@ bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, const Ce
     return options.left_out.has(Check::nothing_in_shaft) || !triangles.any_in(shaft);
 }
 
-bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId occluder, double clearance,
+bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId occluder,
                   const CertificateOptions& options)
 {
     if (!shaft.valid()) return false;
@@ -43,41 +52,36 @@ bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, Triangle
     int count = 0;
     patch[static_cast<std::size_t>(count++)] = occluder;
 
-    const LightPoint& light = shaft.light();
-    const double highest =
-        light.directional ? std::numeric_limits<double>::infinity() : shaft.light_height() * (1 - options.end_gap);
+    const double end = shaft.light_height() * (1 - options.end_gap);
     for (int next = 0; next < count; ++next) {
         const TriangleId id = patch[static_cast<std::size_t>(next)];
         const StaticTriangle& t = triangles[id];
         const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
-
-        // Refuse triangles edge-on to the light.
-        const glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
-        const glm::dvec3 to_light = light.directional ? light.place : light.place - p[0];
-        const double facing = glm::dot(n, to_light);
-        if (!(std::abs(facing) > options.min_facing * glm::length(n) * glm::length(to_light))) return false;
+        const double coordinate = largest_coordinate(t);
+        const ShaftRoom room = shaft.room_for(coordinate);
 
         // What lies in the shaft must lie strictly between receiver and light.
         ClippedPolygon inside;
-        if (!shaft.clip(p, inside)) {
+        if (!shaft.clip(p, room, inside)) {
             if (next == 0 && !options.left_out.has(Check::occluder_in_way)) return false;
             continue;
         }
+        const double gap = options.clearance * shaft.lift_for(coordinate) * thinness(p);
         for (int c = 0; c < inside.count; ++c) {
             const double height = shaft.height(inside.corner[static_cast<std::size_t>(c)]);
-            if (!(height > clearance) || !(height < highest)) return false;
+            if (!(height > shaft.lift() + gap) || !(height < end - gap)) return false;
         }
 
         // Go on over every edge that meets the shaft.
         for (int e = 0; e < 3; ++e) {
-            if (!shaft.meets_segment(p[e], p[(e + 1) % 3])) continue;
+            if (!shaft.meets_segment(p[e], p[(e + 1) % 3], room)) continue;
             const TriangleId neighbour = triangles.across(id, e);
             if (neighbour == no_triangle) {
                 if (options.left_out.has(Check::no_open_edge)) continue;
                 return false;
             }
             if (!options.left_out.has(Check::no_silhouette) &&
-                !continues_behind(p[e], p[(e + 1) % 3], p[(e + 2) % 3], triangles[neighbour], light))
+                !continues_behind(p[e], p[(e + 1) % 3], p[(e + 2) % 3], triangles[neighbour], shaft.light()))
                 return false;
             if (std::find(patch.begin(), patch.begin() + count, neighbour) != patch.begin() + count) continue;
             if (count >= most) return false;

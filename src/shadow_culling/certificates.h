@@ -7,8 +7,8 @@
 //         flooded from a triangle known to be in the way, over every edge that meets the shaft; each such edge must be
 //         shared by exactly two triangles and not be a silhouette seen from the light. Then the patch, projected from
 //         the light, covers the cross-section: its edge cannot lie inside.
-// The receiver is a triangle like any other: it lies below its own shaft. A failed proof says nothing. Cost of one: a few microseconds (a tree walk with a tetrahedron, or up to `max_patch`
-// triangles).
+// The receiver is a triangle like any other: it lies below its own shaft. A failed proof says nothing. Cost of one: a
+// few microseconds (a tree walk with a tetrahedron, or up to `max_patch` triangles).
 
 #include "shadow_culling/checks.h"
 #include "shadow_culling/shaft.h"
@@ -17,15 +17,12 @@
 namespace gnomon::shadow_culling {
 
 struct CertificateOptions {
-    double margin = 4e-6;       // of shaft planes, as a fraction of the largest coordinate in play
-    double base = 0.5;          // height of a shaft's base, in lifts: rays start one lift above the receiver
-    int max_patch = 64;         // triangles of a FULL patch
-    double min_facing = 1e-5;   // sine under which a triangle counts as edge-on to the light
-    double clearance = 4;       // lifts that a FULL patch keeps away from the base
-    double end_gap = 1e-3;      // occluders this near the light, as a fraction of its height, prove nothing
-    double graze_lifts = 50;    // a light this near to the receiver's plane grazes it: nothing is certified
-    double graze_sine = 1e-5;   // the same for a directional light
-    LeftOut left_out;           // for tests
+    ShaftRules shaft;
+    int max_patch = 64;        // triangles of a FULL patch
+    double clearance = 4;      // lifts that a FULL patch keeps from where rays start and end; more where it is thin
+    double end_gap = 1e-3;     // occluders this near the light, as a fraction of its height, prove nothing
+    double graze_lifts = 50;   // a light this near to the receiver's plane grazes it: nothing is certified
+    LeftOut left_out;          // for tests
 };
 
 /// No static blocker meets the shaft.
@@ -33,8 +30,7 @@ bool certify_none(const StaticTriangles& triangles, const Shaft& shaft, const Ce
 
 /// The patch around `occluder` closes the shaft. The triangles of a patch are opaque: across() leads to no others.
 /// @param occluder   an opaque static triangle that the ray from the piece's centroid to the light meets
-/// @param clearance  height above the shaft's base that all of the patch inside the shaft must exceed
-bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId occluder, double clearance,
+bool certify_full(const StaticTriangles& triangles, const Shaft& shaft, TriangleId occluder,
                   const CertificateOptions& options);
 
 }   // namespace gnomon::shadow_culling

@@ -94,7 +94,7 @@ std::vector<RememberedLight> CertifiedCulling::remembered_lights() const
 
 RimCodes CertifiedCulling::rim_of_record(RecordId record) const
 {
-    const double width = options_.rim_margins * options_.certificates.margin;
+    const double width = options_.rim_margins * options_.certificates.shaft.margin;
     return rim_of((*triangles_)[record / 2].p, static_cast<float>(width) * triangles_->largest_coordinate());
 }
 

@@ -50,8 +50,8 @@ struct CullingCounters {
         0;                       // traced against movers alone (those that could meet one); the rest of NONE is skipped
     std::uint64_t traced = 0;    // traced against everything
     std::uint64_t partial = 0;   // of these, on parts known to be partial
-    std::uint64_t certificates = 0;   // tried
-    std::uint64_t certified = 0;      // that held
+    std::uint64_t certificates = 0;        // tried
+    std::uint64_t certified = 0;           // that held
     std::uint64_t forgotten_records = 0;   // of static objects that started to move
     std::uint64_t forgotten_visited = 0;   // triangles that these could have shadowed, by light: judged again
     void add(const CullingCounters& other);

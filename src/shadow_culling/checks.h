@@ -14,22 +14,19 @@ enum class Check : std::uint8_t {
     nothing_in_shaft,   // no static triangle meets the shaft
     masked_blocks,      // alpha-tested triangles count as being there
     // FULL
-    opaque_occluder,      // the first triangle of a patch lets no light through
-    opaque_neighbour,     // nor do those that the patch goes on to
-    same_bits,            // edges are shared to the bit, not nearly
-    same_space,           // by triangles that rays meet in the same space
-    occluder_in_way,      // the first triangle lies in the shaft
-    no_open_edge,         // an edge in the shaft has another triangle behind it
-    no_silhouette,        // which goes on, seen from the light, on the other side
-    // Both
-    wide_enough,   // the shaft of a piece thinner than the margin holds nothing
+    opaque_occluder,    // the first triangle of a patch lets no light through
+    opaque_neighbour,   // nor do those that the patch goes on to
+    same_bits,          // edges are shared to the bit, not nearly
+    occluder_in_way,    // the first triangle lies in the shaft
+    no_open_edge,       // an edge in the shaft has another triangle behind it
+    no_silhouette,      // which goes on, seen from the light, on the other side
     // What moves
-    movers_asked,           // NONE is about static geometry alone
-    light_moves,            // nothing is remembered of a light that moves
-    light_stops,            // which starts afresh when it stands still
-    lifted_not_receiver,    // a static object moved by hand is no remembered receiver
-    lifted_not_occluder,    // nor an occluder in new certificates
-    lifted_shadow_gone,     // what it may have shadowed is judged again
+    movers_asked,          // NONE is about static geometry alone
+    light_moves,           // nothing is remembered of a light that moves
+    light_stops,           // which starts afresh when it stands still
+    lifted_not_receiver,   // a static object moved by hand is no remembered receiver
+    lifted_not_occluder,   // nor an occluder in new certificates
+    lifted_shadow_gone,    // what it may have shadowed is judged again
 };
 
 /// A set of checks to leave out; empty for everybody but tests.

@@ -42,9 +42,9 @@ Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight>
     // Open again what it may have shadowed.
     for (const RememberedLight& light : lights) {
         float coordinate = triangles.largest_coordinate();
-        if (!light.directional) coordinate = std::max({coordinate, std::abs(light.to.x), std::abs(light.to.y),
-                                                       std::abs(light.to.z)});
-        const auto widen = static_cast<float>(k_widen_margins * options.margin) * coordinate;
+        if (!light.directional)
+            coordinate = std::max({coordinate, std::abs(light.to.x), std::abs(light.to.y), std::abs(light.to.z)});
+        const auto widen = static_cast<float>(k_widen_margins * options.shaft.margin) * coordinate;
         const Box3 blocker{footprint.low - widen, footprint.high + widen};
         triangles.visit(
             [&](const glm::vec3& low, const glm::vec3& high) {

@@ -100,10 +100,10 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     to.directional = lamp.type == scene::LightType::directional;
     to.place = to.directional ? glm::normalize(-glm::dvec3(at.direction)) : glm::dvec3(at.position);
 
-    // A light behind the plane, or in it, is asked for by no point, or by none that can be told apart.
-    if (!to.directional && !(glm::dot(normal_, to.place - corner_[0]) > options_.certificates.graze_lifts * lift_))
-        return ShadowState::partial;
-    if (to.directional && !(glm::dot(normal_, to.place) > options_.certificates.graze_sine))
+    // A light in the plane, or behind it, is asked for by no point, or by none that can be told apart. (All points of a
+    // triangle agree whether they face a directional light.)
+    const CertificateOptions& rules = options_.certificates;
+    if (!to.directional && !(glm::dot(normal_, to.place - corner_[0]) > rules.graze_lifts * lift_))
         return ShadowState::partial;
 
     glm::dvec2 uv[3];
@@ -112,12 +112,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     glm::dvec3 piece[3];
     for (int c = 0; c < 3; ++c)
         piece[c] = corner_[0] + uv[c].x * (corner_[1] - corner_[0]) + uv[c].y * (corner_[2] - corner_[0]);
-    double coordinate = triangles_.largest_coordinate();
-    if (!to.directional)
-        coordinate = std::max({coordinate, std::abs(to.place.x), std::abs(to.place.y), std::abs(to.place.z)});
-    const CertificateOptions& rules = options_.certificates;
-    const Shaft shaft(piece, normal_, to, rules.base * lift_, rules.margin * coordinate,
-                      rules.left_out.has(Check::wide_enough) ? 0 : rules.margin * coordinate);
+    const Shaft shaft(piece, normal_, to, lift_, rules.shaft);
 
     ++counters_.certificates;
     bool holds = false;
@@ -133,7 +128,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
             return area_a != area_b ? area_a > area_b : a < b;
         });
         for (std::size_t i = 0; i < std::min(occluders_.size(), k_occluders_tried) && !holds; ++i)
-            holds = certify_full(triangles_, shaft, occluders_[i], rules.clearance * lift_, rules);
+            holds = certify_full(triangles_, shaft, occluders_[i], rules);
     }
     if (!holds) return ShadowState::partial;
     ++counters_.certified;

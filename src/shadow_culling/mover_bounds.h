@@ -29,10 +29,10 @@ class MoverBounds {
 
  private:
     struct Mover {
-        scene::ObjectId object;   // none: a group
-        scene::GroupId group;     // none: an object by itself
-        Box3 own;                 // of a group, in the space of its anchor
-        Box3 world;               // empty while it is hidden
+        scene::ObjectId object;        // none: a group
+        scene::GroupId group;          // none: an object by itself
+        Box3 own;                      // of a group, in the space of its anchor
+        Box3 world;                    // empty while it is hidden
         std::uint64_t placed_at = 0;   // the update that last did
     };
     std::uint32_t mover_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays);

@@ -11,7 +11,7 @@ void MoverMask::find_outline(LightMask& mask, Print& print)
 {
     std::vector<Piece>& outline = mask.outlines[&print - mask.prints.data()];
     outline.clear();
-    Unit& unit = units_[print.unit];
+    Unit& unit = *units_[print.unit];
     const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
     if (geometry.to_world) {
         const glm::mat3 linear(*geometry.to_world);

@@ -10,13 +10,14 @@ namespace {
 constexpr double k_min_sine = 1e-9;
 }   // namespace
 
-Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double base,
-             double margin, double thinnest)
-    : light_(light), centroid_((corner[0] + corner[1] + corner[2]) / 3.0)
+Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const LightPoint& light, double lift,
+             const ShaftRules& rules)
+    : light_(light), rules_(rules), lift_(lift), centroid_((corner[0] + corner[1] + corner[2]) / 3.0)
 {
-    planes_[3] = {normal, -glm::dot(normal, centroid_) - base};
+    planes_[3] = {normal, -glm::dot(normal, centroid_)};
 
     // Sides: through each edge and the light, the third corner inside.
+    const double thinnest = rules.margin / k_lift * lift;
     for (int e = 0; e < 3; ++e) {
         const glm::dvec3& a = corner[e];
         const glm::dvec3 along = corner[(e + 1) % 3] - a;
@@ -30,13 +31,11 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
         const double third = side.at(corner[(e + 2) % 3]);
         if (third < 0) side = {-n, -side.distance};
         if (!(std::abs(third) > thinnest)) return;
-        side.distance += margin;
     }
 
-    // Bound it: the piece and the light, widened; an endless prism runs to infinity where the light is.
-    constexpr double widen = 4;   // margins: planes that meet at an acute angle reach further out than one margin
-    glm::dvec3 low = glm::min(glm::min(corner[0], corner[1]), corner[2]) - widen * (margin + base);
-    glm::dvec3 high = glm::max(glm::max(corner[0], corner[1]), corner[2]) + widen * (margin + base);
+    // Bound it: the piece and the light; an endless prism runs to infinity where the light is.
+    glm::dvec3 low = glm::min(glm::min(corner[0], corner[1]), corner[2]) - lift;
+    glm::dvec3 high = glm::max(glm::max(corner[0], corner[1]), corner[2]) + lift;
     if (light.directional) {
         for (int axis = 0; axis < 3; ++axis) {
             if (light.place[axis] > 0) high[axis] = std::numeric_limits<double>::infinity();
@@ -44,8 +43,8 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
         }
         light_height_ = std::numeric_limits<double>::infinity();
     } else {
-        low = glm::min(low, light.place - widen * margin);
-        high = glm::max(high, light.place + widen * margin);
+        low = glm::min(low, light.place);
+        high = glm::max(high, light.place);
         light_height_ = planes_[3].at(light.place);
     }
     low_ = glm::vec3(low), high_ = glm::vec3(high);
@@ -61,16 +60,28 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
 
 bool Shaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
 {
+    const glm::vec3 reach = glm::max(glm::abs(box_low), glm::abs(box_high));
+    const ShaftRoom room = room_for(std::max({reach.x, reach.y, reach.z}));
+    // Twice, so that adding in single precision takes nothing away.
+    const auto widen = static_cast<float>(2 * room.side);
     for (int axis = 0; axis < 3; ++axis)
-        if (box_low[axis] > high_[axis] || box_high[axis] < low_[axis]) return false;
+        if (box_low[axis] > high_[axis] + widen || box_high[axis] < low_[axis] - widen) return false;
     const glm::dvec3 corner[2] = {glm::dvec3(box_low), glm::dvec3(box_high)};
     for (std::size_t k = 0; k < planes_.size(); ++k) {
         // The corner furthest inside.
         const std::array<std::uint8_t, 3>& end = furthest_[k];
         const glm::dvec3 q(corner[end[0]].x, corner[end[1]].y, corner[end[2]].z);
-        if (planes_[k].at(q) < 0) return false;
+        if (planes_[k].at(q) < (k < 3 ? -room.side : room.base)) return false;
     }
     return true;
+}
+
+bool Shaft::clip(const glm::dvec3 (&p)[3], const ShaftRoom& room, ClippedPolygon& clipped) const
+{
+    std::array<Plane, 4> planes = planes_;
+    for (std::size_t k = 0; k < 3; ++k) planes[k].distance += room.side;
+    planes[3].distance -= room.base;
+    return clip_triangle(planes, p, clipped);
 }
 
 bool clip_triangle(const std::array<Plane, 4>& planes, const glm::dvec3 (&p)[3], ClippedPolygon& clipped)
@@ -116,11 +127,12 @@ bool clip_triangle(const std::array<Plane, 4>& planes, const glm::dvec3 (&p)[3],
     return true;
 }
 
-bool Shaft::meets_segment(const glm::dvec3& a, const glm::dvec3& b) const
+bool Shaft::meets_segment(const glm::dvec3& a, const glm::dvec3& b, const ShaftRoom& room) const
 {
     double first = 0, last = 1;
-    for (const Plane& plane : planes_) {
-        const double at_a = plane.at(a), at_b = plane.at(b);
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+        const double least = k < 3 ? -room.side : room.base;
+        const double at_a = planes_[k].at(a) - least, at_b = planes_[k].at(b) - least;
         if (at_a < 0 && at_b < 0) return false;
         if (at_a < 0)
             first = std::max(first, at_a / (at_a - at_b));

@@ -53,8 +53,7 @@ double half_area(const Box3& box)
 
 }   // namespace
 
-StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays,
-                                 LeftOut left_out)
+StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out)
     : left_out_(left_out)
 {
     const scene::Scene& scene = state.scene();
@@ -114,7 +113,7 @@ void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
         while (end < edges.size() && edges[end].bits == edges[begin].bits) ++end;
         if (end - begin == 2) {
             const std::uint32_t a = edges[begin].slot, b = edges[begin + 1].slot;
-            const bool one_space = space[a / 3] == space[b / 3] || left_out_.has(Check::same_space);
+            const bool one_space = space[a / 3] == space[b / 3];
             if (a / 3 != b / 3 && one_space) {
                 across_[a] = b / 3;
                 across_[b] = a / 3;
@@ -267,7 +266,7 @@ bool StaticTriangles::any_in(const Shaft& shaft) const
             const StaticTriangle& t = triangles_[order_[i]];
             const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
             ClippedPolygon clipped;
-            if (shaft.clip(p, clipped)) return true;
+            if (shaft.clip(p, shaft.room_for(shadow_culling::largest_coordinate(t)), clipped)) return true;
         }
     }
     return false;

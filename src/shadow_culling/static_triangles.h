@@ -6,6 +6,7 @@
 // tested against, but for instances, whose rays are taken to the space of the mesh. Edges are matched by the bits of
 // their end points and within one space: what does not match is not watertight, and no certificate may pass over it.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -23,6 +24,12 @@ inline constexpr TriangleId no_triangle = 0xffffffffu;
 struct StaticTriangle {
     glm::vec3 p[3];
 };
+
+inline float largest_coordinate(const StaticTriangle& t)
+{
+    const glm::vec3 reach = glm::max(glm::max(glm::abs(t.p[0]), glm::abs(t.p[1])), glm::abs(t.p[2]));
+    return std::max({reach.x, reach.y, reach.z});
+}
 
 class Shaft;
 struct Plane;
@@ -89,7 +96,7 @@ class StaticTriangles {
     std::vector<TriangleId> first_;   // by object
     std::vector<TriangleId> across_;
     std::vector<Node> nodes_;
-    std::vector<TriangleId> order_;   // blocking triangles, leaf by leaf; no_triangle: taken out
+    std::vector<TriangleId> order_;          // blocking triangles, leaf by leaf; no_triangle: taken out
     std::vector<TriangleId> outside_tree_;   // those that do not block
     std::vector<std::uint32_t> count_;       // by object: its triangles
     LeftOut left_out_;

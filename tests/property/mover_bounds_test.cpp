@@ -54,8 +54,7 @@ TEST(MoverBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
         const auto scene = make_random_scene(seed, options);
         scene::SceneState state(scene, 0);
         ray::RayScene rays(state);
-        std::vector<char> lifted(scene->objects.size(), 0);
-        MoverBounds bounds(state, rays, lifted);
+        MoverBounds bounds(state, rays);
         Random random(seed + 70);
         const glm::dmat4 aside = translation(3, 2, 1);
         for (int step = 0; step < 12; ++step) {
@@ -101,7 +100,7 @@ TEST(MoverBounds, CostFollowsWhatIsNear)
             }
         scene::SceneState state(finished(scene), 0);
         ray::RayScene rays(state);
-        MoverBounds bounds(state, rays, std::vector<char>(state.scene().objects.size(), 0));
+        MoverBounds bounds(state, rays);
         state.advance(1);
         rays.update(state);
         bounds.update(state, rays);

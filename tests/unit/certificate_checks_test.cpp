@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every check that a remembered shadow rests on is needed: with it, a small scene made for it is answered as rays
+// answer; without it, wrongly.
+#include <gtest/gtest.h>
+
+#include "shadow_stage.h"
+
+namespace gnomon {
+namespace {
+
+using shadow_culling::CertificateOptions;
+using shadow_culling::Check;
+using shadow_culling::LeftOut;
+using test::Outcome;
+using test::Rehearsal;
+using test::Stage;
+using test::Teach;
+
+using Corners = std::vector<glm::vec3>;
+
+// The receiver of most scenes, in the plane z = 0, is object 0; the light stands two above it.
+const Corners k_receiver = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+const glm::vec3 k_light(0.3f, 0.3f, 2);
+
+Stage stage_with_receiver()
+{
+    Stage stage;
+    stage.add(k_receiver);
+    stage.add_light(k_light);
+    return stage;
+}
+
+shadow_culling::CertifiedOptions with(const CertificateOptions& rules)
+{
+    shadow_culling::CertifiedOptions options;
+    options.certificates = rules;
+    return options;
+}
+
+// Teaches by points of one kind, then asks all, on the receiver as one part.
+Outcome play(Stage stage, const CertificateOptions& rules, Teach what, int points = 1000)
+{
+    Rehearsal rehearsal(std::move(stage), with(rules));
+    const auto everywhere = rehearsal.points({0}, points);
+    rehearsal.teach(everywhere, what);
+    rehearsal.advance(0);
+    return rehearsal.ask(everywhere);
+}
+
+Corners small_triangle(float z)
+{
+    return {{0.3f, 0.3f, z}, {0.35f, 0.3f, z}, {0.3f, 0.35f, z}};
+}
+// Covers all of the receiver, with its corners far outside.
+Corners large_triangle(float z)
+{
+    return {{-9, -9, z}, {30, -9, z}, {-9, 30, z}};
+}
+// All of x < edge, or of x > edge.
+Corners left_half(float edge, float z)
+{
+    return {{edge, -9, z}, {edge, 9, z}, {-20, 0, z}};
+}
+Corners right_half(float edge, float z)
+{
+    return {{edge, 9, z}, {edge, -9, z}, {20, 0, z}};
+}
+
+glm::dvec3 anywhere(Random& random, double reach)
+{
+    const auto one = [&] { return static_cast<double>(random.uniform(-1, 1)) * reach; };
+    const double x = one(), y = one();
+    return {x, y, one()};
+}
+
+// A triangle whose edge grazes a side of the shaft: between the receiver's edge and the light, to within rounding, and
+// going outward (nothing blocks) or inward (all but the very edge is blocked).
+Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
+{
+    Outcome sum;
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+        Random random(seed);
+        const glm::dvec3 far(50);   // from the origin: there rounding outgrows the room that Embree gives an edge
+        const glm::dvec3 a = far + anywhere(random, 1), b = far + anywhere(random, 1), c = far + anywhere(random, 1);
+        const glm::dvec3 light = a + 0.3 * (b - a) + 0.3 * (c - a) + 2.0 * glm::normalize(glm::cross(b - a, c - a));
+        Stage stage;
+        stage.add({glm::vec3(a), glm::vec3(b), glm::vec3(c)});
+        stage.add_light(glm::vec3(light));
+        const glm::dvec3 p = 0.5 * (a + light), q = 0.5 * (b + light);
+        const glm::dvec3 along = q - p, out = glm::normalize(glm::cross(along, glm::cross(b - a, c - a)));
+        const glm::dvec3 third = 0.5 * (p + q) + (inward ? -20.0 : 1.0) * out;
+        const glm::dvec3 p2 = p - (inward ? 0.5 : 0.0) * along, q2 = q + (inward ? 0.5 : 0.0) * along;
+        stage.add({glm::vec3(p2), glm::vec3(q2), glm::vec3(third)});
+
+        // Points of the inside teach; points of the very edge are asked as well.
+        Rehearsal rehearsal(std::move(stage), with(rules));
+        auto points = rehearsal.points({0}, 50);
+        rehearsal.teach(points, inward ? Teach::blocked_ones : Teach::free_ones);
+        for (int i = 1; i < 400; ++i)
+            points.push_back(test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 400,
+                                                1e-9f * random.uniform(1, 4), true));
+        rehearsal.advance(0);
+        sum += rehearsal.ask(points);
+    }
+    return sum;
+}
+
+// A shade that leaves a part of the receiver free, and a light that jumps at time 0.5.
+Outcome light_that_jumps(const CertificateOptions& rules, std::initializer_list<double> times)
+{
+    Stage stage;
+    stage.add(k_receiver);
+    stage.add_light(k_light, scene::LightType::point,
+                    std::make_shared<test::JumpTrack>(0.5, test::translation(0.3, 0.3, 2), test::translation(9, 0, 2)));
+    stage.add(left_half(2, 1));
+    Rehearsal rehearsal(std::move(stage), with(rules));
+    const auto points = rehearsal.points({0}, 1000);
+    rehearsal.teach(points, Teach::all);
+    Outcome outcome;
+    for (const double time : times) {
+        rehearsal.advance(time);
+        outcome = rehearsal.ask(points);
+    }
+    return outcome;
+}
+
+void move_by_hand(Rehearsal& rehearsal, scene::ObjectId object, const glm::dvec3& by)
+{
+    const glm::dmat4 place = test::translation(by.x, by.y, by.z);
+    rehearsal.state().override_transform(rehearsal.scene().objects[object].node, &place);
+    rehearsal.advance(0);
+}
+
+// A lamp that grazes the receiver, as high as rays start, so that rounding decides which points face it.
+Outcome lamp_that_grazes(const CertificateOptions& rules)
+{
+    Outcome sum;
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+        Random random(seed);
+        const glm::vec3 p[3] = {glm::vec3(anywhere(random, 1)), glm::vec3(anywhere(random, 1)),
+                                glm::vec3(anywhere(random, 1))};
+        const glm::vec3 n = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+        Stage stage;
+        stage.add({p[0], p[1], p[2]});
+        stage.add_light((p[0] + p[1] + p[2]) / 3.0f + ray::origin_lift(p) * n);
+        sum += play(std::move(stage), rules, Teach::free_ones, 300);
+    }
+    return sum;
+}
+
+struct Scene {
+    const char* name;
+    std::function<void(CertificateOptions&)> leave_out;
+    std::function<Outcome(const CertificateOptions&)> outcome;
+};
+
+std::function<void(CertificateOptions&)> without(LeftOut checks)
+{
+    return [checks](CertificateOptions& rules) { rules.left_out = checks; };
+}
+
+const Scene k_scenes[] = {
+    // --- NONE
+    {"nothing_in_shaft", without(Check::nothing_in_shaft),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(small_triangle(1));
+         return play(std::move(stage), rules, Teach::free_ones);
+     }},
+    {"masked_blocks", without(Check::masked_blocks),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(small_triangle(1), test::cut_out);
+         return play(std::move(stage), rules, Teach::free_ones, 4000);
+     }},
+    {"margin_of_none", [](CertificateOptions& rules) { rules.shaft.margin = 0; },
+     [](const CertificateOptions& rules) { return flush_with_the_shaft(rules, false); }},
+    {"base_below_rays", [](CertificateOptions& rules) { rules.shaft.room = -3; },
+     [](const CertificateOptions& rules) {   // rays start 2e-6 above the receiver
+         Stage stage = stage_with_receiver();
+         stage.add(small_triangle(5e-6f));
+         return play(std::move(stage), rules, Teach::free_ones);
+     }},
+
+    // --- FULL
+    {"margin_of_full", [](CertificateOptions& rules) { rules.shaft.margin = 0; },
+     [](const CertificateOptions& rules) { return flush_with_the_shaft(rules, true); }},
+    {"opaque_occluder", without(Check::opaque_occluder),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(large_triangle(1), test::cut_out);
+         return play(std::move(stage), rules, Teach::blocked_ones);
+     }},
+    {"opaque_neighbour", without(Check::opaque_neighbour),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(left_half(0.4f, 1));
+         stage.add(right_half(0.4f, 1), test::cut_out);
+         return play(std::move(stage), rules, Teach::blocked_ones);
+     }},
+    {"same_bits", without(Check::same_bits),
+     [](const CertificateOptions& rules) {   // a slit
+         Stage stage = stage_with_receiver();
+         stage.add(left_half(0.3f, 1));
+         stage.add(right_half(0.3005f, 1));
+         return play(std::move(stage), rules, Teach::blocked_ones, 20000);
+     }},
+    {"no_open_edge", without(Check::no_open_edge),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(left_half(0.4f, 1));
+         return play(std::move(stage), rules, Teach::blocked_ones);
+     }},
+    {"no_silhouette", without(Check::no_silhouette),
+     [](const CertificateOptions& rules) {   // a fold: both halves go to the left
+         Stage stage = stage_with_receiver();
+         stage.add(left_half(0.4f, 1));
+         stage.add({{0.4f, -9, 1}, {0.4f, 9, 1}, {-20, 0, 1.2f}});
+         return play(std::move(stage), rules, Teach::blocked_ones);
+     }},
+    {"clearance", [](CertificateOptions& rules) { rules.clearance = -1; },
+     [](const CertificateOptions& rules) {   // a plane that cuts through the receiver
+         Stage stage = stage_with_receiver();
+         stage.add({{-20, -60, -20.3f}, {-20, 60, -20.3f}, {80, 0, 79.7f}});
+         return play(std::move(stage), rules, Teach::blocked_ones);
+     }},
+    {"end_gap", [](CertificateOptions& rules) { rules.end_gap = -1; },
+     [](const CertificateOptions& rules) {   // a shade nearer to the lamp than rays go
+         Stage stage = stage_with_receiver();
+         stage.add({{0.2f, 0.2f, 1.9999f}, {0.5f, 0.2f, 1.9999f}, {0.2f, 0.5f, 1.9999f}});
+         stage.add(small_triangle(1));
+         return play(std::move(stage), rules, Teach::blocked_ones);
+     }},
+
+    // --- Both
+    {"light_grazes", [](CertificateOptions& rules) { rules.graze_lifts = -1; }, lamp_that_grazes},
+
+    // --- What moves
+    {"movers_asked", without(Check::movers_asked),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(small_triangle(1), test::two_sided,
+                   std::make_shared<test::JumpTrack>(0.5, test::translation(0, 0, 50), glm::dmat4(1)));
+         Rehearsal rehearsal(std::move(stage), with(rules));
+         const auto points = rehearsal.points({0}, 1000);
+         rehearsal.teach(points, Teach::all);
+         rehearsal.advance(1);
+         return rehearsal.ask(points);
+     }},
+    {"light_moves", without(Check::light_moves),
+     [](const CertificateOptions& rules) {
+         return light_that_jumps(rules, {0, 1});
+     }},
+    {"light_stops", without(Check::light_stops),
+     [](const CertificateOptions& rules) {
+         return light_that_jumps(rules, {0, 1, 2});
+     }},
+    {"lifted_not_receiver", without(Check::lifted_not_receiver),
+     [](const CertificateOptions& rules) {   // the receiver is moved under what did not shadow it
+         Stage stage = stage_with_receiver();
+         stage.add(left_half(-5, 1));
+         Rehearsal rehearsal(std::move(stage), with(rules));
+         rehearsal.teach(rehearsal.points({0}, 1000), Teach::all);
+         move_by_hand(rehearsal, 0, {-15, 0, 0});
+         return rehearsal.ask(rehearsal.points({0}, 1000));
+     }},
+    {"lifted_not_occluder", without(Check::lifted_not_occluder),
+     [](const CertificateOptions& rules) {   // the shade is gone before anything is learned
+         Stage stage = stage_with_receiver();
+         stage.add(large_triangle(1));
+         stage.add(small_triangle(0.9f));
+         Rehearsal rehearsal(std::move(stage), with(rules));
+         move_by_hand(rehearsal, 1, {0, 0, 50});
+         rehearsal.ask({});
+         const auto points = rehearsal.points({0}, 1000);
+         rehearsal.teach(points, Teach::blocked_ones);
+         rehearsal.advance(0);
+         return rehearsal.ask(points);
+     }},
+    {"lifted_shadow_gone", without(Check::lifted_shadow_gone),
+     [](const CertificateOptions& rules) {
+         Stage stage = stage_with_receiver();
+         stage.add(large_triangle(1));
+         Rehearsal rehearsal(std::move(stage), with(rules));
+         const auto points = rehearsal.points({0}, 1000);
+         rehearsal.teach(points, Teach::all);
+         move_by_hand(rehearsal, 1, {0, 0, 50});
+         return rehearsal.ask(points);
+     }},
+};
+
+void PrintTo(const Scene& scene, std::ostream* out)
+{
+    *out << scene.name;
+}
+
+class CertificateChecks : public testing::TestWithParam<Scene> {};
+
+TEST_P(CertificateChecks, IsNeeded)
+{
+    const Scene& scene = GetParam();
+    CertificateOptions rules;
+    const Outcome whole = scene.outcome(rules);
+    EXPECT_GT(whole.asked, 0u);
+    EXPECT_EQ(whole.wrong, 0u);
+    scene.leave_out(rules);
+    const Outcome part = scene.outcome(rules);
+    EXPECT_GT(part.wrong, 0u) << "nothing goes wrong without it: NONE " << part.none << ", FULL " << part.full;
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, CertificateChecks, testing::ValuesIn(k_scenes),
+                         [](const auto& chosen) { return std::string(chosen.param.name); });
+
+// The two sides of a triangle are remembered apart: said to be the front, the back is answered wrongly.
+TEST(CertificateChecksByHand, SidesAreApart)
+{
+    for (const bool lie : {false, true}) {
+        Rehearsal rehearsal(stage_with_receiver());
+        auto points = rehearsal.points({0}, 1000, 1, true);
+        rehearsal.teach(points, Teach::free_ones);
+        for (auto& p : points) p.front = p.front || lie;
+        rehearsal.advance(0);
+        const Outcome outcome = rehearsal.ask(points);
+        EXPECT_GT(outcome.none, 0u);
+        EXPECT_EQ(outcome.wrong > 0, lie);
+    }
+}
+
+// Where a wall leans over the receiver's very edge, nothing is remembered of the rim: said to lie inside of it, its
+// points are answered wrongly. The lean is within the margin, and no proof sees it.
+TEST(CertificateChecksByHand, RimIsTraced)
+{
+    std::uint64_t asked = 0, in_shade = 0, wrong[2] = {0, 0};
+    for (const bool lie : {false, true}) {
+        Stage stage;
+        stage.add(k_receiver);
+        stage.add_light({0, 0, 1}, scene::LightType::directional);
+        stage.add({{-1, 0, 0}, {1, 0, 0}, {0, 2e-6f, 1.2f}});
+        Rehearsal rehearsal(std::move(stage));
+        rehearsal.teach(rehearsal.points({0}, 1000), Teach::free_ones);
+        Rehearsal::Points points;
+        for (int i = 1; i < 400; ++i) {
+            auto p = test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 1000, 5e-7f, true);
+            in_shade += test::truly_blocked(rehearsal.state(), rehearsal.rays(), p, 0);
+            if (lie) p.v += 1e-3f;
+            points.push_back(p);
+        }
+        rehearsal.advance(0);
+        const Outcome outcome = rehearsal.ask(points);
+        asked += outcome.asked;
+        wrong[lie] = outcome.wrong;
+    }
+    EXPECT_GT(in_shade, 0u);
+    EXPECT_GT(asked, in_shade / 2);
+    EXPECT_EQ(wrong[false], 0u);
+    EXPECT_GT(wrong[true], 0u);
+}
+
+// A point is answered by its own part: asked in the name of another one, it is answered wrongly.
+TEST(CertificateChecksByHand, PartIsThePointsOwn)
+{
+    for (const bool lie : {false, true}) {
+        Stage stage = stage_with_receiver();
+        stage.add(left_half(0.4f, 1));
+        Rehearsal rehearsal(std::move(stage));
+        rehearsal.set_view({glm::vec3(0, 0, 4), 0.01f, 0});
+        auto points = rehearsal.points({0}, 3000);
+        rehearsal.teach(points, Teach::all, 4);
+        if (lie)
+            for (auto& p : points) std::swap(p.u, p.v);
+        rehearsal.advance(0);
+        const Outcome outcome = rehearsal.ask(points);
+        EXPECT_GT(outcome.none, 0u);
+        EXPECT_GT(outcome.full, 0u);
+        EXPECT_EQ(outcome.wrong > 0, lie);
+    }
+}
+
+// Triangles that rays meet in spaces of their own do not close a patch, though their ends agree to the bit: rays are
+// rounded differently on the way to each.
+TEST(CertificateChecksByHand, SpacesAreApart)
+{
+    // Sheets side by side, as many as are flattened, and one more, when the mesh is kept once and instanced.
+    constexpr std::uint32_t k_cells = 256;
+    for (const int sheets : {7, 8}) {
+        Stage stage;
+        scene::Mesh mesh;
+        for (std::uint32_t j = 0; j <= k_cells; ++j)
+            for (std::uint32_t i = 0; i <= k_cells; ++i)
+                mesh.positions.emplace_back(static_cast<float>(i), static_cast<float>(j), 0.0f);
+        for (std::uint32_t j = 0; j < k_cells; ++j)
+            for (std::uint32_t i = 0; i < k_cells; ++i) {
+                const std::uint32_t a = j * (k_cells + 1) + i, above = a + k_cells + 1;
+                mesh.triangles.emplace_back(a, a + 1, above + 1);
+                mesh.triangles.emplace_back(a, above + 1, above);
+            }
+        mesh.parts = {{test::two_sided, 0, static_cast<std::uint32_t>(mesh.triangles.size())}};
+        stage.scene.meshes.push_back(std::move(mesh));
+        for (int s = 0; s < sheets; ++s)
+            test::add_object(stage.scene, 0, scene::none, test::translation(s * static_cast<double>(k_cells), 0, 0));
+        const auto scene = test::finished(stage.scene);
+        const scene::SceneState state(scene, 0);
+        const ray::RayScene rays(state);
+        const shadow_culling::StaticTriangles triangles(state, rays);
+        const bool instanced = rays.geometry(0).to_world != nullptr;
+        EXPECT_EQ(instanced, sheets == 8);
+        std::uint32_t open = 0;
+        for (shadow_culling::TriangleId id = 0; id < triangles.size(); ++id)
+            for (int e = 0; e < 3; ++e) open += triangles.across(id, e) == shadow_culling::no_triangle;
+        const std::uint32_t outer = 2 * k_cells * static_cast<std::uint32_t>(sheets) + 2 * k_cells;
+        const std::uint32_t seams = 2 * k_cells * static_cast<std::uint32_t>(sheets - 1);
+        EXPECT_EQ(open, instanced ? outer + seams : outer);
+    }
+}
+
+// A patch begins with a triangle that is in the way: one beside the shaft closes nothing.
+TEST(CertificateChecksByHand, OccluderIsInTheWay)
+{
+    Stage stage = stage_with_receiver();
+    stage.add({{5, 5, 1}, {6, 5, 1}, {5, 6, 1}});
+    const auto scene = test::finished(stage.scene);
+    const scene::SceneState state(scene, 0);
+    const ray::RayScene rays(state);
+    const shadow_culling::StaticTriangles triangles(state, rays);
+    const glm::dvec3 piece[3] = {glm::dvec3(k_receiver[0]), glm::dvec3(k_receiver[1]), glm::dvec3(k_receiver[2])};
+    const shadow_culling::Shaft shaft(piece, {0, 0, 1}, {glm::dvec3(k_light), false}, 2e-6, {});
+    CertificateOptions rules;
+    EXPECT_FALSE(certify_full(triangles, shaft, 1, rules));
+    rules.left_out = Check::occluder_in_way;
+    EXPECT_TRUE(certify_full(triangles, shaft, 1, rules));
+}
+
+// What a mover did to a ray is no evidence: the ground in its shadow is proven free of static shadows all the same.
+TEST(CertificateChecksByHand, MoversAreNoEvidence)
+{
+    Stage stage = stage_with_receiver();
+    stage.add(large_triangle(1), test::two_sided,
+              std::make_shared<test::JumpTrack>(0.5, glm::dmat4(1), test::translation(0, 0, 50)));
+    Rehearsal rehearsal(std::move(stage));
+    const auto points = rehearsal.points({0}, 100);
+    rehearsal.teach(points, Teach::all);
+    for (const double time : {0.0, 1.0}) {
+        rehearsal.advance(time);
+        const Outcome outcome = rehearsal.ask(points);
+        EXPECT_EQ(outcome.none, points.size());
+        EXPECT_EQ(outcome.wrong, 0u);
+    }
+}
+
+}   // namespace
+}   // namespace gnomon
