@@ -18,7 +18,7 @@ constexpr std::uint32_t k_ranged = bit(render) | bit(bench_culling) | bit(bench_
 
 constexpr VerbInfo k_verbs[] = {
     {render, "render", "SCENE -o OUT", 1, "render a picture, numbered pictures, or a film", true},
-    {view, "view", "SCENE", 1, "look at a scene in a window", false},
+    {view, "view", "SCENE", 1, "look at a scene in a window", true},
     {info, "info", "SCENE", 1, "say what a scene holds", true},
     {compare, "compare", "A B", 2, "compare two pictures, the second being the reference", true},
     {devices, "devices", "", 0, "list processor and Vulkan devices, and what they can do", true},

@@ -166,6 +166,11 @@ void OptionValues::set(const Option& option, std::vector<std::string> values)
     values_[std::string(option.name)] = std::move(values);
 }
 
+void OptionValues::unset(const Option& option)
+{
+    values_.erase(std::string(option.name));
+}
+
 bool OptionValues::given(std::string_view name) const
 {
     const Option* option = find_option(verb_, name);

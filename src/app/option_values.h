@@ -31,6 +31,9 @@ class OptionValues {
     /// @throws UsageError
     void set(const Option& option, std::vector<std::string> values);
 
+    /// Back to the default.
+    void unset(const Option& option);
+
     bool given(std::string_view name) const;
     bool flag(std::string_view name) const { return given(name); }
     /// The last one given, else the default; empty if there is neither.

@@ -23,6 +23,8 @@ int run_verb(const CommandLine& line)
     switch (line.verb->verb) {
         case Verb::render:
             return run_render(line, output);
+        case Verb::view:
+            return run_view(line, output);
         case Verb::info:
             return run_info(line, output);
         case Verb::compare:

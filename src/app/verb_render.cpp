@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/machine.h"
+#include "app/picture_options.h"
 #include "app/progress_line.h"
 #include "app/verbs.h"
 #include "gnomon/gnomon.h"
@@ -17,37 +18,9 @@ namespace gnomon::app {
 namespace {
 using Json = nlohmann::ordered_json;
 
-ToneMap tonemap_of(const std::string& name)
-{
-    if (name == "none") return ToneMap::none;
-    if (name == "agx") return ToneMap::agx;
-    return name == "aces" ? ToneMap::aces : ToneMap::neutral;
-}
-
-ShadowCulling culling_of(const std::string& name)
-{
-    if (name == "off") return ShadowCulling::off;
-    return name == "paper" ? ShadowCulling::paper : ShadowCulling::certified;
-}
-
 RenderOptions render_options(const OptionValues& values)
 {
-    RenderOptions options;
-    if (values.given("size")) options.size = *parse_size(values.text("size"));
-    options.camera = values.text("camera");
-    if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
-    options.max_depth = values.integer("max-depth");
-    options.shadow_culling = culling_of(values.text("shadow-culling"));
-    options.indirect = values.text("indirect") == "off" ? Indirect::off : Indirect::visible;
-    if (values.text("accelerator") == "kdtree") options.accelerator = Accelerator::kdtree;
-    if (values.given("overlay")) options.overlay = Overlay::shadow_states;
-    if (values.given("overlay-light")) {
-        if (!values.given("overlay")) throw UsageError("--overlay-light needs --overlay shadow-states");
-        options.overlay_light = values.integer("overlay-light");
-    }
-    options.samples = values.integer("samples");
-    if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
-    options.tonemap = tonemap_of(values.text("tonemap"));
+    RenderOptions options = read_picture_options(values);
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
                                                   static_cast<std::uint64_t>(values.integer("seed"))};
@@ -56,7 +29,6 @@ RenderOptions render_options(const OptionValues& values)
     for (const char* name : {"spp", "bounces", "seed"})
         if (values.given(name) && !values.flag("reference"))
             throw UsageError(fmt::format("--{} belongs to --reference", name));
-    options.threads = values.integer("threads");
     std::string extension = std::filesystem::path(values.text("out")).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     options.layers = extension == ".exr";

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/picture_options.h"
+
+#include "gnomon/error.h"
+
+namespace gnomon::app {
+
+namespace {
+
+ToneMap tonemap_of(const std::string& name)
+{
+    if (name == "none") return ToneMap::none;
+    if (name == "agx") return ToneMap::agx;
+    return name == "aces" ? ToneMap::aces : ToneMap::neutral;
+}
+
+ShadowCulling culling_of(const std::string& name)
+{
+    if (name == "off") return ShadowCulling::off;
+    return name == "paper" ? ShadowCulling::paper : ShadowCulling::certified;
+}
+
+}   // namespace
+
+RenderOptions read_picture_options(const OptionValues& values)
+{
+    RenderOptions options;
+    if (values.given("size")) options.size = *parse_size(values.text("size"));
+    options.camera = values.text("camera");
+    if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
+    options.max_depth = values.integer("max-depth");
+    options.shadow_culling = culling_of(values.text("shadow-culling"));
+    options.indirect = values.text("indirect") == "off" ? Indirect::off : Indirect::visible;
+    if (values.text("accelerator") == "kdtree") options.accelerator = Accelerator::kdtree;
+    if (values.given("overlay")) options.overlay = Overlay::shadow_states;
+    if (values.given("overlay-light")) {
+        if (!values.given("overlay")) throw UsageError("--overlay-light needs --overlay shadow-states");
+        options.overlay_light = values.integer("overlay-light");
+    }
+    options.samples = values.integer("samples");
+    if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
+    options.tonemap = tonemap_of(values.text("tonemap"));
+    options.threads = values.integer("threads");
+    return options;
+}
+
+}   // namespace gnomon::app

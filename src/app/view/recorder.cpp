@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/view/recorder.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "gnomon/error.h"
+#include "io/image_file.h"
+#include "io/video.h"
+
+namespace gnomon::app {
+
+Recorder::Recorder() : thread_([this](const std::stop_token& stop) { work(stop); }) {}
+
+Recorder::~Recorder()
+{
+    try {
+        finish();
+    } catch (const std::exception&) {   // said by whoever called finish()
+    }
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+}
+
+std::string Recorder::free_name(const std::string& extension)
+{
+    for (int number = 1;; ++number) {
+        std::string name = fmt::format("gnomon-{:04}{}", number, extension);
+        if (std::filesystem::exists(name) || std::find(taken_.begin(), taken_.end(), name) != taken_.end()) continue;
+        taken_.push_back(name);
+        return name;
+    }
+}
+
+std::string Recorder::save(const Image8& image)
+{
+    const std::string file = free_name(".png");
+    queue([file, image] { io::write_png(file, image); });
+    return file;
+}
+
+std::string Recorder::start(double fps)
+{
+    if (!io::have_ffmpeg()) return "recording needs the program ffmpeg";
+    folder_ = std::filesystem::temp_directory_path() / fmt::format("gnomon-{}-{}", ::getpid(), taken_.size());
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) return fmt::format("{}: {}", folder_.string(), error.message());
+    fps_ = fps;
+    frames_.clear();
+    width_ = height_ = 0;
+    recording_ = true;
+    return {};
+}
+
+void Recorder::add(const Image8& image)
+{
+    if (frames_.empty()) width_ = image.width, height_ = image.height;
+    if (image.width != width_ || image.height != height_) return;
+    const std::filesystem::path file = folder_ / fmt::format("{:06}.png", frames_.size());
+    frames_.push_back(file);
+    queue([file, image] { io::write_png(file, image); });
+}
+
+std::string Recorder::stop()
+{
+    recording_ = false;
+    if (frames_.empty()) return {};
+    const std::string film = free_name(".mp4");
+    queue([film, frames = frames_, fps = fps_, folder = folder_] {
+        io::encode_video(frames, fps, film);
+        std::error_code ignored;
+        std::filesystem::remove_all(folder, ignored);
+    });
+    return film;
+}
+
+void Recorder::queue(std::function<void()> job)
+{
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+    changed_.notify_all();
+}
+
+void Recorder::work(const std::stop_token& stop)
+{
+    std::unique_lock lock(mutex_);
+    while (changed_.wait(lock, stop, [&] { return !jobs_.empty(); })) {
+        const std::function<void()> job = std::move(jobs_.front());
+        jobs_.pop_front();
+        working_ = true;
+        lock.unlock();
+        std::exception_ptr trouble;
+        try {
+            job();
+        } catch (...) {
+            trouble = std::current_exception();
+        }
+        lock.lock();
+        working_ = false;
+        if (trouble && !trouble_) trouble_ = trouble;
+        changed_.notify_all();
+    }
+}
+
+void Recorder::finish()
+{
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return jobs_.empty() && !working_; });
+    if (trouble_) std::rethrow_exception(std::exchange(trouble_, nullptr));
+}
+
+}   // namespace gnomon::app

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/view/session.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <chrono>
+
+#include "gnomon/error.h"
+#include "light_quadtree/visible_light.h"
+#include "ray/ray_scene.h"
+#include "render/state_overlay.h"
+#include "render/tone_map.h"
+#include "render/traced_frame.h"
+#include "shadow_culling/certified_culling.h"
+#include "shadow_culling/paper_culling.h"
+
+namespace gnomon::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+std::filesystem::file_time_type time_of_file(const std::string& what)
+{
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(what, error);
+    return error ? std::filesystem::file_time_type{} : time;
+}
+
+scene::CameraId camera_of(const scene::Scene& scene, const std::string& wanted)
+{
+    for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+        if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    const bool whole = error == std::errc() && end == wanted.data() + wanted.size();
+    return whole && number < scene.cameras.size() ? number : 0;
+}
+
+}   // namespace
+
+const char* ViewTimes::name(int stage)
+{
+    static constexpr const char* k_names[k_stages] = {"scene", "trees", "light", "picture"};
+    return k_names[stage];
+}
+
+double ViewTimes::total() const
+{
+    double sum = 0;
+    for (const double stage : ms) sum += stage;
+    return sum;
+}
+
+struct ViewSession::Kept {
+    explicit Kept(int threads) : tasks(threads) {}
+
+    Tasks tasks;
+    std::shared_ptr<const Scene> owner;   // of what follows
+    std::unique_ptr<scene::SceneState> state;
+    std::unique_ptr<ray::RayScene> rays;
+    Accelerator accelerator = Accelerator::embree;
+    std::unique_ptr<shadow_culling::CertifiedCulling> certified;
+    std::unique_ptr<shadow_culling::PaperCulling> paper;
+    std::unique_ptr<light_quadtree::VisibleLight> visible;
+    std::vector<HandMoved> hands;
+    std::unordered_map<scene::NodeId, glm::dmat4> held;   // by node that a hand holds: its own transform when taken
+    render::FrameBuffers buffers;
+    render::StateMap states;
+
+    void forget()
+    {
+        certified.reset();
+        paper.reset();
+        visible.reset();
+        rays.reset();
+        state.reset();
+        hands.clear();
+        held.clear();
+        owner.reset();
+    }
+
+    // Whatever fits the options is kept, all else is dropped or made.
+    void follow_options(const RenderOptions& options)
+    {
+        if (options.shadow_culling != ShadowCulling::certified) certified.reset();
+        if (options.shadow_culling != ShadowCulling::paper) paper.reset();
+        if (options.indirect != Indirect::visible) visible.reset();
+        if (options.shadow_culling == ShadowCulling::certified && !certified && !state->scene().lights.empty())
+            certified =
+                std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
+        if (options.shadow_culling == ShadowCulling::paper && !paper)
+            paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
+        if (options.indirect == Indirect::visible && !visible)
+            visible =
+                std::make_unique<light_quadtree::VisibleLight>(*state, *rays, light_quadtree::VisibleOptions{}, tasks);
+    }
+
+    void follow_hands(const std::vector<HandMoved>& wanted)
+    {
+        if (wanted == hands) return;
+        for (const HandMoved& hand : hands) state->override_transform(hand.node, nullptr);
+        for (const HandMoved& hand : wanted) {
+            if (!held.contains(hand.node)) held[hand.node] = local_of(hand.node);
+            glm::dmat4 local = held[hand.node];
+            local[3] += glm::dvec4(hand.offset, 0);
+            state->override_transform(hand.node, &local);
+        }
+        std::erase_if(held, [&](const auto& entry) {
+            return std::none_of(wanted.begin(), wanted.end(),
+                                [&](const HandMoved& h) { return h.node == entry.first; });
+        });
+        hands = wanted;
+    }
+
+    glm::dmat4 local_of(scene::NodeId node) const
+    {
+        const scene::NodeId parent = state->scene().nodes[node].parent;
+        return parent == scene::none ? state->world(node) : glm::inverse(state->world(parent)) * state->world(node);
+    }
+};
+
+ViewSession::ViewSession(int threads) : threads_(threads), kept_(std::make_unique<Kept>(threads))
+{
+    loader_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
+    renderer_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
+}
+
+ViewSession::~ViewSession()
+{
+    leaving_ = true;   // a frame under way ends at its next tile
+}
+
+void ViewSession::load(const SceneRecipe& recipe)
+{
+    const std::lock_guard lock(mutex_);
+    wanted_ = recipe;
+    state_.loading = true;
+    state_.file = recipe.what;
+    state_.stage = "loading";
+    state_.done = 0;
+    state_.error.clear();
+    state_.trouble = nullptr;
+    to_load_.notify_one();
+}
+
+LoadState ViewSession::load_state() const
+{
+    const std::lock_guard lock(mutex_);
+    return state_;
+}
+
+std::shared_ptr<const Scene> ViewSession::scene() const
+{
+    const std::lock_guard lock(mutex_);
+    return scene_;
+}
+
+void ViewSession::ask(ViewRequest request)
+{
+    const std::lock_guard lock(mutex_);
+    // A question is not lost when its frame is overtaken.
+    if (request_ && request_->pick && !request.pick) request.pick = request_->pick;
+    request_ = std::move(request);
+    to_render_.notify_one();
+}
+
+bool ViewSession::busy() const
+{
+    const std::lock_guard lock(mutex_);
+    return rendering_ || request_;
+}
+
+std::shared_ptr<const ViewPicture> ViewSession::picture(std::uint64_t newer_than) const
+{
+    const std::lock_guard lock(mutex_);
+    return picture_ && picture_->number > newer_than ? picture_ : nullptr;
+}
+
+void ViewSession::fail(const std::string& message)
+{
+    const std::lock_guard lock(mutex_);
+    state_.error = message;
+}
+
+void ViewSession::load_loop(const std::stop_token& stop)
+{
+    for (;;) {
+        SceneRecipe recipe;
+        {
+            std::unique_lock lock(mutex_);
+            if (!to_load_.wait(lock, stop, [&] { return wanted_.has_value(); })) return;
+            recipe = *wanted_;
+            wanted_.reset();
+        }
+        const auto overtaken = [&] {
+            const std::lock_guard lock(mutex_);
+            return stop.stop_requested() || wanted_;
+        };
+        const Progress progress = [&](const ProgressStep& step) {
+            const std::lock_guard lock(mutex_);
+            state_.stage = step.stage;
+            state_.done = step.done;
+            return !stop.stop_requested() && !wanted_;
+        };
+        std::string error;
+        std::exception_ptr trouble;
+        try {
+            const auto time = time_of_file(recipe.what);
+            if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time) {
+                loaded_ = gnomon::load(recipe.what, {.progress = progress, .threads = threads_});
+                loaded_file_ = recipe.what;
+                loaded_time_ = time;
+            }
+            Scene made = *loaded_;
+            if (recipe.fps > 0) made = made.at_rate(recipe.fps);
+            if (!recipe.light_specs.empty()) made = made.with_light_specs(recipe.light_specs);
+            if (recipe.lights) made = made.with_lights(*recipe.lights);
+            if (!recipe.environment.empty()) made = made.with_environment(recipe.environment);
+            const std::lock_guard lock(mutex_);
+            scene_ = std::make_shared<const Scene>(std::move(made));
+            ++state_.loads;
+        } catch (const InterruptedError&) {
+            if (overtaken()) continue;
+        } catch (const std::exception& e) {
+            error = e.what();
+            trouble = std::current_exception();
+        }
+        const std::lock_guard lock(mutex_);
+        if (wanted_) continue;
+        state_.loading = false;
+        state_.error = error;
+        state_.trouble = trouble;
+    }
+}
+
+void ViewSession::render_loop(const std::stop_token& stop)
+{
+    for (;;) {
+        ViewRequest request;
+        std::shared_ptr<const Scene> scene;
+        {
+            std::unique_lock lock(mutex_);
+            rendering_ = false;
+            if (!to_render_.wait(lock, stop, [&] { return request_ && scene_; })) return;
+            request = std::move(*request_);
+            request_.reset();
+            scene = scene_;
+            rendering_ = true;
+        }
+        try {
+            auto picture = render(scene, request);
+            const std::lock_guard lock(mutex_);
+            picture->number = picture_ ? picture_->number + 1 : 1;
+            picture_ = std::move(picture);
+        } catch (const std::exception& e) {
+            kept_->forget();   // half a frame would be remembered
+            fail(e.what());
+        }
+    }
+}
+
+std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
+{
+    Kept& kept = *kept_;
+    const RenderOptions& options = request.options;
+    auto picture = std::make_shared<ViewPicture>();
+    Clock::time_point start = Clock::now();
+    const auto end_stage = [&](int stage) {
+        picture->times.ms[stage] = milliseconds_since(start);
+        start = Clock::now();
+    };
+
+    if (scene != kept.owner || options.accelerator != kept.accelerator) {
+        kept.forget();
+        kept.state = std::make_unique<scene::SceneState>(scene->inside(), request.time);
+        kept.rays = std::make_unique<ray::RayScene>(*kept.state);
+        if (options.accelerator == Accelerator::kdtree) kept.rays->trace_on_kdtree(*kept.state);
+        kept.owner = scene;
+        kept.accelerator = options.accelerator;
+    }
+    kept.follow_hands(request.hands);
+    kept.state->advance(request.time);
+    end_stage(0);
+    kept.rays->update(*kept.state);
+    kept.follow_options(options);
+    end_stage(1);
+
+    picture->eye = request.eye
+                       ? *request.eye
+                       : render::make_view(*kept.state, camera_of(*scene->inside(), request.camera), request.size);
+    if (!request.eye && request.turn != 0)
+        picture->eye = render::turned(picture->eye, kept.rays->bounds().centre(), request.turn);
+
+    const bool states = options.overlay == Overlay::shadow_states && !scene->inside()->lights.empty() &&
+                        options.shadow_culling != ShadowCulling::off;
+    render::TracedOptions traced;
+    traced.max_depth = options.max_depth;
+    traced.samples = options.samples;
+    render::Remembered remembered(kept.certified.get());
+    remembered.paper = kept.paper.get();
+    remembered.visible = states ? nullptr : kept.visible.get();
+    if (states) {
+        const int last = static_cast<int>(scene->inside()->lights.size()) - 1;
+        kept.states.lights = {std::min(options.overlay_light.value_or(0), last)};
+        remembered.states = &kept.states;
+    }
+    picture->counters = render::trace_frame(*kept.state, *kept.rays, picture->eye, traced, kept.tasks, kept.buffers,
+                                            remembered, nullptr, [this](const ProgressStep&) { return !leaving_; });
+    end_stage(2);
+
+    if (states) {
+        picture->image = render::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
+                                              options.shadow_culling == ShadowCulling::paper);
+    } else {
+        const ImageF& color = kept.buffers.color;
+        picture->image = Image8(color.width, color.height, 3);
+        const double exposure = options.exposure ? *options.exposure : render::auto_exposure(color.data);
+        render::encode_srgb8(color.data, exposure, options.tonemap, picture->image.data);
+    }
+    end_stage(3);
+
+    picture->time = request.time;
+    picture->bounds = kept.rays->bounds();
+    if (kept.certified) picture->remembered_bytes += kept.certified->bytes();
+    if (kept.visible) picture->remembered_bytes += kept.visible->bytes();
+    if (request.pick) {
+        ray::RayQueue queue;
+        glm::vec3 origin, direction;
+        float near = 0, far = 0;
+        picture->eye.ray(request.pick->x, request.pick->y, origin, direction, near, far);
+        queue.push(origin, near, direction, far);
+        ray::Hits hits;
+        hits.resize(1);
+        kept.rays->closest(queue, 0, 1, hits, ray::Sides::front);
+        Picked& picked = picture->picked.emplace();
+        picked.object = hits.object[0];
+        if (picked.object != scene::none) {
+            const scene::Object& object = scene->inside()->objects[picked.object];
+            // What moves together is taken by what moves it.
+            picked.node = object.group == scene::none ? object.node : scene->inside()->groups[object.group].anchor;
+            picked.name = scene->inside()->nodes[object.node].name;
+            picked.mobility = object.deforming ? "deforms" : object.dynamic ? "moves" : "stands still";
+            picked.position = origin + hits.t[0] * direction;
+        }
+    }
+    return picture;
+}
+
+}   // namespace gnomon::app

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/view/settings.h"
+
+#include "app/picture_options.h"
+#include "gnomon/error.h"
+
+namespace gnomon::app {
+
+std::string ViewSettings::set(const Option& option, const std::string& text)
+{
+    try {
+        OptionValues changed = values_;
+        if (text.empty())
+            changed.unset(option);
+        else
+            changed.set(option, {text});
+        read_picture_options(changed);
+        values_ = std::move(changed);
+        return {};
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+}
+
+RenderOptions ViewSettings::render_options() const
+{
+    return read_picture_options(values_);
+}
+
+SceneRecipe ViewSettings::recipe(const std::string& what) const
+{
+    SceneRecipe recipe;
+    recipe.what = what;
+    if (values_.given("fps")) recipe.fps = values_.number("fps");
+    if (values_.given("lights")) recipe.lights = values_.integer("lights");
+    if (values_.given("light")) recipe.light_specs = values_.all("light");
+    if (values_.given("environment")) recipe.environment = values_.text("environment");
+    return recipe;
+}
+
+}   // namespace gnomon::app

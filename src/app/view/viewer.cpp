@@ -1,0 +1,508 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/view/viewer.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GL/gl.h>
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "app/signals.h"
+#include "app/view/orbit_camera.h"
+#include "app/view/panel.h"
+#include "app/view/recorder.h"
+#include "gnomon/error.h"
+
+namespace gnomon::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr Size k_first_size{1280, 720};
+constexpr double k_idle_seconds = 1.0 / 60;          // between looks at the input while nothing happens
+constexpr double k_look_seconds = 0.5;               // between looks at the scene's file
+constexpr double k_slow_ms = 150, k_quick_ms = 40;   // of a picture in motion: fewer pixels, more
+constexpr int k_smallest_scale = 4;
+constexpr float k_click_pixels = 4;   // a drag shorter than this is a click
+constexpr float k_wheel = 0.9f;       // of the distance, a notch
+
+double seconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::filesystem::file_time_type changed_at(const std::string& file)
+{
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(file, error);
+    return error ? std::filesystem::file_time_type{} : time;
+}
+
+}   // namespace
+
+// GLFW's window with its context and ImGui's; all of it goes with it.
+class GlWindow {
+ public:
+    GlWindow(Size size, const std::string& title)
+    {
+        if (!glfwInit()) throw MissingError(fmt::format("no window can be opened: {}", error()));
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
+        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+        handle = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+        if (!handle) {
+            const std::string why = error();
+            glfwTerminate();
+            throw MissingError(fmt::format("no window can be opened: {}", why));
+        }
+        glfwMakeContextCurrent(handle);
+        glfwSwapInterval(1);
+        IMGUI_CHECKVERSION();
+        ImGui::CreateContext();
+        ImGui::GetIO().IniFilename = nullptr;
+        ImGui::StyleColorsDark();
+        ImGui::GetStyle().WindowRounding = 4;
+    }
+    // After our own callbacks were set: ImGui's call them in turn.
+    void start_ui()
+    {
+        float scale = 1, unused = 1;
+        glfwGetWindowContentScale(handle, &scale, &unused);
+        ImGui::GetIO().FontGlobalScale = std::max(scale, 1.0f);
+        ImGui_ImplGlfw_InitForOpenGL(handle, true);
+        ImGui_ImplOpenGL3_Init("#version 150");
+        ui_ = true;
+    }
+    ~GlWindow()
+    {
+        if (texture_) glDeleteTextures(1, &texture_);
+        if (ui_) {
+            ImGui_ImplOpenGL3_Shutdown();
+            ImGui_ImplGlfw_Shutdown();
+        }
+        ImGui::DestroyContext();
+        glfwDestroyWindow(handle);
+        glfwTerminate();
+    }
+    GlWindow(const GlWindow&) = delete;
+    GlWindow& operator=(const GlWindow&) = delete;
+
+    void show(const Image8& image)
+    {
+        if (!texture_) {
+            glGenTextures(1, &texture_);
+            glBindTexture(GL_TEXTURE_2D, texture_);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        }
+        glBindTexture(GL_TEXTURE_2D, texture_);
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+                     image.data.data());
+    }
+    ImTextureID texture() const { return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_)); }
+    Size framebuffer() const
+    {
+        Size size;
+        glfwGetFramebufferSize(handle, &size.width, &size.height);
+        return size;
+    }
+
+    GLFWwindow* handle = nullptr;
+
+ private:
+    static std::string error()
+    {
+        const char* text = nullptr;
+        glfwGetError(&text);
+        return text ? text : "no display";
+    }
+    GLuint texture_ = 0;
+    bool ui_ = false;
+};
+
+struct Viewer::Inside {
+    Inside(ViewSettings s, std::string w, int threads)
+        : settings(std::move(s)),
+          what(std::move(w)),
+          session(threads),
+          window(settings.render_options().size.width > 0 ? settings.render_options().size : k_first_size,
+                 fmt::format("Gnomon - {}", what))
+    {
+    }
+
+    ViewSettings settings;
+    std::string what;
+    ViewSession session;
+    GlWindow window;
+    Panel panel;
+    Playback playback;
+    HandList hands;
+    OrbitCamera camera;
+    Recorder recorder;
+    bool own_camera = false;   // the viewer's, not the scene's
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const ViewPicture> picture;
+    std::optional<glm::vec2> pick;
+    ViewSummary summary;
+    std::vector<double> picture_ms;
+
+    // Of the last request, to see whether anything changed.
+    double asked_time = -1;
+    Size asked_size{};
+    int scale = k_smallest_scale;   // of the picture: every scale-th pixel a side; the first comes soon
+    int asked_scale = 1;
+    bool wants_screenshot = false;   // of the next picture with all its pixels
+    bool dirty = true;
+    std::vector<HandMoved> asked_hands;
+
+    glm::vec2 pressed_at{0};
+    int pressed = -1;
+    bool dragged = false;
+    Clock::time_point looked = Clock::now();
+    std::filesystem::file_time_type file_time{};
+
+    void open(const std::string& file)
+    {
+        what = file;
+        file_time = changed_at(what);
+        session.load(settings.recipe(what));
+        glfwSetWindowTitle(window.handle, fmt::format("Gnomon - {}", what).c_str());
+    }
+    void take_scene();
+    void take_picture();
+    void take_camera();
+    void follow_mouse();
+    void fly(double seconds);
+    void key(int which);
+    void ask();
+    void draw_picture() const;
+    void look_at_file();
+    void screenshot();
+    void toggle_recording();
+    glm::vec2 picture_pixel(const glm::vec2& at) const;
+};
+
+void Viewer::Inside::take_scene()
+{
+    const auto now = session.scene();
+    if (now == scene) return;
+    scene = now;
+    playback.frames = scene->frame_count();
+    playback.fps = scene->fps();
+    playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
+    hands.hands.clear();
+    panel.picked.reset();
+    own_camera = false;
+    dirty = true;
+}
+
+void Viewer::Inside::take_picture()
+{
+    const auto next = session.picture(picture ? picture->number : 0);
+    if (!next) return;
+    picture = next;
+    window.show(picture->image);
+    panel.add(picture->times);
+    picture_ms.push_back(picture->times.total());
+    ++summary.pictures;
+    if (picture->picked) panel.picked = picture->picked;
+    // Fewer pixels while pictures in motion are slow.
+    const double full = picture->times.total();
+    if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
+    if (full < k_quick_ms && scale > 1) scale /= 2;
+    if (wants_screenshot && picture->eye.size == window.framebuffer()) {
+        wants_screenshot = false;
+        const std::string file = recorder.save(picture->image);
+        summary.files.push_back(file);
+        panel.message = fmt::format("written: {}", file);
+    }
+    if (recorder.recording()) {
+        recorder.add(picture->image);
+        playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
+        dirty = true;
+    }
+}
+
+// The viewer's own camera begins where the scene's is.
+void Viewer::Inside::take_camera()
+{
+    if (own_camera || !picture) return;
+    const Box3& bounds = picture->bounds;
+    float distance = glm::dot(bounds.centre() - picture->eye.eye, picture->eye.forward);
+    const float extent = glm::length(bounds.high - bounds.low);
+    if (!(distance > 0.02f * extent) || !std::isfinite(distance)) distance = std::max(0.25f * extent, 1e-3f);
+    camera.follow(picture->eye, distance);
+    own_camera = true;
+}
+
+void Viewer::Inside::follow_mouse()
+{
+    const ImGuiIO& io = ImGui::GetIO();
+    const glm::vec2 at(io.MousePos.x, io.MousePos.y);
+    if (!io.WantCaptureMouse && scene) {
+        for (int button = 0; button < 3; ++button)
+            if (ImGui::IsMouseClicked(button)) pressed = button, pressed_at = at, dragged = false;
+        if (io.MouseWheel != 0) {
+            take_camera();
+            camera.zoom(std::pow(k_wheel, io.MouseWheel));
+            dirty = true;
+        }
+    }
+    if (pressed < 0) return;
+    if (!ImGui::IsMouseDown(pressed)) {
+        if (pressed == 0 && !dragged && picture) {
+            pick = picture_pixel(at);
+            dirty = true;
+        }
+        pressed = -1;
+        return;
+    }
+    if (glm::length(at - pressed_at) > k_click_pixels) dragged = true;
+    if (!dragged || (io.MouseDelta.x == 0 && io.MouseDelta.y == 0)) return;
+    take_camera();
+    if (!own_camera) return;
+    const float across = io.MouseDelta.x / io.DisplaySize.y, down = io.MouseDelta.y / io.DisplaySize.y;
+    constexpr float k_turn = 4;   // radians a window's height
+    if (pressed == 1)
+        camera.look(0.5f * k_turn * across, -0.5f * k_turn * down);
+    else if (pressed == 2 || io.KeyShift)
+        camera.pan(across, -down);
+    else
+        camera.orbit(k_turn * across, -k_turn * down);
+    dirty = true;
+}
+
+void Viewer::Inside::fly(double seconds)
+{
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantCaptureKeyboard || io.KeyCtrl || !scene) return;
+    const auto down = [&](int key) { return glfwGetKey(window.handle, key) == GLFW_PRESS ? 1.0f : 0.0f; };
+    const float forward = down(GLFW_KEY_W) - down(GLFW_KEY_S), right = down(GLFW_KEY_D) - down(GLFW_KEY_A),
+                up = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
+    if (forward == 0 && right == 0 && up == 0) return;
+    take_camera();
+    if (!own_camera) return;
+    const float step = 0.8f * camera.distance() * static_cast<float>(std::min(seconds, 0.1)) * (io.KeyShift ? 4 : 1);
+    camera.fly(step * forward, step * right, step * up);
+    dirty = true;
+}
+
+void Viewer::Inside::key(int which)
+{
+    const Option* const overlay = find_option(Verb::view, "overlay");
+    switch (which) {
+        case GLFW_KEY_ESCAPE:
+            glfwSetWindowShouldClose(window.handle, GLFW_TRUE);
+            break;
+        case GLFW_KEY_SPACE:
+            playback.playing = !playback.playing;
+            break;
+        case GLFW_KEY_LEFT:
+            playback.step(-1);
+            break;
+        case GLFW_KEY_RIGHT:
+            playback.step(1);
+            break;
+        case GLFW_KEY_HOME:
+            playback.go(1);
+            break;
+        case GLFW_KEY_END:
+            playback.go(playback.frames);
+            break;
+        case GLFW_KEY_TAB:
+            panel.shown = !panel.shown;
+            break;
+        case GLFW_KEY_H:
+            panel.help = !panel.help;
+            break;
+        case GLFW_KEY_C:
+            own_camera = false;
+            dirty = true;
+            break;
+        case GLFW_KEY_F:
+            if (!panel.picked || panel.picked->object == scene::none) break;
+            take_camera();
+            camera.aim(panel.picked->position);
+            dirty = true;
+            break;
+        case GLFW_KEY_O:
+            panel.message = settings.set(*overlay, settings.values().given("overlay") ? "" : "shadow-states");
+            dirty = true;
+            break;
+        case GLFW_KEY_P:
+            screenshot();
+            break;
+        case GLFW_KEY_R:
+            toggle_recording();
+            break;
+        default:
+            break;
+    }
+}
+
+void Viewer::Inside::ask()
+{
+    if (!scene) return;
+    const Size window_size = window.framebuffer();
+    if (window_size.width < 1 || window_size.height < 1) return;   // iconified
+    const double time = playback.time(*scene);
+    const bool moved = dirty || time != asked_time || !(window_size == asked_size) || hands.hands != asked_hands;
+    const bool sharper = !moved && asked_scale > 1;
+    const bool whole = recorder.recording() || wants_screenshot;
+    if (!moved && !sharper) return;
+    // One request at a time: a frame that was begun is finished, since it teaches the next.
+    if (session.busy()) return;
+    ViewRequest request;
+    request.options = settings.render_options();
+    request.time = time;
+    request.camera = request.options.camera;
+    request.hands = hands.hands;
+    if (request.options.turntable_seconds > 0)
+        request.turn = 2 * k_pi * (playback.frame - 1) / playback.fps / request.options.turntable_seconds;
+    asked_scale = whole ? 1 : sharper ? asked_scale / 2 : scale;
+    request.size = {std::max(window_size.width / asked_scale, 16), std::max(window_size.height / asked_scale, 16)};
+    if (own_camera) request.eye = camera.view(request.size);
+    if (pick) request.pick = *pick * glm::vec2(request.size.width, request.size.height);
+    pick.reset();
+    asked_time = time;
+    asked_size = window_size;
+    asked_hands = hands.hands;
+    dirty = false;
+    session.ask(std::move(request));
+}
+
+// Shares of the picture's width and height, from where the mouse is.
+glm::vec2 Viewer::Inside::picture_pixel(const glm::vec2& at) const
+{
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    return {std::clamp(at.x / display.x, 0.0f, 0.9999f), std::clamp(at.y / display.y, 0.0f, 0.9999f)};
+}
+
+void Viewer::Inside::draw_picture() const
+{
+    if (!picture) return;
+    // Overlays have a legend, and so another shape than the window.
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float width = static_cast<float>(picture->image.width), height = static_cast<float>(picture->image.height);
+    const float factor = std::min(display.x / width, display.y / height);
+    const ImVec2 size{width * factor, height * factor};
+    const ImVec2 corner{(display.x - size.x) / 2, (display.y - size.y) / 2};
+    ImGui::GetBackgroundDrawList()->AddImage(window.texture(), corner, {corner.x + size.x, corner.y + size.y});
+}
+
+void Viewer::Inside::look_at_file()
+{
+    if (seconds_since(looked) < k_look_seconds || what.starts_with("builtin:")) return;
+    looked = Clock::now();
+    const auto now = changed_at(what);
+    if (now == file_time || now == std::filesystem::file_time_type{}) return;
+    file_time = now;
+    session.load(settings.recipe(what));
+}
+
+void Viewer::Inside::screenshot()
+{
+    wants_screenshot = dirty = true;
+}
+
+void Viewer::Inside::toggle_recording()
+{
+    if (recorder.recording()) {
+        const std::string file = recorder.stop();
+        if (!file.empty()) summary.files.push_back(file);
+        panel.message = file.empty() ? "nothing was recorded" : fmt::format("encoding {}", file);
+        return;
+    }
+    panel.message = recorder.start(playback.fps);
+    if (!panel.message.empty()) return;
+    panel.message = "recording: every frame, at its own time";
+    playback.playing = false;
+    dirty = true;
+}
+
+Viewer::Viewer(ViewSettings settings, std::string what, int threads)
+    : inside_(std::make_unique<Inside>(std::move(settings), std::move(what), threads))
+{
+    Inside& in = *inside_;
+    glfwSetWindowUserPointer(in.window.handle, &in);
+    glfwSetKeyCallback(in.window.handle, [](GLFWwindow* window, int key, int, int action, int) {
+        if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
+        static_cast<Inside*>(glfwGetWindowUserPointer(window))->key(key);
+    });
+    glfwSetDropCallback(in.window.handle, [](GLFWwindow* window, int count, const char** files) {
+        if (count > 0) static_cast<Inside*>(glfwGetWindowUserPointer(window))->open(files[0]);
+    });
+    in.window.start_ui();
+}
+
+Viewer::~Viewer() = default;
+
+ViewSummary Viewer::run()
+{
+    Inside& in = *inside_;
+    in.open(in.what);
+    Clock::time_point last = Clock::now();
+    while (!glfwWindowShouldClose(in.window.handle) && !interrupted()) {
+        const bool calm = !in.playback.playing && !in.session.busy() && !in.session.load_state().loading;
+        if (calm)
+            glfwWaitEventsTimeout(k_idle_seconds);
+        else
+            glfwPollEvents();
+        const Clock::time_point start = Clock::now();
+        const double seconds = std::chrono::duration<double>(start - last).count();
+        last = start;
+
+        in.look_at_file();
+        const LoadState load = in.session.load_state();
+        if (load.loads == 0 && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
+        in.take_scene();
+        in.take_picture();
+        if (!in.recorder.recording()) in.playback.advance(seconds);
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+        ImGui::NewFrame();
+        in.follow_mouse();
+        in.fly(seconds);
+        in.draw_picture();
+        const PanelEvents events = in.panel.draw(in.settings, in.playback, in.hands, in.scene.get(), in.picture.get(),
+                                                 load, in.own_camera, in.recorder.recording());
+        if (events.options_changed) in.dirty = true;
+        if (events.scene_changed) in.session.load(in.settings.recipe(in.what));
+        if (events.screenshot) in.screenshot();
+        if (events.record) in.toggle_recording();
+        if (events.scene_camera) in.own_camera = false, in.dirty = true;
+        in.ask();
+
+        ImGui::Render();
+        const Size size = in.window.framebuffer();
+        glViewport(0, 0, size.width, size.height);
+        glClearColor(0.08f, 0.08f, 0.09f, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+        // Presenting may wait for the screen: that is no work.
+        in.summary.longest_ms = std::max(in.summary.longest_ms, 1000 * seconds_since(start));
+        ++in.summary.window_frames;
+        glfwSwapBuffers(in.window.handle);
+        if (seconds_since(start) < 0.002) glfwWaitEventsTimeout(k_idle_seconds / 2);   // a screen that does not wait
+    }
+    if (in.recorder.recording()) in.toggle_recording();
+    in.recorder.finish();
+    in.summary.loads = in.session.load_state().loads;
+    if (!in.picture_ms.empty()) {
+        const auto middle = in.picture_ms.begin() + static_cast<std::ptrdiff_t>(in.picture_ms.size() / 2);
+        std::nth_element(in.picture_ms.begin(), middle, in.picture_ms.end());
+        in.summary.median_picture_ms = *middle;
+    }
+    return in.summary;
+}
+
+}   // namespace gnomon::app

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The window: GLFW and Dear ImGui on OpenGL 3, which any machine has, if only in software. Pictures come from a
+// ViewSession; this thread draws the latest and never waits for one.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/view/settings.h"
+
+namespace gnomon::app {
+
+struct ViewSummary {
+    std::uint64_t window_frames = 0, pictures = 0, loads = 0;
+    double longest_ms = 0;   // of a window frame, waiting left out
+    double median_picture_ms = 0;
+    std::vector<std::string> files;   // written
+};
+
+class Viewer {
+ public:
+    /// @throws MissingError  no display, or no OpenGL 3
+    Viewer(ViewSettings settings, std::string what, int threads);
+    ~Viewer();
+    /// Until the window is closed, Escape, or a signal.
+    ViewSummary run();
+
+ private:
+    struct Inside;
+    std::unique_ptr<Inside> inside_;
+};
+
+}   // namespace gnomon::app

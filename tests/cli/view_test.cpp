@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// The viewer in a real window with real input.
+#include <cmath>
+
+#include "io/image_file.h"
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+#ifdef GNOMON_VIEWER
+
+// Skips the test without an X server to run.
+#define NEED_WINDOWS()                                                                             \
+    if (std::system("command -v Xvfb >/dev/null 2>&1 && command -v xdotool >/dev/null 2>&1") != 0) \
+    GTEST_SKIP() << "no Xvfb or no xdotool on this machine: install the Debian packages xvfb and xdotool"
+
+struct Seen {
+    int code = -1;
+    nlohmann::json json;
+    std::string err;
+};
+
+Seen drive(const ScratchFolder& folder, const std::string& scene, const std::string& more, const std::string& steps)
+{
+    std::ofstream(folder / "steps") << steps;
+    const std::string at = std::filesystem::path(folder / "").string();
+    const std::string command = std::string(GNOMON_SOURCE_DIR) + "/tests/cli/drive_window.sh '" + at +
+                                "' " GNOMON_PROGRAM " view '" + scene + "' --size 320x240 --json=seen.json " + more +
+                                " < '" + at + "/steps' > /dev/null 2> '" + at + "/err'";
+    const int status = std::system(command.c_str());
+    Seen seen{WIFEXITED(status) ? WEXITSTATUS(status) : -1, {}, bytes_of(folder / "err")};
+    if (std::filesystem::exists(folder / "seen.json"))
+        seen.json = nlohmann::json::parse(bytes_of(folder / "seen.json"));
+    return seen;
+}
+
+TEST(View, AScreenshotIsTheRenderedPictureWhateverWasLookedAtBefore)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    // Play, turn, come nearer, fly, pick, panels, overlays, other sizes; then the scene's own camera, the first frame.
+    const Seen seen = drive(folder, "builtin:cornell", "",
+                            "sleep 1\nmousemove 250 200\nmousedown 1\nmousemove 200 180\nmousemove 150 170\nmouseup 1\n"
+                            "click 4\nclick 5\nkey w\nkey d\nclick 1\nsleep 0.5\nkey f\nkey o\nsleep 0.5\nkey o\n"
+                            "key h\nkey h\nkey Tab\nkey space\nkey Right\nkey Left\nresize 400 200\nsleep 0.5\n"
+                            "resize 320 240\nsleep 0.5\nkey c\nkey Home\nsleep 0.3\nkey p\nawait gnomon-0001.png\n"
+                            "shot screen.png\nkey Escape\n");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.err, "");
+    EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.png"}));
+    EXPECT_GT(seen.json.at("pictures"), 5);
+    EXPECT_EQ(seen.json.at("loads"), 1);
+    const Outcome rendered =
+        run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "-o", folder / "render.png"});
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    const Image8 shot = io::read_image(folder / "gnomon-0001.png"), truth = io::read_image(folder / "render.png");
+    EXPECT_EQ(shot.width, 320);
+    EXPECT_EQ(shot.data, truth.data);
+    // The window shows it: its middle, away from the panel.
+    const Image8 screen = io::read_image(folder / "screen.png");
+    int near = 0;
+    for (int y = 60; y < 180; ++y)
+        for (int x = 200; x < 310; ++x)
+            near += std::abs(static_cast<int>(screen.pixel(x, y)[1]) - static_cast<int>(truth.pixel(x, y)[1])) < 24;
+    EXPECT_GT(near, 120 * 110 * 8 / 10);
+}
+
+TEST(View, RecordsAFilm)
+{
+    NEED_WINDOWS();
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder folder;
+    const Seen seen = drive(folder, "builtin:cornell", "--indirect off",
+                            "sleep 1\nkey r\nsleep 2\nkey r\nawait gnomon-0001.mp4\nkey Escape\n");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_GT(std::filesystem::file_size(folder / "gnomon-0001.mp4"), 1000u);
+}
+
+TEST(View, ReadsAFileAgainThatChanged)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    const auto write = [&](const char* name, int size) {
+        std::ofstream(folder / name) << "v 0 0 0\nv " << size << " 0 0\nv 0 " << size << " 0\nf 1 2 3\n";
+    };
+    write("a.obj", 1);
+    std::jthread later([&] {
+        wait_until([&] { return std::filesystem::exists(folder / "gnomon-0001.png"); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        write("a.obj", 2);
+    });
+    const Seen seen = drive(folder, "a.obj", "",
+                            "sleep 1\nkey p\nawait gnomon-0001.png\nsleep 3\nkey p\nawait gnomon-0002.png\nkey "
+                            "Escape\n");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.json.at("loads"), 2);
+}
+
+TEST(View, TroubleIsAnExitCodeAndOneLine)
+{
+    expect_failure(run({"view", "builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,
+                   "no window can be opened");
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    const Seen seen = drive(folder, "missing.gltf", "", "");
+    EXPECT_EQ(seen.code, 3);
+    EXPECT_NE(seen.err.find("missing.gltf"), std::string::npos) << seen.err;
+}
+
+#else
+
+TEST(View, SaysThatItWasNotBuilt)
+{
+    expect_failure(run({"view", "builtin:cornell"}), 4, "without a window");
+}
+
+#endif
+
+}   // namespace
+}   // namespace gnomon::test
