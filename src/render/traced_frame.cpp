@@ -95,7 +95,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         std::vector<std::unique_ptr<shadow_culling::CertifiedCulling::Batch>> batches;
         for (const auto& worker : workers)
             if (worker) batches.push_back(worker->take_batch());
-        culling->end_frame(batches, tasks);
+        culling->note_news(batches);
+        if (!remembered.judge_later) culling->judge(tasks);
         const shadow_culling::CullingCounters& culled = culling->counters();
         counters.shadow.rays = culled.skipped + culled.dynamic_only + culled.traced;
         counters.shadow.rays_skipped = culled.skipped;

@@ -76,6 +76,7 @@ struct Remembered {
     shadow_culling::CertifiedCulling* certified = nullptr;   // the picture is the same to the bit
     shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the picture can be wrong
     light_quadtree::VisibleLight* visible = nullptr;         // bounced light; null: none
+    bool judge_later = false;   // certified culling: the caller calls judge() once the picture is shown
     // Optional, its lights set: filled, and every answer is checked by tracing every ray.
     StateMap* states = nullptr;
 

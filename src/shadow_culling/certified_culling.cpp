@@ -204,38 +204,57 @@ ShadowState CertifiedCulling::state_of(const Batch& batch, std::uint32_t point, 
                                     3);
 }
 
-void CertifiedCulling::end_frame(std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks)
+void CertifiedCulling::note_news(std::span<const std::unique_ptr<Batch>> batches)
 {
-    // Gather the records with news.
-    std::vector<RecordId> records;
     for (const auto& batch : batches) {
         if (!batch) continue;
-        records.insert(records.end(), batch->touched.begin(), batch->touched.end());
+        news_.insert(news_.end(), batch->touched.begin(), batch->touched.end());
         batch->touched.clear();
         counters_.add(batch->counters);
         batch->counters = {};
     }
-    std::sort(records.begin(), records.end());
-    records.erase(std::unique(records.begin(), records.end()), records.end());
+    std::sort(news_.begin(), news_.end());
+    news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
+}
 
-    // Judge them, each by itself: a record's pyramid belongs to one task.
+bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
+{
+    // Each record by itself: its pyramid belongs to one task.
     constexpr std::size_t k_chunk = 64;
+    const std::size_t chunks = (news_.size() + k_chunk - 1) / k_chunk;
+    std::vector<char> judged(chunks, 0);
     std::vector<std::unique_ptr<Judge>> judges(static_cast<std::size_t>(tasks.threads()));
-    tasks.for_each((records.size() + k_chunk - 1) / k_chunk, [&](std::size_t chunk, int worker) {
+    std::atomic<bool> stopped = false;
+    tasks.for_each(chunks, [&](std::size_t chunk, int worker) {
+        if (stopped || (go_on && !go_on())) {
+            stopped = true;
+            return;
+        }
         auto& judge = judges[static_cast<std::size_t>(worker)];
         if (!judge) judge = std::make_unique<Judge>(*state_, *triangles_, *memory_, light_on_, options_);
-        const std::size_t end = std::min(records.size(), (chunk + 1) * k_chunk);
-        for (std::size_t r = chunk * k_chunk; r < end; ++r) judge->judge(records[r]);
+        const std::size_t end = std::min(news_.size(), (chunk + 1) * k_chunk);
+        for (std::size_t r = chunk * k_chunk; r < end; ++r)
+            if (memory_->base(news_[r]) != k_no_slot) judge->judge(news_[r]);   // it may have been dropped meanwhile
+        judged[chunk] = 1;
     });
     for (const auto& judge : judges)
         if (judge) counters_.add(judge->counters());
 
-    // Deepen what is partial and covers many pixels, for the next frame.
-    for (const RecordId record : records) {
+    // Deepen what is partial and covers many pixels, for the next frame. What was not judged stays.
+    std::vector<RecordId> left;
+    for (std::size_t r = 0; r < news_.size(); ++r) {
+        const RecordId record = news_[r];
+        if (!judged[r / k_chunk]) {
+            left.push_back(record);
+            continue;
+        }
+        if (memory_->base(record) == k_no_slot) continue;
         const std::uint32_t wanted = wanted_level(record / 2);
         if (wanted > memory_->level(record)) memory_->deepen(record, wanted);
     }
+    news_ = std::move(left);
     if (memory_->full()) memory_->drop_unseen(frame_);
+    return news_.empty();
 }
 
 std::size_t CertifiedCulling::bytes() const

@@ -18,6 +18,7 @@
 // Cost a frame: one look-up a query, the mask, the rays of PARTIAL parts and along the movers' outlines, and
 // certificates for what came into view. What stands still and was seen before costs the look-up alone.
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -81,8 +82,16 @@ class CertifiedCulling {
     ShadowState state_of(const Batch& batch, std::uint32_t point, int light) const;
 
     /// Judges what this frame's rays saw in the batches that took part. Order of batches does not matter.
-    void end_frame(std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks);
-
+    void end_frame(std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks)
+    {
+        note_news(batches);
+        judge(tasks);
+    }
+    /// The two halves of it, for who shows the picture in between: what was seen is gathered, and judged as long as
+    /// `go_on` says so (asked once in a while, from any thread); the rest waits for the next call, in whatever frame.
+    /// Pictures never depend on how much was judged. @return whether nothing is left
+    void note_news(std::span<const std::unique_ptr<Batch>> batches);
+    bool judge(Tasks& tasks, const std::function<bool()>& go_on = {});
     /// Sums since begin_frame; valid after end_frame.
     const CullingCounters& counters() const { return counters_; }
     /// States, evidence and records.
@@ -115,6 +124,7 @@ class CertifiedCulling {
     bool any_light_on_ = true;
     std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
     CullingCounters counters_;
+    std::vector<RecordId> news_;   // records to judge, in order
     std::uint32_t frame_ = 0;
 };
 

@@ -2,6 +2,8 @@
 // Certified shadow culling changes no bit: whole films with and without it, warm and cold, on any number of threads.
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "base/hash.h"
 #include "base/random.h"
 #include "gnomon/gnomon.h"
@@ -67,6 +69,46 @@ TEST(CulledFrame, LeavesRaysOutFromTheSecondFrameOn)
     const FrameCounters::Shadow shadow = renderer.render(scene, 3).counters.shadow;
     EXPECT_GT(shadow.rays_skipped, shadow.rays / 2);
     EXPECT_GT(shadow.rays_dynamic_only, 0u);
+}
+
+// Frames that do not wait for certificates, as in the viewer: judging stops anywhere and goes on later.
+TEST(CulledFrame, SameWheneverItsRaysAreJudged)
+{
+    const auto scene =
+        std::make_shared<const scene::Scene>(scene::make_builtin("spheres?objects=60&dynamic=20&vertices=500"));
+    Tasks tasks(2);
+    for (const int every : {0, 1, 3}) {   // chunks a frame
+        scene::SceneState state(scene, 0);
+        ray::RayScene rays(state);
+        shadow_culling::CertifiedCulling culling(state, rays, {});
+        render::FrameBuffers buffers, plain;
+        std::uint64_t skipped = 0;
+        int stopped = 0;
+        const auto frame_at = [&](int frame) {
+            state.advance(scene->timeline.time_of(frame));
+            rays.update(state);
+            const render::View view = render::make_view(state, 0, {160, 120});
+            render::Remembered remembered(&culling);
+            remembered.judge_later = true;
+            skipped = render::trace_frame(state, rays, view, {}, tasks, buffers, remembered).shadow.rays_skipped;
+            render::trace_frame(state, rays, view, {}, tasks, plain);
+            EXPECT_EQ(buffers.color.data, plain.color.data) << frame << ", " << every << " chunks";
+        };
+        for (int frame = 1; frame <= 8; ++frame) {
+            frame_at(frame);
+            std::atomic<int> asked = 0;
+            stopped += !culling.judge(tasks, [&] { return asked++ < every; });
+        }
+        EXPECT_GT(stopped, 0) << "there was more to judge";
+        if (every == 0) {
+            EXPECT_EQ(skipped, 0u) << "nothing was judged";
+        }
+        for (int frame = 9; frame <= 11; ++frame) {
+            frame_at(frame);
+            EXPECT_TRUE(culling.judge(tasks));
+        }
+        EXPECT_GT(skipped, 1000u) << every << ": what was left is judged in the end";
+    }
 }
 
 // --- Random triangle soups: lights anywhere, on and inside geometry too; points everywhere; what is remembered is

@@ -256,9 +256,18 @@ void ViewSession::render_loop(const std::stop_token& stop)
         }
         try {
             auto picture = render(scene, request);
-            const std::lock_guard lock(mutex_);
-            picture->number = picture_ ? picture_->number + 1 : 1;
-            picture_ = std::move(picture);
+            {
+                const std::lock_guard lock(mutex_);
+                picture->number = picture_ ? picture_->number + 1 : 1;
+                picture_ = std::move(picture);
+                rendering_ = false;
+            }
+            // No frame waits for certificates: they are made while nobody wants one.
+            if (kept_->certified)
+                kept_->certified->judge(kept_->tasks, [&] {
+                    const std::lock_guard lock(mutex_);
+                    return !request_ && !leaving_;
+                });
         } catch (const std::exception& e) {
             kept_->forget();   // half a frame would be remembered
             fail(e.what());
@@ -304,6 +313,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     traced.max_depth = options.max_depth;
     traced.samples = options.samples;
     render::Remembered remembered(kept.certified.get());
+    remembered.judge_later = true;
     remembered.paper = kept.paper.get();
     remembered.visible = states ? nullptr : kept.visible.get();
     if (states) {
