@@ -119,6 +119,9 @@ class Recorder {
     void copy(const Image& from, const Image& to, std::span<const VkImageCopy> regions);
     void fill(const Buffer& buffer, std::uint32_t word, VkDeviceSize offset = 0, VkDeviceSize bytes = VK_WHOLE_SIZE);
 
+    /// All channels of all layers of a floating-point or normalised image.
+    void clear(const Image& image, float value);
+
     VkCommandBuffer handle() const { return buffer_; }
 
  private:

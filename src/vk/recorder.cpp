@@ -245,4 +245,13 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t word, VkDeviceSize offse
     vkCmdFillBuffer(buffer_, buffer.handle(), offset, bytes, word);
 }
 
+void Recorder::clear(const Image& image, float value)
+{
+    declared(nullptr, &image, {Use::copy_target});
+    VkClearColorValue color{};
+    std::fill(std::begin(color.float32), std::end(color.float32), value);
+    const VkImageSubresourceRange all{image.aspect(), 0, 1, 0, image.desc().layers};
+    vkCmdClearColorImage(buffer_, image.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &all);
+}
+
 }   // namespace gnomon::vk

@@ -46,6 +46,19 @@ struct Reader {
         }
         return result;
     }
+    /// A block that is one struct is described by its members, and by itself under its own name.
+    std::vector<BlockMember> block_members(spvc_type type) const
+    {
+        std::vector<BlockMember> result = members(type);
+        if (result.size() != 1) return result;
+        const spvc_type member = spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(type, 0));
+        if (spvc_type_get_basetype(member) != SPVC_BASETYPE_STRUCT || spvc_type_get_num_array_dimensions(member) > 0)
+            return result;
+        const std::vector<BlockMember> inner =
+            members(spvc_compiler_get_type_handle(compiler, spvc_type_get_base_type_id(member)));
+        result.insert(result.end(), inner.begin(), inner.end());
+        return result;
+    }
     std::uint32_t struct_bytes(spvc_type type) const
     {
         std::size_t size = 0;
@@ -80,7 +93,7 @@ void describe_block(const Reader& reader, const spvc_reflected_resource& resourc
         }
     }
     binding.bytes = reader.struct_bytes(type);
-    binding.members = reader.members(type);
+    binding.members = reader.block_members(type);
 }
 
 VkFormat input_format(spvc_type type)
@@ -174,7 +187,7 @@ Reflection reflect(const ShaderCode& code)
     for (const auto& r : reader.list(all, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {
         const spvc_type type = spvc_compiler_get_type_handle(reader.compiler, r.base_type_id);
         result.push_bytes = reader.struct_bytes(type);
-        result.push_members = reader.members(type);
+        result.push_members = reader.block_members(type);
     }
     if (result.stage == VK_SHADER_STAGE_VERTEX_BIT)
         for (const auto& r : reader.list(all, SPVC_RESOURCE_TYPE_STAGE_INPUT))
