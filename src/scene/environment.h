@@ -46,6 +46,8 @@ class Environment {
     std::vector<EnvironmentLight> lights(int count) const;
 
     const ImageF& image() const { return image_; }
+    /// Coefficients of ambient(), in the order of Ramamoorthi and Hanrahan.
+    const std::array<glm::vec3, 9>& harmonics() const { return harmonics_; }
     /// Unit direction of a point of the picture; u from the left, v from the top, 0 to 1.
     static glm::vec3 direction_at(double u, double v);
 

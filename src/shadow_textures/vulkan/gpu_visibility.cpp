@@ -24,9 +24,18 @@ void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews
                            const light_views::GpuLightViews& buffers, const GpuTextures* textures,
                            const PictureInputs& picture, const vk::Image& out, const LookupOptions& options)
 {
-    const std::size_t lights = views.atlas().first_tile.size() - 1;
-    if (lights == 0) return;
-    GNOMON_CHECK_LE(lights, out.desc().layers);
+    const auto lights = static_cast<std::uint32_t>(views.atlas().first_tile.size() - 1);
+    record(commands, views, buffers, textures, picture, out, options, 0, lights);
+}
+
+void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews& views,
+                           const light_views::GpuLightViews& buffers, const GpuTextures* textures,
+                           const PictureInputs& picture, const vk::Image& out, const LookupOptions& options,
+                           std::uint32_t first, std::uint32_t count)
+{
+    if (count == 0) return;
+    GNOMON_CHECK_LE(count, out.desc().layers);
+    GNOMON_CHECK_LE(first + count, views.atlas().first_tile.size() - 1);
     records_.update(commands, views);
     vk::Pass pass = commands.pass("shadow look-up");
     records_.declare(pass, buffers, textures);
@@ -40,8 +49,10 @@ void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews
         records_.bind(recorder, buffers, textures);
         recorder.set("visibility", out);
         const glm::uvec2 size(picture.positions->width(), picture.positions->height());
-        recorder.push(LookupRecords::constants(size, views, textures, options));
-        recorder.dispatch_over(size.x, size.y, static_cast<std::uint32_t>(lights));
+        shared::LookupConstants constants = LookupRecords::constants(size, views, textures, options);
+        constants.first_light = first;
+        recorder.push(constants);
+        recorder.dispatch_over(size.x, size.y, count);
     });
 }
 

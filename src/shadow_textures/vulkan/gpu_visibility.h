@@ -24,6 +24,10 @@ class GpuVisibility {
     void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
                 const GpuTextures* textures, const PictureInputs& picture, const vk::Image& out,
                 const LookupOptions& options);
+    /// The same for lights first ... first + count - 1, in layers 0 ... count - 1.
+    void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
+                const GpuTextures* textures, const PictureInputs& picture, const vk::Image& out,
+                const LookupOptions& options, std::uint32_t first, std::uint32_t count);
 
  private:
     vk::Pipeline pipeline_;

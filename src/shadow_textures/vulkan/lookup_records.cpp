@@ -87,7 +87,8 @@ shared::LookupConstants LookupRecords::constants(glm::uvec2 size, const light_vi
             options.other_margin,
             static_cast<float>(views.options().projection.border),
             static_cast<std::uint32_t>(views.object_count()),
-            textures ? 1u : 0u};
+            textures ? 1u : 0u,
+            0};
 }
 
 }   // namespace gnomon::shadow_textures

@@ -33,6 +33,7 @@ struct LookupConstants {
     float border;   // texels: ProjectionOptions::border
     uint objects;
     uint by_textures;   // 1: the receiver's own texture says where it is nearest; 0: the items do
+    uint first_light;   // of those asked for
 };
 
 GNOMON_SHARED_END

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// How much of each light each pixel sees, from the picture's positions, normals and object numbers. One layer a light.
+// How much of some lights each pixel sees, from the picture's positions, normals and object numbers. One layer a light.
 #include "shadow_textures/vulkan/lookup_shared.h"
 #include "shadow_textures/vulkan/textures_shared.h"
 
@@ -28,6 +28,6 @@ void main()
     uint object = texelFetch(objects, ivec2(pixel), 0).x;
     float seen = 0.0;
     if (object != 0u)
-        seen = light_visibility(light, texelFetch(positions, ivec2(pixel), 0).xyz, texelFetch(normals, ivec2(pixel), 0).xyz, object - 1u);
+        seen = light_visibility(lookup.first_light + light, texelFetch(positions, ivec2(pixel), 0).xyz, texelFetch(normals, ivec2(pixel), 0).xyz, object - 1u);
     imageStore(visibility, ivec3(pixel, light), vec4(seen));
 }

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The scene's materials, textures and lights in the form that shaders read.
+
+#include "gpu_scene/gpu_scene_shared.h"
+#include "scene/scene.h"
+
+namespace gnomon::gpu_scene {
+
+shared::GpuMaterial convert(const scene::Material& material);
+shared::GpuLight convert(const scene::Light& light, const scene::LightState& state);
+
+/// All textures' levels as linear half floats, four a texel, one after the other.
+struct TexelPool {
+    std::vector<shared::GpuTexture> textures;
+    std::vector<std::uint16_t> halves;
+};
+/// @throws MissingError  more texels than a 32-bit number counts
+TexelPool convert(const std::vector<scene::Texture>& textures);
+
+}   // namespace gnomon::gpu_scene

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_GPU_SCENE_SHARED_H
+#define GNOMON_GPU_SCENE_SHARED_H
+// The scene as shaders see it. Layout: scalar, that is C++'s own.
+
+#include "vk/shared_types.h"
+
+GNOMON_SHARED_BEGIN(gpu_scene)
+
+// Numbers that stand for nothing: no texture, no normals, no texture coordinates.
+#define GNOMON_NONE 0xffffffffu
+
+/// One object (instance of a mesh). Vertex arrays are numbered from the start of their buffers.
+struct GpuObject {
+    mat4 to_world;
+    vec3 normal_x, normal_y, normal_z;   // columns of the inverse transpose, not normalised
+    uint shown;                          // visible, and not squeezed flat
+    uint mirrored;                       // the world winding is the reverse of the mesh's
+    uint positions;
+    uint normals;        // or none
+    uint texcoords[2];   // each or none
+    uint colors;         // or none
+    uint first_index;    // of the mesh's triangles
+};
+
+/// One part of one object: one indirect draw, which has the same number.
+struct GpuDraw {
+    uint object;
+    uint material;
+    uint first_triangle;   // of the part, in the mesh
+    uint count;            // of triangles
+    vec3 centre;           // of its bounds, in the object's space
+    vec3 extent;           // half the bounds' size
+};
+
+struct GpuTextureUse {
+    uint texture;   // or none
+    uint texcoord;
+    vec2 offset, scale;
+    float rotation_cos, rotation_sin;
+};
+
+#define GNOMON_MODEL_METALLIC_ROUGHNESS 0u
+#define GNOMON_MODEL_WHITTED 1u
+#define GNOMON_MODEL_UNLIT 2u
+#define GNOMON_ALPHA_OPAQUE 0u
+#define GNOMON_ALPHA_MASK 1u
+#define GNOMON_ALPHA_BLEND 2u
+
+struct GpuMaterial {
+    vec3 base_color;
+    float alpha;
+    vec3 emissive;
+    float alpha_cutoff;
+    vec3 ambient;
+    float metallic;
+    vec3 specular;
+    float roughness;
+    float shine, transmittance, transmission, ior;
+    float normal_scale, occlusion_strength;
+    uint model, alpha_mode;
+    GpuTextureUse base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture;
+};
+
+#define GNOMON_MAX_LEVELS 16
+
+/// Texels of all levels lie in one buffer of linear half floats.
+struct GpuTexture {
+    uint width, height, levels;
+    uint wrap_u, wrap_v;    // as scene::Wrap
+    uint magnify, minify;   // as scene::Filter
+    uint first[GNOMON_MAX_LEVELS];
+};
+
+#define GNOMON_LIGHT_POINT 0u
+#define GNOMON_LIGHT_SPOT 1u
+#define GNOMON_LIGHT_DIRECTIONAL 2u
+
+struct GpuLight {
+    vec3 color;
+    uint type;
+    vec3 position;
+    float range;
+    vec3 direction;
+    uint shown;
+    float cos_inner, cos_outer;
+    uint constant_falloff;   // else inverse square
+    uint cosine_profile;     // else smooth
+    uint of_environment;
+};
+
+/// What a view culls draws against, in one push.
+struct CullPush {
+    vec4 planes[6];   // a point is inside where dot(xyz, p) + w >= 0
+    uint draws;
+    uint classes;   // unused: keeps the size a multiple of 8
+};
+
+GNOMON_SHARED_END
+#endif
