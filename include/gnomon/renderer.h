@@ -20,16 +20,27 @@ struct ReferenceLightOptions {
     std::uint64_t seed = 0;
 };
 
+/// What makes the picture: rays on the processor, or the rasteriser on a Vulkan device, which shows mirrors without
+/// their images and glass without refraction, and has no bounced light yet.
+enum class RenderMethod { trace, raster };
+
+/// Shadows of the rasterised frame. `coherent` draws again only what changed; `depth` and `per_caster` are the methods
+/// it is measured against: the same picture, at their cost.
+enum class ShadowTextures { off, per_caster, depth, coherent };
+
 struct RenderOptions {
-    Size size{};                        // 0 x 0: the file's own, else 1280 x 720
-    std::string camera = "auto";        // a name, a number from 0, or auto: the first
-    double turntable_seconds = 0;       // > 0: the camera circles the scene in that time instead
+    Size size{};                    // 0 x 0: the file's own, else 1280 x 720
+    std::string camera = "auto";    // a name, a number from 0, or auto: the first
+    double turntable_seconds = 0;   // > 0: the camera circles the scene in that time instead
+    RenderMethod renderer = RenderMethod::trace;
     int max_depth = 10;                 // reflections and refractions in a row, 0 to 64
     int samples = 1;                    // per pixel, 1 to 4096
     std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
-    Indirect indirect = Indirect::visible;
+    Indirect indirect = Indirect::visible;                       // of the traced frame; the rasterised one has none
+    ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
+    int shadow_filter = 1;   // width of the edges of its shadows, in texels of the light's view, 0 (hard) to 64
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;       // 0: all
@@ -52,9 +63,12 @@ class Renderer {
 
     /// @param frame  1 to scene.frame_count()
     /// @throws UsageError  for a frame or camera that does not exist
+    /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or memory, or the device was lost
     Picture render(const Scene& scene, int frame, const Progress& progress = {});
 
     const RenderOptions& options() const;
+    /// The Vulkan device of the last frame; empty without.
+    std::string device() const;
 
  private:
     struct Inside;

@@ -84,8 +84,8 @@ constexpr Option k_options[] = {
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .verbs = bit(render), .group = k_output,
      .help = "also write a labelled grid of up to 12 frames, evenly spaced over the range"},
     {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = "trace|raster",
-     .built_choices = "trace", .verbs = k_pictures | bit(bench_indirect), .group = k_output,
-     .help = "CPU ray tracer, or Vulkan"},
+     .verbs = k_pictures | bit(bench_indirect), .group = k_output,
+     .help = "CPU ray tracer; or Vulkan, without mirror images, refraction and indirect light"},
 
     {.name = "frame", .argument = "N", .kind = Kind::integer, .low = 1, .high = k_many,
      .verbs = bit(render) | bit(bench_trace), .group = k_frames, .help = "one frame, from 1"},
@@ -141,9 +141,11 @@ constexpr Option k_options[] = {
      .verbs = k_pictures, .group = k_shadows,
      .help = "remember traced shadows. certified: proven, the same picture as off; paper: guessed as published in 2009, "
              "can be wrong, depends on the frames before"},
-    {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent",
-     .built = false, .verbs = k_pictures, .group = k_shadows, .help = "rasterised shadows"},
-    {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64, .built = false,
+    {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .fallback = "coherent",
+     .choices = "per-caster|depth|coherent", .verbs = k_pictures, .group = k_shadows,
+     .help = "rasterised shadows. coherent: only what changed is drawn again; depth, per-caster: everything is, receiver "
+             "by receiver; the same picture"},
+    {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64,
      .verbs = k_pictures, .group = k_shadows, .help = "edge of rasterised shadows in texels; 0: hard"},
 
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = "off|rsm|quadtree|visible",

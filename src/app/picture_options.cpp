@@ -20,11 +20,20 @@ ShadowCulling culling_of(const std::string& name)
     return name == "paper" ? ShadowCulling::paper : ShadowCulling::certified;
 }
 
+ShadowTextures shadow_textures_of(const std::string& name)
+{
+    if (name == "per-caster") return ShadowTextures::per_caster;
+    return name == "depth" ? ShadowTextures::depth : ShadowTextures::coherent;
+}
+
 }   // namespace
 
 RenderOptions read_picture_options(const OptionValues& values)
 {
     RenderOptions options;
+    if (values.text("renderer") == "raster") options.renderer = RenderMethod::raster;
+    options.shadow_textures = shadow_textures_of(values.text("shadow-textures"));
+    options.shadow_filter = values.integer("shadow-filter");
     if (values.given("size")) options.size = *parse_size(values.text("size"));
     options.camera = values.text("camera");
     if (values.given("turntable")) options.turntable_seconds = values.number("turntable");

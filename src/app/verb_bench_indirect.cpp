@@ -114,6 +114,8 @@ IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
 
 int run_bench_indirect(const CommandLine& line, Output& output)
 {
+    if (line.values.text("renderer") == "raster")
+        throw UsageError("bench indirect measures the traced frame: --renderer trace");
     const OptionValues& values = line.values;
     const Scene scene = load_scene(line, output.progress());
     const IndirectBenchOptions options = options_of(values, scene);

@@ -18,8 +18,25 @@ namespace gnomon::app {
 namespace {
 using Json = nlohmann::ordered_json;
 
+// Options of one renderer mean nothing to the other, and what was asked for is not left out silently.
+void refuse_the_others(const OptionValues& values)
+{
+    const auto refuse = [&](std::initializer_list<const char*> names, const char* renderer) {
+        for (const char* name : names)
+            if (values.given(name)) throw UsageError(fmt::format("--{} needs --renderer {}", name, renderer));
+    };
+    if (values.text("renderer") == "raster") {
+        refuse({"shadow-culling", "accelerator", "max-depth", "overlay", "reference"}, "trace");
+        if (values.given("indirect") && values.text("indirect") != "off")
+            throw UsageError("--renderer raster has no indirect light yet: --indirect off");
+    } else {
+        refuse({"shadow-textures", "shadow-filter"}, "raster");
+    }
+}
+
 RenderOptions render_options(const OptionValues& values)
 {
+    refuse_the_others(values);
     RenderOptions options = read_picture_options(values);
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
@@ -62,7 +79,7 @@ Json indirect_of(const FrameRecord& record, bool reference)
     return json;
 }
 
-Json document_of(const CommandLine& line, const FilmResult& result)
+Json document_of(const CommandLine& line, const FilmResult& result, const std::string& device)
 {
     const bool reference = line.values.flag("reference");
     Json frames = Json::array();
@@ -90,9 +107,12 @@ Json document_of(const CommandLine& line, const FilmResult& result)
                                        {"indirect", work(counters.kdtree->indirect)}};
         }
     }
-    Json document = {
-        {"version", std::string(version())}, {"scene", line.positionals[0]}, {"renderer", line.values.text("renderer")},
-        {"device", processor_name()},        {"width", result.size.width},   {"height", result.size.height}};
+    Json document = {{"version", std::string(version())},
+                     {"scene", line.positionals[0]},
+                     {"renderer", line.values.text("renderer")},
+                     {"device", device.empty() ? processor_name() : device},
+                     {"width", result.size.width},
+                     {"height", result.size.height}};
     if (reference)
         document["reference"] = {{"spp", line.values.integer("spp")},
                                  {"bounces", line.values.integer("bounces")},
@@ -162,7 +182,7 @@ int run_render(const CommandLine& line, Output& output)
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
     if (values.given("overlay")) output.say(wrong_text(result));
     output.say(summary_of(result, span.count()));
-    output.finish(document_of(line, result));
+    output.finish(document_of(line, result, renderer.device()));
     return 0;
 }
 

@@ -103,6 +103,7 @@ std::uint64_t fingerprint_of(const Scene& shown, const RenderOptions& options)
     // Certified culling and none give the same pixels; what the published one gives depends on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);
     print.add(options.indirect);
+    print.add(options.renderer), print.add(options.shadow_textures), print.add(options.shadow_filter);
     print.add(options.overlay), print.add(options.overlay_light.value_or(-1));
     if (options.reference)
         print.add(options.reference->spp), print.add(options.reference->bounces), print.add(options.reference->seed);

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "light_quadtree/visible_light.h"
 #include "ray/kdtree.h"
+#include "render/rasterizer.h"
 #include "render/reference.h"
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
@@ -58,6 +59,11 @@ void check_options(const RenderOptions& o)
     }
     if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
     if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
+    if (o.shadow_filter < 0 || o.shadow_filter > 64) throw UsageError("the shadow filter is out of range: 0 to 64");
+    if (o.renderer == RenderMethod::raster && o.overlay != Overlay::none)
+        throw UsageError("an overlay of shadow states shows traced shadows: not with the rasteriser");
+    if (o.renderer == RenderMethod::raster && o.reference)
+        throw UsageError("the reference is traced: not with the rasteriser");
     if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
         throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
 }
@@ -118,6 +124,7 @@ struct Renderer::Inside {
     std::unique_ptr<shadow_culling::CertifiedCulling> culling;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
     std::unique_ptr<light_quadtree::VisibleLight> visible;
+    std::unique_ptr<render::Rasterizer> raster;
     render::FrameBuffers buffers;
     render::StateMap states;
 
@@ -128,7 +135,17 @@ struct Renderer::Inside {
             paper.reset();
             visible.reset();
             rays.reset();
+            raster.reset();
+            scene.reset();   // until all is made
             state = std::make_unique<scene::SceneState>(wanted, time);
+            if (options.renderer == RenderMethod::raster) {
+                raster = render::make_rasterizer(*state, {.samples = options.samples,
+                                                          .layers = options.layers,
+                                                          .shadows = options.shadow_textures,
+                                                          .shadow_filter = static_cast<float>(options.shadow_filter)});
+                scene = wanted;
+                return;
+            }
             rays = std::make_unique<ray::RayScene>(*state);
             if (options.accelerator == Accelerator::kdtree) rays->trace_on_kdtree(*state);
             scene = wanted;
@@ -139,6 +156,10 @@ struct Renderer::Inside {
             return;
         }
         state->advance(time);
+        if (raster) {
+            raster->update(*state);
+            return;
+        }
         rays->update(*state);
         // Shadows are remembered from the second frame on: a single picture has nothing to gain. Nor has a reference.
         if (!culling && !options.reference && options.shadow_culling == ShadowCulling::certified &&
@@ -170,6 +191,11 @@ const RenderOptions& Renderer::options() const
     return inside_->options;
 }
 
+std::string Renderer::device() const
+{
+    return inside_->raster ? inside_->raster->device() : std::string();
+}
+
 Picture Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
     Inside& in = *inside_;
@@ -187,7 +213,8 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     render::View view = render::make_view(*in.state, camera, size);
     if (options.turntable_seconds > 0) {
         const double turn = (frame - 1) / scene.fps() / options.turntable_seconds;
-        view = render::turned(view, in.rays->bounds().centre(), 2 * k_pi * turn);
+        const Box3 bounds = in.rays ? in.rays->bounds() : scene.inside()->bounds(time);
+        view = render::turned(view, bounds.centre(), 2 * k_pi * turn);
     }
 
     render::TracedOptions traced;
@@ -212,14 +239,16 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     }
     Picture picture;
     try {
-        picture.counters =
-            render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers, remembered, nullptr, progress);
+        picture.counters = in.raster ? in.raster->render(*in.state, view, in.buffers, progress)
+                                     : render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers,
+                                                           remembered, nullptr, progress);
     } catch (...) {
+        if (in.raster) in.scene.reset();    // half a frame was recorded
         in.paper.reset();                   // half a frame would be remembered
         if (in.visible) in.scene.reset();   // so would points that were claimed and not evaluated
         throw;
     }
-    if (options.accelerator == Accelerator::kdtree) {
+    if (options.accelerator == Accelerator::kdtree && in.rays) {
         const auto work = [&](ray::RayClass purpose) {
             const ray::KdCounts counts = in.rays->kdtree_work(purpose);
             return FrameCounters::KdTree::Work{counts.nodes, counts.tests};

@@ -42,6 +42,45 @@ TEST(VulkanProgram, DevicesAnswerWithoutALoader)
     EXPECT_NE(outcome.json()["vulkan"]["missing"].get<std::string>().find("no loader"), std::string::npos);
 }
 
+TEST(VulkanProgram, RendersByRaster)
+{
+    const ScratchFolder folder;
+    const auto json = run({"render", "builtin:cornell", "-o", folder / "a.png", "--renderer", "raster", "--size",
+                           "64x64", "--frames", "1-1", "--json"})
+                          .json();
+    EXPECT_EQ(json["renderer"], "raster");
+    EXPECT_FALSE(json["device"].get<std::string>().empty());
+    EXPECT_GT(json["frames"][0]["draws"].get<int>(), 0);
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
+}
+
+TEST(VulkanProgram, RasterWithoutADriverIsMissing)
+{
+    const ScratchFolder folder;
+    const Outcome outcome =
+        run({"render", "builtin:cornell", "-o", folder / "a.png", "--renderer", "raster", "--size", "64x64"},
+            {{"VK_DRIVER_FILES", "/nowhere.json"}, {"VK_ICD_FILENAMES", "/nowhere.json"}});
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("Vulkan"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
+{
+    const ScratchFolder folder;
+    const std::vector<std::string> base{"render", "builtin:cornell", "-o", folder / "a.png", "--size", "64x64"};
+    const auto code = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), base.begin(), base.end());
+        return run(more).code;
+    };
+    EXPECT_EQ(code({"--renderer", "raster", "--shadow-culling", "off"}), 2);
+    EXPECT_EQ(code({"--renderer", "raster", "--indirect", "visible"}), 2);
+    EXPECT_EQ(code({"--shadow-textures", "depth"}), 2);
+    EXPECT_EQ(code({"--shadow-filter", "0"}), 2);
+    EXPECT_EQ(run({"bench", "indirect", "builtin:cornell", "--renderer", "raster"}).code, 2);
+}
+
 #else
 TEST(VulkanProgram, LeftOut)
 {

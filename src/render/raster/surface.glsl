@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pixel's triangle made into a point to shade, as src/render/surface.cpp does it. Included after
+// gpu_scene/scene_data.glsl, with `positions` and `normals` (floats, three a vertex) and `indices` declared.
+
+struct Surface {
+    vec3 position;
+    vec3 geometric_normal;
+    vec3 normal;
+    vec3 to_viewer;
+    bool front;
+    uint model;
+    vec3 diffuse, specular, ambient, emissive, transmitted;
+    float roughness;   // of metallic-roughness; else Phong's exponent
+    float coverage, ior;
+    float distance;
+};
+
+// The triangle, and where on it the ray meets it.
+struct Triangle {
+    uint object;
+    uvec3 corner;   // vertices, in the mesh's own numbers
+    vec3 p[3];
+    float u, v;
+    float width;         // of the ray's cone on the surface
+    float double_area;
+};
+
+vec3 fetch3(uint which, uint vertex)   // 0: position, 1: normal
+{
+    const uint at = 3 * vertex;
+    return which == 0 ? vec3(positions.at[at], positions.at[at + 1], positions.at[at + 2])
+                      : vec3(normals.at[at], normals.at[at + 1], normals.at[at + 2]);
+}
+
+vec3 unit_or(vec3 v, vec3 otherwise)
+{
+    const float square = dot(v, v);
+    return square > 0 && !isinf(square) ? v * (1 / sqrt(square)) : otherwise;
+}
+
+bool has(Triangle t, GpuTextureUse use)
+{
+    return use.texture != GNOMON_NONE && objects.at[t.object].texcoords[use.texcoord] != GNOMON_NONE;
+}
+
+vec4 look_up(Triangle t, GpuTextureUse use)
+{
+    const uint first = objects.at[t.object].texcoords[use.texcoord];
+    const vec2 t0 = texcoords.at[first + t.corner.x], t1 = texcoords.at[first + t.corner.y],
+               t2 = texcoords.at[first + t.corner.z];
+    const vec2 a = (t1 - t0) * use.scale, b = (t2 - t0) * use.scale;
+    const float texel_area =
+        abs(a.x * b.y - a.y * b.x) * float(textures.at[use.texture].width) * float(textures.at[use.texture].height);
+    const float footprint = t.double_area > 0 ? t.width * sqrt(texel_area / t.double_area) : 0;
+    return texture_sample(use.texture, apply(use, (1 - t.u - t.v) * t0 + t.u * t1 + t.v * t2), footprint);
+}
+
+vec3 mapped_normal(Triangle t, GpuTextureUse use, float scale, vec3 normal)
+{
+    const uint first = objects.at[t.object].texcoords[use.texcoord];
+    const vec2 t0 = texcoords.at[first + t.corner.x];
+    const vec2 a = texcoords.at[first + t.corner.y] - t0, b = texcoords.at[first + t.corner.z] - t0;
+    const float determinant = a.x * b.y - a.y * b.x;
+    if (determinant == 0) return normal;
+    const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
+    const vec3 along_u = (e1 * b.y - e2 * a.y) / determinant, along_v = (e2 * a.x - e1 * b.x) / determinant;
+    const vec3 tangent = unit_or(along_u - normal * dot(normal, along_u), vec3(0));
+    vec3 bitangent = cross(normal, tangent);
+    if (dot(bitangent, along_v) > 0) bitangent = -bitangent;
+    if (tangent == vec3(0)) return normal;
+    const vec4 texel = look_up(t, use);
+    const vec3 n = (2 * texel.xyz - 1) * vec3(scale, scale, 1);
+    return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
+}
+
+void fill_material(Triangle t, GpuMaterial m, inout Surface s)
+{
+    s.model = m.model;
+    s.coverage = 1;
+    s.ior = 1;
+    s.transmitted = s.ambient = s.emissive = s.diffuse = s.specular = vec3(0);
+    vec4 texel = vec4(1);
+    if (has(t, m.base_color_texture)) texel = look_up(t, m.base_color_texture);
+    if (m.model == GNOMON_MODEL_WHITTED) {
+        s.diffuse = m.base_color * texel.xyz;
+        s.ambient = m.ambient * texel.xyz;
+        s.specular = m.specular;
+        s.roughness = m.shine;
+        if (m.transmittance > 0) {
+            s.transmitted = vec3(m.transmittance);
+            s.ior = m.ior;
+        }
+        return;
+    }
+    vec3 base = m.base_color;
+    float alpha = m.alpha;
+    const uint color = objects.at[t.object].colors;
+    if (color != GNOMON_NONE) {
+        const vec4 c = (1 - t.u - t.v) * colors.at[color + t.corner.x] + t.u * colors.at[color + t.corner.y] +
+                       t.v * colors.at[color + t.corner.z];
+        base *= c.xyz;
+        alpha *= c.w;
+    }
+    base *= texel.xyz;
+    alpha *= texel.w;
+    float metallic = m.metallic, roughness = m.roughness;
+    if (has(t, m.metallic_roughness_texture)) {
+        const vec4 found = look_up(t, m.metallic_roughness_texture);
+        roughness *= found.y;
+        metallic *= found.z;
+    }
+    s.emissive = m.emissive;
+    if (s.emissive != vec3(0) && has(t, m.emissive_texture)) s.emissive *= look_up(t, m.emissive_texture).xyz;
+    if (m.alpha_mode == GNOMON_ALPHA_BLEND) s.coverage = clamp(alpha, 0, 1);
+    s.roughness = clamp(roughness, 0, 1);
+    if (m.model == GNOMON_MODEL_UNLIT) {
+        s.emissive = base;
+        return;
+    }
+    const float f0 = (m.ior - 1) / (m.ior + 1);
+    s.specular = mix(vec3(f0 * f0), base, metallic);
+    s.diffuse = base * ((1 - metallic) * (1 - m.transmission));
+    s.transmitted = base * ((1 - metallic) * m.transmission);
+    s.ior = m.ior;
+    s.ambient = s.diffuse;
+    if (has(t, m.occlusion_texture))
+        s.ambient *= 1 + m.occlusion_strength * (look_up(t, m.occlusion_texture).x - 1);
+}
+
+// Where the ray meets the triangle's plane [Moller and Trumbore 1997]; its middle where it is seen edge-on.
+void meet(inout Triangle t, vec3 origin, vec3 direction, out float distance)
+{
+    const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
+    const vec3 across = cross(direction, e2);
+    const float determinant = dot(e1, across);
+    const vec3 from = origin - t.p[0];
+    const vec3 other = cross(from, e1);
+    t.u = dot(from, across) / determinant;
+    t.v = dot(direction, other) / determinant;
+    distance = dot(e2, other) / determinant;
+    if (determinant == 0 || isnan(t.u + t.v + distance) || isinf(t.u + t.v + distance)) {
+        t.u = t.v = 1 / 3.0;
+        distance = dot((t.p[0] + t.p[1] + t.p[2]) / 3 - origin, direction);
+    }
+    // The pixel's centre may lie a rounding beyond an edge.
+    t.u = clamp(t.u, 0, 1);
+    t.v = clamp(t.v, 0, 1);
+}
+
+/// @param cone_width, cone_spread  of the pixel's ray at its origin
+Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float cone_width, float cone_spread)
+{
+    Triangle t;
+    t.object = draws.at[draw].object;
+    const uint object = t.object;
+    const uint at = objects.at[object].first_index + 3 * (draws.at[draw].first_triangle + primitive);
+    t.corner = uvec3(indices.at[at], indices.at[at + 1], indices.at[at + 2]);
+    const mat4 to_world = objects.at[object].to_world;
+    for (int c = 0; c < 3; ++c)
+        t.p[c] = vec3(to_world * vec4(fetch3(0, objects.at[object].positions + t.corner[c]), 1));
+
+    Surface s;
+    meet(t, origin, direction, s.distance);
+    const float w = max(0, 1 - t.u - t.v);
+    s.position = w * t.p[0] + t.u * t.p[1] + t.v * t.p[2];
+    s.to_viewer = -direction;
+
+    // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
+    const vec3 normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
+    t.double_area = sqrt(dot(normal, normal));
+    vec3 outward = t.double_area > 0 ? normal / t.double_area : -direction;
+    if (objects.at[object].mirrored != 0) outward = -outward;
+    s.front = dot(outward, direction) < 0;
+    s.geometric_normal = s.front ? outward : -outward;
+    s.normal = s.geometric_normal;
+    const uint first = objects.at[object].normals;
+    if (first != GNOMON_NONE) {
+        // Unit at the corners already, as baked vertices are: a scale that differs by axis would weigh them otherwise.
+        const mat3 turn = mat3(objects.at[object].normal_x, objects.at[object].normal_y, objects.at[object].normal_z);
+        vec3 turned = vec3(0);
+        for (int c = 0; c < 3; ++c) {
+            const vec3 n = turn * fetch3(1, first + t.corner[c]);
+            turned += (c == 0 ? w : c == 1 ? t.u : t.v) * unit_or(n, n);
+        }
+        s.normal = unit_or(s.front ? turned : -turned, s.geometric_normal);
+    }
+
+    const float cosine = max(abs(dot(s.geometric_normal, direction)), 0.02);
+    t.width = (cone_width + s.distance * cone_spread) / sqrt(cosine);
+    const GpuMaterial material = materials.at[draws.at[draw].material];
+    if (has(t, material.normal_texture))
+        s.normal = mapped_normal(t, material.normal_texture, material.normal_scale, s.normal);
+    const float facing = dot(s.normal, s.to_viewer);
+    if (facing < 0) s.normal = unit_or(s.normal - (facing - 1e-3) * s.to_viewer, s.geometric_normal);
+    fill_material(t, material, s);
+    return s;
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The rasterised frame as the renderer sees it: without a Vulkan type, and there whether Vulkan is built in or not.
+
+#include <memory>
+#include <string>
+
+#include "gnomon/renderer.h"
+#include "render/traced_frame.h"
+
+namespace gnomon::render {
+
+struct RasterSettings {
+    int samples = 1;
+    bool layers = false;
+    ShadowTextures shadows = ShadowTextures::coherent;
+    float shadow_filter = 1;   // texels; 0: hard
+};
+
+class Rasterizer {
+ public:
+    virtual ~Rasterizer() = default;
+
+    /// Follows one advance() of the state it was made from.
+    virtual void update(const scene::SceneState& state) = 0;
+    /// @throws MissingError      too little device memory, or the device was lost; this rasterizer is then of no more
+    /// use
+    /// @throws InterruptedError  progress returned false; likewise
+    virtual FrameCounters render(const scene::SceneState& state, const View& view, FrameBuffers& out,
+                                 const Progress& progress) = 0;
+    virtual std::string device() const = 0;
+};
+
+/// @throws MissingError  built without Vulkan, no suitable device, or too little memory for the scene
+std::unique_ptr<Rasterizer> make_rasterizer(const scene::SceneState& state, const RasterSettings& settings);
+
+}   // namespace gnomon::render

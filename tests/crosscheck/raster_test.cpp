@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rasterised frame against the traced one, of the same scenes: surfaces, colours where no shadow is in doubt, and
+// hard shadows. Pixels that show mirrors or glass are left out: there the rasterised frame shows something else.
+#include "vk_helpers.h"
+
+#ifdef GNOMON_VULKAN
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "gnomon/gnomon.h"
+#include "scene_helpers.h"
+#include "support.h"
+
+namespace gnomon {
+namespace {
+
+class RasterCrosscheck : public test::VulkanTest {};
+
+constexpr float k_color_tolerance = 0.004f;   // of one colour channel, and of its relative part above 1
+constexpr float k_depth_tolerance = 1e-3f;    // relative: the same surface
+constexpr int k_edge_reach = 3;               // pixels between a differing pixel and an edge of a traced shadow
+
+const Layer& layer(const Picture& picture, const std::string& name)
+{
+    for (const Layer& l : picture.layers)
+        if (l.name == name) return l;
+    throw std::runtime_error("no layer " + name);
+}
+
+RenderOptions options_of(RenderMethod renderer, Size size)
+{
+    RenderOptions options;
+    options.renderer = renderer;
+    options.size = size;
+    options.indirect = Indirect::off;
+    options.layers = true;
+    options.shadow_culling = ShadowCulling::off;
+    options.shadow_filter = 0;
+    return options;
+}
+
+// One frame by both renderers.
+struct Pair {
+    Picture traced, raster;
+    std::vector<char> plain;   // pixels that show no mirror and no glass, and the same surface in both
+    std::size_t pixels = 0, plain_count = 0, lights = 0;
+
+    float traced_lit(std::size_t pixel, std::size_t light) const
+    {
+        return layer(traced, "shadow").data[pixel * lights + light];
+    }
+    float raster_lit(std::size_t pixel, std::size_t light) const
+    {
+        return layer(raster, "shadow").data[pixel * lights + light];
+    }
+};
+
+Pair render_both(const Scene& scene, int frame, Size size, ShadowTextures shadows)
+{
+    RenderOptions flat = options_of(RenderMethod::trace, size), deep = flat;
+    flat.max_depth = 0;
+    RenderOptions raster = options_of(RenderMethod::raster, size);
+    raster.shadow_textures = shadows;
+    Pair pair;
+    pair.traced = Renderer(flat).render(scene, frame);
+    pair.raster = Renderer(raster).render(scene, frame);
+    const Picture mirrors = Renderer(deep).render(scene, frame);
+    pair.pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+    pair.lights = scene.info().lights.size();
+    const auto &a = pair.traced.layers[0].data, &m = mirrors.layers[0].data;
+    const auto &za = layer(pair.traced, "depth").data, &zb = layer(pair.raster, "depth").data;
+    pair.plain.assign(pair.pixels, 0);
+    for (std::size_t i = 0; i < pair.pixels; ++i) {
+        bool same = std::abs(za[i] - zb[i]) <= k_depth_tolerance * za[i];
+        for (std::size_t c = 0; c < 3; ++c) same = same && a[3 * i + c] == m[3 * i + c];
+        pair.plain[i] = same;
+        pair.plain_count += same;
+    }
+    return pair;
+}
+
+// Where GNOMON_PICTURES names a folder: the traced picture, grey, and in red what differs.
+void write_differences(const Pair& pair, Size size, const std::vector<char>& differs, const std::string& name)
+{
+    const char* folder = std::getenv("GNOMON_PICTURES");
+    if (!folder) return;
+    Picture picture;
+    picture.size = size;
+    picture.tonemap = ToneMap::none;
+    picture.exposure = pair.traced.exposure;
+    picture.layers.push_back({"", {"R", "G", "B"}, pair.traced.layers[0].data});
+    std::vector<float>& rgb = picture.layers[0].data;
+    for (std::size_t i = 0; i < pair.pixels; ++i) {
+        const float grey = pair.plain[i] ? 0.2f + 0.2f * (rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2]) : 0.0f;
+        for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = differs[i] ? (c == 0 ? 4.0f : 0.0f) : grey;
+    }
+    picture.write(std::filesystem::path(folder) / (name + ".png"));
+    Picture raster = pair.raster;
+    raster.write(std::filesystem::path(folder) / (name + "-raster.png"));
+}
+
+std::string test_name()
+{
+    static int number = 0;
+    return fmt::format("{}-{}", testing::UnitTest::GetInstance()->current_test_info()->name(), ++number);
+}
+
+// Colours agree wherever both see the same surface and the same lights of it.
+void expect_same_light(const Scene& scene, int frame, double least_plain, ShadowTextures shadows = ShadowTextures::off)
+{
+    const Pair pair = render_both(scene, frame, {160, 120}, shadows);
+    EXPECT_GE(static_cast<double>(pair.plain_count), least_plain * static_cast<double>(pair.pixels));
+    const auto &a = pair.traced.layers[0].data, &b = pair.raster.layers[0].data;
+    std::size_t compared = 0, different = 0;
+    float worst = 0;
+    std::vector<char> differs(pair.pixels, 0);
+    for (std::size_t i = 0; i < pair.pixels; ++i) {
+        bool comparable = pair.plain[i];
+        for (std::size_t l = 0; l < pair.lights; ++l)
+            comparable = comparable && pair.traced_lit(i, l) == pair.raster_lit(i, l);
+        if (!comparable) continue;
+        ++compared;
+        float most = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            most = std::max(most, std::abs(a[3 * i + c] - b[3 * i + c]) / std::max(1.0f, a[3 * i + c]));
+        worst = std::max(worst, most);
+        different += differs[i] = most > k_color_tolerance;
+    }
+    write_differences(pair, {160, 120}, differs, test_name());
+    EXPECT_GT(compared, pair.pixels / 10);
+    // A silhouette in a texture, or an edge between two triangles, may fall on the other side.
+    EXPECT_LE(static_cast<double>(different), 0.002 * static_cast<double>(compared))
+        << different << " of " << compared << ", worst " << worst;
+}
+
+// Most that may differ: a picture of leaves is edges of shadows nearly everywhere.
+struct Bounds {
+    double results = 0.005;         // of (pixel, light)
+    double pixels = 0.005;          // of pixels, in any light
+    double far_from_edges = 5e-4;   // of pixels
+};
+
+// Shadows agree on nearly all pixels; those that differ lie on edges of shadows.
+void expect_same_shadows(const Scene& scene, int frame, Size size, ShadowTextures method, const Bounds& bounds = {})
+{
+    const Pair pair = render_both(scene, frame, size, method);
+    std::size_t different = 0, far_from_edges = 0, lit = 0, dark = 0, results = 0;
+    std::vector<char> marks(pair.pixels, 0);
+    const auto near_edge = [&](std::size_t i, std::size_t l) {
+        const int x = static_cast<int>(i) % size.width, y = static_cast<int>(i) / size.width;
+        for (int dy = -k_edge_reach; dy <= k_edge_reach; ++dy)
+            for (int dx = -k_edge_reach; dx <= k_edge_reach; ++dx) {
+                if (x + dx < 0 || y + dy < 0 || x + dx >= size.width || y + dy >= size.height) continue;
+                const auto other = static_cast<std::size_t>((y + dy) * size.width + x + dx);
+                if (pair.traced_lit(other, l) == pair.raster_lit(i, l)) return true;
+            }
+        return false;
+    };
+    for (std::size_t i = 0; i < pair.pixels; ++i) {
+        if (!pair.plain[i]) continue;
+        bool differs = false, far = false;
+        for (std::size_t l = 0; l < pair.lights; ++l) {
+            (pair.traced_lit(i, l) > 0 ? lit : dark) += 1;
+            if (pair.traced_lit(i, l) == pair.raster_lit(i, l)) continue;
+            differs = true;
+            ++results;
+            far = far || !near_edge(i, l);
+        }
+        different += marks[i] = differs;
+        far_from_edges += far;
+    }
+    write_differences(pair, size, marks, test_name());
+    EXPECT_GT(lit, pair.pixels / 50);
+    EXPECT_GT(dark, pair.pixels / 50);
+    const double share = static_cast<double>(different) / static_cast<double>(pair.plain_count);
+    const double result_share = static_cast<double>(results) / static_cast<double>(lit + dark);
+    const double far_share = static_cast<double>(far_from_edges) / static_cast<double>(pair.plain_count);
+    EXPECT_LE(share, bounds.pixels);
+    EXPECT_LE(result_share, bounds.results);
+    EXPECT_LE(far_share, bounds.far_from_edges);
+    testing::Test::RecordProperty("shadow_results_equal_percent", std::to_string(100 * (1 - result_share)));
+    if (std::getenv("GNOMON_PICTURES"))
+        fmt::print("equal: {:.3f} % of results, {:.3f} % of pixels; far from edges {:.3f} %\n",
+                   100 - 100 * result_share, 100 - 100 * share, 100 * far_share);
+    testing::Test::RecordProperty("shadow_pixels_equal_percent", std::to_string(100 * (1 - share)));
+}
+
+TEST_F(RasterCrosscheck, LightOfCornell)
+{
+    expect_same_light(load("builtin:cornell"), 12, 0.98);
+}
+
+TEST_F(RasterCrosscheck, LightOfKinetic)
+{
+    expect_same_light(load("builtin:kinetic"), 40, 0.7);
+}
+
+// Instances, mirrored ones, one-sided and masked surfaces, deforming meshes; glass.
+TEST_F(RasterCrosscheck, LightOfRandomScenes)
+{
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        SCOPED_TRACE(seed);
+        scene::Scene scene = *test::make_random_scene(seed);
+        scene::add_default_camera(scene);
+        const Scene lit = Scene(std::make_shared<const scene::Scene>(std::move(scene)))
+                              .with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"});
+        expect_same_light(lit, 1, 0.5);
+    }
+}
+
+TEST_F(RasterCrosscheck, LightOfFiles)
+{
+    for (const char* name : {"gltf/CesiumMilkTruck.glb", "gltf/BoxAnimated.glb", "gltf/cannon.glb"}) {
+        SCOPED_TRACE(name);
+        GNOMON_NEED_SCENE(file, name);
+        const Scene scene = load(file.string());
+        expect_same_light(scene, scene.frame_count() / 2, 0.9);
+    }
+}
+
+TEST_F(RasterCrosscheck, LightOfKitchen)
+{
+    GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
+    expect_same_light(load(file.string()), 200, 0.3, ShadowTextures::coherent);
+}
+
+TEST_F(RasterCrosscheck, HardShadowsOfCornell)
+{
+    for (const ShadowTextures method : {ShadowTextures::coherent, ShadowTextures::depth, ShadowTextures::per_caster})
+        expect_same_shadows(load("builtin:cornell"), 12, {320, 320}, method);
+}
+
+TEST_F(RasterCrosscheck, HardShadowsOfKinetic)
+{
+    expect_same_shadows(load("builtin:kinetic"), 40, {320, 180}, ShadowTextures::coherent, {0.02, 0.065, 0.0015});
+}
+
+TEST_F(RasterCrosscheck, HardShadowsOfKitchen)
+{
+    GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
+    expect_same_shadows(load(file.string()), 200, {320, 240}, ShadowTextures::coherent, {0.005, 0.02, 0.0065});
+}
+
+// What is remembered changes nothing: a film's frames are those of fresh renderers, by all three methods.
+TEST_F(RasterCrosscheck, FilmIsItsFrames)
+{
+    const Scene scene = load("builtin:cornell");
+    for (const ShadowTextures method : {ShadowTextures::coherent, ShadowTextures::depth}) {
+        RenderOptions options = options_of(RenderMethod::raster, {80, 80});
+        options.shadow_textures = method;
+        Renderer film(options);
+        for (const int frame : {1, 2, 3, 12, 5}) {
+            const Picture a = film.render(scene, frame), b = Renderer(options).render(scene, frame);
+            EXPECT_EQ(a.layers[0].data, b.layers[0].data) << frame;
+            EXPECT_GT(a.counters.draws, 0u);
+        }
+    }
+}
+
+TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsWhole)
+{
+    const Scene scene = load("builtin:cornell");
+    const RenderOptions options = options_of(RenderMethod::raster, {40, 40});
+    {
+        const test::Replaced full(
+            vkAllocateMemory,
+            +[](VkDevice, const VkMemoryAllocateInfo*, const VkAllocationCallbacks*, VkDeviceMemory*) -> VkResult {
+                return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+            });
+        EXPECT_THROW(Renderer(options).render(scene, 1), MissingError);
+    }
+    Renderer renderer(options);
+    const Picture whole = renderer.render(scene, 2);
+    {
+        const test::Replaced lost(
+            vkQueueSubmit2,
+            +[](VkQueue, std::uint32_t, const VkSubmitInfo2*, VkFence) -> VkResult { return VK_ERROR_DEVICE_LOST; });
+        EXPECT_THROW(renderer.render(scene, 1), MissingError);
+    }
+    EXPECT_EQ(renderer.render(scene, 2).layers[0].data, whole.layers[0].data);
+    EXPECT_THROW(renderer.render(scene, 1, [](const ProgressStep&) { return false; }), InterruptedError);
+    EXPECT_EQ(renderer.render(scene, 2).layers[0].data, whole.layers[0].data);
+}
+
+}   // namespace
+}   // namespace gnomon
+#else
+TEST(RasterCrosscheck, LeftOut)
+{
+    GNOMON_SKIP_WITHOUT_VULKAN;
+}
+#endif
