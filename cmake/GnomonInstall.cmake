@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+# What `cmake --install` puts in place: the program, its manual and completions, and the library as a CMake package.
+#
+# All rooms together are one shared library, so that who uses it needs the public headers and nothing that we are
+# built on.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+add_library(gnomon_shared SHARED "${CMAKE_CURRENT_LIST_DIR}/library.cpp")
+add_library(gnomon::gnomon ALIAS gnomon_shared)
+set_target_properties(gnomon_shared PROPERTIES OUTPUT_NAME gnomon EXPORT_NAME gnomon VERSION "${PROJECT_VERSION}"
+    SOVERSION "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
+target_link_libraries(gnomon_shared PRIVATE "$<LINK_LIBRARY:WHOLE_ARCHIVE,gnomon_render>")
+target_include_directories(gnomon_shared INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+target_compile_features(gnomon_shared INTERFACE cxx_std_20)
+
+add_executable(gnomon_documents src/app/documents_main.cpp)
+target_link_libraries(gnomon_documents PRIVATE gnomon_app)
+set(documents "${PROJECT_BINARY_DIR}/documents")
+file(MAKE_DIRECTORY "${documents}")
+set(made "${documents}/gnomon.1" "${documents}/gnomon.bash" "${documents}/_gnomon" "${documents}/gnomon.fish")
+add_custom_command(OUTPUT ${made} COMMAND gnomon_documents "${documents}" DEPENDS gnomon_documents VERBATIM)
+add_custom_target(documents ALL DEPENDS ${made})
+
+install(TARGETS gnomon)
+install(TARGETS gnomon_shared EXPORT gnomonTargets)
+install(DIRECTORY include/gnomon DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(FILES "${documents}/gnomon.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+install(FILES "${documents}/gnomon.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME gnomon)
+install(FILES "${documents}/_gnomon" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions")
+install(FILES "${documents}/gnomon.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d")
+set(package "${CMAKE_INSTALL_LIBDIR}/cmake/gnomon")
+install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${package}")
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gnomonConfig.cmake.in"
+    "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" INSTALL_DESTINATION "${package}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" "${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake"
+    DESTINATION "${package}")

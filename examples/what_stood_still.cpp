@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// A clip, frame by frame, and what of its light was not computed again.
+//
+//   example_what_stood_still [SCENE [FRAMES]]
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "gnomon/gnomon.h"
+
+int main(int argc, char** argv)
+try {
+    const gnomon::Scene scene = gnomon::load(argc > 1 ? argv[1] : "builtin:cornell");
+    const int frames = std::min(argc > 2 ? std::atoi(argv[2]) : 10, scene.frame_count());
+
+    // One renderer for the whole clip: it keeps what stands still.
+    gnomon::Renderer renderer({.size = {320, 240}, .shadow_culling = gnomon::ShadowCulling::certified});
+    for (int frame = 1; frame <= frames; ++frame) {
+        const gnomon::Picture picture = renderer.render(scene, frame);
+        const auto& shadow = picture.counters.shadow;
+        const double asked = static_cast<double>(std::max<std::uint64_t>(shadow.rays, 1));
+        std::printf("frame %d: %.1f ms, %.1f %% of the shadow rays not traced, %llu rays for indirect light\n", frame,
+                    picture.milliseconds, 100 * static_cast<double>(shadow.rays_skipped) / asked,
+                    static_cast<unsigned long long>(picture.counters.indirect.rays));
+    }
+    return 0;
+} catch (const gnomon::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}

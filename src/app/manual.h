@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The manual page and the shells' completions, made from the tables of verbs and options.
+
+#include <string>
+
+namespace gnomon::app {
+
+/// gnomon(1), as man takes it. What is not built is not in it.
+std::string manual_page();
+
+/// Scripts that complete verbs, options and their choices; everything else as files.
+std::string bash_completion();
+std::string zsh_completion();
+std::string fish_completion();
+
+}   // namespace gnomon::app
