@@ -6,11 +6,11 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-add_library(gnomon_shared SHARED "${CMAKE_CURRENT_LIST_DIR}/library.cpp")
+add_library(gnomon_shared SHARED $<TARGET_OBJECTS:gnomon_render>)
 add_library(gnomon::gnomon ALIAS gnomon_shared)
 set_target_properties(gnomon_shared PROPERTIES OUTPUT_NAME gnomon EXPORT_NAME gnomon VERSION "${PROJECT_VERSION}"
     SOVERSION "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
-target_link_libraries(gnomon_shared PRIVATE "$<LINK_LIBRARY:WHOLE_ARCHIVE,gnomon_render>")
+target_link_libraries(gnomon_shared PRIVATE gnomon_render)   # what its objects need; the rest stays out
 target_include_directories(gnomon_shared INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 target_compile_features(gnomon_shared INTERFACE cxx_std_20)
