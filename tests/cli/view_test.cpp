@@ -66,6 +66,21 @@ TEST(View, AScreenshotIsTheRenderedPictureWhateverWasLookedAtBefore)
     EXPECT_GT(near, 120 * 110 * 8 / 10);
 }
 
+TEST(View, ShowsTheRasterisedFrame)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    const Seen seen = drive(folder, "builtin:cornell", "--renderer raster",
+                            "sleep 2\nmousemove 250 200\nclick 1\nkey c\nkey Home\nsleep 0.5\nkey p\n"
+                            "await gnomon-0001.png\nkey Escape\n");
+    if (seen.code == 4) GTEST_SKIP() << seen.err;
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    const Outcome rendered = run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "--renderer",
+                                  "raster", "-o", folder / "render.png"});
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
+}
+
 TEST(View, RecordsAFilm)
 {
     NEED_WINDOWS();

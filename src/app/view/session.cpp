@@ -9,6 +9,7 @@
 #include "gnomon/error.h"
 #include "light_quadtree/visible_light.h"
 #include "ray/ray_scene.h"
+#include "render/rasterizer.h"
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
@@ -69,6 +70,9 @@ struct ViewSession::Kept {
     std::unique_ptr<shadow_culling::CertifiedCulling> certified;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
     std::unique_ptr<light_quadtree::VisibleLight> visible;
+    std::unique_ptr<render::Rasterizer> raster;
+    ShadowTextures raster_shadows{};   // it was made for this, and what follows
+    int raster_filter = 0, raster_samples = 0;
     std::vector<HandMoved> hands;
     std::unordered_map<scene::NodeId, glm::dmat4> held;   // by node that a hand holds: its own transform when taken
     render::FrameBuffers buffers;
@@ -79,6 +83,7 @@ struct ViewSession::Kept {
         certified.reset();
         paper.reset();
         visible.reset();
+        raster.reset();
         rays.reset();
         state.reset();
         hands.clear();
@@ -89,6 +94,15 @@ struct ViewSession::Kept {
     // Whatever fits the options is kept, all else is dropped or made.
     void follow_options(const RenderOptions& options)
     {
+        if (options.renderer == RenderMethod::raster) {
+            // What is not asked in every frame misses what changes.
+            certified.reset();
+            paper.reset();
+            visible.reset();
+            follow_raster(options);
+            return;
+        }
+        raster.reset();
         if (options.shadow_culling != ShadowCulling::certified) certified.reset();
         if (options.shadow_culling != ShadowCulling::paper) paper.reset();
         if (options.indirect != Indirect::visible) visible.reset();
@@ -100,6 +114,21 @@ struct ViewSession::Kept {
         if (options.indirect == Indirect::visible && !visible)
             visible =
                 std::make_unique<light_quadtree::VisibleLight>(*state, *rays, light_quadtree::VisibleOptions{}, tasks);
+    }
+
+    void follow_raster(const RenderOptions& options)
+    {
+        if (raster && raster_shadows == options.shadow_textures && raster_filter == options.shadow_filter &&
+            raster_samples == options.samples) {
+            raster->update(*state);
+            return;
+        }
+        raster = render::make_rasterizer(*state, {.samples = options.samples,
+                                                  .shadows = options.shadow_textures,
+                                                  .shadow_filter = static_cast<float>(options.shadow_filter)});
+        raster_shadows = options.shadow_textures;
+        raster_filter = options.shadow_filter;
+        raster_samples = options.samples;
     }
 
     void follow_hands(const std::vector<HandMoved>& wanted)
@@ -187,6 +216,7 @@ void ViewSession::fail(const std::string& message)
 {
     const std::lock_guard lock(mutex_);
     state_.error = message;
+    state_.trouble = std::current_exception();
 }
 
 void ViewSession::load_loop(const std::stop_token& stop)
@@ -307,7 +337,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     if (!request.eye && request.turn != 0)
         picture->eye = render::turned(picture->eye, kept.rays->bounds().centre(), request.turn);
 
-    const bool states = options.overlay == Overlay::shadow_states && !scene->inside()->lights.empty() &&
+    const bool states = !kept.raster && options.overlay == Overlay::shadow_states && !scene->inside()->lights.empty() &&
                         options.shadow_culling != ShadowCulling::off;
     render::TracedOptions traced;
     traced.max_depth = options.max_depth;
@@ -321,8 +351,10 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
         kept.states.lights = {std::min(options.overlay_light.value_or(0), last)};
         remembered.states = &kept.states;
     }
-    picture->counters = render::trace_frame(*kept.state, *kept.rays, picture->eye, traced, kept.tasks, kept.buffers,
-                                            remembered, nullptr, [this](const ProgressStep&) { return !leaving_; });
+    const Progress progress = [this](const ProgressStep&) { return !leaving_; };
+    picture->counters = kept.raster ? kept.raster->render(*kept.state, picture->eye, kept.buffers, progress)
+                                    : render::trace_frame(*kept.state, *kept.rays, picture->eye, traced, kept.tasks,
+                                                          kept.buffers, remembered, nullptr, progress);
     end_stage(2);
 
     if (states) {

@@ -78,7 +78,7 @@ struct LoadState {
     std::string stage;
     double done = 0;
     std::string error;            // of the last load or frame; empty: none
-    std::exception_ptr trouble;   // the same, of a load
+    std::exception_ptr trouble;   // the same
     std::uint64_t loads = 0;      // that succeeded
 };
 

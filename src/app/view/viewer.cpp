@@ -463,7 +463,7 @@ ViewSummary Viewer::run()
 
         in.look_at_file();
         const LoadState load = in.session.load_state();
-        if (load.loads == 0 && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
+        if (!in.picture && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
         in.take_scene();
         in.take_picture();
         if (!in.recorder.recording()) in.playback.advance(seconds);
