@@ -9,6 +9,22 @@
 
 namespace gnomon::shadow_culling {
 
+namespace {
+
+// Bytes that say yes or no, eight at a time.
+constexpr std::uint64_t k_ones = 0x0101010101010101ull;
+
+template <class Byte>
+std::uint64_t eight_at(const Byte* bytes)
+{
+    static_assert(sizeof(Byte) == 1);
+    std::uint64_t eight;
+    std::memcpy(&eight, bytes, 8);
+    return eight;
+}
+
+}   // namespace
+
 // A light as this frame's queries see it.
 struct CertifiedCulling::Lamp {
     int index;
@@ -40,7 +56,6 @@ bool CertifiedCulling::may_meet_mover(const Batch& batch, const Lamp& lamp, std:
 // Answers what is known, eight points at a time, and lists the rest.
 void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
 {
-    constexpr std::uint64_t k_ones = 0x0101010101010101ull;
     const std::size_t count = batch.points.size();
     const int shift = 2 * (lamp.index % k_lights_per_group);
     const std::uint8_t* const states =
@@ -53,29 +68,30 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
     const bool ask_movers_too = !options_.certificates.left_out.has(Check::movers_asked);
     for (std::size_t first = 0; first < count; first += 8) {
         // States are 00 unknown, 01 none, 10 full, 11 partial.
-        std::uint64_t eight;
-        std::memcpy(&eight, states + first, 8);
+        const std::uint64_t eight = eight_at(states + first);
         const std::uint64_t low = (eight >> shift) & k_ones, high = (eight >> (shift + 1)) & k_ones;
         const std::uint64_t full = high & ~low, known = low ^ high;
         std::memcpy(blocked + first, &full, 8);
         known_count += static_cast<std::uint64_t>(__builtin_popcountll(known));   // they face the light
-        std::uint64_t rest = ask_movers_too && batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
+        std::uint64_t rest =
+            ask_movers_too && batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
         for (; rest != 0; rest &= rest - 1) {
             const std::size_t in_eight = static_cast<std::size_t>(__builtin_ctzll(rest)) / 8, p = first + in_eight;
             if (p >= count) break;
             const auto point = static_cast<std::uint32_t>(p);
             const ShadowPoint& here = batch.points[p];
             const bool open = !((known >> (8 * in_eight)) & 1);
+            bool dark = false;
             if (open) {
                 const glm::vec3 direction = lamp.from(here.origin);
-                if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) {
-                    blocked[p] = 1;
-                    continue;
-                }
+                dark = !(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction);
+                blocked[p] = dark;
             }
+            // Written always, kept where it is not dark: nobody can foretell which.
             asked_point[asked] = point;
             moving[asked] = batch.record[p] == k_no_record;
-            is_open[asked++] = open;
+            is_open[asked] = open;
+            asked += !dark;
         }
     }
     batch.asked.count = asked;
@@ -90,30 +106,43 @@ void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* 
     // Nothing is drawn for a light that moves: nobody asks for it twice.
     const bool draw = !batch.movers.empty() && light_on_[static_cast<std::size_t>(lamp.index)];
     if (draw) mask_->answer(static_cast<std::uint32_t>(lamp.index), batch.points, asked);
-    for (std::size_t i = 0; i < asked.count; ++i) {
-        if (draw && asked.answer[i] == Answer::free && (!batch.open[i] || asked.clear[i])) {
+    for (std::size_t first = 0; first < asked.count; first += 8) {
+        // What is settled, eight at a time: free, and static geometry known or out of the way.
+        std::uint64_t rest = k_ones;
+        if (draw) {
+            const std::uint64_t answers = eight_at(asked.answer.data() + first);
+            const std::uint64_t open = eight_at(batch.open.data() + first);
+            const std::uint64_t free = (answers >> 1) & ~answers & k_ones;   // 10 of two bits
+            const std::uint64_t settled = free & (~open | eight_at(asked.clear.data() + first));
+            rest = k_ones & ~settled;
+            const std::size_t left = asked.count - first;
+            const std::uint64_t here = left < 8 ? (std::uint64_t{1} << (8 * left)) - 1 : ~std::uint64_t{0};
+            batch.counters.skipped += static_cast<std::uint64_t>(__builtin_popcountll(settled & open & here));
+        }
+        for (; rest != 0; rest &= rest - 1) {
+            const std::size_t i = first + static_cast<std::size_t>(__builtin_ctzll(rest)) / 8;
+            if (i >= asked.count) break;
+            const std::uint32_t point = asked.point[i];
+            const Answer answer = draw ? asked.answer[i] : batch.movers.empty() ? Answer::free : Answer::not_drawn;
+            if (answer == Answer::blocked) {
+                blocked[point] = 1;
+                batch.counters.skipped += batch.open[i];
+                continue;
+            }
+            const glm::vec3& origin = batch.points[point].origin;
+            if (batch.open[i] && !(draw && asked.clear[i])) {
+                batch.static_rays.push(origin, 0, lamp.from(origin), lamp.end);
+                batch.static_point.push_back(point);
+                batch.then_movers.push_back(answer == Answer::unknown ||
+                                            (answer == Answer::not_drawn && may_meet_mover(batch, lamp, point)));
+                continue;
+            }
             batch.counters.skipped += batch.open[i];
-            continue;
+            if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_mover(batch, lamp, point)))
+                continue;
+            batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+            batch.dynamic_point.push_back(point);
         }
-        const std::uint32_t point = asked.point[i];
-        const Answer answer = draw ? asked.answer[i] : batch.movers.empty() ? Answer::free : Answer::not_drawn;
-        if (answer == Answer::blocked) {
-            blocked[point] = 1;
-            batch.counters.skipped += batch.open[i];
-            continue;
-        }
-        const glm::vec3& origin = batch.points[point].origin;
-        if (batch.open[i] && !(draw && asked.clear[i])) {
-            batch.static_rays.push(origin, 0, lamp.from(origin), lamp.end);
-            batch.static_point.push_back(point);
-            batch.then_movers.push_back(answer == Answer::unknown ||
-                                        (answer == Answer::not_drawn && may_meet_mover(batch, lamp, point)));
-            continue;
-        }
-        batch.counters.skipped += batch.open[i];
-        if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_mover(batch, lamp, point))) continue;
-        batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
-        batch.dynamic_point.push_back(point);
     }
     batch.counters.traced += batch.static_point.size();
     batch.counters.dynamic_only += batch.dynamic_point.size();
@@ -191,7 +220,7 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, st
     batch.dynamic_rays.clear();
     batch.dynamic_point.clear();
     batch.asked.clear_questions(batch.points.size());
-    batch.open.resize(batch.points.size());
+    batch.open.resize(batch.points.size() + 8);
     sort_open(batch, lamp, blocked);
     ask_movers(batch, lamp, blocked);
     if (rays) {

@@ -123,14 +123,16 @@ std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
     return std::min(k_max_level, static_cast<std::uint32_t>(std::ceil(0.5 * std::log2(parts))));
 }
 
-void CertifiedCulling::Batch::find_bounds()
+// Of the strip that begins at a point. What follows it is fetched meanwhile: a picture's points come from far.
+void CertifiedCulling::Batch::find_bounds(std::size_t first)
 {
-    bounds = Box3{};
-    strip_bounds.clear();
-    for (std::size_t first = 0; first < points.size(); first += k_strip) {
-        strip_bounds.push_back(bounds_of(points.subspan(first, std::min(k_strip, points.size() - first))));
-        bounds.add(strip_bounds.back());
-    }
+    constexpr std::size_t k_line = 64;
+    const std::size_t end = std::min(first + k_strip, points.size());
+    const auto* const following = reinterpret_cast<const char*>(points.data() + end);
+    const std::size_t bytes = (std::min(end + k_strip, points.size()) - end) * sizeof(ShadowPoint);
+    for (std::size_t byte = 0; byte < bytes; byte += k_line) __builtin_prefetch(following + byte);
+    strip_bounds.push_back(bounds_of(points.subspan(first, end - first)));
+    bounds.add(strip_bounds.back());
 }
 
 void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> points)
@@ -143,23 +145,29 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
     batch.stride = at.slot.size();
     batch.record.resize(count);
     batch.states.resize(batch.stride * groups);
+    batch.bounds = Box3{};
+    batch.strip_bounds.clear();
 
     // Nothing is remembered while every light moves.
     if (!any_light_on_) {
         std::fill(at.slot.begin(), at.slot.end(), k_no_slot);
         std::fill(batch.states.begin(), batch.states.end(), 0);
         std::fill(batch.record.begin(), batch.record.end(), k_no_record);
-        batch.find_bounds();
+        for (std::size_t i = 0; i < count; i += Batch::k_strip) batch.find_bounds(i);
         return;
     }
 
     // Find every point's record; neighbours mostly share one.
-    batch.find_bounds();
     scene::ObjectId last_object = scene::none;
     TriangleId first = no_triangle;
     RecordId* const records = batch.record.data();
     glm::vec2* const uv = at.uv.data();
+    std::size_t end = 0;   // of the strip
     for (std::size_t i = 0; i < count;) {
+        if (i == end) {
+            batch.find_bounds(i);
+            end = std::min(i + Batch::k_strip, count);
+        }
         const ShadowPoint& point = points[i];
         if (point.object != last_object) {
             last_object = point.object;
@@ -170,12 +178,12 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
         const std::size_t begin = i;
         if (record == k_no_record) {
             do ++i;
-            while (i < count && points[i].object == point.object);
+            while (i < end && points[i].object == point.object);
         } else {
             do {
                 uv[i] = {points[i].u, points[i].v};
                 ++i;
-            } while (i < count && points[i].object == point.object && points[i].triangle == point.triangle &&
+            } while (i < end && points[i].object == point.object && points[i].triangle == point.triangle &&
                      points[i].front == point.front);
         }
         std::fill(records + begin, records + i, record);

@@ -134,9 +134,9 @@ class CertifiedCulling::Batch {
 
  private:
     friend class CertifiedCulling;
-    static constexpr std::size_t k_strip = 128;   // points that follow each other and share a box
+    static constexpr std::size_t k_strip = 32;   // points that follow each other and share a box
 
-    void find_bounds();
+    void find_bounds(std::size_t first);
 
     std::span<const ShadowPoint> points;
     Box3 bounds;

@@ -98,6 +98,11 @@ void MoverMask::draw(LightMask& mask, Block& block)
                     block.prints.push_back(mask.binned[i]);
             }
     block.empty = block.prints.empty();
+    MaskTexels& texels_over = block.texels;
+    texels_over.texel.fill(0);
+    texels_over.begins.assign(1, k_infinity);
+    texels_over.ends.assign(1, k_infinity);
+    block.print_of.assign(1, scene::none);
     if (block.empty) return;
     for (const std::uint32_t p : block.prints)
         std::call_once(mask.outlined[p], [&] { find_outline(mask, mask.prints[p]); });
@@ -106,11 +111,6 @@ void MoverMask::draw(LightMask& mask, Block& block)
     });
     block.prints.erase(std::unique(block.prints.begin(), block.prints.end()), block.prints.end());
 
-    MaskTexels& texels_over = block.texels;
-    texels_over.texel.fill(0);
-    texels_over.begins.assign(1, k_infinity);
-    texels_over.ends.assign(1, k_infinity);
-    block.print_of.assign(1, scene::none);
     std::array<std::uint32_t, k_block_side> has_full{}, has_first{}, has_next{};
     for (const std::uint32_t p : block.prints) {
         const Print& print = mask.prints[p];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <algorithm>
+#include <cstring>
 
 #include "ray/origin.h"
 #include "shadow_culling/mover_mask_parts.h"
@@ -84,7 +85,6 @@ bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
 void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points, Asked& asked)
 {
     const std::size_t count = asked.count;
-    asked.clear.assign(count, 0);
     if (count == 0) return;
     LightMask& mask = prepared(light);
     Texels& texels = asked.texels;
@@ -96,6 +96,7 @@ void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points,
     find_texels(mask.space, view_, options_.texel_pixels, texels);
 
     asked.answer.resize(texels.depth.size());
+    asked.clear.resize(texels.depth.size());
 
     // Count who asks for which block; neighbours mostly ask for one.
     asked.runs.clear();
@@ -121,29 +122,25 @@ void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points,
         const std::size_t first = asked.runs[r].first;
         const std::size_t end = r + 1 < asked.runs.size() ? asked.runs[r + 1].first : count;
         Block* const block = asked.drawn[asked.runs[r].block];
-        if (block == nullptr || block->empty) {
-            std::fill(asked.answer.begin() + static_cast<std::ptrdiff_t>(first),
-                      asked.answer.begin() + static_cast<std::ptrdiff_t>(end),
-                      block == nullptr ? Answer::not_drawn : Answer::free);
-            if (block == nullptr) continue;
-        } else {
-            compare_depths(texels, first, end, block->texels, asked.answer.data());
+        const bool moving = std::memchr(&asked.moving[first], 1, end - first) != nullptr;
+        if (block == nullptr || (block->empty && !moving)) {
+            const Answer all = block == nullptr ? Answer::not_drawn : Answer::free;
+            std::memset(&asked.answer[first], static_cast<int>(all), end - first);
+            std::memset(&asked.clear[first], 0, end - first);
+            continue;
         }
-
-        // Points on movers: is anything static in the way, and is what begins over them only themselves?
-        float still = std::numeric_limits<float>::quiet_NaN();   // asked for when first needed
         const MaskTexels& over = block->texels;
+        const float still = moving ? static_begins(mask, *block) : -k_infinity;
+        compare_depths(texels, first, end, over, asked.moving.data(), still, asked.answer.data(), asked.clear.data());
+        if (!moving) continue;
+
+        // Is what begins over a point on a mover only itself?
         for (std::size_t i = first; i < end; ++i) {
-            if (!asked.moving[i]) continue;
-            if (std::isnan(still)) still = static_begins(mask, *block);
-            const float depth = texels.depth[i];
-            asked.clear[i] = depth < still;
-            if (asked.answer[i] != Answer::unknown) continue;
-            const std::uint32_t texel = texels.texel[i];
-            if (!(depth < over.begins[over.next(texel)])) continue;
+            if (asked.answer[i] != Answer::maybe_self) continue;
             const ShadowPoint& point = points[asked.point[i]];
-            const Print& print = mask.prints[block->print_of[over.first(texel)]];
-            if (units_[print.unit]->object == point.object && !rises(print, point)) asked.answer[i] = Answer::free;
+            const Print& print = mask.prints[block->print_of[over.first(texels.texel[i])]];
+            const bool self = units_[print.unit]->object == point.object && !rises(print, point);
+            asked.answer[i] = self ? Answer::free : Answer::unknown;
         }
     }
 }

@@ -11,8 +11,8 @@
 // over it is free of movers. A point on a mover is over itself: where its triangle sees all of its object below its
 // plane, it counts from the next one on.
 //
-// For points on movers the static scene is asked, too: of every block the least depth at which anything static begins is
-// kept while the light stands still. A nearer point is clear of it.
+// For points on movers the static scene is asked, too: of every block the least depth at which anything static begins
+// is kept while the light stands still. A nearer point is clear of it.
 //
 // Drawn in blocks of texels about a pixel wide, when a batch asks enough of one; kept while nothing moves. What a block
 // holds depends on scene, light and view alone, so counts do not depend on threads.
@@ -63,8 +63,8 @@ class MoverMask {
         std::size_t count = 0;
         std::vector<std::uint32_t> point;   // asked for
         std::vector<std::uint8_t> moving;   // 1: the point is on something that moves, and asks for the static part too
-        std::vector<Answer> answer;
-        std::vector<std::uint8_t> clear;   // of those: 1 where certainly nothing static is in the way
+        std::vector<Answer> answer;         // never maybe_self
+        std::vector<std::uint8_t> clear;    // of those: 1 where certainly nothing static is in the way; else 0
 
         /// No questions, and room for some.
         void clear_questions(std::size_t room)

@@ -49,8 +49,9 @@ inline constexpr BlockKey k_no_block = ~BlockKey{0};
 std::uint32_t level_of(const LightSpace& space, const CullingView& view, float texel_pixels, const glm::vec3& point,
                        float depth);
 
-/// What is known of a point and something that lies over texels.
-enum class MaskAnswer : std::uint8_t { not_drawn, unknown, free, blocked };
+/// What is known of a point and something that lies over texels. `maybe_self`: unknown for what begins first alone,
+/// which may be what the point is on.
+enum class MaskAnswer : std::uint8_t { not_drawn, unknown, free, blocked, maybe_self };
 
 /// Points and their texels, by point; arrays are padded.
 struct Texels {
@@ -83,9 +84,12 @@ struct MaskTexels {
 };
 
 /// answer[i] for points [first, end) of one block: blocked behind what covers the texel, free before anything begins,
-/// else unknown.
-/// @param answer  may be written up to a step beyond the end
+/// else unknown; of points that move, unknown or maybe_self. Arrays may be read and written up to a step beyond the
+/// end.
+/// @param moving  by point: 1 where it is on something that moves
+/// @param still   the depth at which anything static begins
+/// @param clear   by point: 1 where it moves and is nearer than that
 void compare_depths(const Texels& points, std::size_t first, std::size_t end, const MaskTexels& over,
-                    MaskAnswer* answer);
+                    const std::uint8_t* moving, float still, MaskAnswer* answer, std::uint8_t* clear);
 
 }   // namespace gnomon::shadow_culling

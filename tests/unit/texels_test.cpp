@@ -69,25 +69,35 @@ TEST(Texels, DepthsAreComparedWithWhatLiesOver)
     for (std::uint32_t& texel : over.texel) texel = static_cast<std::uint32_t>(random()) & 0xffffff;
     over.texel[5] = 0;
     Texels points;
-    points.resize(1000);
-    std::size_t counted[4] = {};
-    for (std::size_t i = 0; i < 1000; ++i) {
+    points.resize(5000);
+    std::size_t counted[5] = {}, cleared = 0;
+    std::vector<std::uint8_t> moving(points.depth.size()), clear(points.depth.size(), 7);
+    for (std::uint8_t& m : moving) m = random() & 1;
+    const float still = 0.4f;
+    for (std::size_t i = 0; i < 5000; ++i) {
         points.texel[i] = i % 17 == 0 ? 5 : static_cast<std::uint32_t>(random() % over.texel.size());
         points.depth[i] = 1.2f * unit(random);
     }
     std::vector<MaskAnswer> answer(points.depth.size(), MaskAnswer::not_drawn);
-    compare_depths(points, 3, 999, over, answer.data());
-    for (std::size_t i = 3; i < 999; ++i) {
+    compare_depths(points, 3, 4999, over, moving.data(), still, answer.data(), clear.data());
+    for (std::size_t i = 3; i < 4999; ++i) {
         const std::uint32_t texel = points.texel[i];
-        const MaskAnswer expected = points.depth[i] > over.ends[over.full(texel)]      ? MaskAnswer::blocked
-                                    : points.depth[i] < over.begins[over.first(texel)] ? MaskAnswer::free
-                                                                                       : MaskAnswer::unknown;
+        const float depth = points.depth[i];
+        const MaskAnswer expected = depth > over.ends[over.full(texel)]                  ? MaskAnswer::blocked
+                                    : depth < over.begins[over.first(texel)]             ? MaskAnswer::free
+                                    : moving[i] && depth < over.begins[over.next(texel)] ? MaskAnswer::maybe_self
+                                                                                         : MaskAnswer::unknown;
         EXPECT_EQ(answer[i], expected) << "point " << i;
         ++counted[static_cast<int>(answer[i])];
+        EXPECT_EQ(clear[i], moving[i] && depth < still) << "point " << i;
+        cleared += clear[i];
     }
     EXPECT_EQ(answer[2], MaskAnswer::not_drawn);
-    for (const MaskAnswer a : {MaskAnswer::blocked, MaskAnswer::free, MaskAnswer::unknown})
+    EXPECT_EQ(answer[4999], MaskAnswer::not_drawn);
+    for (const std::size_t beyond : {2u, 4999u}) EXPECT_EQ(clear[beyond], 7);
+    for (const MaskAnswer a : {MaskAnswer::blocked, MaskAnswer::free, MaskAnswer::unknown, MaskAnswer::maybe_self})
         EXPECT_GT(counted[static_cast<int>(a)], 50u);
+    EXPECT_GT(cleared, 50u);
 }
 
 }   // namespace
