@@ -71,7 +71,7 @@ void spell_out_lists(std::vector<std::string>& words)
         if (!option.repeats || (option.kind != Kind::choice && !numbers)) continue;
         const std::string flag = "--" + std::string(option.name);
         for (std::size_t i = 0; i + 2 < words.size(); ++i)
-            if (words[i] == flag &&
+            if (words[i] == flag && words[i + 1] != flag &&
                 (numbers ? parse_number(words[i + 2]).has_value() : among(words[i + 2], option.choices)))
                 words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 2, flag);
     }

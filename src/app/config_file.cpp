@@ -33,6 +33,8 @@ void read_config(const std::filesystem::path& file, const VerbInfo& verb, Option
         document = nlohmann::json::parse(text);
     } catch (const nlohmann::json::parse_error& problem) {
         throw InputError(file.string(), fmt::format("byte {}", problem.byte), "no JSON there");
+    } catch (const nlohmann::json::exception&) {   // it does not say where
+        throw InputError(file.string(), "", "a number beyond all numbers");
     }
     if (!document.is_object()) throw InputError(file.string(), "", "expected a JSON object of options");
 

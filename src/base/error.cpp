@@ -4,18 +4,9 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/one_line.h"
 
 namespace gnomon {
-
-namespace {
-// One line whatever a file's own text holds: control characters would break the promise of `what()`.
-std::string one_line(std::string text)
-{
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text;
-}
-}   // namespace
 
 InputError::InputError(std::string file, std::string place, std::string what)
     : Error(one_line(place.empty() ? fmt::format("{}: {}", file, what) : fmt::format("{}:{}: {}", file, place, what))),

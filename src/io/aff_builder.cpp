@@ -133,7 +133,7 @@ AffBuilder::Run& AffBuilder::run_of(scene::MaterialId id, bool normals, bool tex
         (run_->material != id || run_->normals != normals || run_->texcoords != texcoords || run_->times != times))
         flush();
     if (!run_) {
-        run_.emplace();
+        run_ = Run();
         run_->material = id, run_->normals = normals, run_->texcoords = texcoords, run_->times = times;
         if (!times.empty()) {
             run_->mesh.vertex_keys.emplace();

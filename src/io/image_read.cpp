@@ -25,8 +25,24 @@ void check_size(std::uint64_t width, std::uint64_t height, const std::string& na
 
 // --- PNG, by libpng's simplified reader: it never calls longjmp across our frames.
 
+// libpng takes the memory that a chunk claims before it looks for the bytes.
+void check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name)
+{
+    constexpr std::size_t k_magic = 8, k_around = 12;   // length, type, checksum
+    for (std::size_t at = k_magic; at + k_around <= bytes.size();) {
+        std::size_t length = 0;
+        for (std::size_t i = 0; i < 4; ++i) length = length << 8 | bytes[at + i];
+        if (length > bytes.size() - at - k_around)
+            throw InputError(name, fmt::format("byte {}", at),
+                             fmt::format("a PNG chunk of {} bytes, {} there", length, bytes.size() - at - k_around));
+        if (std::equal(&bytes[at + 4], &bytes[at + 8], "IEND")) return;
+        at += length + k_around;
+    }
+}
+
 Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
 {
+    check_png_chunks(bytes, name);
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size())) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "base/one_line.h"
 
 namespace gnomon::scene {
 
@@ -66,6 +67,8 @@ NodeId Scene::add_node(std::string node_name, NodeId parent, const glm::dmat4& l
 
 void Scene::finish()
 {
+    for (std::string& warning : warnings) warning = one_line(std::move(warning));
+
     // Check what importers promise.
     for (Mesh& mesh : meshes) {
         check_mesh(mesh);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What fuzzing begins with, by target (targets.h).
+
+#include "fuzz/targets.h"
+
+namespace gnomon::fuzz {
+
+std::vector<Bytes> png_seeds();
+std::vector<Bytes> jpeg_seeds();
+std::vector<Bytes> ppm_seeds();
+std::vector<Bytes> exr_seeds();
+std::vector<Bytes> hdr_seeds();
+std::vector<Bytes> aff_seeds();
+std::vector<Bytes> obj_seeds();
+std::vector<Bytes> mtl_seeds();
+std::vector<Bytes> gltf_seeds();
+std::vector<Bytes> glb_seeds();
+std::vector<Bytes> config_seeds();
+std::vector<Bytes> option_seeds();
+
+}   // namespace gnomon::fuzz

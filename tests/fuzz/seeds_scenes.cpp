@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// AFF, OBJ and MTL with every statement. They name t.ppm, t.png, part.aff and m.mtl, which targets.cpp lays beside
+// them.
+#include <string>
+
+#include "fuzz/seeds.h"
+
+namespace gnomon::fuzz {
+
+namespace {
+
+Bytes bytes_of(const std::string& text)
+{
+    return {text.begin(), text.end()};
+}
+
+const char* const k_aff_scene = R"(# all statements
+v from 0 0 5 at 0 0 0 up 0 1 0 angle 40 hither 0.1 resolution 64 48
+a 0 3 10
+b .1 .2 .3
+am .1 .1 .1
+l 1 2 3 1 1 1
+l 1 2 3
+la lamp 3 2 1 1 1 1
+d 1
+f .5 .5 .5 .8 .2 10 0 1
+p 3 0 0 0 1 0 0 0 1 0
+fm .1 .1 .1 .5 .5 .5 .2 .2 .2 10 .5 1.5
+s 0 0 0 1
+s 0 1 0 -.5
+c 0 0 0 1 0 0 1 .5
+pp 4 0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 1 0 1 0 0 0 1
+tt t.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1
+ttp t.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1 0 0 0 1 0 0 0 1 0
+tpa 2 0 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1 1 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1
+m vertices 4 0 0 0 1 0 0 0 1 0 1 1 0 normals 1 0 0 1 texturecoords 2 t.ppm 0 0 1 1
+  triangles 2 0 1 2 0 0 0 0 1 0 1 2 3 0 0 0 0 0 1
+i 0 part.aff
+i 9 part.aff
+xs 1 2 3 0 1 0 90 1 0 0 { m vertices 3 0 0 0 1 0 0 0 1 0 triangles 1 0 1 2 }
+)";
+
+const char* const k_aff_moving = R"(a 0 3 4
+f 1 1 1 1 0 1 0 1
+x thing { s 0 0 0 1 x inner { p 3 0 0 0 1 0 0 0 1 0 } }
+la lamp 3 2 1
+k thing {
+  transl 4 0 0 0 0 0 0 0  1 1 0 0 0 0 0  2 2 0 0 .5 .5 .5  3 3 0 0 0 0 0
+  scale 4 0 1 1 1 0 0 0  1 1 2 1 0 0 0  2 1 1 2 0 0 0  3 1 1 1 0 0 0
+  rot 4 0 0 0 1 0 0 0 0  1 0 1 0 90 0 0 0  2 1 0 0 180 -1 0 1  3 0 0 1 400 0 0 0
+  visibility 2 0 1 2 0
+}
+k inner { visibility 1 0 1 }
+k lamp { transl 4 0 0 0 0 0 0 0  1 1 0 0 0 0 0  2 2 0 0 0 0 0  3 3 0 0 0 0 0 }
+)";
+
+const char* const k_obj_scene =
+    "# all of it\r\nmtllib m.mtl\no first one\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 .5 .5 .5\nv 0 1e0 0\nv .5 .25 -1\n"
+    "vt 0 0\nvt 1 0 0\nvt 1 1\nvn 0 0 1\nvn 0 0 -1\ng group\ns 1\nusemtl red\nf 1/1/1 2/2/1 3/3/1\n"
+    "f -1//-1 -2//-1 -3//-1\ns off\nusemtl blue \r\nf 1 2 \\\n 3 4 5\nf 1/1 2/2 3/3 4/1\nl 1 2\np 1\nvp 0.1\n";
+// A polygon with a dent, smoothed, and one that crosses itself.
+const char* const k_obj_polygons =
+    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 .5 0\nv 0 2 0\nv 1 1 1\ns 2\nf 1 2 3 4 5\nf 1 3 2 5\nf 1 2 6\nf 6 6 6\nusemtl "
+    "none\n"
+    "curv 0 1 1 2\ncstype bezier\nlod 1\nshadow_obj x\nf 1 2 3\n";
+
+const char* const k_mtl_all = R"(newmtl red
+Ka 1 1 1
+Kd .5 0 0
+Ks 1 1 1
+Ns 10
+d 0.5
+Tr 0.5
+Ni 1.5
+illum 7
+Tf 1 1 1
+map_Kd -s 1 2 3 -o 0 1 -clamp on t.png
+map_d -imfchan r t.png
+
+newmtl blue
+Ke 1 1 1
+Pr .5
+Pm .5
+bump -bm 2 t.png
+norm t.png
+map_Pr -mm 0 1 t.png
+map_Pm t.png
+map_Ke t.png
+unknown 1
+)";
+const char* const k_mtl_odd = R"(newmtl red
+d -halo 0.5
+Kd spectral x.rfl 1
+Ks xyz 1 1 1
+Tf .5
+illum 4
+map_Kd -blendu off -t 0 0 0 -texres 4 t.png
+disp t.png
+decal t.png
+refl -type sphere t.png
+newmtl red
+map_Bump t.png
+map_Kd no.png
+Pc 1
+)";
+
+}   // namespace
+
+std::vector<Bytes> aff_seeds()
+{
+    return {bytes_of(k_aff_scene), bytes_of(k_aff_moving)};
+}
+
+std::vector<Bytes> obj_seeds()
+{
+    return {bytes_of(k_obj_scene), bytes_of(k_obj_polygons)};
+}
+
+std::vector<Bytes> mtl_seeds()
+{
+    return {bytes_of(k_mtl_all), bytes_of(k_mtl_odd)};
+}
+
+}   // namespace gnomon::fuzz

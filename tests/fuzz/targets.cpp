@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fuzz/targets.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "app/command_line.h"
+#include "fuzz/repair.h"
+#include "fuzz/seeds.h"
+#include "gnomon/error.h"
+#include "io/aff.h"
+#include "io/exr.h"
+#include "io/float_image.h"
+#include "io/hdr.h"
+#include "io/image_file.h"
+#include "io/load.h"
+#include "scene/state.h"
+
+namespace gnomon::fuzz {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Pictures and scenes larger than this are refused here, so that time goes into many small inputs.
+constexpr io::ImageLimits k_picture{.max_side = 2048, .max_pixels = 1u << 20};
+constexpr io::FloatImageLimits k_float_picture{
+    .max_side = 2048, .max_pixels = 1u << 20, .max_values = 1u << 22, .max_channels = 64};
+
+// --- A folder as scenes want it, with the files that inputs name.
+
+class Folder {
+ public:
+    Folder()
+    {
+        std::string pattern = (fs::temp_directory_path() / "gnomon-fuzz-XXXXXX").string();
+        if (!mkdtemp(pattern.data())) throw std::runtime_error("mkdtemp failed");
+        root_ = pattern;
+        fs::create_directory(root_ / "scene");
+        fs::create_directory(root_ / "TextureFiles");
+        const std::string picture("P6\n2 1\n255\n\xff\x00\x00\x00\x00\xff", 17);
+        write(root_ / "TextureFiles" / "t.ppm", picture);
+        for (const Bytes& png : png_seeds()) write(scene() / "t.png", png);
+        write(scene() / "part.aff", std::string("s 0 0 0 1\n"));
+        constexpr float k_floats[] = {.75f, .75f, .75f, .75f, .75f, .75f, .75f, .75f,
+                                      .75f, .75f, .75f, .75f, .75f, .75f, .75f, .75f};
+        write(scene() / "data.bin", std::string(reinterpret_cast<const char*>(k_floats), sizeof k_floats));
+    }
+    ~Folder()
+    {
+        std::error_code ignored;
+        fs::remove_all(root_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    fs::path scene() const { return root_ / "scene"; }
+    template <class Text>
+    fs::path put(const std::string& name, const Text& bytes) const
+    {
+        write(scene() / name, bytes);
+        return scene() / name;
+    }
+
+ private:
+    template <class Text>
+    static void write(const fs::path& file, const Text& bytes)
+    {
+        std::ofstream out(file, std::ios::binary);
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        if (!out) throw std::runtime_error("cannot write " + file.string());
+    }
+    fs::path root_;
+};
+
+const Folder& folder()
+{
+    static const Folder folder;
+    return folder;
+}
+
+// --- What is held against every outcome.
+
+void check_message(const std::string& message)
+{
+    for (const char c : message)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            throw std::logic_error("control character in message: " + message);
+}
+
+template <class Read>
+std::string reads(const Read& read)
+{
+    try {
+        read();
+        return {};
+    } catch (const InputError& error) {
+        check_message(error.what());
+        return error.what();
+    }
+}
+
+bool finite(const glm::dmat4& m)
+{
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(m[column][row])) return false;
+    return true;
+}
+
+// A scene that was accepted can be evaluated at any time, and stays finite.
+void check_scene(scene::Scene loaded)
+{
+    for (const std::string& warning : loaded.warnings) check_message(warning);
+    const auto scene = std::make_shared<const scene::Scene>(std::move(loaded));
+    const double start = scene->timeline.start, end = scene->timeline.end;
+    scene::SceneState state(scene, start);
+    for (const double time : {start + 0.3 * (end - start), end, start}) {
+        state.advance(time);
+        for (scene::NodeId node = 0; node < scene->nodes.size(); ++node)
+            if (!finite(state.world(node))) throw std::logic_error("a node's place is not finite");
+    }
+}
+
+template <class Pixels>
+void check_picture(const Pixels& picture)
+{
+    const auto values = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) *
+                        static_cast<std::size_t>(picture.channels);
+    if (values == 0 || picture.data.size() != values) throw std::logic_error("a picture of the wrong size");
+}
+
+// --- The targets
+
+using Input = std::span<const std::uint8_t>;
+
+std::string run_picture(Input bytes)
+{
+    return reads([&] { check_picture(io::decode_image(bytes, "input", k_picture)); });
+}
+
+std::string run_exr(Input bytes)
+{
+    return reads([&] {
+        if (io::picture_format(bytes) != io::PictureFormat::exr) throw InputError("input", "", "no OpenEXR picture");
+        const io::ExrPicture picture = io::decode_exr(bytes, "input", {}, k_float_picture);
+        for (const Layer& layer : picture.layers)
+            if (layer.data.size() != static_cast<std::size_t>(picture.size.width) *
+                                         static_cast<std::size_t>(picture.size.height) * layer.channels.size())
+                throw std::logic_error("a layer of the wrong size");
+        reads([&] { io::decode_float_image(bytes, "input", k_float_picture); });
+    });
+}
+
+std::string run_hdr(Input bytes)
+{
+    return reads([&] { check_picture(io::decode_hdr(bytes, "input", k_float_picture)); });
+}
+
+std::string run_aff(Input bytes)
+{
+    io::AffOptions options;
+    options.scene.max_triangles = 1u << 18, options.scene.max_shape_triangles = 1u << 16;
+    options.max_parsed_bytes = 1u << 20;
+    const fs::path file = folder().put("main.aff", bytes);
+    return reads([&] { check_scene(io::load_aff(file, {}, options)); });
+}
+
+std::string run_obj(Input bytes)
+{
+    const fs::path file = folder().put("main.obj", bytes);
+    static const fs::path materials = folder().put("m.mtl", mtl_seeds()[0]);
+    return reads([&] { check_scene(io::load_obj(file)); });
+}
+
+std::string run_mtl(Input bytes)
+{
+    folder().put("fuzzed.mtl", bytes);
+    static const fs::path file =
+        folder().put("with.obj", std::string("mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                             "usemtl red\nf 1/1 2/2 3/3\nusemtl blue\nf 1/1 3/3 2/2\n"));
+    return reads([&] { check_scene(io::load_obj(file)); });
+}
+
+std::string run_gltf(Input bytes)
+{
+    const fs::path file = folder().put("main.gltf", bytes);
+    return reads([&] { check_scene(io::load_gltf(file)); });
+}
+
+std::string run_glb(Input bytes)
+{
+    const fs::path file = folder().put("main.glb", bytes);
+    return reads([&] { check_scene(io::load_gltf(file)); });
+}
+
+// The first byte chooses a verb.
+std::string run_config(Input bytes)
+{
+    if (bytes.empty()) return "no verb";
+    const fs::path file = folder().put("config.json", bytes.subspan(1));
+    const app::VerbInfo& verb = app::verbs()[bytes[0] % app::verbs().size()];
+    return reads([&] {
+        app::OptionValues values(verb.verb);
+        app::read_config(file, verb, values);
+    });
+}
+
+// Words are lines. Other files than those here are not for it to open.
+std::string run_options(Input bytes)
+{
+    std::vector<std::string> words(1);
+    for (const std::uint8_t c : bytes)
+        c == '\n' ? (void)words.emplace_back() : words.back().push_back(static_cast<char>(c));
+    for (const std::string& word : words)
+        if (word.find("config") != std::string::npos) return "not asked here";
+    try {
+        const app::CommandLine line = app::parse_command_line(words);
+        if (line.help) app::help_text(line.verb);
+        return {};
+    } catch (const UsageError& error) {   // repeats words as they were given; the program makes it one line
+        return error.what();
+    }
+}
+
+constexpr Target k_targets[] = {
+    {"gltf", run_gltf, gltf_seeds, nullptr},       {"glb", run_glb, glb_seeds, repair_glb},
+    {"obj", run_obj, obj_seeds, nullptr},          {"mtl", run_mtl, mtl_seeds, nullptr},
+    {"aff", run_aff, aff_seeds, nullptr},          {"png", run_picture, png_seeds, repair_png},
+    {"jpeg", run_picture, jpeg_seeds, nullptr},    {"ppm", run_picture, ppm_seeds, nullptr},
+    {"exr", run_exr, exr_seeds, nullptr},          {"hdr", run_hdr, hdr_seeds, nullptr},
+    {"config", run_config, config_seeds, nullptr}, {"options", run_options, option_seeds, nullptr},
+};
+
+}   // namespace
+
+std::span<const Target> targets()
+{
+    return k_targets;
+}
+
+const Target* find_target(std::string_view name)
+{
+    for (const Target& target : k_targets)
+        if (target.name == name) return &target;
+    return nullptr;
+}
+
+}   // namespace gnomon::fuzz

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// What fuzzing begins with is accepted, and what it once found is refused or read as it ought to be.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/random.h"
+#include "fuzz/targets.h"
+
+namespace gnomon::fuzz {
+namespace {
+
+class FuzzTarget : public testing::TestWithParam<Target> {};
+
+TEST_P(FuzzTarget, SeedsAreAccepted)
+{
+    int number = 0;
+    for (const Bytes& seed : GetParam().seeds()) {
+        EXPECT_EQ(GetParam().run(seed), "") << "seed " << number;
+        ++number;
+    }
+}
+
+TEST_P(FuzzTarget, ChangedSeedsAreReadOrRefused)
+{
+    Random random(5);
+    int refused = 0;
+    for (const Bytes& seed : GetParam().seeds())
+        for (int round = 0; round < 40; ++round) {
+            Bytes bytes = seed;
+            for (std::uint32_t i = 0; i <= random.below(3); ++i)
+                bytes[random.below(static_cast<std::uint32_t>(bytes.size()))] =
+                    static_cast<std::uint8_t>(random.below(256));
+            if (GetParam().repair) GetParam().repair(bytes);
+            refused += !GetParam().run(bytes).empty();
+        }
+    EXPECT_GT(refused, 0);
+}
+
+// --- What runs found
+
+std::string outcome(const char* target, const std::string& bytes)
+{
+    return find_target(target)->run(Bytes(bytes.begin(), bytes.end()));
+}
+
+TEST(FuzzFound, WarningsHaveNoControlCharacters)
+{
+    EXPECT_EQ(outcome("aff", "f 1 1 1 1 0 1 0 1\nx i\x1b[31m { p 3 0 0 0 1 0 0 0 1 0 }"), "");
+}
+
+TEST(FuzzFound, ChunksOfPngClaimNoMemory)
+{
+    // 1.4 GB of Exif, and nothing of it there: libpng would have taken the memory first.
+    const std::string header("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x09\0\0\0\x05\x08\x02\0\0\0\x18\x31\x51\x3c", 33);
+    const std::string chunk("\x55\0\0\x19\x65XIf\xca\x79\x97\x04", 12);
+    EXPECT_EQ(outcome("png", header + chunk), "input:byte 33: a PNG chunk of 1426063385 bytes, 0 there");
+}
+
+TEST(FuzzFound, NumbersBeyondAllNumbersInConfigFiles)
+{
+    EXPECT_NE(outcome("config", std::string("\0{\"out\":2e308}", 14)), "");   // JSON has them, doubles have not
+}
+
+TEST(FuzzFound, AnOptionThatRepeatsWithoutAValue)
+{
+    EXPECT_NE(outcome("options", "bench\nshadow-textures\n--objects\n--objects\n3"), "");   // went on for ever
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, FuzzTarget, testing::ValuesIn(targets().begin(), targets().end()),
+                         [](const auto& chosen) { return std::string(chosen.param.name); });
+
+}   // namespace
+}   // namespace gnomon::fuzz
