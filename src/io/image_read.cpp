@@ -28,15 +28,16 @@ void check_size(std::uint64_t width, std::uint64_t height, const std::string& na
 // libpng takes the memory that a chunk claims before it looks for the bytes.
 void check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name)
 {
-    constexpr std::size_t k_magic = 8, k_around = 12;   // length, type, checksum
-    for (std::size_t at = k_magic; at + k_around <= bytes.size();) {
+    constexpr std::size_t k_magic = 8, k_head = 8, k_checksum = 4;   // head: length, type
+    for (std::size_t at = k_magic; at + k_head <= bytes.size();) {
         std::size_t length = 0;
         for (std::size_t i = 0; i < 4; ++i) length = length << 8 | bytes[at + i];
-        if (length > bytes.size() - at - k_around)
+        const std::size_t there = bytes.size() - at - k_head;
+        if (length + k_checksum > there)
             throw InputError(name, fmt::format("byte {}", at),
-                             fmt::format("a PNG chunk of {} bytes, {} there", length, bytes.size() - at - k_around));
-        if (std::equal(&bytes[at + 4], &bytes[at + 8], "IEND")) return;
-        at += length + k_around;
+                             fmt::format("a PNG chunk of {} bytes and its checksum, {} bytes there", length, there));
+        if (std::equal(&bytes[at + 4], &bytes[at + k_head], "IEND")) return;
+        at += k_head + length + k_checksum;
     }
 }
 
