@@ -23,8 +23,8 @@ struct FilmJob {
     int chunk = 1, chunks = 1;   // render only the chunk-th of so many contiguous parts; a film's parts are frames only
     bool resume = false;         // keep frames that are already complete
     /// Renders so many frames first, unseen, so that there is something to remember: those before the first one that is
-    /// rendered, and the clip's first again where there are not as many. None: 8 for a single picture with an overlay,
-    /// else 0.
+    /// rendered, and the clip's first again where there are not as many. None: 8 for a single picture with an overlay
+    /// of shadow states, else 0.
     std::optional<int> warm_up;
     std::filesystem::path contact_sheet;   // .png: also a labelled grid of frames, evenly spaced over the range
 };

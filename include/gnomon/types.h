@@ -31,15 +31,17 @@ struct FrameRange {
 /// 2009: its pictures depend on the frames before, and can be wrong.
 enum class ShadowCulling { off, paper, certified };
 
-/// Light that arrives by one bounce. `visible` knows what stands between; it is free of noise and of history.
-enum class Indirect { off, visible };
+/// Light that arrives by one bounce. `visible` knows what stands between; it is free of noise and of history. The
+/// others let light pass through everything: `quadtree` gathers clusters of lit surface parts, as Ki and Oh published
+/// it in 2007; `rsm` samples these parts, after Dachsbacher and Stamminger 2005.
+enum class Indirect { off, rsm, quadtree, visible };
 
 /// What finds a ray's hit: Embree, or a kd-tree that counts its work, far slower and the same up to edges.
 enum class Accelerator { embree, kdtree };
 
 /// A picture of the method's inside instead of the scene's light. `shadow_states`: per light, what was remembered
-/// where.
-enum class Overlay { none, shadow_states };
+/// where. `clusters`: what Indirect::quadtree takes for one light.
+enum class Overlay { none, shadow_states, clusters };
 
 enum class ToneMap { none, neutral, agx, aces };
 

@@ -101,7 +101,7 @@ constexpr Option k_options[] = {
     {.name = "warm-up", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = bit(render),
      .group = k_frames,
      .help = "render the N frames before the first unseen, so that there is something to remember (default: 0; 8 for one "
-             "picture with --overlay)"},
+             "picture with --overlay shadow-states)"},
 
     {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .verbs = k_scened, .group = k_scene,
      .help = "by name, by number from 0, or the first"},
@@ -131,9 +131,10 @@ constexpr Option k_options[] = {
     {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = "none|neutral|agx|aces",
      .verbs = k_pictures, .group = k_look, .help = "how light becomes screen colour"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters",
-     .built_choices = "shadow-states", .verbs = k_pictures, .group = k_look,
+     .built_choices = "shadow-states|clusters", .verbs = k_pictures, .group = k_look,
      .help = "colours what was remembered, redrawn, chosen. shadow-states: a panel of --size for each light, with a "
-             "legend; what differs from a trace of every ray is counted and glares"},
+             "legend; what differs from a trace of every ray is counted and glares. clusters: a colour for each one, "
+             "with --indirect quadtree"},
     {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_pictures,
      .group = k_look, .help = "show shadow states of this light alone, from 0 (default: of all)"},
 
@@ -149,17 +150,22 @@ constexpr Option k_options[] = {
      .verbs = k_pictures, .group = k_shadows, .help = "edge of rasterised shadows in texels; 0: hard"},
 
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = "off|rsm|quadtree|visible",
-     .built_choices = "off|visible", .verbs = k_pictures, .group = k_indirect, .help = "one-bounce light"},
-    {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = k_many,
-     .built = false, .verbs = k_pictures, .group = k_indirect, .help = "of the reflective shadow map"},
-    {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6, .built = false,
-     .verbs = k_pictures, .group = k_indirect, .help = "coarsest level of the light's tree"},
-    {.name = "depth-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.05", .low = 0, .high = 1, .built = false,
-     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "as a fraction of the light view's depth range"},
+     .verbs = k_pictures, .group = k_indirect,
+     .help = "one-bounce light. visible: with shadows, without noise; quadtree: clusters of lit surface parts, as published "
+             "in 2007; rsm: samples of them; both without shadows"},
+    {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = 65536,
+     .verbs = k_pictures, .group = k_indirect, .help = "rsm: of the reflective shadow map"},
+    {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6,
+     .verbs = k_pictures, .group = k_indirect,
+     .help = "quadtree: where the light's tree is cut at the latest. 6: 16 nodes a side; 5: 32; 4: 64"},
+    {.name = "depth-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.05", .low = 0, .high = 1,
+     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect,
+     .help = "quadtree: how far depths in a cluster differ, as a fraction of the light view's depth range"},
     {.name = "normal-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.9", .low = -1, .high = 1,
-     .built = false, .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "cosine between normals"},
-    {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full", .built = false,
-     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "points that gather, per side"},
+     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect, .help = "quadtree: least cosine between normals in a cluster"},
+    {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full",
+     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect,
+     .help = "rsm, quadtree: points that gather, along the longer side; full: every pixel"},
 
     {.name = "reference", .verbs = bit(render), .group = k_reference,
      .help = "indirect light by path tracing: slow, true on average, with an estimate of its noise"},

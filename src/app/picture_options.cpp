@@ -26,6 +26,13 @@ ShadowTextures shadow_textures_of(const std::string& name)
     return name == "depth" ? ShadowTextures::depth : ShadowTextures::coherent;
 }
 
+Indirect indirect_of(const std::string& name)
+{
+    if (name == "off") return Indirect::off;
+    if (name == "rsm") return Indirect::rsm;
+    return name == "quadtree" ? Indirect::quadtree : Indirect::visible;
+}
+
 }   // namespace
 
 RenderOptions read_picture_options(const OptionValues& values)
@@ -39,11 +46,18 @@ RenderOptions read_picture_options(const OptionValues& values)
     if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
     options.max_depth = values.integer("max-depth");
     options.shadow_culling = culling_of(values.text("shadow-culling"));
-    options.indirect = values.text("indirect") == "off" ? Indirect::off : Indirect::visible;
+    options.indirect = indirect_of(values.text("indirect"));
+    options.rsm_samples = values.integer("rsm-samples");
+    options.indirect_level = values.integer("indirect-level");
+    options.depth_threshold = values.number("depth-threshold");
+    options.normal_threshold = values.number("normal-threshold");
+    options.indirect_at_every_pixel = values.text("receivers") == "full";
     if (values.text("accelerator") == "kdtree") options.accelerator = Accelerator::kdtree;
-    if (values.given("overlay")) options.overlay = Overlay::shadow_states;
+    const bool states = values.given("overlay") && values.text("overlay") == "shadow-states";
+    if (states) options.overlay = Overlay::shadow_states;
+    if (values.given("overlay") && !states) options.overlay = Overlay::clusters;
     if (values.given("overlay-light")) {
-        if (!values.given("overlay")) throw UsageError("--overlay-light needs --overlay shadow-states");
+        if (!states) throw UsageError("--overlay-light needs --overlay shadow-states");
         options.overlay_light = values.integer("overlay-light");
     }
     options.samples = values.integer("samples");

@@ -180,7 +180,7 @@ int run_render(const CommandLine& line, Output& output)
     for (const std::string& warning : scene.info().warnings) output.warn(warning);
     warn_of_guesses(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
-    if (values.given("overlay")) output.say(wrong_text(result));
+    if (renderer.options().overlay == Overlay::shadow_states) output.say(wrong_text(result));
     output.say(summary_of(result, span.count()));
     output.finish(document_of(line, result, renderer.device()));
     return 0;

@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "light_quadtree/diffuse.h"
+#include "light_quadtree/texel_ray.h"
 #include "ray/origin.h"
 
 namespace gnomon::light_quadtree {
@@ -42,28 +43,6 @@ std::uint32_t gathered(std::uint32_t x)
     x = (x | (x >> 2)) & 0x0f0f0f0f;
     x = (x | (x >> 4)) & 0x00ff00ff;
     return (x | (x >> 8)) & 0x0000ffff;
-}
-
-constexpr light_views::ProjectionOptions k_projection{.border = 0};   // views side by side, no overlap
-
-// The ray of a texel, and what it stands for: its solid angle (perspective), or its area.
-struct TexelRay {
-    glm::vec3 origin, direction;   // unit
-    double measure;
-};
-
-TexelRay texel_ray(const light_views::ViewProjection& view, int x, int y)
-{
-    const double texel = 2.0 / view.size;
-    const auto cx = static_cast<float>((x + 0.5) * texel - 1), cy = static_cast<float>((y + 0.5) * texel - 1);
-    const double cell =
-        texel * texel * static_cast<double>(glm::length(view.across)) * static_cast<double>(glm::length(view.down));
-    const glm::vec3 off = cx * view.across + cy * view.down;
-    if (!view.perspective) return {view.origin + off, glm::normalize(view.forward), cell};
-    const glm::vec3 direction = view.forward + off;
-    const auto length = static_cast<double>(glm::length(direction));
-    const double forward = glm::length(view.forward);
-    return {view.origin, glm::normalize(direction), cell * forward / (length * length * length)};
 }
 
 }   // namespace

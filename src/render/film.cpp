@@ -121,7 +121,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
 
     // Render what is not there yet.
     try {
-        const bool one_overlay = renderer.options().overlay != Overlay::none && whole.count() == 1;
+        const bool one_overlay = renderer.options().overlay == Overlay::shadow_states && whole.count() == 1;
         const int warm_up_frames = job.warm_up.value_or(one_overlay ? k_overlay_warm_up : 0);
         bool warm = false;
         for (int frame = range.first; frame <= range.last; ++frame) {

@@ -7,8 +7,11 @@
 #include <chrono>
 
 #include "base/check.h"
+#include "light_quadtree/map_light.h"
 #include "light_quadtree/visible_light.h"
 #include "ray/kdtree.h"
+#include "render/cluster_overlay.h"
+#include "render/indirect_grid.h"
 #include "render/rasterizer.h"
 #include "render/reference.h"
 #include "render/state_overlay.h"
@@ -57,15 +60,37 @@ void check_options(const RenderOptions& o)
         if (o.reference->bounces < 0 || o.reference->bounces > k_most_bounces)
             throw UsageError(fmt::format("bounces are out of range: 0 to {}", k_most_bounces));
     }
+    if (o.rsm_samples < 1 || o.rsm_samples > 65536) throw UsageError("RSM samples are out of range: 1 to 65536");
+    if (o.indirect_level < 4 || o.indirect_level > 6) throw UsageError("indirect level is out of range: 4 to 6");
+    if (!(o.depth_threshold >= 0 && o.depth_threshold <= 1))
+        throw UsageError("depth threshold is out of range: 0 to 1");
+    if (!(o.normal_threshold >= -1 && o.normal_threshold <= 1))
+        throw UsageError("normal threshold is out of range: -1 to 1");
     if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
     if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
     if (o.shadow_filter < 0 || o.shadow_filter > 64) throw UsageError("the shadow filter is out of range: 0 to 64");
     if (o.renderer == RenderMethod::raster && o.overlay != Overlay::none)
-        throw UsageError("an overlay of shadow states shows traced shadows: not with the rasteriser");
+        throw UsageError("an overlay shows the inside of the traced frame: not with the rasteriser");
+    if (o.renderer == RenderMethod::raster && (o.indirect == Indirect::rsm || o.indirect == Indirect::quadtree))
+        throw UsageError("indirect light from light maps is built for the traced frame: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && o.reference)
         throw UsageError("the reference is traced: not with the rasteriser");
     if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
         throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
+    if (o.overlay == Overlay::clusters && o.indirect != Indirect::quadtree)
+        throw UsageError(
+            "an overlay of clusters shows what the light quad-tree chose: it needs indirect light by quadtree");
+}
+
+// A picture of the method's inside, already in screen colours.
+void give_overlay(const Image8& image, Picture& picture)
+{
+    picture.size = {image.width, image.height};
+    picture.tonemap = ToneMap::none;
+    Layer layer{"", {"R", "G", "B"}, std::vector<float>(image.data.size())};
+    const float* linear = linear_from_srgb8();
+    for (std::size_t i = 0; i < image.data.size(); ++i) layer.data[i] = linear[image.data[i]];
+    picture.layers.push_back(std::move(layer));
 }
 
 // The lights that an overlay shows.
@@ -110,6 +135,7 @@ Size traced_size(const Scene& scene, const RenderOptions& options)
 {
     return options.size.width > 0 ? options.size : default_size(scene, options.camera);
 }
+
 }   // namespace
 
 // What stands still is kept here from frame to frame, as long as the scene is the same.
@@ -124,6 +150,7 @@ struct Renderer::Inside {
     std::unique_ptr<shadow_culling::CertifiedCulling> culling;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
     std::unique_ptr<light_quadtree::VisibleLight> visible;
+    std::unique_ptr<light_quadtree::MapLight> map;
     std::unique_ptr<render::Rasterizer> raster;
     render::FrameBuffers buffers;
     render::StateMap states;
@@ -134,6 +161,7 @@ struct Renderer::Inside {
             culling.reset();
             paper.reset();
             visible.reset();
+            map.reset();
             rays.reset();
             raster.reset();
             scene.reset();   // until all is made
@@ -153,6 +181,9 @@ struct Renderer::Inside {
             if (options.indirect == Indirect::visible && !options.reference)
                 visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
                                                                          light_quadtree::VisibleOptions{}, tasks);
+            if ((options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree) && !options.reference)
+                map = std::make_unique<light_quadtree::MapLight>(*state, *rays, render::map_light_options(options),
+                                                                 tasks);
             return;
         }
         state->advance(time);
@@ -217,6 +248,18 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         view = render::turned(view, bounds.centre(), 2 * k_pi * turn);
     }
 
+    if (options.overlay == Overlay::clusters) {
+        in.map->begin_frame(*in.state, *in.rays, in.tasks);
+        Picture picture;
+        give_overlay(render::paint_clusters(*scene.inside(), *in.rays, view, *in.map, in.tasks), picture);
+        picture.counters.indirect.clusters = in.map->counters().lights;
+        picture.counters.indirect.rays = in.map->map().work().cast;
+        picture.time = time;
+        picture.frame = frame;
+        picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        return picture;
+    }
+
     render::TracedOptions traced;
     traced.max_depth = options.max_depth;
     traced.samples = options.samples;
@@ -233,6 +276,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         reference.emplace(*in.state, *in.rays, render::ReferenceOptions{spp, bounces, seed, surroundings});
         traced.reference = &*reference;
     }
+    remembered.map = states || options.reference ? nullptr : in.map.get();
     if (states) {
         in.states.lights = overlay_lights(*scene.inside(), options);
         remembered.states = &in.states;
@@ -264,12 +308,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         const bool paper = options.shadow_culling == ShadowCulling::paper;
         const Image8 image =
             render::paint_states(in.states, overlay_titles(*scene.inside(), in.states.lights, frame), paper);
-        picture.size = {image.width, image.height};
-        picture.tonemap = ToneMap::none;
-        Layer layer{"", {"R", "G", "B"}, std::vector<float>(image.data.size())};
-        const float* linear = linear_from_srgb8();
-        for (std::size_t i = 0; i < image.data.size(); ++i) layer.data[i] = linear[image.data[i]];
-        picture.layers.push_back(std::move(layer));
+        give_overlay(image, picture);
         picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
         return picture;
     }
@@ -284,7 +323,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         give("normal", {"X", "Y", "Z"}, in.buffers.normal);
         give("albedo", {"R", "G", "B"}, in.buffers.albedo);
         give("direct", {"R", "G", "B"}, in.buffers.direct);
-        if (in.visible || reference) give("indirect", {"R", "G", "B"}, in.buffers.indirect);
+        if (in.visible || in.map || reference) give("indirect", {"R", "G", "B"}, in.buffers.indirect);
         if (reference) {
             give("variance", {"R", "G", "B"}, in.buffers.variance);
             give("irradiance", {"R", "G", "B"}, in.buffers.irradiance);
@@ -310,7 +349,7 @@ Size default_size(const Scene& scene, const std::string& camera)
 Size picture_size(const Scene& scene, const RenderOptions& options)
 {
     const Size size = traced_size(scene, options);
-    if (options.overlay == Overlay::none) return size;
+    if (options.overlay != Overlay::shadow_states) return size;
     const std::size_t panels = overlay_lights(*scene.inside(), options).size();
     if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > k_max_pixels)
         throw UsageError(

@@ -39,6 +39,7 @@ TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays
       options_(options),
       culling_(remembered.certified),
       visible_(remembered.visible),
+      map_(remembered.map),
       paper_(remembered.paper),
       primary_hits_(primary_hits),
       states_(remembered.states),
@@ -50,6 +51,7 @@ TileTracer::TileTracer(const scene::SceneState& state, const ray::RayScene& rays
     if (culling_) batch_ = culling_->make_batch();
     if (visible_) indirect_batch_ = visible_->make_batch();
     if (options_.reference) paths_ = std::make_unique<ReferencePaths>(*options_.reference);
+    if (map_) map_batch_ = std::make_unique<light_quadtree::MapLight::Batch>();
     if (states_) counters_.shadow.rays_wrong = 0;
 }
 
@@ -81,7 +83,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
         if (paper_ && sample == 0) note_primary_hits(tile);
         shade_hits(primary_, true, sample);
         light_points(true, tile, states_ && sample == 0);
-        bounce_light(true);
+        bounce_light(true, tile);
         add_reference(tile, true);
 
         for (int depth = 0; depth < options_.max_depth; ++depth) {
@@ -97,7 +99,7 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
                 shade_hits(*queue, false, sample);
             }
             light_points(false, tile, false);
-            bounce_light(false);
+            bounce_light(false, tile);
             add_reference(tile, false);
         }
     }
@@ -170,7 +172,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = s.emissive * s.coverage;
-        if (!options_.reference) own += ambient_light(s, scene_, !visible_);
+        if (!options_.reference) own += ambient_light(s, scene_, !visible_ && !map_);
         if (point.next.unresolved_share != glm::vec3(0))
             own += point.next.unresolved_share * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.share * own;
@@ -299,21 +301,32 @@ void TileTracer::find_lit_by_paper(std::size_t l)
 }
 
 // Adds light that comes by one bounce, wherever a surface scatters light.
-void TileTracer::bounce_light(bool primary)
+void TileTracer::bounce_light(bool primary, const TileRect& tile)
 {
-    if (!visible_) return;
+    if (!visible_ && !map_) return;
     indirect_points_.clear();
+    map_receivers_.clear();
     indirect_point_.clear();
     for (std::uint32_t p = 0; p < points_.size(); ++p) {
         const SurfacePoint& s = points_[p].surface;
         if (s.model == scene::ShadingModel::unlit || s.diffuse == glm::vec3(0)) continue;
         const shadow_culling::ShadowPoint& here = shadow_points_[p];
-        indirect_points_.push_back(
-            {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, s.cone.width});
+        const int pixel = static_cast<int>(points_[p].pixel);
+        if (visible_)
+            indirect_points_.push_back(
+                {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, s.cone.width});
+        else if (primary)
+            map_receivers_.push_back(
+                {s.position, s.normal, s.cone.width, {tile.x + pixel % options_.tile, tile.y + pixel / options_.tile}});
+        else
+            map_receivers_.push_back({s.position, s.normal, s.cone.width});
         indirect_point_.push_back(p);
     }
-    irradiance_.resize(indirect_points_.size());
-    visible_->shade(*indirect_batch_, indirect_points_, irradiance_.data());
+    irradiance_.resize(indirect_point_.size());
+    if (visible_)
+        visible_->shade(*indirect_batch_, indirect_points_, irradiance_.data());
+    else
+        map_->shade(*map_batch_, map_receivers_, irradiance_.data());
     for (std::size_t k = 0; k < indirect_point_.size(); ++k) {
         const Point& point = points_[indirect_point_[k]];
         const glm::vec3 radiance =

@@ -2,6 +2,7 @@
 #pragma once
 // The work of one tile of the traced frame, with the memory it needs. One a thread, reused from tile to tile.
 
+#include "light_quadtree/map_light.h"
 #include "light_quadtree/visible_light.h"
 #include "render/reference.h"
 #include "render/shading.h"
@@ -29,6 +30,7 @@ class TileTracer {
     /// What its rays saw, for the culling's end of frame; null without culling.
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
     std::unique_ptr<light_quadtree::VisibleLight::Batch> take_indirect_batch() { return std::move(indirect_batch_); }
+    std::unique_ptr<light_quadtree::MapLight::Batch> take_map_batch() { return std::move(map_batch_); }
     shadow_culling::PaperCulling::Notes take_notes() { return paper_tracer_.take_notes(); }
 
  private:
@@ -68,7 +70,7 @@ class TileTracer {
     void mark_states(std::size_t light, const TileRect& tile);
     StateMark mark_of(std::uint32_t point, std::size_t light, bool& untrusted) const;
     void check_lit(std::size_t light, bool primary, const TileRect& tile);
-    void bounce_light(bool primary);
+    void bounce_light(bool primary, const TileRect& tile);
     void add_reference(const TileRect& tile, bool primary);
     int samples_of(const glm::vec3& share) const;
     void queue_continuations();
@@ -84,6 +86,8 @@ class TileTracer {
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> batch_;
     light_quadtree::VisibleLight* visible_;
     std::unique_ptr<light_quadtree::VisibleLight::Batch> indirect_batch_;
+    light_quadtree::MapLight* map_;
+    std::unique_ptr<light_quadtree::MapLight::Batch> map_batch_;
     shadow_culling::PaperCulling* paper_;
     shadow_culling::PaperTracer paper_tracer_;
     shadow_culling::PrimaryHit* primary_hits_;
@@ -105,6 +109,7 @@ class TileTracer {
     std::vector<std::uint8_t> found_lit_;                // by point, for the check
 
     std::vector<light_quadtree::IndirectPoint> indirect_points_;
+    std::vector<light_quadtree::MapReceiver> map_receivers_;
     std::vector<std::uint32_t> indirect_point_;   // of points_
     std::vector<glm::vec3> irradiance_;
 

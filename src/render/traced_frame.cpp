@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "base/check.h"
+#include "render/indirect_grid.h"
 #include "render/state_map.h"
 #include "render/tile_tracer.h"
 
@@ -42,7 +43,15 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     GNOMON_CHECK(!log || (tasks.threads() == 1 && !culling && !paper && !remembered.states));
     if (culling) culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
     if (paper) paper->begin_frame(state, rays);
+    GNOMON_CHECK(!remembered.visible || !remembered.map);
     if (remembered.visible) remembered.visible->begin_frame(state, rays, tasks);
+    if (remembered.map) {
+        remembered.map->begin_frame(state, rays, tasks);
+        if (const int step = remembered.map->grid_step(view.size.width, view.size.height); step > 0) {
+            const IndirectGrid grid = cast_indirect_grid(state.scene(), rays, view, step, tasks);
+            remembered.map->set_grid(grid.receivers, grid.columns, step, tasks);
+        }
+    }
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     const Size size = view.size;
     resize(out.color, size, 3);
@@ -110,6 +119,14 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         const light_quadtree::VisibleCounters& c = remembered.visible->counters();
         counters.indirect.rays = c.rays;
         counters.indirect.clusters = c.nodes;
+    }
+    if (remembered.map) {
+        std::vector<std::unique_ptr<light_quadtree::MapLight::Batch>> batches;
+        for (const auto& worker : workers)
+            if (worker) batches.push_back(worker->take_map_batch());
+        remembered.map->end_frame(batches);
+        counters.indirect.rays = remembered.map->map().work().cast;
+        counters.indirect.clusters = remembered.map->counters().lights;
     }
     if (paper) {
         std::vector<shadow_culling::PaperCulling::Notes> notes;

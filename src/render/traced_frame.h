@@ -25,8 +25,9 @@ class CertifiedCulling;
 class PaperCulling;
 }   // namespace gnomon::shadow_culling
 namespace gnomon::light_quadtree {
+class MapLight;
 class VisibleLight;
-}
+}   // namespace gnomon::light_quadtree
 
 namespace gnomon::render {
 
@@ -75,7 +76,8 @@ struct StateMap;
 struct Remembered {
     shadow_culling::CertifiedCulling* certified = nullptr;   // the picture is the same to the bit
     shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the picture can be wrong
-    light_quadtree::VisibleLight* visible = nullptr;         // bounced light; null: none
+    light_quadtree::VisibleLight* visible = nullptr;         // bounced light, at most one of the two
+    light_quadtree::MapLight* map = nullptr;                 // the same without visibility
     bool judge_later = false;   // certified culling: the caller calls judge() once the picture is shown
     // Optional, its lights set: filled, and every answer is checked by tracing every ray.
     StateMap* states = nullptr;

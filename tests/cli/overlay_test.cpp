@@ -113,6 +113,9 @@ TEST(Overlay, MistakesAreOneLine)
     expect_failure(run({"render", k_scene, "-o", out, "--overlay", "shadow-states", "--size", "30000x8000"}), 2,
                    "--overlay-light");
     expect_failure(run(render(out, {"--overlay", "redrawn"})), 2, "not built yet");
+    expect_failure(run(render(out, {"--overlay", "clusters"})), 2, "quadtree");
+    expect_failure(run(render(out, {"--overlay", "clusters", "--indirect", "quadtree", "--overlay-light", "0"})), 2,
+                   "--overlay shadow-states");
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 

@@ -5,10 +5,14 @@
 
 #include <charconv>
 #include <chrono>
+#include <tuple>
 
 #include "gnomon/error.h"
+#include "light_quadtree/map_light.h"
 #include "light_quadtree/visible_light.h"
 #include "ray/ray_scene.h"
+#include "render/cluster_overlay.h"
+#include "render/indirect_grid.h"
 #include "render/rasterizer.h"
 #include "render/state_overlay.h"
 #include "render/tone_map.h"
@@ -32,6 +36,11 @@ std::filesystem::file_time_type time_of_file(const std::string& what)
     std::error_code error;
     const auto time = std::filesystem::last_write_time(what, error);
     return error ? std::filesystem::file_time_type{} : time;
+}
+
+bool shows_clusters(const RenderOptions& options)
+{
+    return options.overlay == Overlay::clusters && options.indirect == Indirect::quadtree;
 }
 
 scene::CameraId camera_of(const scene::Scene& scene, const std::string& wanted)
@@ -70,6 +79,8 @@ struct ViewSession::Kept {
     std::unique_ptr<shadow_culling::CertifiedCulling> certified;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
     std::unique_ptr<light_quadtree::VisibleLight> visible;
+    std::unique_ptr<light_quadtree::MapLight> map;
+    RenderOptions map_options;   // that it was made with
     std::unique_ptr<render::Rasterizer> raster;
     ShadowTextures raster_shadows{};   // it was made for this, and what follows
     int raster_filter = 0, raster_samples = 0;
@@ -83,6 +94,7 @@ struct ViewSession::Kept {
         certified.reset();
         paper.reset();
         visible.reset();
+        map.reset();
         raster.reset();
         rays.reset();
         state.reset();
@@ -99,6 +111,7 @@ struct ViewSession::Kept {
             certified.reset();
             paper.reset();
             visible.reset();
+            map.reset();
             follow_raster(options);
             return;
         }
@@ -106,6 +119,22 @@ struct ViewSession::Kept {
         if (options.shadow_culling != ShadowCulling::certified) certified.reset();
         if (options.shadow_culling != ShadowCulling::paper) paper.reset();
         if (options.indirect != Indirect::visible) visible.reset();
+        const auto of_map = [](const RenderOptions& o) {
+            return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
+                              o.indirect_at_every_pixel);
+        };
+        if (of_map(options) != of_map(map_options) || options.overlay == Overlay::shadow_states) map.reset();
+        const bool wants_map = options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree;
+        if (wants_map && !map && options.overlay != Overlay::shadow_states) {
+            map = std::make_unique<light_quadtree::MapLight>(*state, *rays, render::map_light_options(options), tasks);
+            map_options = options;
+        }
+        // A memory of shadows follows every frame or none.
+        if (shows_clusters(options)) {
+            certified.reset();
+            paper.reset();
+            return;
+        }
         if (options.shadow_culling == ShadowCulling::certified && !certified && !state->scene().lights.empty())
             certified =
                 std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
@@ -346,18 +375,25 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     remembered.judge_later = true;
     remembered.paper = kept.paper.get();
     remembered.visible = states ? nullptr : kept.visible.get();
+    remembered.map = states ? nullptr : kept.map.get();
     if (states) {
         const int last = static_cast<int>(scene->inside()->lights.size()) - 1;
         kept.states.lights = {std::min(options.overlay_light.value_or(0), last)};
         remembered.states = &kept.states;
     }
     const Progress progress = [this](const ProgressStep&) { return !leaving_; };
-    picture->counters = kept.raster ? kept.raster->render(*kept.state, picture->eye, kept.buffers, progress)
-                                    : render::trace_frame(*kept.state, *kept.rays, picture->eye, traced, kept.tasks,
-                                                          kept.buffers, remembered, nullptr, progress);
+    const bool clusters = kept.map && shows_clusters(options);
+    if (clusters)
+        kept.map->begin_frame(*kept.state, *kept.rays, kept.tasks);
+    else
+        picture->counters = kept.raster ? kept.raster->render(*kept.state, picture->eye, kept.buffers, progress)
+                                        : render::trace_frame(*kept.state, *kept.rays, picture->eye, traced, kept.tasks,
+                                                              kept.buffers, remembered, nullptr, progress);
     end_stage(2);
 
-    if (states) {
+    if (clusters) {
+        picture->image = render::paint_clusters(*scene->inside(), *kept.rays, picture->eye, *kept.map, kept.tasks);
+    } else if (states) {
         picture->image = render::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
                                               options.shadow_culling == ShadowCulling::paper);
     } else {
@@ -372,6 +408,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     picture->bounds = kept.rays->bounds();
     if (kept.certified) picture->remembered_bytes += kept.certified->bytes();
     if (kept.visible) picture->remembered_bytes += kept.visible->bytes();
+    if (kept.map) picture->remembered_bytes += kept.map->bytes();
     if (request.pick) {
         ray::RayQueue queue;
         glm::vec3 origin, direction;

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_quadtree/light_map.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include "base/check.h"
+#include "light_quadtree/diffuse.h"
+#include "light_quadtree/texel_ray.h"
+
+namespace gnomon::light_quadtree {
+
+namespace {
+
+bool same_bits(const LightNode& a, const LightNode& b)
+{
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+// How far along its axis a view sees the scene, whole clip: the depth range that thresholds are fractions of.
+float depth_range_of(const light_views::ViewProjection& view, const Box3& bounds)
+{
+    if (!view.perspective) return view.reach;
+    const glm::vec3 axis = glm::normalize(view.forward);
+    float farthest = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
+                          corner & 4 ? bounds.high.z : bounds.low.z);
+        farthest = std::max(farthest, glm::dot(p - view.origin, axis));
+    }
+    return farthest > 0 ? farthest : 1;
+}
+
+}   // namespace
+
+LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, const LightMapOptions& options,
+                   Tasks& tasks)
+    : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene()))
+{
+    GNOMON_CHECK(options.least_side >= k_tile && options.side >= options.least_side);
+    const scene::Scene& scene = state.scene();
+    dynamic_place_.assign(scene.objects.size(), scene::none);
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
+        if ((scene.objects[o].dynamic || rays.stands_alone(o)) && casters_.casts(o)) {
+            dynamic_place_[o] = static_cast<std::uint32_t>(dynamics_.size());
+            dynamics_.push_back(o);
+        }
+    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
+        if (scene.lights[l].of_environment) continue;
+        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, k_projection); ++face) {
+            View& view = views_.emplace_back();
+            view.light = l;
+            view.face = face;
+        }
+    }
+    int side = options.side;
+    while (side > options.least_side &&
+           views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options.texels)
+        side /= 2;
+    std::size_t end = 0;
+    for (View& view : views_) {
+        while ((1 << view.levels) < side) ++view.levels;
+        GNOMON_CHECK(view.side() == side);
+        view.first = end;
+        end = view.node(view.levels + 1, 0, 0);
+    }
+    nodes_.resize(end);
+    valid_.assign(end, 0);
+    layers_.resize(views_.size());
+    std::vector<Work> works(views_.size());
+    tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(v, state, rays, works[v]); });
+    for (const Work& work : works) work_.cast += work.cast;
+}
+
+light_views::Rect LightMap::footprint(const View& view, const scene::SceneState& state, scene::ObjectId object) const
+{
+    return view.on ? casters_.footprint(view.projection, state, object) : light_views::Rect{};
+}
+
+// Casts the static layer, builds the pyramid, and puts in what moves.
+void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ray::RayScene& rays, Work& work)
+{
+    View& view = views_[v];
+    Layers& layers = layers_[v];
+    const scene::Light& light = state.scene().lights[view.light];
+    const scene::LightState& at = state.light(view.light);
+    const std::size_t end = view.node(view.levels + 1, 0, 0);
+    std::fill(nodes_.begin() + static_cast<std::ptrdiff_t>(view.first),
+              nodes_.begin() + static_cast<std::ptrdiff_t>(end), LightNode{});
+    std::fill(valid_.begin() + static_cast<std::ptrdiff_t>(view.first),
+              valid_.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
+    const int tiles = view.side() / k_tile;
+    layers.slot.assign(static_cast<std::size_t>(tiles * tiles), -1);
+    layers.kept.clear();
+    layers.movers.assign(dynamics_.size(), {});
+    view.on = at.visible && light.color != glm::vec3(0);
+    if (!view.on) return;
+    view.projection =
+        light_views::project(light, at, bounds_, view.side(), k_projection)[static_cast<std::size_t>(view.face)];
+    view.depth_range = depth_range_of(view.projection, bounds_.whole);
+
+    for (int tile = 0; tile < tiles * tiles; ++tile) {
+        const Tile texels = cast_tile(view, tile, state, rays, ray::Against::static_only);
+        for (int i = 0; i < k_tile * k_tile; ++i)
+            nodes_[view.node(view.levels, tile % tiles * k_tile + i % k_tile, tile / tiles * k_tile + i / k_tile)] =
+                texels[static_cast<std::size_t>(i)];
+    }
+    work.cast += static_cast<std::uint64_t>(view.side()) * static_cast<std::uint64_t>(view.side());
+    for (int level = view.levels - 1; level >= 0; --level)
+        for (int y = 0; y < 1 << level; ++y)
+            for (int x = 0; x < 1 << level; ++x) make_node(view, level, x, y);
+
+    for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.movers[d] = footprint(view, state, dynamics_[d]);
+    repair_view(v, layers.movers, state, rays, work);
+}
+
+// Casts the rays of one tile: its own packets, whatever else is cast.
+LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::SceneState& state,
+                                   const ray::RayScene& rays, ray::Against against) const
+{
+    const scene::Scene& scene = state.scene();
+    const scene::Light& light = scene.lights[view.light];
+    const scene::LightState& at = state.light(view.light);
+    const int tiles = view.side() / k_tile;
+    const int left = tile % tiles * k_tile, top = tile / tiles * k_tile;
+    const glm::vec3 axis = glm::normalize(view.projection.forward);
+    std::optional<light_views::ViewProjection> outside_of;
+    if (light.type == scene::LightType::directional && view.face == 1)
+        outside_of = light_views::project(light, at, bounds_, view.side(), k_projection)[0];
+    Tile texels{};
+
+    thread_local ray::RayQueue queue, onward;
+    thread_local ray::Hits hits;
+    thread_local std::vector<int> place, onward_place;
+    queue.purpose = onward.purpose = ray::RayClass::indirect;
+    queue.clear();
+    place.clear();
+    double measure[k_tile * k_tile];
+    for (int i = 0; i < k_tile * k_tile; ++i) {
+        const TexelRay r = texel_ray(view.projection, left + i % k_tile, top + i / k_tile);
+        queue.push(r.origin, 0, r.direction, k_infinity);
+        measure[i] = r.measure;
+        place.push_back(i);
+    }
+    for (int pass = 0; pass <= options_.most_transparent && !queue.empty(); ++pass) {
+        hits.resize(queue.size());
+        rays.closest(queue, 0, queue.size(), hits, ray::Sides::both, against);
+        onward.clear();
+        onward_place.clear();
+        for (std::size_t k = 0; k < queue.size(); ++k) {
+            if (hits.object[k] == scene::none) continue;
+            const ray::ObjectGeometry& geometry = rays.geometry(hits.object[k]);
+            const std::uint32_t triangle = hits.triangle[k];
+            // Light passes what does not block it.
+            const scene::Material& material = scene.materials[geometry.mesh->part_of(triangle).material];
+            if (material.surface_class() == scene::SurfaceClass::transparent) {
+                onward.push(queue.origin(k), std::nextafter(hits.t[k], k_infinity), queue.direction(k), k_infinity);
+                onward_place.push_back(place[k]);
+                continue;
+            }
+            glm::vec3 p[3];
+            geometry.corners(triangle, p);
+            const float u = hits.u[k], v = hits.v[k];
+            const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
+            glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+            const float length = glm::length(normal);
+            if (!(length > 0)) continue;
+            normal /= length;
+            float cosine = -glm::dot(normal, queue.direction(k));
+            if (cosine < 0) normal = -normal, cosine = -cosine;
+            // The wide view of a directional light leaves out what the near one has.
+            if (outside_of) {
+                const glm::vec4 clip = outside_of->clip_from_world * glm::vec4(position, 1);
+                if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
+            }
+            const auto t = static_cast<double>(hits.t[k]);
+            const double facing_area = measure[place[k]] * (view.projection.perspective ? t * t : 1.0);
+            LightNode& texel = texels[static_cast<std::size_t>(place[k])];
+            texel.position = position;
+            texel.normal = normal;
+            texel.depth = glm::dot(position - view.projection.origin, axis) / view.depth_range;
+            texel.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
+            texel.flux = exitance_per_irradiance(scene, geometry, triangle, u, v) *
+                         scene::illuminate(light, at, position).irradiance * static_cast<float>(facing_area);
+            texel.members = 1;
+        }
+        std::swap(queue, onward);
+        std::swap(place, onward_place);
+    }
+    return texels;
+}
+
+void LightMap::make_node(const View& view, int level, int x, int y)
+{
+    const LightNode four[4] = {
+        nodes_[view.node(level + 1, 2 * x, 2 * y)], nodes_[view.node(level + 1, 2 * x + 1, 2 * y)],
+        nodes_[view.node(level + 1, 2 * x, 2 * y + 1)], nodes_[view.node(level + 1, 2 * x + 1, 2 * y + 1)]};
+    const std::size_t id = view.node(level, x, y);
+    nodes_[id] = mean_of(four);
+    valid_[id] = is_valid(four, nodes_[id], options_.validity);
+}
+
+// Makes the tiles under some rectangles anew, and what is above those of their texels that changed.
+void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> where, const scene::SceneState& state,
+                           const ray::RayScene& rays, Work& work)
+{
+    const View& view = views_[v];
+    Layers& layers = layers_[v];
+    const int tiles = view.side() / k_tile;
+    const auto each_tile = [&](std::span<const light_views::Rect> rects, std::vector<int>& list) {
+        for (const light_views::Rect& rect : rects) {
+            if (rect.empty()) continue;
+            for (int y = rect.y0 / k_tile; y <= (rect.y1 - 1) / k_tile; ++y)
+                for (int x = rect.x0 / k_tile; x <= (rect.x1 - 1) / k_tile; ++x) list.push_back(y * tiles + x);
+        }
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    };
+    std::vector<int> dirty, covered;
+    each_tile(where, dirty);
+    if (dirty.empty()) return;
+    each_tile(layers.movers, covered);
+
+    std::vector<std::uint32_t> changed;   // x + side * y
+    for (const int tile : dirty) {
+        const int left = tile % tiles * k_tile, top = tile / tiles * k_tile;
+        const auto texel = [&](int i) -> LightNode& {
+            return nodes_[view.node(view.levels, left + i % k_tile, top + i / k_tile)];
+        };
+        // Keep the static layer, the first time something moves in front of it.
+        std::int32_t& slot = layers.slot[static_cast<std::size_t>(tile)];
+        if (slot < 0) {
+            slot = static_cast<std::int32_t>(layers.kept.size());
+            Tile& kept = layers.kept.emplace_back();
+            for (int i = 0; i < k_tile * k_tile; ++i) kept[static_cast<std::size_t>(i)] = texel(i);
+        }
+        Tile now = layers.kept[static_cast<std::size_t>(slot)];
+        if (std::binary_search(covered.begin(), covered.end(), tile)) {
+            now = cast_tile(view, tile, state, rays, ray::Against::everything);
+            work.cast += k_tile * k_tile;
+        }
+        for (int i = 0; i < k_tile * k_tile; ++i) {
+            if (same_bits(texel(i), now[static_cast<std::size_t>(i)])) continue;
+            texel(i) = now[static_cast<std::size_t>(i)];
+            changed.push_back(static_cast<std::uint32_t>((top + i / k_tile) * view.side() + left + i % k_tile));
+        }
+    }
+    work.dirty_texels += changed.size();
+
+    // Go upward from what changed.
+    for (int level = view.levels - 1; level >= 0; --level) {
+        for (std::uint32_t& at : changed) {
+            const std::uint32_t below = level + 1, x = at & ((1u << below) - 1), y = at >> below;
+            at = (x >> 1) + ((y >> 1) << level);
+        }
+        std::sort(changed.begin(), changed.end());
+        changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+        work.dirty_nodes += changed.size();
+        for (const std::uint32_t at : changed)
+            make_node(view, level, static_cast<int>(at & ((1u << level) - 1)), static_cast<int>(at >> level));
+    }
+}
+
+void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+{
+    casters_.update(state);
+    work_ = {};
+    const scene::FrameChanges& changes = state.changes();
+    if (!changes.anything()) return;
+    std::vector<std::uint32_t> stirred;   // places in dynamics_
+    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
+        for (const scene::ObjectId o : *list)
+            if (dynamic_place_[o] != scene::none) {
+                stirred.push_back(dynamic_place_[o]);
+            } else if (casters_.casts(o)) {
+                // Somebody moves by hand what stood still: the static layer is another.
+                const std::uint32_t before = version_;
+                *this = LightMap(state, rays, options_, tasks);
+                version_ = before + 1;
+                return;
+            }
+    std::sort(stirred.begin(), stirred.end());
+    stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
+
+    std::vector<Work> works(views_.size());
+    std::vector<std::uint8_t> anew(views_.size(), 0);
+    tasks.for_each(views_.size(), [&](std::size_t v, int) {
+        if (std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light)) {
+            make_view(v, state, rays, works[v]);
+            anew[v] = 1;
+            return;
+        }
+        std::vector<light_views::Rect> where;
+        for (const std::uint32_t d : stirred) {
+            light_views::Rect& rect = layers_[v].movers[d];
+            where.push_back(rect);
+            rect = footprint(views_[v], state, dynamics_[d]);
+            where.push_back(rect);
+        }
+        repair_view(v, where, state, rays, works[v]);
+    });
+    bool changed = false;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+        work_.cast += works[v].cast;
+        work_.dirty_texels += works[v].dirty_texels;
+        work_.dirty_nodes += works[v].dirty_nodes;
+        changed |= anew[v] || works[v].dirty_texels > 0;
+    }
+    if (changed) ++version_;
+}
+
+std::size_t LightMap::bytes() const
+{
+    std::size_t bytes = nodes_.size() * (sizeof(LightNode) + 1);
+    for (const Layers& layers : layers_)
+        bytes += layers.slot.size() * sizeof(std::int32_t) + layers.kept.size() * sizeof(Tile);
+    return bytes;
+}
+
+}   // namespace gnomon::light_quadtree

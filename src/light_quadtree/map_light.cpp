@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_quadtree/map_light.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/check.h"
+
+namespace gnomon::light_quadtree {
+
+MapLight::MapLight(const scene::SceneState& state, const ray::RayScene& rays, const MapLightOptions& options,
+                   Tasks& tasks)
+    : options_(options), map_(state, rays, options.map, tasks)
+{
+    find_lights();
+}
+
+void MapLight::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+{
+    map_.update(state, rays, tasks);
+    find_lights();
+}
+
+void MapLight::find_lights()
+{
+    counters_ = {};
+    if (options_.method == MapMethod::rsm) {
+        counters_.lights = static_cast<std::uint64_t>(options_.rsm.samples);
+        return;
+    }
+    if (clusters_version_ != map_.version()) {
+        if (options_.method == MapMethod::quadtree)
+            find_clusters(map_, options_.levels, clusters_);
+        else
+            all_texels(map_, clusters_);
+        clusters_version_ = map_.version();
+    }
+    counters_.lights = clusters_.size();
+}
+
+int MapLight::grid_step(int width, int height) const
+{
+    return options_.grid == 0 ? 0 : (std::max(width, height) + options_.grid - 1) / options_.grid;
+}
+
+void MapLight::gather_all(Receivers& receivers, std::size_t begin, std::size_t end, RsmPlaces& scratch) const
+{
+    if (options_.method == MapMethod::rsm)
+        sample_map(map_, options_.rsm, receivers, begin, end, scratch);
+    else
+        gather(clusters_, receivers, begin, end);
+}
+
+void MapLight::set_grid(std::span<const MapReceiver> points, int columns, int step, Tasks& tasks)
+{
+    GNOMON_CHECK(columns > 0 && step > 0 && points.size() % static_cast<std::size_t>(columns) == 0);
+    const auto same = [](const MapReceiver& a, const MapReceiver& b) {
+        return a.position == b.position && a.normal == b.normal && a.width == b.width;
+    };
+    counters_.kept_grid = grid_version_ == map_.version() && grid_columns_ == columns && grid_step_ == step &&
+                          std::equal(points.begin(), points.end(), grid_.begin(), grid_.end(), same);
+    if (counters_.kept_grid) return;
+    grid_.assign(points.begin(), points.end());
+    grid_columns_ = columns, grid_step_ = step, grid_version_ = map_.version();
+    Receivers receivers;
+    receivers.resize(grid_.size());
+    for (std::size_t i = 0; i < grid_.size(); ++i) receivers.set(i, grid_[i].position, grid_[i].normal);
+    constexpr std::size_t k_part = 8 * k_receiver_step;
+    const std::size_t padded = receivers.x.size();
+    tasks.for_each((padded + k_part - 1) / k_part, [&](std::size_t part, int) {
+        RsmPlaces places;
+        gather_all(receivers, part * k_part, std::min(padded, (part + 1) * k_part), places);
+    });
+    grid_light_.resize(grid_.size());
+    for (std::size_t i = 0; i < grid_.size(); ++i) grid_light_[i] = receivers.irradiance(i);
+    counters_.gathered += grid_.size();
+}
+
+// Takes the light of the four receivers around, where enough of them lie on the pixel's surface.
+bool MapLight::interpolate(const MapReceiver& point, glm::vec3& irradiance) const
+{
+    const int column = point.pixel.x / grid_step_, row = point.pixel.y / grid_step_;
+    const auto fx = static_cast<float>(point.pixel.x % grid_step_) / static_cast<float>(grid_step_),
+               fy = static_cast<float>(point.pixel.y % grid_step_) / static_cast<float>(grid_step_);
+    const float most_off = options_.grid_off_plane * static_cast<float>(grid_step_) * point.width;
+    glm::vec3 sum(0);
+    float weights = 0;
+    int agree = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+        const int dx = corner % 2, dy = corner / 2;
+        const std::size_t at = static_cast<std::size_t>((row + dy) * grid_columns_ + column + dx);
+        const MapReceiver& other = grid_[at];
+        if (!(glm::dot(other.normal, point.normal) > options_.grid_normals)) continue;
+        if (!(std::abs(glm::dot(other.position - point.position, point.normal)) < most_off)) continue;
+        ++agree;
+        const float weight = (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy);
+        sum += weight * grid_light_[at];
+        weights += weight;
+    }
+    if (agree < options_.grid_neighbours || !(weights > 0)) return false;
+    irradiance = sum / weights;
+    return true;
+}
+
+void MapLight::shade(Batch& batch, std::span<const MapReceiver> points, glm::vec3* irradiance) const
+{
+    batch.waiting.clear();
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        if (options_.grid > 0 && points[i].pixel.x >= 0 && interpolate(points[i], irradiance[i])) {
+            ++batch.counters.interpolated;
+            continue;
+        }
+        batch.waiting.push_back(i);
+    }
+    Receivers& receivers = batch.receivers;
+    receivers.resize(batch.waiting.size());
+    for (std::size_t k = 0; k < batch.waiting.size(); ++k)
+        receivers.set(k, points[batch.waiting[k]].position, points[batch.waiting[k]].normal);
+    gather_all(receivers, 0, receivers.x.size(), batch.places);
+    for (std::size_t k = 0; k < batch.waiting.size(); ++k) irradiance[batch.waiting[k]] = receivers.irradiance(k);
+    batch.counters.gathered += batch.waiting.size();
+}
+
+void MapLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
+{
+    for (const auto& batch : batches) {
+        counters_.gathered += batch->counters.gathered;
+        counters_.interpolated += batch->counters.interpolated;
+        batch->counters = {};
+    }
+}
+
+std::size_t MapLight::bytes() const
+{
+    return map_.bytes() + clusters_.size() * (10 * sizeof(float) + sizeof(std::size_t) + 1) +
+           grid_.size() * (sizeof(MapReceiver) + sizeof(glm::vec3));
+}
+
+}   // namespace gnomon::light_quadtree

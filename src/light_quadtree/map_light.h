@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Indirect light from a light map, without visibility: the light quad-tree as published [Ki and Oh 2007], and the
+// sampling of reflective shadow maps that it is compared with [Dachsbacher and Stamminger 2005].
+//
+// Sparse receivers [Ki and Oh 2007, 3.3]: light is gathered at a coarse grid of the picture's points; a pixel whose
+// neighbours in the grid agree with it in position and normal takes theirs, every other pixel gathers by itself. Kept
+// buffers: while neither scene, light nor view moves, the map, the cut and the grid's light are used again.
+//
+// Known faults, the papers': nothing stands in the way of bounced light, so it leaks and is too bright.
+// Cost: the map's (light_map.h); then lights times receivers.
+
+#include <memory>
+#include <span>
+
+#include "light_quadtree/rsm.h"
+
+namespace gnomon::light_quadtree {
+
+enum class MapMethod : std::uint8_t { quadtree, rsm, brute };   // brute: every texel is a light; the oracle of both
+
+struct MapLightOptions {
+    MapMethod method = MapMethod::quadtree;
+    LightMapOptions map;
+    CutLevels levels;
+    RsmOptions rsm;
+    int grid = 64;                 // sparse receivers along the picture's longer side; 0: every pixel gathers
+    float grid_normals = 0.9f;     // a neighbour agrees whose normal's cosine is above this
+    float grid_off_plane = 0.1f;   // and that is off the pixel's plane by less than this share of the grid's spacing
+    int grid_neighbours = 3;       // of four must agree
+};
+
+/// Where a pixel's light is wanted.
+struct MapReceiver {
+    glm::vec3 position{0};
+    glm::vec3 normal{0};    // unit, shading; zero: no surface
+    float width = 0;        // of a pixel there, scene units
+    glm::ivec2 pixel{-1};   // of the picture; negative: not one of the picture's own points (in a mirror)
+};
+
+struct MapLightCounters {
+    std::uint64_t lights = 0;         // clusters, or samples
+    std::uint64_t gathered = 0;       // receivers
+    std::uint64_t interpolated = 0;   // pixels
+    bool kept_grid = false;           // the grid's light was used again
+};
+
+class MapLight {
+ public:
+    MapLight(const scene::SceneState& state, const ray::RayScene& rays, const MapLightOptions& options, Tasks& tasks);
+
+    /// After the state advanced and the ray scene followed.
+    void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
+
+    /// Pixels between two receivers of the grid, for a picture of that size; 0: no grid.
+    int grid_step(int width, int height) const;
+    /// Gathers at the grid's receivers, row by row from pixel (0, 0) on, `columns` a row. After begin_frame().
+    void set_grid(std::span<const MapReceiver> receivers, int columns, int step, Tasks& tasks);
+
+    /// A thread's scratch and counters.
+    struct Batch {
+        Receivers receivers;
+        RsmPlaces places;
+        std::vector<std::uint32_t> waiting;
+        MapLightCounters counters;
+    };
+    /// Irradiance at points. From any thread, each with its own batch.
+    void shade(Batch& batch, std::span<const MapReceiver> points, glm::vec3* irradiance) const;
+    /// The same at receivers already side by side, every one gathered. begin, end: as gather().
+    void gather_all(Receivers& receivers, std::size_t begin, std::size_t end, RsmPlaces& scratch) const;
+
+    void end_frame(std::span<const std::unique_ptr<Batch>> batches);
+    const MapLightCounters& counters() const { return counters_; }
+    const LightMap& map() const { return map_; }
+    const Clusters& clusters() const { return clusters_; }
+    const MapLightOptions& options() const { return options_; }
+    std::size_t bytes() const;
+
+ private:
+    bool interpolate(const MapReceiver& point, glm::vec3& irradiance) const;
+    void find_lights();
+
+    MapLightOptions options_;
+    LightMap map_;
+    Clusters clusters_;
+    std::uint32_t clusters_version_ = 0;   // of the map
+    std::vector<MapReceiver> grid_;
+    std::vector<glm::vec3> grid_light_;
+    int grid_columns_ = 0, grid_step_ = 0;
+    std::uint32_t grid_version_ = 0;   // of the map
+    MapLightCounters counters_;
+};
+
+}   // namespace gnomon::light_quadtree

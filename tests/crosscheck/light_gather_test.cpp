@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sums over light maps against their twins: vectors against single steps, the compacted cut against the cut as printed,
+// clusters and samples against the sum over all texels.
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+#include "light_quadtree/map_light.h"
+#include "scene/builtin.h"
+
+namespace gnomon {
+namespace {
+
+using namespace light_quadtree;
+
+struct World {
+    explicit World(const char* name = "cornell")
+        : scene(std::make_shared<const scene::Scene>(scene::make_builtin(name))),
+          state(scene, scene->timeline.start),
+          rays(state)
+    {
+    }
+    std::shared_ptr<const scene::Scene> scene;
+    scene::SceneState state;
+    ray::RayScene rays;
+    Tasks tasks{1};
+};
+
+// Points in the box, on no surface in particular.
+Receivers random_receivers(std::size_t count)
+{
+    Random random(7);
+    Receivers receivers;
+    receivers.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+        const glm::vec3 n(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+        receivers.set(i, 0.98f * p, glm::normalize(n + glm::vec3(1e-3f)));
+    }
+    return receivers;
+}
+
+// Points on the walls, floor and ceiling.
+Receivers wall_receivers(int a_side)
+{
+    Receivers receivers;
+    receivers.resize(static_cast<std::size_t>(4 * a_side * a_side));
+    std::size_t i = 0;
+    for (int y = 0; y < a_side; ++y)
+        for (int x = 0; x < a_side; ++x) {
+            const float u = (static_cast<float>(x) + 0.5f) * 2 / static_cast<float>(a_side) - 1,
+                        v = (static_cast<float>(y) + 0.5f) * 2 / static_cast<float>(a_side) - 1;
+            receivers.set(i++, {u, -1, v}, {0, 1, 0});
+            receivers.set(i++, {u, 1, v}, {0, -1, 0});
+            receivers.set(i++, {-1, u, v}, {1, 0, 0});
+            receivers.set(i++, {1, u, v}, {-1, 0, 0});
+        }
+    return receivers;
+}
+
+double nrmse(const Receivers& test, const Receivers& truth)
+{
+    double error = 0, mean = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const glm::dvec3 t(truth.irradiance(i)), d = glm::dvec3(test.irradiance(i)) - t;
+        error += glm::dot(d, d);
+        mean += t.x + t.y + t.z;
+    }
+    const auto count = static_cast<double>(3 * truth.size());
+    return std::sqrt(error / count) / (mean / count);
+}
+
+TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
+{
+    World world;
+    const LightMap map(world.state, world.rays, {}, world.tasks);
+    Clusters clusters;
+    find_clusters(map, {7, 5}, clusters);
+    Receivers receivers = random_receivers(1000);
+    gather(clusters, receivers);
+    int lit = 0;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const glm::vec3 one = gather_one(clusters, {receivers.x[i], receivers.y[i], receivers.z[i]},
+                                         {receivers.nx[i], receivers.ny[i], receivers.nz[i]});
+        ASSERT_EQ(receivers.irradiance(i), one) << i;
+        lit += one != glm::vec3(0);
+    }
+    EXPECT_GT(lit, 500);
+}
+
+TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
+{
+    World world;
+    const LightMap map(world.state, world.rays, {}, world.tasks);
+    Receivers receivers = random_receivers(300);
+    RsmPlaces places;
+    const RsmOptions options{100, 0.3f};
+    sample_map(map, options, receivers, 0, receivers.x.size(), places);
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const glm::vec3 one = sample_map_one(map, options, {receivers.x[i], receivers.y[i], receivers.z[i]},
+                                             {receivers.nx[i], receivers.ny[i], receivers.nz[i]});
+        // Weights are multiplied in another order: a rounding or two.
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(receivers.irradiance(i)[c], one[c], 2e-6f * (1e-3f + one[c])) << i;
+    }
+}
+
+TEST(LightGather, TheCompactedCutSumsAsPrinted)
+{
+    for (const char* name : {"cornell", "kinetic"}) {
+        World world(name);
+        LightMapOptions small;
+        small.side = 128;
+        const LightMap map(world.state, world.rays, small, world.tasks);
+        for (const int level : {6, 5, 4}) {
+            Clusters clusters;
+            find_clusters(map, {7, level}, clusters);
+            Receivers receivers = random_receivers(20);
+            gather(clusters, receivers);
+            for (std::size_t i = 0; i < receivers.size(); ++i) {
+                const glm::vec3 p(receivers.x[i], receivers.y[i], receivers.z[i]);
+                const glm::vec3 n(receivers.nx[i], receivers.ny[i], receivers.nz[i]);
+                ASSERT_EQ(receivers.irradiance(i), gather_as_printed(map, {7, level}, p, n)) << name << level;
+            }
+        }
+    }
+}
+
+TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
+{
+    World world;
+    LightMapOptions small;
+    small.side = 256;
+    Clusters all, some;
+    Receivers truth = wall_receivers(24), test = wall_receivers(24);
+    {
+        const LightMap map(world.state, world.rays, small, world.tasks);
+        all_texels(map, all);
+        gather(all, truth);
+        double before = 1;
+        for (const int level : {6, 5, 4}) {
+            find_clusters(map, {7, level}, some);
+            gather(some, test);
+            const double error = nrmse(test, truth);
+            EXPECT_LT(error, before) << level;
+            before = error;
+        }
+        EXPECT_LT(before, 0.1);
+    }
+    double before = 10;
+    for (const Validity validity : {Validity{0.45f, 0.3f}, Validity{0.25f, 0.6f}, Validity{0.05f, 0.9f}}) {
+        small.validity = validity;
+        const LightMap map(world.state, world.rays, small, world.tasks);
+        find_clusters(map, {7, 4}, some);
+        gather(some, test);
+        const double error = nrmse(test, truth);
+        EXPECT_LE(error, before) << validity.depth_threshold;
+        before = error;
+    }
+}
+
+TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
+{
+    World world;
+    LightMapOptions small;
+    small.side = 256;
+    const LightMap map(world.state, world.rays, small, world.tasks);
+    Clusters all;
+    all_texels(map, all);
+    Receivers truth = wall_receivers(16), test = wall_receivers(16);
+    gather(all, truth);
+    RsmPlaces places;
+    double before = 10;
+    for (const int samples : {64, 512, 8192}) {
+        // A disk that holds the map wherever its centre is: the limit of many samples is the sum itself.
+        sample_map(map, {samples, 1.42f}, test, 0, test.x.size(), places);
+        const double error = nrmse(test, truth);
+        EXPECT_LT(error, before) << samples;
+        before = error;
+    }
+    EXPECT_LT(before, 0.15);
+}
+
+// A square lamp seen from above: Lambert's formula for the form factor of a parallel square.
+TEST(LightGather, AgreesWithAFormFactor)
+{
+    constexpr int k_side = 64;
+    Clusters lights;
+    LightNode light;
+    light.area = 4.0f / (k_side * k_side);
+    light.flux = glm::vec3(light.area);   // radiant exitance 1
+    light.normal = {0, 1, 0};
+    for (int y = 0; y < k_side; ++y)
+        for (int x = 0; x < k_side; ++x) {
+            light.position = {(static_cast<float>(x) + 0.5f) * 2 / k_side - 1, 0,
+                              (static_cast<float>(y) + 0.5f) * 2 / k_side - 1};
+            lights.push(light, 0, 6);
+        }
+    for (const double height : {0.5, 1.0, 3.0}) {
+        const double a = 1 / height, root = std::sqrt(1 + a * a);
+        const double factor = 4 / k_pi * (a / root) * std::atan(a / root);   // four corners, both terms alike
+        const glm::vec3 e = gather_one(lights, {0, static_cast<float>(height), 0}, {0, -1, 0});
+        EXPECT_NEAR(static_cast<double>(e.x) / factor, 1, 2e-3) << height;
+    }
+}
+
+}   // namespace
+}   // namespace gnomon

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// The light map and its pyramid: repaired equals made anew, to the bit; only what moved is touched; what it says of
+// surfaces is true.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "base/random.h"
+#include "light_quadtree/clusters.h"
+#include "scene/builtin.h"
+
+namespace gnomon {
+namespace {
+
+using light_quadtree::LightMap;
+using light_quadtree::LightMapOptions;
+using light_quadtree::LightNode;
+
+struct World {
+    explicit World(scene::Scene made, int frame = 1)
+        : scene(std::make_shared<const scene::Scene>(std::move(made))),
+          state(scene, scene->timeline.time_of(frame)),
+          rays(state)
+    {
+    }
+    void go(int frame)
+    {
+        state.advance(scene->timeline.time_of(frame));
+        rays.update(state);
+    }
+    std::shared_ptr<const scene::Scene> scene;
+    scene::SceneState state;
+    ray::RayScene rays;
+    Tasks tasks{1};
+};
+
+// Nodes or validity bits that differ.
+std::size_t differing(const LightMap& a, const LightMap& b)
+{
+    if (a.nodes().size() != b.nodes().size()) return ~std::size_t{0};
+    std::size_t count = 0;
+    for (std::size_t id = 0; id < a.nodes().size(); ++id)
+        count += std::memcmp(&a.node(id), &b.node(id), sizeof(LightNode)) != 0 || a.valid(id) != b.valid(id);
+    return count;
+}
+
+// Goes through frames at random and compares with a map made anew in each.
+void follow_random_frames(const char* name, int frames, int side, std::uint64_t seed)
+{
+    World world(scene::make_builtin(name));
+    LightMapOptions options;
+    options.side = side;
+    LightMap repaired(world.state, world.rays, options, world.tasks);
+    Random random(seed);
+    std::uint64_t dirty = 0;
+    for (int k = 0; k < frames; ++k) {
+        const auto count = static_cast<std::uint32_t>(world.scene->timeline.frames);
+        world.go(1 + static_cast<int>(random.below(count)));
+        repaired.update(world.state, world.rays, world.tasks);
+        dirty += repaired.work().dirty_texels;
+        const LightMap fresh(world.state, world.rays, options, world.tasks);
+        ASSERT_EQ(differing(repaired, fresh), 0u) << name << ", step " << k;
+    }
+    EXPECT_GT(dirty, 0u) << name;
+}
+
+TEST(LightMap, RepairedEqualsANewOne)
+{
+    follow_random_frames("cornell", 12, 256, 1);
+    follow_random_frames("spheres?objects=40&dynamic=25", 6, 128, 2);
+    follow_random_frames("kinetic", 3, 64, 3);
+}
+
+TEST(LightMapFull, RepairedEqualsANewOneOverAThousandFrames)
+{
+    follow_random_frames("cornell", 1000, 512, 4);
+}
+
+TEST(LightMap, OnlyWhatMovedIsTouched)
+{
+    World world(scene::make_builtin("cornell"));
+    LightMap map(world.state, world.rays, {}, world.tasks);
+    EXPECT_GE(map.work().cast, 512u * 512u);
+    const std::uint32_t version = map.version();
+    world.go(1);
+    map.update(world.state, world.rays, world.tasks);
+    EXPECT_EQ(map.work().cast, 0u);
+    EXPECT_EQ(map.version(), version);
+    world.go(2);
+    map.update(world.state, world.rays, world.tasks);
+    EXPECT_GT(map.work().dirty_texels, 0u);
+    EXPECT_LT(map.work().cast, 512u * 512u / 20);
+    EXPECT_LT(map.work().dirty_nodes, map.nodes().size() / 50);
+    EXPECT_GT(map.version(), version);
+}
+
+TEST(LightMap, FollowsWhatStoodStillAndIsMovedByHand)
+{
+    World world(scene::make_builtin("cornell"));
+    LightMap map(world.state, world.rays, {}, world.tasks);
+    const auto& objects = world.scene->objects;
+    scene::ObjectId block = scene::none;   // the one that is found last: not a wall's
+    for (scene::ObjectId o = 0; o < objects.size(); ++o)
+        if (!objects[o].dynamic) block = o;
+    ASSERT_NE(block, scene::none);
+    for (int k = 1; k <= 3; ++k) {
+        glm::dmat4 there = world.state.world(objects[block].node);
+        there[3] += glm::dvec4(0.05, 0.1, 0, 0);
+        world.state.override_transform(objects[block].node, &there);
+        world.go(1 + k);
+        map.update(world.state, world.rays, world.tasks);
+        EXPECT_GT(map.work().cast, 0u);
+        const LightMap fresh(world.state, world.rays, {}, world.tasks);
+        EXPECT_EQ(differing(map, fresh), 0u) << k;
+    }
+}
+
+TEST(LightMap, ALightThatMovesMakesItsMapAnew)
+{
+    World world(scene::make_builtin("cornell"));
+    LightMap map(world.state, world.rays, {}, world.tasks);
+    glm::dmat4 there(1);
+    there[3] = glm::dvec4(0.2, 0.9, 0.1, 1);
+    const scene::NodeId node = world.scene->lights[0].node;
+    world.state.override_transform(node, &there);
+    world.go(3);
+    ASSERT_FALSE(world.state.changes().lights_moved.empty());
+    map.update(world.state, world.rays, world.tasks);
+    const LightMap fresh(world.state, world.rays, {}, world.tasks);
+    EXPECT_EQ(differing(map, fresh), 0u);
+}
+
+// In a closed room every direction of a point light ends on a surface: all of its light becomes flux, times the albedo.
+TEST(LightMap, HoldsAllOfThePointLightsFlux)
+{
+    scene::Scene made = scene::make_builtin("cornell");
+    for (scene::Material& material : made.materials) material.base_color = glm::vec3(1);
+    for (scene::Light& light : made.lights) {
+        light.type = scene::LightType::point;
+        light.color = glm::vec3(1, 2, 3);
+    }
+    World world(std::move(made));
+    const LightMap map(world.state, world.rays, {}, world.tasks);
+    ASSERT_EQ(map.views().size(), 6u);
+    glm::dvec3 sum(0);
+    double hit = 0, all = 0;
+    for (const LightMap::View& view : map.views()) {
+        sum += glm::dvec3(map.node(view.node(0, 0, 0)).flux);
+        hit += map.node(view.node(0, 0, 0)).members;
+        all += static_cast<double>(view.side()) * view.side();
+    }
+    EXPECT_LT(hit, all);   // the room is open in front
+    EXPECT_GT(hit, 0.5 * all);
+    // Texels of a cube's faces see unequal angles; the open front bounds the sum from above.
+    EXPECT_LT(sum.x, 4 * k_pi);
+    EXPECT_GT(sum.x, 4 * k_pi * 0.5);
+    EXPECT_NEAR(sum.y / sum.x, 2, 1e-3);
+    EXPECT_NEAR(sum.z / sum.x, 3, 1e-3);
+}
+
+TEST(LightMap, AnInvalidNodeHasChildrenThatDiffer)
+{
+    using light_quadtree::Validity;
+    LightNode four[4];
+    for (LightNode& child : four) child.normal = {0, 0, 1}, child.members = 1, child.depth = 0.5f;
+    const Validity validity;
+    EXPECT_TRUE(is_valid(four, mean_of(four), validity));
+    four[2].depth = 0.5f + 0.07f;   // the mean moves by a quarter of that
+    EXPECT_FALSE(is_valid(four, mean_of(four), validity));
+    four[2].depth = 0.5f + 0.06f;
+    EXPECT_TRUE(is_valid(four, mean_of(four), validity));
+    four[1].normal = {0, 1, 0};
+    EXPECT_FALSE(is_valid(four, mean_of(four), validity));
+    four[1] = four[0];
+    four[3] = {};   // nothing hit
+    EXPECT_FALSE(is_valid(four, mean_of(four), validity));
+    EXPECT_FLOAT_EQ(mean_of(four).normal.z, 1);   // means are over what was hit
+    for (LightNode& child : four) child = {};
+    EXPECT_TRUE(is_valid(four, mean_of(four), validity));
+}
+
+// Every texel with flux lies below exactly one cluster, and the clusters' flux is the map's.
+TEST(LightMap, ClustersAreADisjointCut)
+{
+    World world(scene::make_builtin("cornell"));
+    const LightMap map(world.state, world.rays, {}, world.tasks);
+    std::size_t before = 0;
+    for (const int level : {6, 5, 4}) {
+        light_quadtree::Clusters clusters;
+        light_quadtree::find_clusters(map, {7, level}, clusters);
+        double flux = 0;
+        std::uint64_t members = 0;
+        for (std::size_t c = 0; c < clusters.size(); ++c) {
+            flux += static_cast<double>(clusters.g[c]) * k_pi;
+            members += map.node(clusters.node[c]).members;
+        }
+        const LightMap::View& view = map.views()[0];
+        EXPECT_NEAR(flux / static_cast<double>(map.node(view.node(0, 0, 0)).flux.y), 1, 1e-4);
+        EXPECT_LE(members, map.node(view.node(0, 0, 0)).members);
+        EXPECT_LE(clusters.size(), std::size_t{1} << (2 * light_quadtree::grid_of_paper_level(level)));
+        EXPECT_GT(clusters.size(), before);
+        before = clusters.size();
+    }
+}
+
+}   // namespace
+}   // namespace gnomon
