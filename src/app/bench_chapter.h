@@ -56,6 +56,7 @@ class BenchChapter {
 
 std::unique_ptr<BenchChapter> culling_chapter(const BenchSettings& settings);
 std::unique_ptr<BenchChapter> shadow_textures_chapter(const BenchSettings& settings);
+std::unique_ptr<BenchChapter> indirect_chapter(const BenchSettings& settings);
 std::unique_ptr<BenchChapter> frame_chapter(const BenchSettings& settings);
 
 }   // namespace gnomon::app

@@ -72,6 +72,7 @@ struct Judged {
     int frame = 0;
     PointGrid grid;
     Estimates reference;
+    std::vector<glm::vec3> brute;   // whatever stands between
     // Flicker: points of this frame that the next one shows; not of the clip's last frame.
     std::vector<FixedPoint> fixed;
     std::vector<std::size_t> fixed_pixels;
@@ -130,17 +131,17 @@ class Bench {
         const int count = std::min(options_.judged, most);
         for (int i = 0; i < count; ++i) {
             const int frame = range.first + (count > 1 ? i * (most - 1) / (count - 1) : 0);
-            judged_.push_back({frame, {}, {}, {}, {}, {}, {}});
+            judged_.emplace_back().frame = frame;
             result_.judged.push_back(frame);
         }
     }
 
-    Estimates reference(const World& world, std::span<const FixedPoint> points, std::uint64_t seed)
+    Estimates reference(const World& world, std::span<const FixedPoint> points, std::uint64_t seed, int spp)
     {
         render::ReferenceOptions options;
-        options.samples = options_.spp, options.bounces = 1, options.seed = seed;
+        options.samples = spp, options.bounces = 1, options.seed = seed;
         options.surroundings = scene_->background.kind == scene::Background::Kind::sky;
-        const double step = 1.0 / static_cast<double>(4 * judged_.size());
+        const double step = 1.0 / static_cast<double>(4 * judged_.size() + (options_.pictures ? 1 : 0));
         const double from = step * references_++;
         return cache_.irradiance(world.state, world.rays, points, options, tasks_, [&](const ProgressStep& at) {
             return !progress_ || progress_({"references", from + step * at.done});
@@ -153,17 +154,36 @@ class Bench {
         for (Judged& j : judged_) {
             World world(scene_, options_, j.frame);
             SeenPicture picture;
-            see_picture(world.state, world.rays, world.view(), tasks_, picture);
+            see_picture(world.state, world.rays, world.view(), 0, tasks_, picture);
             j.grid = grid_of(picture, world.rays, options_.grid);
-            j.reference = reference(world, j.grid.points, k_seed);
+            j.reference = reference(world, j.grid.points, k_seed, options_.spp);
             for (const render::IrradianceEstimate& e : j.reference)
                 sum += sum_of(light_of(e)), error += square_of(e.error);
             result_.points += j.reference.size();
+            if (const bool all_visible = std::all_of(options_.methods.begin(), options_.methods.end(),
+                                                     [](const IndirectMethodInfo& m) { return m.visible; });
+                !all_visible) {
+                std::vector<SeenPoint> points;
+                for (const std::size_t pixel : j.grid.pixels) points.push_back(picture.points[pixel]);
+                j.brute = brute_irradiance(world.state, world.rays, points, tasks_);
+            }
+            if (options_.pictures && &j == &judged_[judged_.size() / 2]) make_picture(world, picture, j.frame);
             if (j.frame < options_.frames.last) make_changes(j, world);
         }
         const double values = 3 * static_cast<double>(std::max<std::size_t>(1, result_.points));
         result_.mean_irradiance = sum / values;
         if (sum > 0) result_.reference_noise = std::sqrt(error / values) / result_.mean_irradiance;
+    }
+
+    void make_picture(const World& world, const SeenPicture& picture, int frame)
+    {
+        IndirectPicture& out = result_.picture;
+        out.frame = frame;
+        for (const SeenPoint& seen : picture.points) out.diffuse.push_back(seen.diffuse);
+        out.reference.assign(picture.points.size(), glm::vec3(0));
+        const PointGrid all = grid_of(picture, world.rays, 1);
+        const Estimates light = reference(world, all.points, k_seed, options_.picture_spp);
+        for (std::size_t i = 0; i < light.size(); ++i) out.reference[all.pixels[i]] = light_of(light[i]);
     }
 
     // How the light of fixed points changes from this frame to the next.
@@ -181,10 +201,11 @@ class Bench {
             points.push_back(j.grid.points[i]), pixels.push_back(j.grid.pixels[i]);
             own.push_back(j.reference[i]);
         }
-        const Estimates other = reference(world, points, k_other_seed);
+        const Estimates other = reference(world, points, k_other_seed, options_.spp);
         world.go(j.frame + 1);
         find_again(*scene_, world.rays, world.view(), points, at);
-        const Estimates next = reference(world, points, k_seed), other_next = reference(world, points, k_other_seed);
+        const Estimates next = reference(world, points, k_seed, options_.spp),
+                        other_next = reference(world, points, k_other_seed, options_.spp);
         for (const std::size_t i : at) {
             j.fixed.push_back(points[i]), j.fixed_pixels.push_back(pixels[i]);
             j.change.push_back(light_of(next[i]) - light_of(own[i]));
@@ -196,6 +217,8 @@ class Bench {
     {
         IndirectRow row;
         row.method = info.name;
+        row.title = info.title;
+        row.settings = info.settings;
         const FrameRange range = options_.frames;
         World world(scene_, options_, range.first);
         std::unique_ptr<IndirectMethod> method;
@@ -204,7 +227,7 @@ class Bench {
         std::vector<glm::vec3> light, before;
         Times still, moving, repair;
         std::vector<double> walls;
-        double square = 0, sum = 0, reference_sum = 0, flicker = 0, floor = 0;
+        double square = 0, sum = 0, reference_sum = 0, flicker = 0, floor = 0, brute_square = 0, brute_sum = 0;
         std::size_t values = 0, flickering = 0;
         const Judged* last = nullptr;   // judged in the frame before
 
@@ -213,7 +236,7 @@ class Bench {
                 throw InterruptedError("interrupted");
             const bool cold = frame == range.first;
             if (!cold) world.go(frame);
-            see_picture(world.state, world.rays, world.view(), tasks_, picture);
+            see_picture(world.state, world.rays, world.view(), method->grid_step(options_.size), tasks_, picture);
             light.assign(picture.points.size(), glm::vec3(0));
 
             // The frame as it comes.
@@ -257,12 +280,14 @@ class Bench {
                     const glm::vec3& e = light[j.grid.pixels[i]];
                     own_square += square_of(e - light_of(j.reference[i]));
                     sum += sum_of(e), own_sum += sum_of(light_of(j.reference[i]));
+                    if (info.visible) continue;
+                    brute_square += square_of(e - j.brute[i]), brute_sum += sum_of(j.brute[i]);
                 }
                 const double count = 3 * static_cast<double>(j.grid.pixels.size());
                 if (own_sum > 0) row.nrmse_by_frame.push_back(std::sqrt(own_square / count) / (own_sum / count));
                 square += own_square, reference_sum += own_sum, values += j.grid.pixels.size();
-                if (options_.pictures) result_.pictures.push_back({frame, result_.rows.size(), light});
             }
+            if (options_.pictures && frame == result_.picture.frame) row.picture = light;
             before = light;
 
             // The same frame once more: nothing moved.
@@ -289,11 +314,12 @@ class Bench {
             const double count = 3 * static_cast<double>(values), mean = reference_sum / count;
             row.nrmse = std::sqrt(square / count) / mean;
             row.energy_ratio = sum / reference_sum;
+            if (brute_sum > 0) row.nrmse_brute = std::sqrt(brute_square / count) / (brute_sum / count);
             if (flickering > 0) {
                 const double all = static_cast<double>(flickering) * mean;
                 row.flicker = flicker / all, row.flicker_floor = floor / all;
             }
-            if (options_.view_steps > 0) row.view_change = walk(*method, world, picture, mean);
+            if (options_.view_steps > 0 && info.visible) row.view_change = walk(*method, world, picture, mean);
         }
         const Times rebuilt = time_of([&] { info.make_for(world.state, world.rays, tasks_); });
         row.ms_rebuild = rebuilt.wall, row.cpu_ms_rebuild = rebuilt.cpu;
@@ -304,7 +330,7 @@ class Bench {
     Change walk(IndirectMethod& method, World& world, SeenPicture& picture, double mean)
     {
         const render::View start = world.view();
-        see_picture(world.state, world.rays, start, tasks_, picture);
+        see_picture(world.state, world.rays, start, 0, tasks_, picture);
         const PointGrid grid = grid_of(picture, world.rays, options_.grid);
         float distance = 0;
         for (const SeenPoint& seen : picture.points)
@@ -320,7 +346,7 @@ class Bench {
             view.eye += static_cast<float>(step * options_.view_zoom) * distance * view.forward;
             world.state.advance(world.state.time());
             world.rays.update(world.state);
-            see_picture(world.state, world.rays, view, tasks_, picture);
+            see_picture(world.state, world.rays, view, method.grid_step(options_.size), tasks_, picture);
             method.begin_frame(world.state, world.rays, tasks_);
             method.light(picture, tasks_, light.data());
             std::vector<std::size_t> seen;

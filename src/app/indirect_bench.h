@@ -9,6 +9,9 @@
 // the same random numbers in both frames, and the same figure between two references is the floor. Where only the view
 // moves, E must not change at all; how much it does is measured on a short walk.
 //
+// Methods that know of nothing in the way are also judged against the sum over all texels of their light map
+// (nrmse_brute): what they approximate.
+//
 // Times leave out the hits themselves.
 
 #include <array>
@@ -34,7 +37,8 @@ struct IndirectBenchOptions {
     double view_zoom = 2e-3;   // share of the distance to the picture's middle by which it goes forward
     std::vector<IndirectMethodInfo> methods;
     std::string reference_cache;   // folder; empty: references are not kept
-    bool pictures = false;
+    bool pictures = false;         // keep every method's irradiance in one frame, and the reference's
+    int picture_spp = 256;         // paths a pixel of the latter
 };
 
 /// In units of mean E.
@@ -43,22 +47,25 @@ struct Change {
 };
 
 struct IndirectRow {
-    std::string method;
+    std::string method, title;
+    IndirectSettings settings;
     // Means from the second frame on; the first is cold. Wall time, and process CPU time over all threads.
     double ms_cold = 0, ms_static = 0, ms_moving = 0, ms_repair = 0, ms_rebuild = 0;
     double cpu_ms_cold = 0, cpu_ms_static = 0, cpu_ms_moving = 0, cpu_ms_repair = 0, cpu_ms_rebuild = 0;
     double ms_moving_median = 0, ms_moving_worst = 0;
     IndirectWork work;   // means, bytes the largest; of moving frames
     std::uint64_t rays_cold = 0;
-    std::optional<double> nrmse, energy_ratio, flicker, flicker_floor;
-    std::optional<Change> view_change;
+    std::optional<double> nrmse, nrmse_brute, energy_ratio, flicker, flicker_floor;
+    std::optional<Change> view_change;   // of methods that know what stands in the way
     std::vector<double> nrmse_by_frame;
+    std::vector<glm::vec3> picture;   // irradiance by pixel, if pictures are kept
 };
 
-struct IndirectPictures {
+/// The frame of which pictures are kept.
+struct IndirectPicture {
     int frame = 0;
-    std::size_t row = 0;   // method; or no_row: the reference
-    std::vector<glm::vec3> irradiance;
+    std::vector<glm::vec3> diffuse;     // share of irradiance that each pixel's surface sends on, times pi
+    std::vector<glm::vec3> reference;   // irradiance
 };
 
 struct IndirectBenchResult {
@@ -68,7 +75,7 @@ struct IndirectBenchResult {
     std::size_t points = 0;   // judged, of all frames
     int references_computed = 0, references_found = 0;
     std::vector<IndirectRow> rows;
-    std::vector<IndirectPictures> pictures;
+    IndirectPicture picture;
 };
 
 /// @throws InterruptedError  progress returned false

@@ -26,6 +26,9 @@ class IndirectMethod {
  public:
     virtual ~IndirectMethod() = default;
 
+    /// Pixels between two of the sparse receivers that light() finds in the picture; 0: it needs none.
+    virtual int grid_step(Size) const { return 0; }
+
     /// After the state advanced and the ray scene followed: light maps and trees are repaired here.
     virtual void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks) = 0;
     /// Irradiance of every pixel of a picture; what its points without a surface get is not read.
@@ -35,13 +38,23 @@ class IndirectMethod {
     virtual IndirectWork end_frame() = 0;
 };
 
+/// What is not in a method's name.
+struct IndirectSettings {
+    double depth_threshold = 0.05;   // of quadtree; a fraction of the light view's depth range
+    double normal_threshold = 0.9;   // of quadtree; least cosine
+    bool full = false;               // rsm, quadtree: every pixel gathers
+    double radius = 0.3;             // of rsm's disk, in sides of the light map; rsm:SAMPLES:RADIUS says another
+};
+
 struct IndirectMethodInfo {
-    std::string name;    // as given: "visible", "rsm:256"
+    std::string name;    // as given: "visible", "rsm:256", "rsm:256:0.6"
     std::string title;   // for people
+    IndirectSettings settings;
     /// Cost: everything that the method prepares, as if nothing were remembered.
     std::unique_ptr<IndirectMethod> (*make)(const IndirectMethodInfo& info, const scene::SceneState& state,
                                             const ray::RayScene& rays, Tasks& tasks);
-    int number = 0;   // after the colon
+    int number = 0;        // after the colon
+    bool visible = true;   // knows what stands in light's way; else it is also judged by brute_irradiance()
     std::unique_ptr<IndirectMethod> make_for(const scene::SceneState& state, const ray::RayScene& rays,
                                              Tasks& tasks) const
     {
@@ -50,6 +63,11 @@ struct IndirectMethodInfo {
 };
 
 /// @throws UsageError  no such method
-IndirectMethodInfo find_indirect_method(const std::string& name);
+IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectSettings& settings);
+
+/// The light of all texels of the scene's light maps at points, by the kernel of rsm and quadtree, whatever stands
+/// between: what both approximate. Cost: a light map; then texels times points.
+std::vector<glm::vec3> brute_irradiance(const scene::SceneState& state, const ray::RayScene& rays,
+                                        std::span<const SeenPoint> points, Tasks& tasks);
 
 }   // namespace gnomon::app

@@ -21,6 +21,7 @@ SeenPoint seen_point(const scene::Scene& scene, const ray::RayScene& rays, const
     render::surface_at(scene, rays.geometry(hit.object), hit.triangle, hit.u, hit.v, hit.t, direction,
                        {view.pixel_width, view.pixel_spread}, s);
     seen.point = {s.position, s.geometric_normal, s.normal, hit.object, hit.triangle, hit.u, hit.v, s.cone.width};
+    seen.diffuse = s.diffuse * s.coverage;
     seen.scatters = s.model != scene::ShadingModel::unlit && s.diffuse != glm::vec3(0);
     return seen;
 }
@@ -35,10 +36,12 @@ glm::vec3 winding_normal(const ray::RayScene& rays, scene::ObjectId object, std:
 
 }   // namespace
 
-void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const render::View& view, Tasks& tasks,
-                 SeenPicture& out)
+void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const render::View& view, int grid_step,
+                 Tasks& tasks, SeenPicture& out)
 {
     out.size = view.size;
+    out.grid = {};
+    if (grid_step > 0) out.grid = render::cast_indirect_grid(state.scene(), rays, view, grid_step, tasks);
     out.points.assign(out.index(0, view.size.height), {});
     const int bands = (view.size.height + k_rows_together - 1) / k_rows_together;
     tasks.for_each(static_cast<std::size_t>(bands), [&](std::size_t band, int) {
@@ -109,6 +112,8 @@ std::vector<SeenPoint> find_again(const scene::Scene& scene, const ray::RayScene
         if (!(std::abs(px) < 1) || !(std::abs(py) < 1)) continue;
         const glm::vec2 place(0.5f * (1 + px) * static_cast<float>(view.size.width),
                               0.5f * (1 - py) * static_cast<float>(view.size.height));
+        if (!(place.x < static_cast<float>(view.size.width) && place.y < static_cast<float>(view.size.height)))
+            continue;
 
         // Does a ray there meet it, and from the same side?
         glm::vec3 origin, direction;

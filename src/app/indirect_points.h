@@ -7,6 +7,7 @@
 
 #include "base/tasks.h"
 #include "light_quadtree/anchors.h"
+#include "render/indirect_grid.h"
 #include "render/reference.h"
 #include "render/view.h"
 
@@ -15,21 +16,23 @@ namespace gnomon::app {
 struct SeenPoint {
     light_quadtree::IndirectPoint point;   // object is none where nothing was hit
     glm::vec2 place{0};                    // on the picture, in pixels
+    glm::vec3 diffuse{0};                  // share of light that it sends on evenly
     bool scatters = false;                 // a surface that reflects diffusely: bounced light matters there
 };
 
 struct SeenPicture {
     Size size;
     std::vector<SeenPoint> points;   // by pixel, row by row
+    render::IndirectGrid grid;       // for methods that have sparse receivers; else empty
     std::size_t index(int x, int y) const
     {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
     }
 };
 
-/// Primary hits through the centres of all pixels.
-void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const render::View& view, Tasks& tasks,
-                 SeenPicture& out);
+/// Primary hits through the centres of all pixels; at every `grid_step`-th pixel also as sparse receivers, if above 0.
+void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const render::View& view, int grid_step,
+                 Tasks& tasks, SeenPicture& out);
 
 /// A point that keeps its place on its object, and the side from which it was seen.
 struct FixedPoint {

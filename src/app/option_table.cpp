@@ -70,7 +70,8 @@ constexpr Option k_options[] = {
      .help = "the published method by the letter of its Tables 1 and 3: neighbours found occluded are tested again, and "
              "shadows of what moves are remembered"},
     {.name = "method", .argument = "HOW", .kind = Kind::text, .repeats = true, .verbs = bit(bench_indirect),
-     .group = k_indirect, .help = "what to measure: visible (default); may be given again"},
+     .group = k_indirect, .help = "what to measure: visible (default), quadtree:LEVEL, rsm:SAMPLES, rsm:SAMPLES:RADIUS (of the disk, in sides of the map; 0.3); "
+             "may be given again"},
     {.name = "no-counts", .verbs = bit(bench_culling), .group = k_shadows,
      .help = "no nodes and triangle tests on the counting kd-tree"},
     {.name = "moving-lights", .verbs = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,

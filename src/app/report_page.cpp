@@ -168,6 +168,15 @@ void ReportPage::comparison(const PictureComparison& pictures)
     body_ += figure("pictures", content + "</div>\n", pictures.caption, command_);
 }
 
+void ReportPage::gallery(const std::vector<NamedPicture>& pictures, const std::string& caption)
+{
+    std::string content = "<div class=\"row\">\n";
+    for (const NamedPicture& one : pictures)
+        content += fmt::format("<div>{}<span>{}</span></div>\n", image_tag(one.picture, "small", one.name),
+                               html_text(one.name));
+    body_ += figure("gallery", content + "</div>\n", caption, command_);
+}
+
 void ReportPage::attach(const std::string& name, const Json& document)
 {
     const int number = attachments_++;

@@ -40,6 +40,11 @@ struct PictureComparison {
     Image8 difference;   // may be empty
 };
 
+struct NamedPicture {
+    std::string name;
+    Image8 picture;
+};
+
 class ReportPage {
  public:
     /// @param machine  what everything was measured on, in a line
@@ -55,6 +60,8 @@ class ReportPage {
     void table(const ReportTable& table);
     void chart(const Chart& chart, const std::string& caption);
     void comparison(const PictureComparison& pictures);
+    /// Small pictures side by side.
+    void gallery(const std::vector<NamedPicture>& pictures, const std::string& caption);
     /// Data to download. @param name  of the file it becomes
     void attach(const std::string& name, const nlohmann::ordered_json& document);
 

@@ -54,6 +54,7 @@ int run_bench_all(const CommandLine& line, Output& output)
     std::vector<std::unique_ptr<BenchChapter>> chapters;
     chapters.push_back(culling_chapter(settings));
     chapters.push_back(shadow_textures_chapter(settings));
+    chapters.push_back(indirect_chapter(settings));
     chapters.push_back(frame_chapter(settings));
 
     std::vector<BenchPart> parts;

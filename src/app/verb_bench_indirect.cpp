@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "app/indirect_bench.h"
+#include "app/indirect_report.h"
 #include "app/machine.h"
 #include "app/moving_lights.h"
 #include "app/verbs.h"
@@ -14,55 +15,21 @@ namespace gnomon::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int k_frames_by_default = 10;
 
-template <class T>
-Json maybe(const std::optional<T>& value)
-{
-    return value ? Json(*value) : Json(nullptr);
-}
-
-Json to_json(const IndirectRow& r)
-{
-    Json json{{"method", r.method},
-              {"clusters", r.work.clusters},
-              {"ms_cold", r.ms_cold},
-              {"ms_static", r.ms_static},
-              {"ms_moving", r.ms_moving},
-              {"ms_repair", r.ms_repair},
-              {"ms_rebuild", r.ms_rebuild},
-              {"ms_moving_median", r.ms_moving_median},
-              {"ms_moving_worst", r.ms_moving_worst},
-              {"cpu_ms_cold", r.cpu_ms_cold},
-              {"cpu_ms_static", r.cpu_ms_static},
-              {"cpu_ms_moving", r.cpu_ms_moving},
-              {"cpu_ms_repair", r.cpu_ms_repair},
-              {"cpu_ms_rebuild", r.cpu_ms_rebuild},
-              {"dirty_pixels", r.work.dirty_pixels},
-              {"dirty_nodes", r.work.dirty_nodes},
-              {"nrmse", maybe(r.nrmse)},
-              {"nrmse_by_frame", r.nrmse_by_frame},
-              {"nrmse_brute", nullptr},
-              {"energy_ratio", maybe(r.energy_ratio)},
-              {"flicker", maybe(r.flicker)},
-              {"flicker_floor", maybe(r.flicker_floor)},
-              {"view_change_mean", r.view_change ? Json(r.view_change->mean) : Json(nullptr)},
-              {"view_change_largest", r.view_change ? Json(r.view_change->largest) : Json(nullptr)},
-              {"rays", r.work.rays},
-              {"rays_cold", r.rays_cold},
-              {"bytes", r.work.bytes}};
-    return json;
-}
+// A report's picture of the reference: paths a pixel, for paths a point.
+constexpr int k_picture_paths_share = 8, k_least_picture_paths = 64;
 
 void say_row(const IndirectRow& r, Output& output)
 {
     const auto percent = [](const std::optional<double>& value) {
         return value ? fmt::format("{:.2f} %", 100 * *value) : std::string("-");
     };
-    output.say(fmt::format("{:14} nRMSE {}, energy {}", r.method, r.nrmse ? fmt::format("{:.4f}", *r.nrmse) : "-",
-                           r.energy_ratio ? fmt::format("{:.4f}", *r.energy_ratio) : "-"));
+    const auto number = [](const std::optional<double>& value) {
+        return value ? fmt::format("{:.4f}", *value) : std::string("-");
+    };
+    output.say(fmt::format("{:14} nRMSE {} ({} against all texels), energy {}", r.method, number(r.nrmse),
+                           number(r.nrmse_brute), number(r.energy_ratio)));
     output.say(fmt::format(
         "{:14} {:.1f} ms moving (median {:.1f}, worst {:.1f}; repair {:.2f} of it), {:.1f} static, "
         "{:.1f} cold, {:.1f} to prepare anew",
@@ -92,6 +59,7 @@ int camera_of(const scene::Scene& scene, const std::string& wanted)
 
 IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
 {
+    if (values.text("renderer") == "raster") throw UsageError("--renderer raster has no indirect light yet");
     IndirectBenchOptions options;
     options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
     if (values.given("frames")) options.frames = *parse_range(values.text("frames"));
@@ -104,9 +72,18 @@ IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
     options.spp = values.integer("spp");
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
+    options.pictures = values.given("report");
+    options.picture_spp = std::max(k_least_picture_paths, options.spp / k_picture_paths_share);
     std::vector<std::string> methods = values.all("method");
-    if (methods.empty()) methods = {"visible"};
-    for (const std::string& name : methods) options.methods.push_back(find_indirect_method(name));
+    if (methods.empty() && !options.pictures) methods = {"visible"};
+    const IndirectSettings settings{values.number("depth-threshold"), values.number("normal-threshold"),
+                                    values.text("receivers") == "full"};
+    if (options.pictures) options.methods = indirect_methods_of_paper(settings);
+    for (const std::string& name : methods) {
+        const auto same = [&](const IndirectMethodInfo& m) { return m.name == name; };
+        if (std::none_of(options.methods.begin(), options.methods.end(), same))
+            options.methods.push_back(find_indirect_method(name, settings));
+    }
     return options;
 }
 
@@ -118,9 +95,15 @@ int run_bench_indirect(const CommandLine& line, Output& output)
         throw UsageError("bench indirect measures the traced frame: --renderer trace");
     const OptionValues& values = line.values;
     const Scene scene = load_scene(line, output.progress());
-    const IndirectBenchOptions options = options_of(values, scene);
+    std::optional<ReportFile> report;
+    if (values.given("report")) report.emplace(values.text("report"));
+    IndirectStudy study;
+    study.scene = line.positionals[0];
+    study.command = line.command;
+    study.options = options_of(values, scene);
+    const IndirectBenchOptions& options = study.options;
     const auto inside = values.flag("moving-lights") ? with_moving_lights(scene.inside()) : scene.inside();
-    const IndirectBenchResult result =
+    const IndirectBenchResult& result = study.result =
         bench_indirect(inside, options, output.progress(), [&](const IndirectRow& row) { say_row(row, output); });
     output.say(
         fmt::format("{:14} {} paths a point, {} points of frames {} to {}; noise {:.4f} of the mean; {} computed, "
@@ -128,19 +111,15 @@ int run_bench_indirect(const CommandLine& line, Output& output)
                     "reference", options.spp, result.points, result.judged.front(), result.judged.back(),
                     result.reference_noise, result.references_computed, result.references_found));
 
-    Json rows = Json::array();
-    for (const IndirectRow& row : result.rows) rows.push_back(to_json(row));
-    output.finish({{"device", processor_name()},
-                   {"threads", options.threads > 0 ? options.threads : processor_threads()},
-                   {"width", options.size.width},
-                   {"height", options.size.height},
-                   {"frames", {options.frames.first, options.frames.last}},
-                   {"judged_frames", result.judged},
-                   {"spp", options.spp},
-                   {"points", result.points},
-                   {"mean_irradiance", result.mean_irradiance},
-                   {"reference_noise", result.reference_noise},
-                   {"rows", std::move(rows)}});
+    if (report) {
+        study.direct = direct_light(Scene(inside), study);
+        ReportPage page("Gnomon: indirect light",
+                        machine_line(study.options.threads > 0 ? study.options.threads : processor_threads()));
+        add_indirect_section(page, study);
+        report->write(page);
+        output.say(fmt::format("report     {}", report->path().string()));
+    }
+    output.finish(indirect_json(study));
     return 0;
 }
 

@@ -114,8 +114,49 @@ TEST(BenchIndirect, Document)
 
 TEST(BenchIndirect, UnknownMethodsAreRefused)
 {
-    for (const char* method : {"guess", "visible:3"})
+    for (const char* method : {"guess", "visible:3", "quadtree", "rsm"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "no method");
+    for (const char* method : {"quadtree:3", "quadtree:7", "quadtree:5:1", "rsm:0", "rsm:many", "rsm:64x"})
+        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its number is");
+    for (const char* method : {"rsm:64:", "rsm:64:0", "rsm:64:nan", "rsm:64:9"})
+        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its radius is");
+}
+
+// More clusters, and more samples, come nearer to the sum that both approximate; neither reaches the reference.
+TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
+{
+    const Outcome outcome =
+        run({"bench",      "indirect", "builtin:cornell", "--frames", "1-3",        "--size",      "96x96",
+             "--spp",      "64",       "--judged",        "1",        "--method",   "quadtree:6",  "--method",
+             "quadtree:4", "--method", "rsm:64:1",        "--method", "rsm:1024:1", "--receivers", "full",
+             "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json rows = outcome.json()["rows"];
+    ASSERT_EQ(rows.size(), 4u);
+    for (const int coarse : {0, 2}) {
+        const json &a = rows[static_cast<std::size_t>(coarse)], &b = rows[static_cast<std::size_t>(coarse + 1)];
+        EXPECT_LT(b["nrmse_brute"].get<double>(), a["nrmse_brute"].get<double>()) << a["method"];
+        EXPECT_LT(a["clusters"].get<int>(), b["clusters"].get<int>());
+    }
+    for (const json& row : rows) {
+        EXPECT_GT(row["nrmse"].get<double>(), 0.15) << row["method"];
+        EXPECT_GT(row["dirty_pixels"].get<int>(), 0);
+        EXPECT_GT(row["dirty_nodes"].get<int>(), 0);
+        EXPECT_GT(row["bytes"].get<std::uint64_t>(), 1u << 20);
+    }
+}
+
+TEST(BenchIndirect, ReportHoldsTablesAndPictures)
+{
+    const ScratchFolder folder;
+    const Outcome outcome = run({"bench", "indirect", "builtin:cornell", "--frames", "1-2", "--size", "64x64", "--spp",
+                                 "16", "--judged", "1", "--report", folder / "page", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string page = bytes_of(folder / "page/index.html");
+    for (const char* text : {"Table 1 of the paper", "Table 2 of the paper", "Table 3 of the paper", "Figure 9",
+                             "204.20 / 107.58", "quadtree:5 (0.45, 0.3)", "gallery", "indirect.json"})
+        EXPECT_NE(page.find(text), std::string::npos) << text;
+    EXPECT_EQ(outcome.json()["rows"].size(), 16u);
 }
 
 }   // namespace
