@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: the life of a surface point from key to light is one story, told in the order in which a frame tells it.
 #include "light_quadtree/visible_light.h"
 
 #include <algorithm>
