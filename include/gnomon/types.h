@@ -39,9 +39,11 @@ enum class Indirect { off, rsm, quadtree, visible };
 /// What finds a ray's hit: Embree, or a kd-tree that counts its work, far slower and the same up to edges.
 enum class Accelerator { embree, kdtree };
 
-/// A picture of the method's inside instead of the scene's light. `shadow_states`: per light, what was remembered
-/// where. `clusters`: what Indirect::quadtree takes for one light.
-enum class Overlay { none, shadow_states, clusters };
+/// A picture of the method's inside instead of the scene's light. `shadow_states`, of the traced frame: per light, what
+/// was remembered where. `redrawn`, of the rasterised frame: what the light views drew anew in this frame, red what
+/// moves, green what has come to rest, yellow what stands still and was drawn again; grey was kept. `clusters`: what
+/// Indirect::quadtree takes for one light.
+enum class Overlay { none, shadow_states, redrawn, clusters };
 
 enum class ToneMap { none, neutral, agx, aces };
 

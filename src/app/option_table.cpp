@@ -132,10 +132,11 @@ constexpr Option k_options[] = {
     {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = "none|neutral|agx|aces",
      .verbs = k_pictures, .group = k_look, .help = "how light becomes screen colour"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters",
-     .built_choices = "shadow-states|clusters", .verbs = k_pictures, .group = k_look,
+     .verbs = k_pictures, .group = k_look,
      .help = "colours what was remembered, redrawn, chosen. shadow-states: a panel of --size for each light, with a "
-             "legend; what differs from a trace of every ray is counted and glares. clusters: a colour for each one, "
-             "with --indirect quadtree"},
+             "legend; what differs from a trace of every ray is counted and glares. redrawn: what the rasteriser's light "
+             "views drew in this frame: red moves, green came to rest, yellow was repaired. clusters: a colour for each "
+             "one, with --indirect quadtree"},
     {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_pictures,
      .group = k_look, .help = "show shadow states of this light alone, from 0 (default: of all)"},
 

@@ -33,6 +33,12 @@ Indirect indirect_of(const std::string& name)
     return name == "quadtree" ? Indirect::quadtree : Indirect::visible;
 }
 
+Overlay overlay_of(const std::string& name)
+{
+    if (name == "redrawn") return Overlay::redrawn;
+    return name == "clusters" ? Overlay::clusters : Overlay::shadow_states;
+}
+
 }   // namespace
 
 RenderOptions read_picture_options(const OptionValues& values)
@@ -53,11 +59,10 @@ RenderOptions read_picture_options(const OptionValues& values)
     options.normal_threshold = values.number("normal-threshold");
     options.indirect_at_every_pixel = values.text("receivers") == "full";
     if (values.text("accelerator") == "kdtree") options.accelerator = Accelerator::kdtree;
-    const bool states = values.given("overlay") && values.text("overlay") == "shadow-states";
-    if (states) options.overlay = Overlay::shadow_states;
-    if (values.given("overlay") && !states) options.overlay = Overlay::clusters;
+    if (values.given("overlay")) options.overlay = overlay_of(values.text("overlay"));
     if (values.given("overlay-light")) {
-        if (!states) throw UsageError("--overlay-light needs --overlay shadow-states");
+        if (options.overlay != Overlay::shadow_states)
+            throw UsageError("--overlay-light needs --overlay shadow-states");
         options.overlay_light = values.integer("overlay-light");
     }
     options.samples = values.integer("samples");

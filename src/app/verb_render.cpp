@@ -26,7 +26,7 @@ void refuse_the_others(const OptionValues& values)
             if (values.given(name)) throw UsageError(fmt::format("--{} needs --renderer {}", name, renderer));
     };
     if (values.text("renderer") == "raster") {
-        refuse({"shadow-culling", "accelerator", "max-depth", "overlay", "reference"}, "trace");
+        refuse({"shadow-culling", "accelerator", "max-depth", "reference"}, "trace");
         if (values.given("indirect") && values.text("indirect") != "off")
             throw UsageError("--renderer raster has no indirect light yet: --indirect off");
     } else {

@@ -15,6 +15,7 @@ struct RasterSettings {
     bool layers = false;
     ShadowTextures shadows = ShadowTextures::coherent;
     float shadow_filter = 1;   // texels; 0: hard
+    bool redrawn = false;      // paint_redrawn() will be called
 };
 
 class Rasterizer {
@@ -28,6 +29,8 @@ class Rasterizer {
     /// @throws InterruptedError  progress returned false; likewise
     virtual FrameCounters render(const scene::SceneState& state, const View& view, FrameBuffers& out,
                                  const Progress& progress) = 0;
+    /// Overlay::redrawn, over the last frame's colour; its light becomes what is shown, within 0 to 1.
+    virtual void paint_redrawn(double exposure, ImageF& color) const = 0;
     virtual std::string device() const = 0;
 };
 

@@ -69,12 +69,16 @@ void check_options(const RenderOptions& o)
     if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
     if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
     if (o.shadow_filter < 0 || o.shadow_filter > 64) throw UsageError("the shadow filter is out of range: 0 to 64");
-    if (o.renderer == RenderMethod::raster && o.overlay != Overlay::none)
-        throw UsageError("an overlay shows the inside of the traced frame: not with the rasteriser");
+    if (o.renderer == RenderMethod::raster && (o.overlay == Overlay::shadow_states || o.overlay == Overlay::clusters))
+        throw UsageError(
+            "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && (o.indirect == Indirect::rsm || o.indirect == Indirect::quadtree))
         throw UsageError("indirect light from light maps is built for the traced frame: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && o.reference)
         throw UsageError("the reference is traced: not with the rasteriser");
+    if (o.overlay == Overlay::redrawn &&
+        (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
+        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
     if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
         throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
     if (o.overlay == Overlay::clusters && o.indirect != Indirect::quadtree)
@@ -170,7 +174,8 @@ struct Renderer::Inside {
                 raster = render::make_rasterizer(*state, {.samples = options.samples,
                                                           .layers = options.layers,
                                                           .shadows = options.shadow_textures,
-                                                          .shadow_filter = static_cast<float>(options.shadow_filter)});
+                                                          .shadow_filter = static_cast<float>(options.shadow_filter),
+                                                          .redrawn = options.overlay == Overlay::redrawn});
                 scene = wanted;
                 return;
             }
@@ -313,6 +318,14 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         return picture;
     }
 
+    picture.tonemap = options.tonemap;
+    picture.exposure = options.exposure ? *options.exposure : render::auto_exposure(in.buffers.color.data);
+    if (options.overlay == Overlay::redrawn) {
+        in.raster->paint_redrawn(picture.exposure, in.buffers.color);
+        picture.tonemap = ToneMap::none;
+        picture.exposure = 0;
+    }
+
     // Hand the buffers over as layers.
     const auto give = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {
         picture.layers.push_back({name, std::move(channels), image.data});
@@ -334,8 +347,6 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         if (!lights.empty()) give("shadow", std::move(lights), in.buffers.shadow);
     }
     picture.size = size;
-    picture.tonemap = options.tonemap;
-    picture.exposure = options.exposure ? *options.exposure : render::auto_exposure(in.buffers.color.data);
     picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     return picture;
 }
@@ -349,6 +360,8 @@ Size default_size(const Scene& scene, const std::string& camera)
 Size picture_size(const Scene& scene, const RenderOptions& options)
 {
     const Size size = traced_size(scene, options);
+    if (options.overlay == Overlay::redrawn && scene.inside()->lights.empty())
+        throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
     if (options.overlay != Overlay::shadow_states) return size;
     const std::size_t panels = overlay_lights(*scene.inside(), options).size();
     if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > k_max_pixels)

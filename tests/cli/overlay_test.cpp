@@ -112,7 +112,7 @@ TEST(Overlay, MistakesAreOneLine)
     expect_failure(run(render(out, {"--overlay", "shadow-states", "--lights", "0"})), 2, "has none");
     expect_failure(run({"render", k_scene, "-o", out, "--overlay", "shadow-states", "--size", "30000x8000"}), 2,
                    "--overlay-light");
-    expect_failure(run(render(out, {"--overlay", "redrawn"})), 2, "not built yet");
+    expect_failure(run(render(out, {"--overlay", "redrawn"})), 2, "needs the rasteriser");
     expect_failure(run(render(out, {"--overlay", "clusters"})), 2, "quadtree");
     expect_failure(run(render(out, {"--overlay", "clusters", "--indirect", "quadtree", "--overlay-light", "0"})), 2,
                    "--overlay shadow-states");

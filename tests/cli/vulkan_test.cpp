@@ -78,6 +78,9 @@ TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
     EXPECT_EQ(code({"--renderer", "raster", "--indirect", "visible"}), 2);
     EXPECT_EQ(code({"--shadow-textures", "depth"}), 2);
     EXPECT_EQ(code({"--shadow-filter", "0"}), 2);
+    EXPECT_EQ(code({"--renderer", "raster", "--overlay", "shadow-states"}), 2);
+    EXPECT_EQ(code({"--renderer", "raster", "--overlay", "redrawn", "--lights", "0"}), 2);
+    EXPECT_EQ(run({"view", "builtin:cornell", "--renderer", "raster", "--overlay", "redrawn"}).code, 2);
     EXPECT_EQ(run({"bench", "indirect", "builtin:cornell", "--renderer", "raster"}).code, 2);
 }
 

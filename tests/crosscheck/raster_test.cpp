@@ -259,6 +259,33 @@ TEST_F(RasterCrosscheck, FilmIsItsFrames)
     }
 }
 
+// What moves is red, what it left and what it now covers is as the light views say; a frame like the last is grey.
+TEST_F(RasterCrosscheck, OverlayShowsWhatWasRedrawn)
+{
+    const Scene scene = load("builtin:cornell");
+    RenderOptions options = options_of(RenderMethod::raster, {80, 80});
+    options.layers = false;
+    options.overlay = Overlay::redrawn;
+    Renderer renderer(options);
+    const auto count = [](const Picture& picture, auto&& is) {
+        const std::vector<float>& rgb = picture.layers[0].data;
+        std::size_t found = 0;
+        for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) found += is(rgb[i], rgb[i + 1], rgb[i + 2]);
+        return found;
+    };
+    const auto red = [](float r, float g, float) { return r > 4 * g; };
+    const auto colored = [](float r, float g, float b) { return std::abs(r - g) > 1e-3f || std::abs(g - b) > 1e-3f; };
+    renderer.render(scene, 10);
+    const Picture moved = renderer.render(scene, 11);
+    EXPECT_EQ(moved.size, (Size{80, 80}));
+    // The ball, and nothing that it does not meet.
+    EXPECT_GT(count(moved, red), 20u);
+    EXPECT_LT(count(moved, red), 400u);
+    const Picture kept = renderer.render(scene, 11);
+    EXPECT_EQ(count(kept, red), 0u);
+    EXPECT_EQ(count(kept, colored), 0u);
+}
+
 TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsWhole)
 {
     const Scene scene = load("builtin:cornell");

@@ -6,6 +6,17 @@
 
 namespace gnomon::app {
 
+namespace {
+
+RenderOptions shown_options(const OptionValues& values)
+{
+    const RenderOptions options = read_picture_options(values);
+    if (options.overlay == Overlay::redrawn) throw UsageError("the viewer has no --overlay redrawn yet: render has");
+    return options;
+}
+
+}   // namespace
+
 std::string ViewSettings::set(const Option& option, const std::string& text)
 {
     try {
@@ -14,7 +25,7 @@ std::string ViewSettings::set(const Option& option, const std::string& text)
             changed.unset(option);
         else
             changed.set(option, {text});
-        read_picture_options(changed);
+        shown_options(changed);
         values_ = std::move(changed);
         return {};
     } catch (const UsageError& error) {
@@ -24,7 +35,7 @@ std::string ViewSettings::set(const Option& option, const std::string& text)
 
 RenderOptions ViewSettings::render_options() const
 {
-    return read_picture_options(values_);
+    return shown_options(values_);
 }
 
 SceneRecipe ViewSettings::recipe(const std::string& what) const

@@ -430,19 +430,6 @@ void RasterFrame::update(const scene::SceneState& state)
     scene_.update(commands_, state);
 }
 
-IdImage RasterFrame::render_ids(const scene::SceneState& state, const View& view)
-{
-    FrameBuffers unused;
-    render(state, view, {}, unused);
-    // The first layer's, so only where nothing is transparent does one layer tell all.
-    GNOMON_CHECK(!scene_.has_transparent());
-    const vk::Buffer ids = commands_.read_back(surfaces_.ids);
-    commands_.submit();
-    IdImage image(view.size.width, view.size.height, 2);
-    std::copy_n(ids.as<std::uint32_t>().data(), image.data.size(), image.data.data());
-    return image;
-}
-
 FrameCounters RasterFrame::render(const scene::SceneState& state, const View& view, const RasterOptions& options,
                                   FrameBuffers& out, const Progress& progress)
 {
@@ -487,11 +474,13 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
         if (peels) clear(peel_depth_[1], 1);
         const float weight = 1.0f / static_cast<float>(options.samples);
         std::vector<vk::Buffer> surfaces;
+        std::optional<vk::Buffer> ids;
         for (int layer = 0; layer < layers; ++layer) {
             const bool peeled = layer + 1 < layers;
             if (peeled) peel(push, peel_depth_[(layer + 1) % 2], peel_depth_[layer % 2]);
             resolve({offset, weight, layer == 0 ? 1u : 0u, peeled ? 1u : 0u, layer + 1 == layers ? 1u : 0u});
             light(options, options.layers && layer == 0);
+            if (options.ids && sample == 0 && layer == 0) ids = commands_.read_back(surfaces_.ids);
             if (!options.layers || layer > 0) continue;
             for (const vk::Image* image : {&surfaces_.diffuse, &surfaces_.specular})
                 surfaces.push_back(commands_.read_back(*image));
@@ -509,6 +498,10 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
         const vk::Buffer drawn = commands_.read_back(scene_.counts_buffer);
         commands_.submit();
         counters.draws += drawn.as<std::uint32_t>()[0];
+        if (ids) {
+            *options.ids = IdImage(size.width, size.height, 2);
+            std::copy_n(ids->as<std::uint32_t>().data(), options.ids->data.size(), options.ids->data.data());
+        }
 
         if (options.layers) {
             resize(out.albedo, 3);

@@ -23,15 +23,16 @@
 
 namespace gnomon::render {
 
+/// Object + 1 (0: nothing) and triangle of each pixel's nearest surface, as in GBuffer::ids.
+using IdImage = Image<std::uint32_t>;
+
 struct RasterOptions {
     int samples = 1;                 // per pixel
     bool layers = false;             // fill all of FrameBuffers, not `color` alone
     int transparent_layers = 4;      // surfaces in a row that one sees through; the rest of the light is lost
     std::uint32_t light_batch = 8;   // lights whose shadows are kept at once
+    IdImage* ids = nullptr;          // filled, too: of the first sample
 };
-
-/// Object and triangle of each pixel's nearest surface, as in GBuffer::ids: for tests.
-using IdImage = Image<std::uint32_t>;
 
 class RasterFrame {
  public:
@@ -50,9 +51,6 @@ class RasterFrame {
     /// @throws InterruptedError  progress returned false
     FrameCounters render(const scene::SceneState& state, const View& view, const RasterOptions& options,
                          FrameBuffers& out, const Progress& progress = {});
-
-    /// Draws and reads the ids alone.
-    IdImage render_ids(const scene::SceneState& state, const View& view);
 
     const gpu_scene::GpuScene& scene() const { return scene_; }
     const vk::Device& device() const { return *device_; }
