@@ -201,7 +201,6 @@ TEST(Config, FaultsAreNamedByPlace)
         {"{\"resume\": 1}", "/resume: expected true or false"},
         {"{\"light\": [1]}", "/light"},
         {"{\"size\": null}", "/size"},
-        {"{\"overlay\": \"redrawn\"}", "not built"},
     };
     for (const auto& [text, about] : faults) {
         std::ofstream(file) << text;
