@@ -18,7 +18,7 @@ constexpr float k_plane = 0.35f, k_facing = 0.7f;
 // Where nothing else is left: this far.
 constexpr float k_plane_around = 2.0f;
 // The way to it may end this share of the spacing short.
-constexpr float k_room = 0.1f;
+constexpr float k_room = 0.005f;
 // Together with at least this much bilinear weight.
 constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
 // Shares of a point's light that may be taken from a level that is a little too coarse.
@@ -189,10 +189,14 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
             batch.wanted[kept++] = wanted;
             continue;
         }
-        interpolate_cell(batch.cells[wanted.cell].anchors, {k_plane_around * spacing, k_facing, false}, batch.lattice,
-                         k, 1, batch.around);
-        batch.parts.push_back(
-            {wanted.point, wanted.rest, nullptr, {batch.around.r[k], batch.around.g[k], batch.around.b[k]}});
+        // At the foot of a wall few anchors say little, but the others stand inside it.
+        glm::vec3 around = between;
+        if (around == glm::vec3(0)) {
+            interpolate_cell(batch.cells[wanted.cell].anchors, {k_plane_around * spacing, k_facing, false},
+                             batch.lattice, k, 1, batch.around);
+            around = {batch.around.r[k], batch.around.g[k], batch.around.b[k]};
+        }
+        batch.parts.push_back({wanted.point, wanted.rest, nullptr, around});
     }
     batch.wanted.resize(kept);
 }

@@ -22,7 +22,7 @@ glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const 
 glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
 
 /// What stands in for light from everywhere: the sky's, unoccluded, and the scene's own for bounced light (AFF `am`).
-/// @param stand_in  false where both are computed
+/// @param stand_in  false where both are computed; then only AFF surfaces that answer no other light at all have any
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in);
 
 /// Rays that go on from a surface, each with the share of what it brings. A share of zero: no such ray.

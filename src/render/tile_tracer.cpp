@@ -172,7 +172,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = s.emissive * s.coverage;
-        if (!options_.reference) own += ambient_light(s, scene_, !visible_ && !map_);
+        own += ambient_light(s, scene_, !visible_ && !map_ && !options_.reference);
         if (point.next.unresolved_share != glm::vec3(0))
             own += point.next.unresolved_share * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.share * own;

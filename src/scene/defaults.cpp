@@ -4,20 +4,27 @@
 
 #include "base/check.h"
 #include "scene/emitters.h"
+#include "scene/framing.h"
 #include "scene/interior.h"
 #include "scene/scene.h"
 
 namespace gnomon::scene {
 
 namespace {
-// A late-morning sun from the left front, and a clear sky: lux and nits scaled so that a white wall is about 1.
-constexpr glm::vec3 k_sun_color{3.1f, 2.9f, 2.6f};
-constexpr glm::dvec3 k_to_sun{-0.45, 0.75, 0.5};
+// A late-morning sun from the left front and a clear sky, in lux and nits scaled so that a white wall is about 1. The
+// ground is grey and as bright as one of reflectance 0.3 would be under both; the haze between is wide, since what
+// hangs in the air has no horizon.
+constexpr glm::vec3 k_sun_color{4.4f, 4.15f, 3.75f};
+constexpr glm::dvec3 k_to_sun{-0.6, 0.75, 0.4};
+constexpr glm::vec3 k_zenith{0.16f, 0.28f, 0.55f}, k_horizon{0.50f, 0.57f, 0.65f}, k_ground{0.20f, 0.195f, 0.19f};
+// Into a courtyard it shines from behind, steeply, so that it reaches the ground: along the view, up, to the left.
+constexpr glm::dvec3 k_to_sun_of_court{-0.55, 1.0, 0.12};
+// What comes by several bounces of the sky and the sun into its arcades.
+constexpr glm::vec3 k_fill_of_court{0.06f, 0.058f, 0.055f};
 
 // From the right, a little above: the angle of product photographs.
 constexpr glm::dvec3 k_to_camera{0.55, 0.36, 1.0};
 constexpr double k_fov = 0.7;
-constexpr double k_margin = 1.08;
 constexpr double k_near = 5e-5;   // of the diagonal
 
 // The lamp of a closed room: a square under the middle of the ceiling.
@@ -60,8 +67,16 @@ void add_default_light(Scene& scene)
     if (!scene.lights.empty()) return;
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
     // No sun comes into a closed room.
-    if (const auto interior = find_interior(scene); interior && interior->covered) return add_room_lamp(scene);
-    const glm::dvec3 to_sun = glm::normalize(k_to_sun);
+    const auto interior = find_interior(scene);
+    if (interior && interior->covered) return add_room_lamp(scene);
+    glm::dvec3 to_sun = k_to_sun;
+    if (interior) {
+        scene.background.color = k_fill_of_court;
+        const glm::dvec3 ahead(interior->direction);
+        to_sun = k_to_sun_of_court.x * ahead + k_to_sun_of_court.y * glm::dvec3(0, 1, 0) +
+                 k_to_sun_of_court.z * glm::cross(glm::dvec3(0, 1, 0), ahead);
+    }
+    to_sun = glm::normalize(to_sun);
     Light sun;
     sun.name = "default sun";
     sun.type = LightType::directional;
@@ -70,6 +85,7 @@ void add_default_light(Scene& scene)
     sun.node = add_looking_node(scene, "default sun", glm::dvec3(0), -to_sun);
     scene.lights.push_back(sun);
     scene.background.kind = Background::Kind::sky;
+    scene.background.zenith = k_zenith, scene.background.horizon = k_horizon, scene.background.ground = k_ground;
     scene.background.sun_direction = glm::vec3(to_sun);
     scene.warnings.push_back("no light in the scene: lit by a default sky and sun");
 }
@@ -89,33 +105,15 @@ void add_default_camera(Scene& scene)
         scene.warnings.push_back("no camera in the scene: a default one looks around inside");
         return;
     }
-    const Box3 box = scene.bounds(scene.timeline.start);
-    const double radius = box.empty() ? 1.0 : std::max(0.5 * static_cast<double>(box.diagonal()), 1e-6);
-    const glm::dvec3 centre = box.empty() ? glm::dvec3(0) : glm::dvec3(box.centre());
-
-    // Frame the bounding sphere, then come closer while every corner of the box stays in a 4:3 view.
-    const glm::dvec3 back = glm::normalize(k_to_camera);
-    const double tan_half = std::tan(k_fov / 2);
-    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
-    const glm::dvec3 up = glm::cross(back, right);
-    double distance = 0;
-    if (box.empty()) {
-        distance = radius / std::sin(k_fov / 2);
-    } else {
-        for (int corner = 0; corner < 8; ++corner) {
-            const glm::dvec3 p = glm::dvec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                            corner & 4 ? box.high.z : box.low.z) -
-                                 centre;
-            constexpr double narrowest_aspect = 4.0 / 3.0;
-            const double across = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / narrowest_aspect);
-            distance = std::max(distance, glm::dot(p, back) + k_margin * across / tan_half);
-        }
-    }
+    FramingOptions options;
+    options.back = glm::normalize(k_to_camera);
+    options.vertical_fov = k_fov;
+    const Framed framed = frame_clip(scene, options);
     Camera camera;
     camera.name = "default camera";
     camera.vertical_fov = k_fov;
-    camera.near = 2 * radius * k_near;
-    camera.node = add_looking_node(scene, "default camera", centre + distance * back, -back);
+    camera.near = framed.size * k_near;
+    camera.node = add_looking_node(scene, "default camera", framed.eye, -options.back);
     scene.cameras.push_back(camera);
     scene.warnings.push_back("no camera in the scene: a default one frames it");
 }

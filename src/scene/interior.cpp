@@ -15,7 +15,7 @@ constexpr float k_stage_open = 0.85f;    // so many of them must come in
 constexpr float k_stage_depth = 0.12f;   // so far, as a share of the depth
 constexpr int k_headings = 16;
 constexpr float k_least_room = 0.06f;   // nothing nearer than this in the view, as a share of the longest side
-constexpr float k_height_weight[3] = {1.0f, 0.97f, 0.9f};   // of eye heights: standing people see so
+constexpr float k_height_weight[3] = {1.0f, 0.8f, 0.7f};   // of eye heights: standing people see so
 
 float longest_side(const Box3& box)
 {
@@ -58,12 +58,12 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
     return found;
 }
 
-// How good a view is: far and wide, much to see (modellers spend triangles on what matters, not on the walls of back
-// rooms), no back sides, nothing close by.
+// How good a view is: far and wide, farthest down the middle, much to see (modellers spend triangles on what matters, not
+// on the walls of back rooms), no back sides, nothing close by.
 float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& direction, float longest)
 {
     const glm::vec3 side = glm::cross(direction, glm::vec3(0, 1, 0));
-    float sum = 0, detail = 0;
+    float sum = 0, detail = 0, middle = longest;
     int fronts = 0, count = 0;
     for (int i = -3; i <= 3; ++i) {
         for (int j = -1; j <= 2; ++j) {
@@ -73,6 +73,7 @@ float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& di
             if (hit.distance < k_least_room * longest && j >= 0) return 0;
             // The sky above a courtyard is no gap; one at the level of the eyes is.
             fronts += hit.met == SpaceGrid::Met::front || (hit.met == SpaceGrid::Met::nothing && j > 0);
+            if (std::abs(i) <= 1 && j >= 0) middle = std::min(middle, hit.distance);
             sum += std::sqrt(std::min(hit.distance, longest));
             detail += std::log2(1 + static_cast<float>(hit.triangles));
             ++count;
@@ -80,7 +81,7 @@ float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& di
     }
     const float seen = static_cast<float>(fronts) / static_cast<float>(count);
     const auto mean = 1.0f / static_cast<float>(count);
-    return sum * mean * seen * (1 + detail * mean);
+    return sum * mean * seen * (1 + detail * mean) * std::sqrt(middle / longest);
 }
 
 }   // namespace
