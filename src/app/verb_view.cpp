@@ -31,6 +31,7 @@ int run_view(const CommandLine& line, Output& output)
                    {"median_picture_ms", summary.median_picture_ms},
                    {"loads", summary.loads},
                    {"files", summary.files},
+                   {"options_set", summary.options_set},
                    {"peak_memory_bytes", peak_memory_bytes()}});
     return 0;
 #else

@@ -17,7 +17,8 @@ namespace {
 constexpr float k_plane = 0.35f, k_facing = 0.7f;
 // Where nothing else is left: this far.
 constexpr float k_plane_around = 2.0f;
-// The way to it may end this share of the spacing short.
+// The way to it may end this share of the spacing short: less than a pixel, or the foot of a wall takes light from the
+// anchors inside the wall, which have none, and is a dark line.
 constexpr float k_room = 0.005f;
 // Together with at least this much bilinear weight.
 constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;

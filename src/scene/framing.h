@@ -14,8 +14,9 @@ struct FramingOptions {
     double vertical_fov = 0.7;
     double narrowest_aspect = 4.0 / 3.0;   // wider pictures show more at the sides
     double margin = 1.08;
-    int looks = 17;            // times of the clip
-    float widest_clip = 2.5;   // things that go farther than so many diagonals of the first frame are framed there alone
+    int looks = 17;   // times of the clip
+    float widest_clip =
+        2.5;   // things that go farther than so many diagonals of the first frame are framed there alone
 };
 
 struct Framed {

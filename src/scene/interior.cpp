@@ -58,8 +58,8 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
     return found;
 }
 
-// How good a view is: far and wide, farthest down the middle, much to see (modellers spend triangles on what matters, not
-// on the walls of back rooms), no back sides, nothing close by.
+// How good a view is: far and wide, farthest down the middle, much to see (modellers spend triangles on what matters,
+// not on the walls of back rooms), no back sides, nothing close by.
 float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& direction, float longest)
 {
     const glm::vec3 side = glm::cross(direction, glm::vec3(0, 1, 0));

@@ -6,13 +6,16 @@
 #     drive_window.sh FOLDER PROGRAM [ARGUMENT...] < STEPS
 #
 # Steps, a line each: xdotool commands (key p, mousemove 10 20, click 1, ...), "sleep S", "await FILE" (at most two
-# minutes), "shot FILE" (of the whole screen). Exits with the program's code; 99: no window came; 98: a file did not.
+# minutes), "shot FILE" (of the whole screen), "resize W H", "drop FILE" (by drag and drop; GNOMON_DROP_FILE names the
+# program that does it). GNOMON_SCREEN: its size (800x600). Exits with the program's code; 99: no window came; 98: a file
+# did not; 96: the window did not take what was dropped.
 set -u
+screen=${GNOMON_SCREEN:-800x600}
 cd "$1" || exit 97
 shift
 exec 3<&0
 display_file=$(mktemp)
-Xvfb -displayfd 4 -screen 0 800x600x24 -nolisten tcp 4>"$display_file" >/dev/null 2>&1 3<&- &
+Xvfb -displayfd 4 -screen 0 ${screen}x24 -nolisten tcp 4>"$display_file" >/dev/null 2>&1 3<&- &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display_file"' EXIT
 for _ in $(seq 100); do [[ -s $display_file ]] && break; sleep 0.1; done
@@ -35,7 +38,8 @@ while read -r verb rest <&3; do
         await)
             for _ in $(seq 1200); do [[ -e $rest ]] && break; sleep 0.1; done
             [[ -e $rest ]] || { kill -9 $program; exit 98; } ;;
-        shot) ffmpeg -loglevel error -f x11grab -video_size 800x600 -i "$DISPLAY" -frames:v 1 "$rest" </dev/null ;;
+        shot) ffmpeg -loglevel error -f x11grab -video_size $screen -i "$DISPLAY" -frames:v 1 "$rest" </dev/null ;;
+        drop) "$GNOMON_DROP_FILE" "$window" "$(realpath "$rest")" || { kill -9 $program; exit 96; } ;;
         resize) xdotool windowsize "$window" $rest ;;
         *) xdotool "$verb" $rest ;;
     esac

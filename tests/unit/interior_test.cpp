@@ -91,6 +91,20 @@ TEST(Interior, DefaultsOfRooms)
     ASSERT_EQ(thing.lights.size(), 1u);
     EXPECT_EQ(thing.lights[0].type, LightType::directional);
     EXPECT_EQ(thing.ambient, glm::vec3(0));
+    EXPECT_EQ(thing.background.color, glm::vec3(0));
+}
+
+TEST(Interior, TheSunReachesTheGroundOfACourtyard)
+{
+    Scene court = box(all & ~high_y, {12, 6, 3});
+    add_default_light(court);
+    ASSERT_EQ(court.lights.size(), 1u);
+    // From somewhere on the ground the way to the sun is open.
+    const glm::vec3 to_sun = court.background.sun_direction;
+    const glm::vec3 up = to_sun * (6 / to_sun.y);
+    EXPECT_LT(std::abs(up.x), 12);
+    EXPECT_LT(std::abs(up.z), 3);
+    EXPECT_GT(court.background.color.x, 0);   // and what bounces often is stood in for
 }
 
 TEST(SpaceGrid, CastsAtFrontsAndBacks)

@@ -113,5 +113,20 @@ TEST(Shading, TerminatorFadesBeforeTheGeometricHorizon)
     EXPECT_LT(before, 0.005f);
 }
 
+TEST(Shading, ABackdropShinesWithItsAmbientColourAlone)
+{
+    scene::Scene scene;
+    scene.ambient = glm::vec3(2);
+    SurfacePoint s = flat(scene::ShadingModel::whitted);
+    s.coverage = 1;
+    s.ambient = glm::vec3(0.25f);
+    EXPECT_EQ(ambient_light(s, scene, true), glm::vec3(0.5f));
+    EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));   // what answers light gets it from the lights
+    s.diffuse = glm::vec3(0);
+    EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0.5f));
+    s.specular = glm::vec3(1);
+    EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));
+}
+
 }   // namespace
 }   // namespace gnomon::render

@@ -130,6 +130,7 @@ void Panel::option(ViewSettings& settings, const Option& option, PanelEvents& ev
     const auto set = [&](const std::string& text) {
         message = settings.set(option, text);
         if (!message.empty()) return;
+        options_set.insert(name);
         (of_scene(option.name) ? events.scene_changed : events.options_changed) = true;
     };
     ImGui::PushItemWidth(ImGui::GetFontSize() * 9);
@@ -277,11 +278,44 @@ void Panel::keys()
     ImGui::End();
 }
 
+// What an overlay's colours say. Shadow states have theirs in the picture.
+void Panel::legend(const std::string& overlay)
+{
+    struct Entry {
+        ImU32 color;
+        const char* what;
+    };
+    std::vector<Entry> entries;
+    if (overlay == "redrawn")
+        entries = {{IM_COL32(255, 89, 63, 255), "moves: drawn in every frame, on top of what stands still"},
+                   {IM_COL32(108, 231, 124, 255), "came to rest: drawn once more, to stay"},
+                   {IM_COL32(255, 210, 63, 255), "repaired: drawn again where something left it, or its light changed"},
+                   {IM_COL32(150, 150, 150, 255), "kept: its depths were not touched"}};
+    else if (overlay == "clusters")
+        entries = {{IM_COL32(235, 110, 80, 255), "each colour one cluster, lit: a node of the light's tree"},
+                   {IM_COL32(140, 65, 48, 255), "the darker, the smaller it is"},
+                   {IM_COL32(64, 64, 64, 255), "in no cluster: the light does not see it"}};
+    if (entries.empty()) return;
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({display.x - 8, display.y - 8}, ImGuiCond_Always, {1, 1});
+    ImGui::Begin("##legend", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
+    for (const Entry& entry : entries) {
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        const float side = ImGui::GetFontSize();
+        ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + side, at.y + side}, entry.color);
+        ImGui::Dummy({side, side});
+        ImGui::SameLine();
+        ImGui::TextUnformatted(entry.what);
+    }
+    ImGui::End();
+}
+
 PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& hands, const Scene* scene,
                         const ViewPicture* picture, const LoadState& load, bool own_camera, bool recording)
 {
     PanelEvents events;
     keys();
+    legend(settings.values().text("overlay"));
     if (load.loading) {
         ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always,
                                 {0.5f, 1});

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,7 +62,8 @@ class Panel {
 
     bool shown = true, help = false;
     std::optional<Picked> picked;
-    std::string message;   // what went wrong last, or was done
+    std::string message;                 // what went wrong last, or was done
+    std::set<std::string> options_set;   // by hand, at least once
 
  private:
     void options(ViewSettings& settings, PanelEvents& events);
@@ -70,6 +72,7 @@ class Panel {
     void counters(const ViewPicture& picture) const;
     void object(HandList& hands, const ViewPicture& picture);
     void keys();
+    static void legend(const std::string& overlay);
 
     TimeGraph graph_;
     std::vector<std::pair<std::string, std::string>> typed_;   // text under way, by option

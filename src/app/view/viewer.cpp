@@ -496,6 +496,7 @@ ViewSummary Viewer::run()
     }
     if (in.recorder.recording()) in.toggle_recording();
     in.recorder.finish();
+    in.summary.options_set = in.panel.options_set;
     in.summary.loads = in.session.load_state().loads;
     if (!in.picture_ms.empty()) {
         const auto middle = in.picture_ms.begin() + static_cast<std::ptrdiff_t>(in.picture_ms.size() / 2);

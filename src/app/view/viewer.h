@@ -4,6 +4,7 @@
 // ViewSession; this thread draws the latest and never waits for one.
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct ViewSummary {
     std::uint64_t window_frames = 0, pictures = 0, loads = 0;
     double longest_ms = 0;   // of a window frame, waiting left out
     double median_picture_ms = 0;
-    std::vector<std::string> files;   // written
+    std::vector<std::string> files;      // written
+    std::set<std::string> options_set;   // in the panel
 };
 
 class Viewer {

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# A minute in the viewer's window: drags, zooms, flights, every option of the panel, scrubbing, picking and moving by hand,
+# another size, a second file by drag and drop, recording. Real input events, on an X server of its own.
+#
+#     window_minute.sh PROGRAM DROP_FILE [FOLDER]
+#
+# Fails if the program does, if Vulkan's validation has a message, if a sanitizer does, if an option could not be set, or
+# if a window frame took more than LONGEST_MS (250; not asked of a build with a sanitizer). Prints the figures; leaves
+# screenshots in FOLDER if one is given. Exits with 77 where Xvfb or xdotool is missing.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+program=$1
+export GNOMON_DROP_FILE=$2 GNOMON_SCREEN=900x1000 GNOMON_VULKAN_VALIDATION=1
+command -v Xvfb >/dev/null && command -v xdotool >/dev/null || { echo "skipped: no Xvfb or no xdotool"; exit 77; }
+folder=${3:-$(mktemp -d)}
+mkdir -p "$folder"
+[[ $# -ge 3 ]] || trap 'rm -rf "$folder"' EXIT
+
+# Two scenes of our own, one of them to be dropped, and a picture of surroundings.
+printf 'v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$folder/second.obj"
+"$program" render "$folder/second.obj" -o "$folder/sky.png" --size 64x32 --quiet 2>/dev/null
+
+# Where the panel has its rows: in pixels, with the default font and no object picked.
+first_row=356 row=23 first_entry=28 entry=17
+
+declare -a steps=()
+step() { steps+=("$*"); }
+click() { step "mousemove $1 $2"; step "click ${3:-1}"; step "sleep 0.15"; }
+drag() { step "mousemove $2 $3"; step "mousedown $1"; for i in 1 2 3 4 5 6; do
+    step "mousemove $(($2 + ($4 - $2) * i / 6)) $(($3 + ($5 - $3) * i / 6))"; step "sleep 0.05"; done; step "mouseup $1"; }
+# A group's header opens it, its options stand below; again, and it closes.
+group=0
+header() { click 150 $((first_row + row * group)); step "sleep 0.2"; option=0; }
+place() { echo $((first_row + row * (group + 1) + row * option)); }
+typed() { click 60 "$(place)"; step "key ctrl+a"; [[ -z $1 ]] && step "key BackSpace" || step "type -- $1"; step "key Return";
+    step "sleep 0.3"; option=$((option + 1)); }
+chosen() { click 60 "$(place)"; click 60 $(($(place) + first_entry + entry * $1)); step "sleep 0.5"; option=$((option + 1)); }
+again() { option=$((option - 1)); }
+close() { click 150 $((first_row + row * group)); group=$((group + 1)); }
+
+step "sleep 2"
+drag 1 600 500 700 420
+drag 3 600 500 520 560
+drag 2 600 500 640 480
+for _ in 1 2 3; do click 600 500 4; click 600 500 5; done
+for k in w a s d e q; do step "keydown $k"; step "sleep 0.25"; step "keyup $k"; done
+step "key h"; step "sleep 0.3"; step "key h"
+step "key space"; drag 1 40 68 270 68; step "sleep 0.3"; step "key Home"; step "key End"; step "key Left"; step "key Right"
+step "key space"
+
+header; chosen 1; step "sleep 2"; step "shot raster.png"; again; chosen 0; close                     # output: renderer
+header; typed 12; again; typed 24; close                                                              # frames: fps
+header; typed 0; typed 8; again; typed ''; typed 1; again; typed ''                                   # camera and lights
+typed 'point 0 0.5 0 1 1 1'; again; typed ''; typed "$folder/sky.png"; step "sleep 1"; step "shot environment.png"
+again; typed ''; close
+header; typed 2; again; typed 1; typed 4; chosen 1; step "sleep 1"; again; chosen 0; close            # rays
+header; typed 1; again; typed auto; chosen 2; again; chosen 1; chosen 1; step "sleep 1"; step "shot states.png"
+again; chosen 0; typed 0; close                                                                       # look
+header; chosen 1; again; chosen 0; again; chosen 2; chosen 1; again; chosen 2; typed 2; close         # shadows
+header; chosen 1; step "sleep 1"; again; chosen 2; step "sleep 1"; again; chosen 0; again; chosen 3   # indirect light
+typed 64; typed 4; typed 0.1; typed 0.8; chosen 1; close
+
+step "key c"; step "key Home"
+step "resize 500 400"; step "sleep 1"; step "resize 850 950"; step "sleep 1"
+step "drop second.obj"; step "sleep 2"; step "shot second.png"; click 600 600
+step "sleep 0.5"; step "key f"; drag 1 600 500 660 520; step "sleep 0.5"; step "key p"; step "await gnomon-0001.png"
+step "key Escape"
+
+began=$(date +%s.%N)
+code=0
+printf '%s\n' "${steps[@]}" | "$here/../cli/drive_window.sh" "$folder" "$program" view builtin:cornell --size 850x950 \
+    --json=seen.json >"$folder/out" 2>"$folder/err" || code=$?
+ended=$(date +%s.%N)
+[[ $code -eq 0 ]] || { echo "exit code $code"; cat "$folder/err"; exit 1; }
+
+python3 - "$folder" "$began" "$ended" "${LONGEST_MS:-250}" "$program" <<'PYTHON'
+import json, subprocess, sys
+folder, began, ended, longest, program = sys.argv[1], float(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4]), sys.argv[5]
+seen = json.load(open(folder + "/seen.json"))
+err = open(folder + "/err", errors="replace").read()
+print(f"{ended - began:.0f} s of input, {seen['window_frames']} window frames, the longest {seen['longest_frame_ms']:.0f} ms; "
+      f"{seen['pictures']} pictures, median {seen['median_picture_ms']:.0f} ms; {seen['loads']} loads; "
+      f"options set: {len(seen['options_set'])}")
+faults = []
+every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "samples", "max-depth", "accelerator",
+         "exposure", "tonemap", "overlay", "overlay-light", "shadow-culling", "shadow-textures", "shadow-filter",
+         "indirect", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold", "receivers"}
+if missing := every - set(seen["options_set"]):
+    faults.append("not set: " + ", ".join(sorted(missing)))
+if ended - began < 60:
+    faults.append("less than a minute of input")
+sanitized = b"__asan_init" in open(program, "rb").read()
+if seen["longest_frame_ms"] > longest and not sanitized:
+    faults.append(f"a window frame of {seen['longest_frame_ms']:.0f} ms")
+if err.strip():
+    faults.append("on standard error:\n" + err)
+print("\n".join(faults) or "no complaint")
+sys.exit(bool(faults))
+PYTHON

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/framing.h"
+
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+
+namespace gnomon::scene {
+namespace {
+
+// Goes from the origin to `there` in one second.
+class Straight : public TransformTrack {
+ public:
+    explicit Straight(const glm::dvec3& there) : there_(there) {}
+    glm::dmat4 evaluate(double time) const override
+    {
+        glm::dmat4 result(1);
+        result[3] = glm::dvec4(std::clamp(time, 0.0, 1.0) * there_, 1);
+        return result;
+    }
+    std::vector<Interval> changing() const override { return {{0, 1}}; }
+
+ private:
+    glm::dvec3 there_;
+};
+
+// A cloud of triangles that stands still, and one that goes `there`.
+Scene clouds(std::uint64_t seed, const glm::dvec3& there)
+{
+    Random random(seed);
+    Scene scene;
+    scene.materials.emplace_back();
+    Mesh mesh;
+    const glm::vec3 size(random.uniform(0.2f, 4), random.uniform(0.2f, 4), random.uniform(0.2f, 4));
+    for (std::uint32_t i = 0; i < 30; ++i)
+        mesh.positions.push_back(size * glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)));
+    for (std::uint32_t i = 0; i < 30; i += 3) mesh.triangles.emplace_back(i, i + 1, i + 2);
+    mesh.parts = {{0, 0, 10}};
+    scene.meshes.push_back(mesh);
+    scene.add_node("still", none);
+    scene.add_node("goes", none);
+    scene.nodes[0].mesh = scene.nodes[1].mesh = 0;
+    scene.nodes[1].transform = std::make_shared<Straight>(there);
+    scene.timeline.end = 1;
+    scene.finish();
+    return scene;
+}
+
+// How much of the picture's half width and half height (4:3) the vertices reach at a time; behind the eye: infinite.
+glm::dvec2 reach(const Scene& scene, const FramingOptions& options, const glm::dvec3& eye, double time)
+{
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), options.back));
+    const glm::dvec3 up = glm::cross(options.back, right);
+    const double tangent = std::tan(options.vertical_fov / 2);
+    glm::dvec2 most(0);
+    for (const Object& object : scene.objects) {
+        for (const glm::vec3& p : scene.meshes[object.mesh].positions) {
+            const glm::dvec3 to = transform_point(scene.world_matrix(object.node, time), glm::dvec3(p)) - eye;
+            const double depth = -glm::dot(to, options.back);
+            if (depth <= 0) return glm::dvec2(1e9);
+            most.x = std::max(most.x, std::abs(glm::dot(to, right)) / (depth * tangent * options.narrowest_aspect));
+            most.y = std::max(most.y, std::abs(glm::dot(to, up)) / (depth * tangent));
+        }
+    }
+    return most;
+}
+
+FramingOptions from_the_right()
+{
+    FramingOptions options;
+    options.back = glm::normalize(glm::dvec3(0.55, 0.36, 1.0));
+    return options;
+}
+
+TEST(Framing, EverythingIsInThePictureAtEveryTimeAndFillsIt)
+{
+    const FramingOptions options = from_the_right();
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const Scene scene = clouds(seed, {0.7, 1.2, -0.4});
+        const Framed framed = frame_clip(scene, options);
+        glm::dvec2 most(0);
+        for (int look = 0; look < options.looks; ++look) {
+            const double time = static_cast<double>(look) / (options.looks - 1);
+            most = glm::max(most, reach(scene, options, framed.eye, time));
+        }
+        EXPECT_LE(std::max(most.x, most.y), 1.0) << seed;
+        EXPECT_NEAR(std::max(most.x, most.y), 1 / options.margin, 1e-3) << seed;
+        EXPECT_GT(framed.size, 0);
+    }
+}
+
+TEST(Framing, WhatGoesFarDoesNotMakeSpecksOfTheRest)
+{
+    const FramingOptions options = from_the_right();
+    const Scene scene = clouds(3, {400, 0, 0});
+    const Framed framed = frame_clip(scene, options);
+    const glm::dvec2 most = reach(scene, options, framed.eye, 0);
+    EXPECT_NEAR(std::max(most.x, most.y), 1 / options.margin, 1e-3);
+    EXPECT_LT(framed.size, 20);
+}
+
+TEST(Framing, NothingAndOnePointHaveAPlaceToBeSeenFrom)
+{
+    const Framed nothing = frame_clip(Scene(), from_the_right());
+    EXPECT_TRUE(is_finite(glm::vec3(nothing.eye)));
+    EXPECT_GT(glm::length(nothing.eye), 1);
+    Scene point;
+    point.materials.emplace_back();
+    Mesh mesh;
+    mesh.positions.assign(3, {5, 6, 7});
+    mesh.triangles.emplace_back(0, 1, 2);
+    mesh.parts = {{0, 0, 1}};
+    point.meshes.push_back(mesh);
+    point.add_node("", none);
+    point.nodes[0].mesh = 0;
+    point.finish();
+    const Framed framed = frame_clip(point, from_the_right());
+    EXPECT_TRUE(is_finite(glm::vec3(framed.eye)));
+    EXPECT_GT(framed.size, 0);
+}
+
+}   // namespace
+}   // namespace gnomon::scene
