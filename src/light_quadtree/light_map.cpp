@@ -93,6 +93,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     const int tiles = view.side() / k_tile;
     layers.slot.assign(static_cast<std::size_t>(tiles * tiles), -1);
     layers.kept.clear();
+    layers.reach.assign(layers.slot.size(), {});
     layers.movers.assign(dynamics_.size(), {});
     view.on = at.visible && light.color != glm::vec3(0);
     if (!view.on) return;
@@ -101,7 +102,10 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     view.depth_range = depth_range_of(view.projection, bounds_.whole);
 
     for (int tile = 0; tile < tiles * tiles; ++tile) {
-        const Tile texels = cast_tile(view, tile, state, rays, ray::Against::static_only);
+        Tile texels{};
+        Distances& reach = layers.reach[static_cast<std::size_t>(tile)];
+        reach.fill(k_infinity);
+        cast_tile(view, tile, state, rays, ray::Against::static_only, texels, reach);
         for (int i = 0; i < k_tile * k_tile; ++i)
             nodes_[view.node(view.levels, tile % tiles * k_tile + i % k_tile, tile / tiles * k_tile + i / k_tile)] =
                 texels[static_cast<std::size_t>(i)];
@@ -115,9 +119,10 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     repair_view(v, layers.movers, state, rays, work);
 }
 
-// Casts the rays of one tile: its own packets, whatever else is cast.
-LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::SceneState& state,
-                                   const ray::RayScene& rays, ray::Against against) const
+// Casts the rays of one tile, no further than `reach`, and puts what they meet in front of what is there. Its own
+// packets, whatever else is cast.
+void LightMap::cast_tile(const View& view, int tile, const scene::SceneState& state, const ray::RayScene& rays,
+                         ray::Against against, Tile& texels, Distances& reach) const
 {
     const scene::Scene& scene = state.scene();
     const scene::Light& light = scene.lights[view.light];
@@ -128,7 +133,6 @@ LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::Scen
     std::optional<light_views::ViewProjection> outside_of;
     if (light.type == scene::LightType::directional && view.face == 1)
         outside_of = light_views::project(light, at, bounds_, view.side(), k_projection)[0];
-    Tile texels{};
 
     thread_local ray::RayQueue queue, onward;
     thread_local ray::Hits hits;
@@ -139,7 +143,7 @@ LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::Scen
     double measure[k_tile * k_tile];
     for (int i = 0; i < k_tile * k_tile; ++i) {
         const TexelRay r = texel_ray(view.projection, left + i % k_tile, top + i / k_tile);
-        queue.push(r.origin, 0, r.direction, k_infinity);
+        queue.push(r.origin, 0, r.direction, reach[static_cast<std::size_t>(i)]);
         measure[i] = r.measure;
         place.push_back(i);
     }
@@ -155,10 +159,14 @@ LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::Scen
             // Light passes what does not block it.
             const scene::Material& material = scene.materials[geometry.mesh->part_of(triangle).material];
             if (material.surface_class() == scene::SurfaceClass::transparent) {
-                onward.push(queue.origin(k), std::nextafter(hits.t[k], k_infinity), queue.direction(k), k_infinity);
+                onward.push(queue.origin(k), std::nextafter(hits.t[k], k_infinity), queue.direction(k),
+                            reach[static_cast<std::size_t>(place[k])]);
                 onward_place.push_back(place[k]);
                 continue;
             }
+            LightNode& texel = texels[static_cast<std::size_t>(place[k])];
+            texel = {};
+            reach[static_cast<std::size_t>(place[k])] = hits.t[k];
             glm::vec3 p[3];
             geometry.corners(triangle, p);
             const float u = hits.u[k], v = hits.v[k];
@@ -176,7 +184,6 @@ LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::Scen
             }
             const auto t = static_cast<double>(hits.t[k]);
             const double facing_area = measure[place[k]] * (view.projection.perspective ? t * t : 1.0);
-            LightNode& texel = texels[static_cast<std::size_t>(place[k])];
             texel.position = position;
             texel.normal = normal;
             texel.depth = glm::dot(position - view.projection.origin, axis) / view.depth_range;
@@ -188,7 +195,6 @@ LightMap::Tile LightMap::cast_tile(const View& view, int tile, const scene::Scen
         std::swap(queue, onward);
         std::swap(place, onward_place);
     }
-    return texels;
 }
 
 void LightMap::make_node(const View& view, int level, int x, int y)
@@ -237,7 +243,15 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
         }
         Tile now = layers.kept[static_cast<std::size_t>(slot)];
         if (std::binary_search(covered.begin(), covered.end(), tile)) {
-            now = cast_tile(view, tile, state, rays, ray::Against::everything);
+            if (options_.against_everything) {
+                now = {};
+                Distances reach;
+                reach.fill(k_infinity);
+                cast_tile(view, tile, state, rays, ray::Against::everything, now, reach);
+            } else {
+                Distances reach = layers.reach[static_cast<std::size_t>(tile)];
+                cast_tile(view, tile, state, rays, ray::Against::dynamic_only, now, reach);
+            }
             work.cast += k_tile * k_tile;
         }
         for (int i = 0; i < k_tile * k_tile; ++i) {
@@ -314,7 +328,7 @@ std::size_t LightMap::bytes() const
 {
     std::size_t bytes = nodes_.size() * (sizeof(LightNode) + 1);
     for (const Layers& layers : layers_)
-        bytes += layers.slot.size() * sizeof(std::int32_t) + layers.kept.size() * sizeof(Tile);
+        bytes += layers.slot.size() * (sizeof(std::int32_t) + sizeof(Distances)) + layers.kept.size() * sizeof(Tile);
     return bytes;
 }
 

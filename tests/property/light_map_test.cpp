@@ -71,6 +71,24 @@ TEST(LightMap, RepairedEqualsANewOne)
     follow_random_frames("kinetic", 3, 64, 3);
 }
 
+// Rays at movers, cut off where the static layer begins, against rays at everything.
+TEST(LightMap, LayersTogetherAreTheWholeScene)
+{
+    for (const char* name : {"cornell", "spheres?objects=40&dynamic=25", "kinetic"}) {
+        World world(scene::make_builtin(name));
+        LightMapOptions options, whole;
+        options.side = whole.side = 128;
+        whole.against_everything = true;
+        const int last = world.scene->timeline.frames;
+        for (const int frame : {1, last / 2, last}) {
+            world.go(frame);
+            const LightMap layered(world.state, world.rays, options, world.tasks);
+            const LightMap twin(world.state, world.rays, whole, world.tasks);
+            EXPECT_EQ(differing(layered, twin), 0u) << name << ", frame " << frame;
+        }
+    }
+}
+
 TEST(LightMapFull, RepairedEqualsANewOneOverAThousandFrames)
 {
     follow_random_frames("cornell", 1000, 512, 4);
