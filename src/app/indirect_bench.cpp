@@ -319,7 +319,7 @@ class Bench {
                 const double all = static_cast<double>(flickering) * mean;
                 row.flicker = flicker / all, row.flicker_floor = floor / all;
             }
-            if (options_.view_steps > 0 && info.visible) row.view_change = walk(*method, world, picture, mean);
+            if (options_.view_steps > 0 && info.walks) row.view_change = walk(*method, world, picture, mean);
         }
         const Times rebuilt = time_of([&] { info.make_for(world.state, world.rays, tasks_); });
         row.ms_rebuild = rebuilt.wall, row.cpu_ms_rebuild = rebuilt.cpu;

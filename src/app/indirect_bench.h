@@ -56,7 +56,7 @@ struct IndirectRow {
     IndirectWork work;   // means, bytes the largest; of moving frames
     std::uint64_t rays_cold = 0;
     std::optional<double> nrmse, nrmse_brute, energy_ratio, flicker, flicker_floor;
-    std::optional<Change> view_change;   // of methods that know what stands in the way
+    std::optional<Change> view_change;   // not of sampling
     std::vector<double> nrmse_by_frame;
     std::vector<glm::vec3> picture;   // irradiance by pixel, if pictures are kept
 };

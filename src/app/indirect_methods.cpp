@@ -164,21 +164,21 @@ struct Row {
     const char* form;    // after the name
     const char* title;   // of the number and the radius
     int least, most;     // number; 0, 0: none
-    bool has_radius, visible;
+    bool has_radius, visible, walks;
     decltype(IndirectMethodInfo::make) make;
 };
 constexpr Row k_methods[] = {
-    {"visible", "", "remembered visibility", 0, 0, false, true,
+    {"visible", "", "remembered visibility", 0, 0, false, true, true,
      [](const IndirectMethodInfo&, const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
          -> std::unique_ptr<IndirectMethod> { return std::make_unique<VisibleMethod>(state, rays, tasks); }},
-    {"quadtree", ":LEVEL", "quad-tree, limit level {}", 4, 6, false, false,
+    {"quadtree", ":LEVEL", "quad-tree, limit level {}", 4, 6, false, false, true,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::quadtree);
          options.levels.limit = info.number;
          return std::make_unique<MapMethod>(options, state, rays, tasks);
      }},
-    {"rsm", ":SAMPLES[:RADIUS]", "sampling, {} samples within {} of the map's side", 1, 65536, true, false,
+    {"rsm", ":SAMPLES[:RADIUS]", "sampling, {} samples within {} of the map's side", 1, 65536, true, false, false,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::rsm);
@@ -197,7 +197,7 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
         const bool numbered = row.most > 0;
         known += fmt::format("{}{}{}", known.empty() ? "" : ", ", row.name, row.form);
         if (name.substr(0, colon) != row.name || numbered != (colon != std::string::npos)) continue;
-        IndirectMethodInfo info{name, "", settings, row.make, 0, row.visible};
+        IndirectMethodInfo info{name, "", settings, row.make, 0, row.visible, row.walks};
         if (numbered) {
             const char* const end = name.data() + name.size();
             std::from_chars_result at = std::from_chars(name.data() + colon + 1, end, info.number);

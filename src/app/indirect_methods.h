@@ -55,6 +55,7 @@ struct IndirectMethodInfo {
                                             const ray::RayScene& rays, Tasks& tasks);
     int number = 0;        // after the colon
     bool visible = true;   // knows what stands in light's way; else it is also judged by brute_irradiance()
+    bool walks = true;     // is also judged while the view alone moves
     std::unique_ptr<IndirectMethod> make_for(const scene::SceneState& state, const ray::RayScene& rays,
                                              Tasks& tasks) const
     {

@@ -2,6 +2,7 @@
 #include "light_quadtree/light_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <optional>
 
@@ -105,7 +106,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
         Tile texels{};
         Distances& reach = layers.reach[static_cast<std::size_t>(tile)];
         reach.fill(k_infinity);
-        cast_tile(view, tile, state, rays, ray::Against::static_only, texels, reach);
+        cast_tile(view, tile, k_whole_tile, state, rays, ray::Against::static_only, texels, reach);
         for (int i = 0; i < k_tile * k_tile; ++i)
             nodes_[view.node(view.levels, tile % tiles * k_tile + i % k_tile, tile / tiles * k_tile + i / k_tile)] =
                 texels[static_cast<std::size_t>(i)];
@@ -119,10 +120,10 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     repair_view(v, layers.movers, state, rays, work);
 }
 
-// Casts the rays of one tile, no further than `reach`, and puts what they meet in front of what is there. Its own
-// packets, whatever else is cast.
-void LightMap::cast_tile(const View& view, int tile, const scene::SceneState& state, const ray::RayScene& rays,
-                         ray::Against against, Tile& texels, Distances& reach) const
+// Casts the rays of some of a tile's texels, no further than `reach`, and puts what they meet in front of what is there.
+// Its own packets, whatever else is cast.
+void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scene::SceneState& state,
+                         const ray::RayScene& rays, ray::Against against, Tile& texels, Distances& reach) const
 {
     const scene::Scene& scene = state.scene();
     const scene::Light& light = scene.lights[view.light];
@@ -140,11 +141,10 @@ void LightMap::cast_tile(const View& view, int tile, const scene::SceneState& st
     queue.purpose = onward.purpose = ray::RayClass::indirect;
     queue.clear();
     place.clear();
-    double measure[k_tile * k_tile];
-    for (int i = 0; i < k_tile * k_tile; ++i) {
-        const TexelRay r = texel_ray(view.projection, left + i % k_tile, top + i / k_tile);
+    for (TexelMask left_over = which; left_over; left_over &= left_over - 1) {
+        const int i = std::countr_zero(left_over);
+        const TexelWay r = texel_way(view.projection, left + i % k_tile, top + i / k_tile);
         queue.push(r.origin, 0, r.direction, reach[static_cast<std::size_t>(i)]);
-        measure[i] = r.measure;
         place.push_back(i);
     }
     for (int pass = 0; pass <= options_.most_transparent && !queue.empty(); ++pass) {
@@ -183,7 +183,9 @@ void LightMap::cast_tile(const View& view, int tile, const scene::SceneState& st
                 if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
             }
             const auto t = static_cast<double>(hits.t[k]);
-            const double facing_area = measure[place[k]] * (view.projection.perspective ? t * t : 1.0);
+            const double measure =
+                texel_measure(view.projection, left + place[k] % k_tile, top + place[k] / k_tile);
+            const double facing_area = measure * (view.projection.perspective ? t * t : 1.0);
             texel.position = position;
             texel.normal = normal;
             texel.depth = glm::dot(position - view.projection.origin, axis) / view.depth_range;
@@ -214,19 +216,28 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
     const View& view = views_[v];
     Layers& layers = layers_[v];
     const int tiles = view.side() / k_tile;
-    const auto each_tile = [&](std::span<const light_views::Rect> rects, std::vector<int>& list) {
+    const auto each_tile = [&](std::span<const light_views::Rect> rects, const auto& act) {
         for (const light_views::Rect& rect : rects) {
             if (rect.empty()) continue;
             for (int y = rect.y0 / k_tile; y <= (rect.y1 - 1) / k_tile; ++y)
-                for (int x = rect.x0 / k_tile; x <= (rect.x1 - 1) / k_tile; ++x) list.push_back(y * tiles + x);
+                for (int x = rect.x0 / k_tile; x <= (rect.x1 - 1) / k_tile; ++x) act(rect, x, y);
         }
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
     };
-    std::vector<int> dirty, covered;
-    each_tile(where, dirty);
+    std::vector<int> dirty;
+    each_tile(where, [&](const light_views::Rect&, int x, int y) { dirty.push_back(y * tiles + x); });
     if (dirty.empty()) return;
-    each_tile(layers.movers, covered);
+    std::sort(dirty.begin(), dirty.end());
+    dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
+
+    // Find the texels that a mover may cover: a function of where movers are, so of the frame alone.
+    std::vector<TexelMask> covered(layers.slot.size(), 0);
+    each_tile(layers.movers, [&](const light_views::Rect& rect, int x, int y) {
+        const auto from = [](int low, int tile_at) { return std::max(low - tile_at * k_tile, 0); };
+        const auto to = [](int high, int tile_at) { return std::min(high - tile_at * k_tile, k_tile); };
+        const TexelMask row = (k_whole_row >> (k_tile - to(rect.x1, x))) & (k_whole_row << from(rect.x0, x));
+        TexelMask& mask = covered[static_cast<std::size_t>(y * tiles + x)];
+        for (int line = from(rect.y0, y); line < to(rect.y1, y); ++line) mask |= row << (line * k_tile);
+    });
 
     std::vector<std::uint32_t> changed;   // x + side * y
     for (const int tile : dirty) {
@@ -242,17 +253,17 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
             for (int i = 0; i < k_tile * k_tile; ++i) kept[static_cast<std::size_t>(i)] = texel(i);
         }
         Tile now = layers.kept[static_cast<std::size_t>(slot)];
-        if (std::binary_search(covered.begin(), covered.end(), tile)) {
+        if (const TexelMask mask = covered[static_cast<std::size_t>(tile)]; mask != 0) {
             if (options_.against_everything) {
                 now = {};
                 Distances reach;
                 reach.fill(k_infinity);
-                cast_tile(view, tile, state, rays, ray::Against::everything, now, reach);
+                cast_tile(view, tile, k_whole_tile, state, rays, ray::Against::everything, now, reach);
             } else {
                 Distances reach = layers.reach[static_cast<std::size_t>(tile)];
-                cast_tile(view, tile, state, rays, ray::Against::dynamic_only, now, reach);
+                cast_tile(view, tile, mask, state, rays, ray::Against::dynamic_only, now, reach);
             }
-            work.cast += k_tile * k_tile;
+            work.cast += static_cast<std::uint64_t>(std::popcount(mask));
         }
         for (int i = 0; i < k_tile * k_tile; ++i) {
             if (same_bits(texel(i), now[static_cast<std::size_t>(i)])) continue;

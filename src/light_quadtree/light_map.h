@@ -12,7 +12,8 @@
 // followed any number of frames equals a new one, to the bit (a tile's rays always share the same packets). Rays at
 // movers end where the static layer begins: what stands still is not met twice.
 //
-// Cost: construction, or a light that moved: a ray a texel. A frame: rays in the tiles that movers left or entered.
+// Cost: construction, or a light that moved: a ray a texel. A frame: rays at texels that movers may cover, in the tiles
+// that they left or entered.
 // 68 bytes a texel.
 
 #include <span>
@@ -78,6 +79,9 @@ class LightMap {
     static constexpr int k_tile = 8;   // texels a side, cast together
     using Tile = std::array<LightNode, k_tile * k_tile>;
     using Distances = std::array<float, k_tile * k_tile>;   // along the texels' rays; infinity: nothing in the way
+    using TexelMask = std::uint64_t;   // a bit a texel of a tile, row by row
+    static constexpr TexelMask k_whole_row = (TexelMask{1} << k_tile) - 1, k_whole_tile = ~TexelMask{0};
+    static_assert(k_tile * k_tile == 64);
     struct Layers {
         std::vector<light_views::Rect> movers;   // footprint now, by place in dynamics_
         std::vector<std::int32_t> slot;          // by tile: where its static layer is kept; -1: the tile is all static
@@ -87,8 +91,8 @@ class LightMap {
     void make_view(std::size_t v, const scene::SceneState& state, const ray::RayScene& rays, Work& work);
     void repair_view(std::size_t v, std::span<const light_views::Rect> where, const scene::SceneState& state,
                      const ray::RayScene& rays, Work& work);
-    void cast_tile(const View& view, int tile, const scene::SceneState& state, const ray::RayScene& rays,
-                   ray::Against against, Tile& texels, Distances& reach) const;
+    void cast_tile(const View& view, int tile, TexelMask which, const scene::SceneState& state,
+                   const ray::RayScene& rays, ray::Against against, Tile& texels, Distances& reach) const;
     void make_node(const View& view, int level, int x, int y);
     light_views::Rect footprint(const View& view, const scene::SceneState& state, scene::ObjectId object) const;
 

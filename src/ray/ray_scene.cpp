@@ -66,13 +66,17 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
     const Inside& in = *inside_;
     if (in.kdtree) return in.closest_on_kdtree(rays, begin, end, hits, sides, against);
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
-    const bool anything_moves = !in.solids.empty() && against == Against::everything;
+    const bool asks_still = against != Against::dynamic_only;
+    const bool anything_moves = !in.solids.empty() && against != Against::static_only;
     RawHits still, moving;
+    if (!asks_still) std::fill(std::begin(still.geometry), std::end(still.geometry), k_nothing);
     const auto step = static_cast<std::size_t>(in.width);
     for (std::size_t at = begin; at < end; at += step) {
         const int count = static_cast<int>(std::min(step, end - at));
-        intersect_packet(in.width, in.still.get(), context, rays, at, count, nullptr, still);
-        if (anything_moves) intersect_packet(in.width, in.moving.get(), context, rays, at, count, still.t, moving);
+        if (asks_still) intersect_packet(in.width, in.still.get(), context, rays, at, count, nullptr, still);
+        if (anything_moves)
+            intersect_packet(in.width, in.moving.get(), context, rays, at, count, asks_still ? still.t : nullptr,
+                             moving);
         for (int i = 0; i < count; ++i) {
             const std::size_t to = at + static_cast<std::size_t>(i);
             const bool in_moving = anything_moves && moving.geometry[i] != k_nothing;

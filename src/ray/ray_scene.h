@@ -76,7 +76,7 @@ class RayScene {
     void update(const scene::SceneState& state);
 
     /// Nearest surface along each ray; transparent ones count. rays[begin, end) only; hits must be sized. Thread-safe.
-    /// @param against  `static_only` or `everything`
+    /// @param against  all but `one_tree`
     void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                  Against against = Against::everything) const;
     /// blocked[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.

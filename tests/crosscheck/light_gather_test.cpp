@@ -2,6 +2,9 @@
 // Sums over light maps against their twins: vectors against single steps, the compacted cut against the cut as printed,
 // clusters and samples against the sum over all texels.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <cstring>
 
 #include "base/random.h"
 #include "light_quadtree/map_light.h"
@@ -85,6 +88,39 @@ TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
         lit += one != glm::vec3(0);
     }
     EXPECT_GT(lit, 500);
+}
+
+// Clusters and samples by each instruction set that this processor has and the build knows.
+TEST(LightGather, EveryInstructionSetFindsTheSameBits)
+{
+    World world;
+    const LightMap map(world.state, world.rays, {}, world.tasks);
+    Clusters clusters;
+    find_clusters(map, {7, 5}, clusters);
+    Receivers gathered = random_receivers(500), sampled = random_receivers(500);
+    const auto light = [&] {
+        RsmPlaces places;
+        gather(clusters, gathered);
+        sample_map(map, {100, 1}, sampled, 0, sampled.x.size(), places);
+        std::vector<float> found;
+        for (const Receivers* receivers : {&gathered, &sampled})
+            for (std::size_t i = 0; i < receivers->size(); ++i)
+                for (int c = 0; c < 3; ++c) found.push_back(receivers->irradiance(i)[c]);
+        return found;
+    };
+    const auto choose = [](std::int64_t target) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().DeInit();
+    };
+    const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+    ASSERT_GE(targets.size(), 2u) << "one instruction set has nothing to be compared with";
+    const std::vector<float> best = light();
+    for (const std::int64_t target : targets) {
+        choose(target);
+        const std::vector<float> found = light();
+        EXPECT_EQ(std::memcmp(found.data(), best.data(), best.size() * sizeof(float)), 0) << hwy::TargetName(target);
+    }
+    choose(0);
 }
 
 TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
