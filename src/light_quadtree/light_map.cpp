@@ -120,8 +120,8 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     repair_view(v, layers.movers, state, rays, work);
 }
 
-// Casts the rays of some of a tile's texels, no further than `reach`, and puts what they meet in front of what is there.
-// Its own packets, whatever else is cast.
+// Casts the rays of some of a tile's texels, no further than `reach`, and puts what they meet in front of what is
+// there. Its own packets, whatever else is cast.
 void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scene::SceneState& state,
                          const ray::RayScene& rays, ray::Against against, Tile& texels, Distances& reach) const
 {
@@ -183,8 +183,7 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
                 if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
             }
             const auto t = static_cast<double>(hits.t[k]);
-            const double measure =
-                texel_measure(view.projection, left + place[k] % k_tile, top + place[k] / k_tile);
+            const double measure = texel_measure(view.projection, left + place[k] % k_tile, top + place[k] / k_tile);
             const double facing_area = measure * (view.projection.perspective ? t * t : 1.0);
             texel.position = position;
             texel.normal = normal;

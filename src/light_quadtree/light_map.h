@@ -79,7 +79,7 @@ class LightMap {
     static constexpr int k_tile = 8;   // texels a side, cast together
     using Tile = std::array<LightNode, k_tile * k_tile>;
     using Distances = std::array<float, k_tile * k_tile>;   // along the texels' rays; infinity: nothing in the way
-    using TexelMask = std::uint64_t;   // a bit a texel of a tile, row by row
+    using TexelMask = std::uint64_t;                        // a bit a texel of a tile, row by row
     static constexpr TexelMask k_whole_row = (TexelMask{1} << k_tile) - 1, k_whole_tile = ~TexelMask{0};
     static_assert(k_tile * k_tile == 64);
     struct Layers {
