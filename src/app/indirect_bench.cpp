@@ -264,7 +264,10 @@ class Bench {
             if (cold) {
                 whole += made;
                 row.ms_cold = whole.wall, row.cpu_ms_cold = whole.cpu, row.rays_cold = work.rays;
-            } else {
+            }
+            // A still scene has nothing but its first frame to be measured by.
+            const bool counts = !cold || range.count() == 1;
+            if (counts) {
                 moving += whole, repair += begun, walls.push_back(whole.wall);
                 row.work.clusters += work.clusters, row.work.rays += work.rays;
                 row.work.dirty_pixels += work.dirty_pixels, row.work.dirty_nodes += work.dirty_nodes;
@@ -291,25 +294,24 @@ class Bench {
             before = light;
 
             // The same frame once more: nothing moved.
-            if (cold) continue;
+            if (!counts) continue;
             world.go(frame);
             still += time_of([&] { method->begin_frame(world.state, world.rays, tasks_); });
             still += time_of([&] { method->light(picture, tasks_, light.data()); });
             still += time_of([&] { method->end_frame(); });
         }
 
-        if (const auto later = static_cast<double>(range.count() - 1); later > 0) {
-            row.ms_static = still.wall / later, row.cpu_ms_static = still.cpu / later;
-            row.ms_moving = moving.wall / later, row.cpu_ms_moving = moving.cpu / later;
-            row.ms_repair = repair.wall / later, row.cpu_ms_repair = repair.cpu / later;
-            const auto mean = [&](std::uint64_t n) {
-                return static_cast<std::uint64_t>(static_cast<double>(n) / later);
-            };
-            row.work = {mean(row.work.clusters), mean(row.work.rays), mean(row.work.dirty_pixels),
-                        mean(row.work.dirty_nodes), row.work.bytes};
-            std::sort(walls.begin(), walls.end());
-            row.ms_moving_median = walls[walls.size() / 2], row.ms_moving_worst = walls.back();
-        }
+        const auto later = static_cast<double>(std::max(1, range.count() - 1));
+        row.ms_static = still.wall / later, row.cpu_ms_static = still.cpu / later;
+        row.ms_moving = moving.wall / later, row.cpu_ms_moving = moving.cpu / later;
+        row.ms_repair = repair.wall / later, row.cpu_ms_repair = repair.cpu / later;
+        const auto a_frame = [&](std::uint64_t n) {
+            return static_cast<std::uint64_t>(static_cast<double>(n) / later);
+        };
+        row.work = {a_frame(row.work.clusters), a_frame(row.work.rays), a_frame(row.work.dirty_pixels),
+                    a_frame(row.work.dirty_nodes), row.work.bytes};
+        std::sort(walls.begin(), walls.end());
+        row.ms_moving_median = walls[walls.size() / 2], row.ms_moving_worst = walls.back();
         if (reference_sum > 0) {
             const double count = 3 * static_cast<double>(values), mean = reference_sum / count;
             row.nrmse = std::sqrt(square / count) / mean;

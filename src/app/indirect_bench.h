@@ -49,7 +49,8 @@ struct Change {
 struct IndirectRow {
     std::string method, title;
     IndirectSettings settings;
-    // Means from the second frame on; the first is cold. Wall time, and process CPU time over all threads.
+    // Means from the second frame on; the first is cold (a clip of one frame has that one alone). Wall time, and
+    // process CPU time over all threads.
     double ms_cold = 0, ms_static = 0, ms_moving = 0, ms_repair = 0, ms_rebuild = 0;
     double cpu_ms_cold = 0, cpu_ms_static = 0, cpu_ms_moving = 0, cpu_ms_repair = 0, cpu_ms_rebuild = 0;
     double ms_moving_median = 0, ms_moving_worst = 0;

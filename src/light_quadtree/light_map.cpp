@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "light_quadtree/ball_footprint.h"
 #include "light_quadtree/diffuse.h"
 #include "light_quadtree/texel_ray.h"
 
@@ -33,6 +34,28 @@ float depth_range_of(const light_views::ViewProjection& view, const Box3& bounds
     return farthest > 0 ? farthest : 1;
 }
 
+// The radius of a rigid thing's ball about the middle of its box, in the space of its mesh.
+float ball_of(const scene::Scene& scene, const scene::Object& object)
+{
+    if (object.deforming) return 0;
+    const scene::Mesh& mesh = scene.meshes[object.mesh];
+    const glm::vec3 centre = mesh.bounds().centre();
+    float square = 0;
+    for (const glm::vec3& p : mesh.positions) square = std::max(square, glm::dot(p - centre, p - centre));
+    return std::sqrt(square);
+}
+
+// By how much a matrix stretches whatever it takes, if that is the same in all directions; else 0.
+double even_scale(const glm::dmat3& m)
+{
+    constexpr double k_uneven = 1e-4;   // of squares
+    const double square = glm::dot(m[0], m[0]);
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            if (!(std::abs(glm::dot(m[a], m[b]) - (a == b ? square : 0)) <= k_uneven * square)) return 0;
+    return std::sqrt(square) * (1 + 4 * k_uneven);
+}
+
 }   // namespace
 
 LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, const LightMapOptions& options,
@@ -46,6 +69,7 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
         if ((scene.objects[o].dynamic || rays.stands_alone(o)) && casters_.casts(o)) {
             dynamic_place_[o] = static_cast<std::uint32_t>(dynamics_.size());
             dynamics_.push_back(o);
+            ball_.push_back(ball_of(scene, scene.objects[o]));
         }
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         if (scene.lights[l].of_environment) continue;
@@ -76,7 +100,16 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
 
 light_views::Rect LightMap::footprint(const View& view, const scene::SceneState& state, scene::ObjectId object) const
 {
-    return view.on ? casters_.footprint(view.projection, state, object) : light_views::Rect{};
+    if (!view.on) return {};
+    const light_views::Rect of_box = casters_.footprint(view.projection, state, object);
+    const auto ball = static_cast<double>(ball_[dynamic_place_[object]]);
+    if (of_box.empty() || !(ball > 0)) return of_box;
+    const glm::dmat4 world(state.object_matrix(object));
+    const double scale = even_scale(glm::dmat3(world));
+    if (!(scale > 0)) return of_box;
+    const glm::dvec3 centre(world * glm::dvec4(glm::dvec3(casters_.box(object).centre()), 1));
+    const auto of_ball = ball_footprint(view.projection, centre, scale * ball);
+    return of_ball ? light_views::intersection(of_box, *of_ball) : of_box;
 }
 
 // Casts the static layer, builds the pyramid, and puts in what moves.
@@ -117,7 +150,10 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
             for (int x = 0; x < 1 << level; ++x) make_node(view, level, x, y);
 
     for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.movers[d] = footprint(view, state, dynamics_[d]);
-    repair_view(v, layers.movers, state, rays, work);
+    const light_views::Rect everywhere{0, 0, view.side(), view.side()};
+    repair_view(
+        v, options_.against_everything ? std::span(&everywhere, 1) : std::span<const light_views::Rect>(layers.movers),
+        state, rays, work);
 }
 
 // Casts the rays of some of a tile's texels, no further than `reach`, and puts what they meet in front of what is
@@ -252,12 +288,13 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
             for (int i = 0; i < k_tile * k_tile; ++i) kept[static_cast<std::size_t>(i)] = texel(i);
         }
         Tile now = layers.kept[static_cast<std::size_t>(slot)];
-        if (const TexelMask mask = covered[static_cast<std::size_t>(tile)]; mask != 0) {
+        if (const TexelMask mask = options_.against_everything ? k_whole_tile : covered[static_cast<std::size_t>(tile)];
+            mask != 0) {
             if (options_.against_everything) {
                 now = {};
                 Distances reach;
                 reach.fill(k_infinity);
-                cast_tile(view, tile, k_whole_tile, state, rays, ray::Against::everything, now, reach);
+                cast_tile(view, tile, mask, state, rays, ray::Against::everything, now, reach);
             } else {
                 Distances reach = layers.reach[static_cast<std::size_t>(tile)];
                 cast_tile(view, tile, mask, state, rays, ray::Against::dynamic_only, now, reach);

@@ -105,6 +105,7 @@ class LightMap {
     std::vector<std::uint8_t> valid_;
     std::vector<scene::ObjectId> dynamics_;      // that cast
     std::vector<std::uint32_t> dynamic_place_;   // by object; none: static
+    std::vector<float> ball_;                    // by place in dynamics_: about the middle of its box; 0: deforms
     std::uint32_t version_ = 1;
     Work work_;
 };

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/random.h"
+#include "light_quadtree/ball_footprint.h"
 #include "light_quadtree/clusters.h"
 #include "scene/builtin.h"
 
@@ -71,7 +72,48 @@ TEST(LightMap, RepairedEqualsANewOne)
     follow_random_frames("kinetic", 3, 64, 3);
 }
 
-// Rays at movers, cut off where the static layer begins, against rays at everything.
+// Balls at random, and places within them, as spot and directional lights see them.
+TEST(LightMap, ABallsFootprintHoldsTheBall)
+{
+    Random random(11);
+    scene::Light light;
+    light_views::SceneBounds bounds;
+    bounds.whole.add(glm::vec3(-8)), bounds.whole.add(glm::vec3(8));
+    int found = 0, inside = 0;
+    for (int k = 0; k < 4000; ++k) {
+        light.type = k % 3 == 0   ? scene::LightType::directional
+                     : k % 3 == 1 ? scene::LightType::spot
+                                  : scene::LightType::point;
+        light.outer_angle = random.uniform(0.1f, 1.2f);
+        scene::LightState at;
+        const auto place = [&](float size) {
+            return glm::vec3(random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size));
+        };
+        at.position = place(4), at.direction = glm::normalize(place(1) + glm::vec3(0, 0, 1e-3f));
+        const glm::vec3 centre = place(5);
+        const float radius = random.uniform(0.01f, 1.5f);
+        for (const auto& view : light_views::project(light, at, bounds, 512, {})) {
+            const auto rect = light_quadtree::ball_footprint(view, glm::dvec3(centre), static_cast<double>(radius));
+            if (!rect) continue;
+            ++found;
+            for (int i = 0; i < 20; ++i) {
+                const glm::vec3 way = glm::normalize(place(1) + glm::vec3(1e-4f));
+                const glm::vec4 clip = view.clip_from_world * glm::vec4(centre + radius * way, 1);
+                ASSERT_GT(clip.w, 0);
+                const glm::vec2 texel = (glm::vec2(clip) / clip.w * 0.5f + 0.5f) * 512.0f;
+                if (texel.x < 0 || texel.x > 512 || texel.y < 0 || texel.y > 512) continue;
+                ++inside;
+                ASSERT_TRUE(texel.x >= static_cast<float>(rect->x0) && texel.x <= static_cast<float>(rect->x1) &&
+                            texel.y >= static_cast<float>(rect->y0) && texel.y <= static_cast<float>(rect->y1))
+                    << k << ": " << texel.x << " " << texel.y;
+            }
+        }
+    }
+    EXPECT_GT(found, 2000);
+    EXPECT_GT(inside, 2000);
+}
+
+// Rays at movers, cut off where the static layer begins, against rays at everything, at all texels.
 TEST(LightMap, LayersTogetherAreTheWholeScene)
 {
     for (const char* name : {"cornell", "spheres?objects=40&dynamic=25", "kinetic"}) {
