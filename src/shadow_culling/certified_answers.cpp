@@ -47,6 +47,8 @@ struct CertifiedCulling::Lamp {
 
 bool CertifiedCulling::may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const
 {
+    constexpr std::size_t k_most_boxes = 8;   // where there are more a ray is cheaper
+    if (batch.movers.size() > k_most_boxes) return true;
     const glm::vec3& origin = batch.points[point].origin;
     const glm::vec3 direction = lamp.from(origin);
     return std::any_of(batch.movers.begin(), batch.movers.end(),

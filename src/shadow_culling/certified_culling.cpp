@@ -10,6 +10,13 @@
 
 namespace gnomon::shadow_culling {
 
+namespace {
+
+constexpr std::uint64_t k_no_limit = ~std::uint64_t{0};
+constexpr std::uint64_t k_always_certificates = 64;   // a frame, however small
+
+}   // namespace
+
 void CullingCounters::add(const CullingCounters& o)
 {
     skipped += o.skipped;
@@ -225,12 +232,30 @@ void CertifiedCulling::note_news(std::span<const std::unique_ptr<Batch>> batches
     news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
 }
 
+// Certificates that a frame can afford, by what it saved: what tracing every ray would have cost and a share more, less
+// what it did cost. In rays: looking up a point costs an eighth of one, one of the rays that are left a
+// quarter more (packets are less full), a certificate 20 to 80. The first frame, which knows nothing, may try them all.
+std::uint64_t CertifiedCulling::affordable() const
+{
+    constexpr double k_share = 0.3, k_look_up = 0.125, k_ray = 1.25, k_certificate = 80;
+    constexpr double k_least = 0.15;   // of the rays
+    if (!judged_once_) return k_no_limit;
+    const auto traced = static_cast<double>(counters_.traced + counters_.dynamic_only);
+    const double all = traced + static_cast<double>(counters_.skipped);
+    const double left = (1 + k_share) * all - k_look_up * all - k_ray * traced;
+    return static_cast<std::uint64_t>(std::max(left, k_least * all) / k_certificate) + k_always_certificates;
+}
+
 bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
 {
-    // Each record by itself: its pyramid belongs to one task.
+    // Each record by itself: its pyramid belongs to one task. Every chunk has its share of the certificates, so that
+    // what is judged does not depend on the number of threads; where the chunks begin changes from frame to frame, so
+    // that nobody is always last.
     constexpr std::size_t k_chunk = 64;
-    const std::size_t chunks = (news_.size() + k_chunk - 1) / k_chunk;
-    std::vector<char> judged(chunks, 0);
+    const std::size_t count = news_.size(), chunks = (count + k_chunk - 1) / k_chunk;
+    const std::size_t shift = count > 0 ? frame_ * 37 % count : 0;
+    const std::uint64_t share = go_on || chunks == 0 ? k_no_limit : std::max<std::uint64_t>(1, affordable() / chunks);
+    std::vector<char> judged(count, 0);
     std::vector<std::unique_ptr<Judge>> judges(static_cast<std::size_t>(tasks.threads()));
     std::atomic<bool> stopped = false;
     tasks.for_each(chunks, [&](std::size_t chunk, int worker) {
@@ -240,10 +265,13 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
         }
         auto& judge = judges[static_cast<std::size_t>(worker)];
         if (!judge) judge = std::make_unique<Judge>(*state_, *triangles_, *memory_, light_on_, options_);
-        const std::size_t end = std::min(news_.size(), (chunk + 1) * k_chunk);
-        for (std::size_t r = chunk * k_chunk; r < end; ++r)
+        judge->allow(share);
+        const std::size_t end = std::min(count, (chunk + 1) * k_chunk);
+        for (std::size_t i = chunk * k_chunk; i < end && judge->allowed(); ++i) {
+            const std::size_t r = (i + shift) % count;
             if (memory_->base(news_[r]) != k_no_slot) judge->judge(news_[r]);   // it may have been dropped meanwhile
-        judged[chunk] = 1;
+            judged[r] = 1;
+        }
     });
     for (const auto& judge : judges)
         if (judge) counters_.add(judge->counters());
@@ -252,7 +280,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
     std::vector<RecordId> left;
     for (std::size_t r = 0; r < news_.size(); ++r) {
         const RecordId record = news_[r];
-        if (!judged[r / k_chunk]) {
+        if (!judged[r]) {
             left.push_back(record);
             continue;
         }
@@ -260,6 +288,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
         const std::uint32_t wanted = wanted_level(record / 2);
         if (wanted > memory_->level(record)) memory_->deepen(record, wanted);
     }
+    judged_once_ = judged_once_ || count > 0;
     news_ = std::move(left);
     if (memory_->full()) memory_->drop_unseen(frame_);
     return news_.empty();

@@ -110,6 +110,7 @@ class CertifiedCulling {
     void forget_what_was_lifted();
     std::vector<RememberedLight> remembered_lights() const;
     RimCodes rim_of_record(RecordId record) const;
+    std::uint64_t affordable() const;
     std::uint32_t wanted_level(TriangleId triangle) const;
 
     const scene::SceneState* state_;
@@ -125,6 +126,7 @@ class CertifiedCulling {
     std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
     CullingCounters counters_;
     std::vector<RecordId> news_;   // records to judge, in order
+    bool judged_once_ = false;
     std::uint32_t frame_ = 0;
 };
 

@@ -78,6 +78,7 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
     if (state == ShadowState::none || state == ShadowState::full) return;
 
     if (state == ShadowState::unknown) {
+        if (allowed_ == 0) return;
         state = saw == (k_saw_free | k_saw_blocked) ? ShadowState::partial
                                                     : certify(part, at_level, light, saw == k_saw_blocked);
         if (state != ShadowState::partial) {
@@ -115,6 +116,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     const Shaft shaft(piece, normal_, to, lift_, rules.shaft);
 
     ++counters_.certificates;
+    --allowed_;
     bool holds = false;
     if (!saw_blocked) {
         holds = certify_none(triangles_, shaft, rules);

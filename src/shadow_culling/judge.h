@@ -15,8 +15,12 @@ class Judge {
     Judge(const scene::SceneState& state, const StaticTriangles& triangles, ShadowMemory& memory,
           const std::vector<char>& light_on, const CertifiedOptions& options);
 
-    /// Judges all parts of a record with evidence, and clears the evidence.
+    /// Judges all parts of a record with evidence, and clears the evidence. Where certificates run out, what is left
+    /// stays as it is; rays will see it again.
     void judge(RecordId record);
+    /// Certificates that may still be tried; without end unless set.
+    void allow(std::uint64_t certificates) { allowed_ = certificates; }
+    bool allowed() const { return allowed_ > 0; }
     const CullingCounters& counters() const { return counters_; }
 
  private:
@@ -31,6 +35,7 @@ class Judge {
     const std::vector<char>& light_on_;
     const CertifiedOptions& options_;
     CullingCounters counters_;
+    std::uint64_t allowed_ = ~std::uint64_t{0};
 
     // The record under judgement.
     TriangleId triangle_ = 0;

@@ -18,6 +18,22 @@ std::size_t hash_of(BlockKey key)
 
 constexpr int k_side = static_cast<int>(k_block_side);
 
+// Whether a block is drawn.
+constexpr int k_not_drawn = 0, k_being_drawn = 1, k_drawn = 2;
+
+// Where a block is on the light's plane.
+struct Place {
+    float low_x, high_x, low_y, high_y, texels;   // texels: a side of the whole plane
+};
+
+Place place_of(BlockKey key)
+{
+    const float texels = static_cast<float>(1u << level_of(key));
+    const float low_x = static_cast<float>(x_of(key) * k_block_side) / texels;
+    const float low_y = static_cast<float>(y_of(key) * k_block_side) / texels;
+    return {low_x, low_x + k_block_side / texels, low_y, low_y + k_block_side / texels, texels};
+}
+
 // Four texels' bits as words.
 constexpr auto k_spread = [] {
     std::array<std::array<std::uint32_t, 4>, 16> spread{};
@@ -38,7 +54,9 @@ void or_bits(std::uint32_t* row, std::uint32_t texels, std::uint32_t value)
 
 }   // namespace
 
-MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key)
+// The block, drawn; or none, where as many rays are cheaper: by the rays that points would take that ask for it now, or
+// that did so in the frame before, whichever are more.
+MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key, std::uint32_t rays)
 {
     const std::size_t wrap = mask.table.size() - 1;
     Block* block = nullptr;
@@ -59,28 +77,40 @@ MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key)
             block = mask.blocks[mask.used++].get();
             block->key = key;
             block->ready.store(false, std::memory_order_relaxed);
+            block->drawn.store(k_not_drawn, std::memory_order_relaxed);
             block->static_begins.store(std::numeric_limits<float>::quiet_NaN(), std::memory_order_relaxed);
+            block->rays.store(0, std::memory_order_relaxed);
+            const auto before = mask.asked_before.find(key);
+            block->expected = before != mask.asked_before.end() ? before->second : 0;
             mask.table[slot].store(block, std::memory_order_release);
             lock.unlock();
-            draw(mask, *block);
+            find_prints(mask, *block);
             block->ready.store(true, std::memory_order_release);
             block->ready.notify_all();
-            return block;
         }
     }
     block->ready.wait(false, std::memory_order_acquire);
+    block->rays.fetch_add(rays, std::memory_order_relaxed);
+    const std::uint32_t worth = std::max(rays, block->expected);
+    if (!(options_.edges_per_ray * worth >= block->edges)) return nullptr;
+
+    // The first who needs it draws it; others wait.
+    int drawn = block->drawn.load(std::memory_order_acquire);
+    if (drawn == k_not_drawn && block->drawn.compare_exchange_strong(drawn, k_being_drawn)) {
+        draw(mask, *block);
+        block->drawn.store(k_drawn, std::memory_order_release);
+        block->drawn.notify_all();
+        return block;
+    }
+    block->drawn.wait(k_being_drawn, std::memory_order_acquire);
     return block;
 }
 
-void MoverMask::draw(LightMask& mask, Block& block)
+// Gathers who may be in a block, by a bin.
+void MoverMask::find_prints(const LightMask& mask, Block& block) const
 {
-    const std::uint32_t level = level_of(block.key), face = face_of(block.key);
-    const std::uint32_t block_x = x_of(block.key), block_y = y_of(block.key);
-    const float texels = static_cast<float>(1u << level);
-    const float low_x = static_cast<float>(block_x * k_block_side) / texels, high_x = low_x + k_block_side / texels;
-    const float low_y = static_cast<float>(block_y * k_block_side) / texels, high_y = low_y + k_block_side / texels;
-
-    // Gather who may be here, by a bin, in the order in which they begin.
+    const std::uint32_t face = face_of(block.key);
+    const auto [low_x, high_x, low_y, high_y, texels] = place_of(block.key);
     const auto bin = [](float at, float from, float scale) {
         return static_cast<std::uint32_t>(std::clamp((at - from) * scale, 0.0f, static_cast<float>(k_bins - 1)));
     };
@@ -97,7 +127,17 @@ void MoverMask::draw(LightMask& mask, Block& block)
                     print.high_y >= low_y)
                     block.prints.push_back(mask.binned[i]);
             }
+    std::sort(block.prints.begin(), block.prints.end());
+    block.prints.erase(std::unique(block.prints.begin(), block.prints.end()), block.prints.end());
     block.empty = block.prints.empty();
+    block.edges = 0;
+    for (const std::uint32_t p : block.prints)
+        block.edges += static_cast<std::uint32_t>(units_[mask.prints[p].unit]->shape->edge.size());
+}
+
+void MoverMask::draw(LightMask& mask, Block& block)
+{
+    const auto [low_x, high_x, low_y, high_y, texels] = place_of(block.key);
     MaskTexels& texels_over = block.texels;
     texels_over.texel.fill(0);
     texels_over.begins.assign(1, k_infinity);
@@ -109,7 +149,6 @@ void MoverMask::draw(LightMask& mask, Block& block)
     std::sort(block.prints.begin(), block.prints.end(), [&](std::uint32_t a, std::uint32_t b) {
         return mask.prints[a].begins != mask.prints[b].begins ? mask.prints[a].begins < mask.prints[b].begins : a < b;
     });
-    block.prints.erase(std::unique(block.prints.begin(), block.prints.end()), block.prints.end());
 
     std::array<std::uint32_t, k_block_side> has_full{}, has_first{}, has_next{};
     for (const std::uint32_t p : block.prints) {

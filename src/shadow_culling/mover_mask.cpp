@@ -23,21 +23,30 @@ MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, 
     has_unit_.assign(scene.objects.size(), 0);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
         if (scene.objects[o].dynamic || rays.stands_alone(o)) take_in(o);
+    // Instances of one mesh have one shape.
+    std::unordered_map<const glm::vec3*, std::shared_ptr<const MoverShape>> shapes[2];
+    for (const auto& unit : units_) {
+        const ray::ObjectGeometry& geometry = rays.geometry(unit->object);
+        auto& shape = shapes[unit->deforming][geometry.positions];
+        if (!shape) shape = std::make_shared<MoverShape>(shape_of(scene, geometry, unit->deforming));
+        unit->shape = shape;
+    }
     for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
 }
 
 // An object that moves, from now on.
-void MoverMask::take_in(scene::ObjectId object)
+MoverMask::Unit& MoverMask::take_in(scene::ObjectId object)
 {
     units_.push_back(std::make_unique<Unit>());
     has_unit_[object] = 1;
     Unit& unit = *units_.back();
     unit.object = object;
     unit.deforming = state_->scene().objects[object].deforming;
-    if (unit.deforming) return;
+    if (unit.deforming) return unit;
     const ray::ObjectGeometry& geometry = rays_->geometry(object);
     for (const glm::uvec3& t : geometry.mesh->triangles)
         for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
+    return unit;
 }
 
 MoverMask::~MoverMask() = default;
@@ -50,7 +59,10 @@ void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene&
     const scene::FrameChanges& changes = state.changes();
     for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
         for (const scene::ObjectId o : *list)
-            if (!has_unit_[o]) take_in(o);
+            if (!has_unit_[o]) {
+                Unit& unit = take_in(o);
+                unit.shape = std::make_shared<MoverShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
+            }
     bool crowded = false;   // with blocks that an earlier view asked for
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;
@@ -64,6 +76,9 @@ MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
     if (mask.prepared.load(std::memory_order_relaxed) == frame_) return mask;
     place_prints(mask, light);
     fill_bins(mask);
+    mask.asked_before.clear();
+    for (std::size_t b = 0; b < mask.used; ++b)
+        mask.asked_before.emplace(mask.blocks[b]->key, mask.blocks[b]->rays.load(std::memory_order_relaxed));
     if (mask.used > 0)
         for (auto& entry : mask.table) entry.store(nullptr, std::memory_order_relaxed);
     mask.used = 0;
@@ -74,7 +89,7 @@ MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
 // Whether a mover may be in the way of its own point.
 bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
 {
-    const std::vector<float>& rise = units_[print.unit]->shape.rise;
+    const std::vector<float>& rise = units_[print.unit]->shape->rise;
     const std::size_t side = 2 * static_cast<std::size_t>(point.triangle) + (point.front != print.mirrored ? 0 : 1);
     if (side >= rise.size()) return true;
     const float lift = ray::k_lift_per_coordinate *
@@ -102,21 +117,26 @@ void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points,
     asked.runs.clear();
     asked.key.clear();
     asked.asks.clear();
+    asked.rays.clear();
     for (std::size_t i = 0; i < count;) {
         const std::uint32_t high = texels.high[i], low = texels.low[i];
         std::size_t end = i + 1;
         while (end < count && texels.low[end] == low && texels.high[end] == high) ++end;
         const BlockKey key = texels.key(i);
         const auto b = static_cast<std::size_t>(std::find(asked.key.begin(), asked.key.end(), key) - asked.key.begin());
-        if (b == asked.key.size()) asked.key.push_back(key), asked.asks.push_back(0);
+        if (b == asked.key.size()) asked.key.push_back(key), asked.asks.push_back(0), asked.rays.push_back(0);
         asked.asks[b] += static_cast<std::uint32_t>(end - i);
+        asked.rays[b] +=
+            static_cast<std::uint32_t>(end - i +
+                                       std::count(asked.moving.begin() + static_cast<std::ptrdiff_t>(i),
+                                                  asked.moving.begin() + static_cast<std::ptrdiff_t>(end), 1));
         asked.runs.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(b)});
         i = end;
     }
     asked.drawn.assign(asked.key.size(), nullptr);
     for (std::size_t b = 0; b < asked.key.size(); ++b)
         if (asked.asks[b] >= options_.asked && asked.key[b] != k_no_block)
-            asked.drawn[b] = block_at(mask, asked.key[b]);
+            asked.drawn[b] = block_at(mask, asked.key[b], asked.rays[b]);
 
     for (std::size_t r = 0; r < asked.runs.size(); ++r) {
         const std::size_t first = asked.runs[r].first;

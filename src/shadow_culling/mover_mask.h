@@ -14,8 +14,9 @@
 // For points on movers the static scene is asked, too: of every block the least depth at which anything static begins
 // is kept while the light stands still. A nearer point is clear of it.
 //
-// Drawn in blocks of texels about a pixel wide, when a batch asks enough of one; kept while nothing moves. What a block
-// holds depends on scene, light and view alone, so counts do not depend on threads.
+// Drawn in blocks of texels about a pixel wide, where that is cheaper than the rays it may spare: by the edges of
+// the movers there, and by who asks now and asked in the frame before. Kept while nothing moves. What a block holds, and
+// whether it is asked, does not depend on threads, nor do counts.
 //
 // Cost a frame: for each light asked, a box for every mover, the outlines of those in the blocks asked, and the blocks.
 
@@ -34,7 +35,8 @@ namespace gnomon::shadow_culling {
 
 struct MaskOptions {
     float texel_pixels = 2;       // width of a texel, in the pixels of the view
-    std::uint32_t asked = 24;     // points of a batch that make a block worth drawing
+    std::uint32_t asked = 24;     // points of a batch that make a block worth a look
+    double edges_per_ray = 3;     // of the movers in a block, for every ray it may spare, up to which it is drawn
     double margin = 8e-6;         // rays stray less than this, as a fraction of the largest coordinate in play
     double min_facing = 1e-2;     // sine under which a triangle counts as edge-on: it covers nothing
     double depth_margin = 4e-4;   // between a point and what it is compared to, as a fraction of the coordinates there
@@ -79,9 +81,9 @@ class MoverMask {
         struct Run {
             std::uint32_t first, block;   // question; into `key`
         };
-        std::vector<Run> runs;   // of questions about one block
-        std::vector<BlockKey> key;
-        std::vector<std::uint32_t> asks;
+        std::vector<Run> runs;                   // of questions about one block
+        std::vector<BlockKey> key;               // of blocks
+        std::vector<std::uint32_t> asks, rays;   // by block: points, and the rays they would take
         std::vector<Block*> drawn;
     };
     /// Thread-safe.
@@ -92,12 +94,13 @@ class MoverMask {
  private:
     struct LightMask;
 
-    void take_in(scene::ObjectId object);
+    Unit& take_in(scene::ObjectId object);
     LightMask& prepared(std::uint32_t light);
     void place_prints(LightMask& mask, std::uint32_t light);
     void forget_static_unless(LightMask& mask, const LightSpace& space, float coordinate) const;
     void fill_bins(LightMask& mask) const;
-    Block* block_at(LightMask& mask, BlockKey key);
+    Block* block_at(LightMask& mask, BlockKey key, std::uint32_t rays);
+    void find_prints(const LightMask& mask, Block& block) const;
     void draw(LightMask& mask, Block& block);
     void find_outline(LightMask& mask, Print& print);
     float static_begins(LightMask& mask, Block& block) const;

@@ -23,8 +23,7 @@ struct MoverMask::Unit {
     scene::ObjectId object = scene::none;
     bool deforming = false;
     Box3 own;   // in its own space, of a rigid one
-    std::once_flag shaped;
-    MoverShape shape;
+    std::shared_ptr<const MoverShape> shape;
 };
 
 // A unit on one face of a light's plane.
@@ -40,9 +39,13 @@ struct MoverMask::Print {
 
 struct MoverMask::Block {
     BlockKey key = 0;
-    std::atomic<bool> ready = false;
+    std::atomic<bool> ready = false;   // who may be here is known
+    std::atomic<int> drawn = 0;        // 2: it is; 1: someone draws it
     bool empty = true;
-    std::atomic<float> static_begins;   // least depth of what stands still, margin included; NaN: not asked yet
+    std::uint32_t edges = 0;               // of those who may be here
+    std::uint32_t expected = 0;            // rays of the points that asked in the frame before
+    std::atomic<std::uint32_t> rays = 0;   // now; of batches that asked for enough
+    std::atomic<float> static_begins;      // least depth of what stands still, margin included; NaN: not asked yet
     std::vector<std::uint32_t> prints;
     MaskTexels texels;
     std::vector<std::uint32_t> print_of;   // by number in `texels`
@@ -60,7 +63,8 @@ struct MoverMask::LightMask {
     std::vector<std::uint32_t> bin_begin, binned;
     std::vector<std::atomic<Block*>> table = std::vector<std::atomic<Block*>>(1u << 12);
     std::vector<std::unique_ptr<Block>> blocks;
-    std::size_t used = 0;   // of `blocks`
+    std::size_t used = 0;                                       // of `blocks`
+    std::unordered_map<BlockKey, std::uint32_t> asked_before;   // in the frame before
 
     // What is known of what stands still, kept from frame to frame.
     std::unordered_map<BlockKey, float> static_begins;

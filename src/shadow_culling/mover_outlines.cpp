@@ -11,7 +11,7 @@ void MoverMask::find_outline(LightMask& mask, Print& print)
 {
     std::vector<Piece>& outline = mask.outlines[&print - mask.prints.data()];
     outline.clear();
-    Unit& unit = *units_[print.unit];
+    const Unit& unit = *units_[print.unit];
     const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
     if (geometry.to_world) {
         const glm::mat3 linear(*geometry.to_world);
@@ -19,8 +19,7 @@ void MoverMask::find_outline(LightMask& mask, Print& print)
             std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
         print.mirrored = glm::determinant(linear) < 0;
     }
-    std::call_once(unit.shaped, [&] { unit.shape = shape_of(state_->scene(), geometry, unit.deforming); });
-    const MoverShape& shape = unit.shape;
+    const MoverShape& shape = *unit.shape;
     if (print.blind) return;
     const LightSpace& space = mask.space;
 
