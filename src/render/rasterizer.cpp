@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/rasterizer.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 #include "gnomon/error.h"
 #ifdef GNOMON_VULKAN
@@ -23,6 +25,7 @@ class VulkanRasterizer final : public Rasterizer {
         options_.samples = settings.samples;
         options_.layers = settings.layers;
         if (settings.redrawn) options_.ids = &ids_;
+        redrawn_stays_ = settings.redrawn_stays;
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         ShadowOptions shadows;
         shadows.method = settings.shadows;
@@ -35,20 +38,34 @@ class VulkanRasterizer final : public Rasterizer {
     FrameCounters render(const scene::SceneState& state, const View& view, FrameBuffers& out,
                          const Progress& progress) override
     {
-        return frame_.render(state, view, options_, out, progress);
+        const FrameCounters counters = frame_.render(state, view, options_, out, progress);
+        if (options_.ids && views_) note_redrawn(state);
+        return counters;
     }
     void paint_redrawn(double exposure, ImageF& color) const override
     {
         GNOMON_CHECK(views_ && options_.ids);
-        render::paint_redrawn(ids_, redrawn_objects(*views_), exposure, color);
+        render::paint_redrawn(ids_, redrawn_, exposure, color);
     }
     std::string device() const override { return device_->info().name; }
 
  private:
+    void note_redrawn(const scene::SceneState& state)
+    {
+        std::vector<Redrawn> now = redrawn_objects(*views_);
+        const bool nothing = std::all_of(now.begin(), now.end(), [](Redrawn r) { return r == Redrawn::kept; });
+        if (redrawn_stays_ && nothing && state.time() == redrawn_time_ && redrawn_.size() == now.size()) return;
+        redrawn_ = std::move(now);
+        redrawn_time_ = state.time();
+    }
+
     std::shared_ptr<vk::Device> device_;
     RasterFrame frame_;
     RasterOptions options_;
     IdImage ids_;
+    std::vector<Redrawn> redrawn_;   // by object
+    double redrawn_time_ = 0;
+    bool redrawn_stays_ = false;
     const light_views::LightViews* views_ = nullptr;   // of the frame's visibility
 };
 

@@ -81,6 +81,26 @@ TEST(View, ShowsTheRasterisedFrame)
     EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
 }
 
+// What a step drew into the light views is shown, and stays while pictures of that moment become finer.
+TEST(View, ShowsWhatWasRedrawn)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    const Seen seen = drive(folder, "builtin:cornell", "--renderer raster --overlay redrawn",
+                            "sleep 2\nkey Home\nsleep 1\nkey Right\nsleep 2\nkey p\nawait gnomon-0001.png\nkey o\n"
+                            "sleep 1\nkey p\nawait gnomon-0002.png\nkey Escape\n");
+    if (seen.code == 4) GTEST_SKIP() << seen.err;
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    const Outcome rendered = run({"render", "builtin:cornell", "--frames", "1-2", "--size", "320x240", "--renderer",
+                                  "raster", "--overlay", "redrawn", "-o", folder / "redrawn-{frame:04}.png"});
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "redrawn-0002.png").data);
+    const Outcome plain = run({"render", "builtin:cornell", "--frame", "2", "--size", "320x240", "--renderer", "raster",
+                               "-o", folder / "plain.png"});
+    ASSERT_EQ(plain.code, 0) << plain.err;
+    EXPECT_EQ(io::read_image(folder / "gnomon-0002.png").data, io::read_image(folder / "plain.png").data);
+}
+
 TEST(View, RecordsAFilm)
 {
     NEED_WINDOWS();

@@ -3,9 +3,14 @@
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
+#include <cstring>
+
+#include "gnomon/gnomon.h"
 #include "light_script.h"
+#include "scene/builtin.h"
 #include "shadow_textures/software_textures.h"
 #include "shadow_textures/vulkan/gpu_textures.h"
+#include "support.h"
 
 namespace gnomon::shadow_textures {
 namespace {
@@ -110,6 +115,76 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
     EXPECT_EQ(item_faults, 0u);
     EXPECT_GT(ties, 0u);
     EXPECT_LT(updated, made);
+}
+
+// One square of the atlas, of both images.
+bool same_square(const vk::Buffer& a, const vk::Buffer& b, const light_views::Tile& tile, int page_size)
+{
+    const auto mine = a.as<std::uint32_t>(), other = b.as<std::uint32_t>();
+    for (int y = tile.y; y < tile.y + tile.size; ++y) {
+        const auto row = static_cast<std::size_t>(y) * static_cast<unsigned>(page_size) + static_cast<unsigned>(tile.x);
+        const auto size = static_cast<std::size_t>(tile.size);
+        if (std::memcmp(&mine[row], &other[row], size * sizeof(std::uint32_t)) != 0) return false;
+    }
+    return true;
+}
+
+// A clip's frames one after the other: the rendering buffers of all views.
+void follow_film(const std::shared_ptr<vk::Device>& device, const std::shared_ptr<const scene::Scene>& scene, int first,
+                 int last)
+{
+    scene::SceneState state(scene, scene->timeline.time_of(first));
+    LightViewsOptions kept_options, anew_options;
+    kept_options.atlas.view_size = anew_options.atlas.view_size = 128;
+    anew_options.coherence = false;
+    LightViews coherent(state, kept_options), anew(state, anew_options);
+    light_views::CasterGeometry casters(device, state);
+    light_views::GpuLightViews coherent_buffers(device, coherent), anew_buffers(device, anew);
+    vk::Commands commands(device);
+    std::uint64_t draws = 0, all_draws = 0;
+    for (int frame = first; frame <= last; ++frame) {
+        state.advance(scene->timeline.time_of(frame));
+        coherent.update(state);
+        anew.update(state);
+        casters.update(commands, state);
+        coherent_buffers.record(commands, coherent, casters);
+        anew_buffers.record(commands, anew, casters);
+        std::vector<vk::Buffer> mine, others;
+        for (std::uint32_t page = 0; page < anew_buffers.depth().desc().layers; ++page) {
+            mine.push_back(commands.read_back(coherent_buffers.depth(), page));
+            mine.push_back(commands.read_back(coherent_buffers.item(), page));
+            others.push_back(commands.read_back(anew_buffers.depth(), page));
+            others.push_back(commands.read_back(anew_buffers.item(), page));
+        }
+        commands.submit();
+        if (frame > first) draws += coherent.counts().draws, all_draws += anew.counts().draws;
+        for (std::size_t v = 0; v < coherent.views().size(); ++v) {
+            const LightView& view = coherent.views()[v];
+            if (!view.shown) continue;
+            for (const std::size_t layer : {0u, 1u}) {
+                const std::size_t at = 2 * static_cast<std::size_t>(view.tile.page) + layer;
+                ASSERT_TRUE(same_square(mine[at], others[at], view.tile, coherent.atlas().page_size))
+                    << "view " << v << ", frame " << frame << (layer ? ", items" : ", depths");
+            }
+        }
+    }
+    EXPECT_LT(2 * draws, all_draws);   // it did remember
+}
+
+TEST_F(ShadowTexturesVulkan, FilmOfKineticIsAsDrawnAnew)
+{
+    follow_film(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 38, 41);
+}
+
+TEST_F(ShadowTexturesVulkanFull, FilmOfKineticIsAsDrawnAnew)
+{
+    follow_film(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 1, 120);
+}
+
+TEST_F(ShadowTexturesVulkanFull, FilmOfKitchenIsAsDrawnAnew)
+{
+    GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
+    follow_film(device_, load(file.string()).inside(), 1, 800);
 }
 
 TEST_F(ShadowTexturesVulkan, CoherenceChangesNoBitAndMethodsAgree)

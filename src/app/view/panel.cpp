@@ -262,7 +262,7 @@ void Panel::keys()
         {"space", "play, pause"},
         {"left, right", "a frame back, on"},
         {"Home, End", "the first frame, the last"},
-        {"O", "overlay of shadow states"},
+        {"O", "overlay of shadow states, or of what was redrawn"},
         {"Tab", "panel"},
         {"P", "screenshot"},
         {"R", "record"},

@@ -84,6 +84,7 @@ struct ViewSession::Kept {
     std::unique_ptr<render::Rasterizer> raster;
     ShadowTextures raster_shadows{};   // it was made for this, and what follows
     int raster_filter = 0, raster_samples = 0;
+    bool raster_redrawn = false;
     std::vector<HandMoved> hands;
     std::unordered_map<scene::NodeId, glm::dmat4> held;   // by node that a hand holds: its own transform when taken
     render::FrameBuffers buffers;
@@ -147,17 +148,22 @@ struct ViewSession::Kept {
 
     void follow_raster(const RenderOptions& options)
     {
+        const bool redrawn = options.overlay == Overlay::redrawn && options.shadow_textures != ShadowTextures::off &&
+                             !state->scene().lights.empty();
         if (raster && raster_shadows == options.shadow_textures && raster_filter == options.shadow_filter &&
-            raster_samples == options.samples) {
+            raster_samples == options.samples && raster_redrawn == redrawn) {
             raster->update(*state);
             return;
         }
         raster = render::make_rasterizer(*state, {.samples = options.samples,
                                                   .shadows = options.shadow_textures,
-                                                  .shadow_filter = static_cast<float>(options.shadow_filter)});
+                                                  .shadow_filter = static_cast<float>(options.shadow_filter),
+                                                  .redrawn = redrawn,
+                                                  .redrawn_stays = true});
         raster_shadows = options.shadow_textures;
         raster_filter = options.shadow_filter;
         raster_samples = options.samples;
+        raster_redrawn = redrawn;
     }
 
     void follow_hands(const std::vector<HandMoved>& wanted)
@@ -397,10 +403,15 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
         picture->image = render::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
                                               options.shadow_culling == ShadowCulling::paper);
     } else {
-        const ImageF& color = kept.buffers.color;
+        ImageF& color = kept.buffers.color;
         picture->image = Image8(color.width, color.height, 3);
         const double exposure = options.exposure ? *options.exposure : render::auto_exposure(color.data);
-        render::encode_srgb8(color.data, exposure, options.tonemap, picture->image.data);
+        if (kept.raster && kept.raster_redrawn) {
+            kept.raster->paint_redrawn(exposure, color);
+            render::encode_srgb8(color.data, 0, ToneMap::none, picture->image.data);
+        } else {
+            render::encode_srgb8(color.data, exposure, options.tonemap, picture->image.data);
+        }
     }
     end_stage(3);
 

@@ -11,7 +11,9 @@ namespace {
 RenderOptions shown_options(const OptionValues& values)
 {
     const RenderOptions options = read_picture_options(values);
-    if (options.overlay == Overlay::redrawn) throw UsageError("the viewer has no --overlay redrawn yet: render has");
+    if (options.overlay == Overlay::redrawn &&
+        (options.renderer == RenderMethod::trace || options.shadow_textures == ShadowTextures::off))
+        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
     return options;
 }
 

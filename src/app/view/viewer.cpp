@@ -334,10 +334,13 @@ void Viewer::Inside::key(int which)
             camera.aim(panel.picked->position);
             dirty = true;
             break;
-        case GLFW_KEY_O:
-            panel.message = settings.set(*overlay, settings.values().given("overlay") ? "" : "shadow-states");
+        case GLFW_KEY_O: {
+            const char* const other =
+                settings.render_options().renderer == RenderMethod::raster ? "redrawn" : "shadow-states";
+            panel.message = settings.set(*overlay, settings.values().given("overlay") ? "" : other);
             dirty = true;
             break;
+        }
         case GLFW_KEY_P:
             screenshot();
             break;

@@ -77,6 +77,7 @@ CasterGeometry::CasterGeometry(const std::shared_ptr<vk::Device>& device, const 
     texcoords_ = buffer("caster texcoords", first_texcoords_.size() * sizeof(glm::vec2));
     indices_ = buffer("caster indices", first_indices_.size() * sizeof(std::uint32_t));
     matrices_ = buffer("caster matrices", scene_->objects.size() * sizeof(glm::mat4));
+    offsets_ = buffer("caster vertex offsets", vertex_offset_.size() * sizeof(std::int32_t));
     alpha_materials_ =
         buffer("alpha materials", std::max<std::size_t>(first_alpha_.size(), 1) * sizeof(shared::AlphaMaterial));
     alpha_texels_ = buffer("alpha texels", first_texels_.size());
@@ -129,6 +130,7 @@ void CasterGeometry::fill(vk::Commands& commands, const scene::SceneState& state
     add(texcoords_, std::span<const glm::vec2>(first_texcoords_));
     add(indices_, std::span<const std::uint32_t>(first_indices_));
     add(matrices_, std::span<const glm::mat4>(matrices));
+    add(offsets_, std::span<const std::int32_t>(vertex_offset_));
     add(alpha_materials_, std::span<const shared::AlphaMaterial>(first_alpha_));
     add(alpha_texels_, std::span<const std::uint8_t>(first_texels_));
     for (const vk::Upload& upload : uploads) uploaded_bytes_ += upload.bytes.size();
@@ -163,6 +165,25 @@ void CasterGeometry::update(vk::Commands& commands, const scene::SceneState& sta
         }
     for (const vk::Upload& upload : uploads) uploaded_bytes_ += upload.bytes.size();
     if (!uploads.empty()) commands.upload("casters", uploads);
+}
+
+vk::Pass& CasterGeometry::declare_triangles(vk::Pass& pass) const
+{
+    for (const vk::Buffer* buffer :
+         {&positions_, &texcoords_, &indices_, &offsets_, &matrices_, &alpha_materials_, &alpha_texels_})
+        pass.reads(*buffer, vk::Use::storage_read);
+    return pass;
+}
+
+void CasterGeometry::bind_triangles(vk::Recorder& recorder) const
+{
+    recorder.set("CasterPositions", positions_);
+    recorder.set("CasterTexcoords", texcoords_);
+    recorder.set("CasterIndices", indices_);
+    recorder.set("CasterOffsets", offsets_);
+    recorder.set("Matrices", matrices_);
+    recorder.set("AlphaMaterials", alpha_materials_);
+    recorder.set("AlphaTexels", alpha_texels_);
 }
 
 vk::Pass& CasterGeometry::declare(vk::Pass& pass) const

@@ -42,6 +42,11 @@ class CasterGeometry {
     /// Vertex and index buffers, and the bindings of caster.vert; with `alpha` also those of alpha_test.glsl.
     void bind(vk::Recorder& recorder, bool alpha) const;
 
+    /// For shaders that look at single triangles: CasterPositions, CasterTexcoords, CasterIndices, CasterOffsets (first
+    /// vertex by object), Matrices, and what alpha_test.glsl needs.
+    vk::Pass& declare_triangles(vk::Pass& pass) const;
+    void bind_triangles(vk::Recorder& recorder) const;
+
     std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }   // in the last update
 
  private:
@@ -56,7 +61,7 @@ class CasterGeometry {
     const scene::Scene* scene_;
     std::vector<MeshParts> meshes_;
     std::vector<std::int32_t> vertex_offset_;   // by object
-    vk::Buffer positions_, texcoords_, indices_, matrices_, alpha_materials_, alpha_texels_;
+    vk::Buffer positions_, texcoords_, indices_, matrices_, offsets_, alpha_materials_, alpha_texels_;
     // Until the first update:
     std::vector<glm::vec3> first_positions_;
     std::vector<glm::vec2> first_texcoords_;

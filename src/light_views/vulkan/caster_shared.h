@@ -15,6 +15,17 @@ struct CasterConstants {
     uint place;      // for those who draw receivers: the view's first entry in their table
 };
 
+// Side of a cell of CasterCells, in texels of the view.
+#define GNOMON_CELL_TEXELS 16u
+
+// A triangle that may lie over a cell.
+struct CellEntry {
+    uint object;
+    uint triangle;   // three of the casters' indices
+    uint material;   // alpha-tested: index into AlphaMaterial[]; else none
+    uint bounds;     // of its image in the cell, a byte each in 256ths of it: low x, low y, high x, high y
+};
+
 // Where an alpha-tested material's texture lies, and how it is looked up.
 struct AlphaMaterial {
     uint first_byte;   // of its alpha texels; none: no texture

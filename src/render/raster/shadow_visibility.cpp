@@ -24,6 +24,7 @@ ShadowVisibility::ShadowVisibility(const std::shared_ptr<vk::Device>& device, co
       buffers_(device, views_),
       visibility_(device, views_)
 {
+    if (options.look_up.filter == 0) hard_ = std::make_unique<shadow_textures::HardVisibility>(device, views_);
     if (options.method != ShadowTextures::coherent)
         textures_ = std::make_unique<shadow_textures::GpuTextures>(device, views_);
 }
@@ -34,6 +35,7 @@ void ShadowVisibility::update(vk::Commands& commands, const gpu_scene::GpuScene&
     views_.update(state);
     casters_.update(commands, state);
     buffers_.record(commands, views_, casters_);
+    if (hard_) hard_->update(commands, views_, casters_, state);
     draws_ = views_.counts().draws;
     if (options_.method == ShadowTextures::depth) textures_->record(commands, views_, buffers_, casters_, state);
     if (options_.method == ShadowTextures::per_caster) textures_->record_per_caster(commands, views_, casters_, state);
@@ -43,9 +45,12 @@ void ShadowVisibility::update(vk::Commands& commands, const gpu_scene::GpuScene&
 void ShadowVisibility::fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
                             const vk::Image& visibility)
 {
-    visibility_.record(commands, views_, buffers_, textures_.get(),
-                       {&surfaces.position, &surfaces.geometric, &surfaces.ids}, visibility, options_.look_up, first,
-                       count);
+    const shadow_textures::PictureInputs picture{&surfaces.position, &surfaces.geometric, &surfaces.ids};
+    if (hard_)
+        hard_->record(commands, views_, casters_, picture, visibility, first, count);
+    else
+        visibility_.record(commands, views_, buffers_, textures_.get(), picture, visibility, options_.look_up, first,
+                           count);
 }
 
 }   // namespace gnomon::render

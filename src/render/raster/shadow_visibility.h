@@ -9,7 +9,7 @@
 #include "gnomon/renderer.h"
 #include "light_views/light_views.h"
 #include "render/raster/gbuffer.h"
-#include "shadow_textures/vulkan/gpu_visibility.h"
+#include "shadow_textures/vulkan/hard_visibility.h"
 
 namespace gnomon::render {
 
@@ -41,6 +41,7 @@ class ShadowVisibility final : public LightVisibility {
     light_views::GpuLightViews buffers_;
     std::unique_ptr<shadow_textures::GpuTextures> textures_;   // null: items are looked up
     shadow_textures::GpuVisibility visibility_;
+    std::unique_ptr<shadow_textures::HardVisibility> hard_;   // where edges are hard
     std::uint64_t draws_ = 0;
 };
 

@@ -61,7 +61,7 @@ vk::Pass& LookupRecords::declare(vk::Pass& pass, const light_views::GpuLightView
                                  const GpuTextures* textures) const
 {
     pass.reads(buffers.depth(), vk::Use::sampled).reads(buffers.item(), vk::Use::sampled);
-    pass.reads(view_records_, vk::Use::storage_read).reads(light_records_, vk::Use::storage_read);
+    declare_views(pass);
     pass.reads(places(textures), vk::Use::storage_read);
     if (textures) pass.reads(words(textures), vk::Use::storage_read);
     return pass;
@@ -72,10 +72,20 @@ void LookupRecords::bind(vk::Recorder& recorder, const light_views::GpuLightView
 {
     recorder.set("light_depth", buffers.depth(), buffers.sampler());
     recorder.set("light_item", buffers.item(), buffers.sampler());
-    recorder.set("ViewRecords", view_records_);
-    recorder.set("LightRecords", light_records_);
+    bind_views(recorder);
     recorder.set("Places", places(textures));
     recorder.set("Textures", words(textures));
+}
+
+vk::Pass& LookupRecords::declare_views(vk::Pass& pass) const
+{
+    return pass.reads(view_records_, vk::Use::storage_read).reads(light_records_, vk::Use::storage_read);
+}
+
+void LookupRecords::bind_views(vk::Recorder& recorder) const
+{
+    recorder.set("ViewRecords", view_records_);
+    recorder.set("LightRecords", light_records_);
 }
 
 shared::LookupConstants LookupRecords::constants(glm::uvec2 size, const light_views::LightViews& views,

@@ -24,6 +24,10 @@ class LookupRecords {
     vk::Pass& declare(vk::Pass& pass, const light_views::GpuLightViews& buffers, const GpuTextures* textures) const;
     void bind(vk::Recorder& recorder, const light_views::GpuLightViews& buffers, const GpuTextures* textures) const;
 
+    /// The records alone: ViewRecords, LightRecords.
+    vk::Pass& declare_views(vk::Pass& pass) const;
+    void bind_views(vk::Recorder& recorder) const;
+
     /// @param size  of the picture
     static shared::LookupConstants constants(glm::uvec2 size, const light_views::LightViews& views,
                                              const GpuTextures* textures, const LookupOptions& options);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_textures/vulkan/hard_visibility.h"
+
+#include "base/check.h"
+
+namespace gnomon::shadow_textures {
+
+namespace {
+
+constexpr std::uint32_t k_code[] =
+#include "shadow_textures/vulkan/visibility_hard.comp.inc"
+    ;
+
+}   // namespace
+
+HardVisibility::HardVisibility(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views)
+    : pipeline_(device, vk::ComputeDesc{.name = "hard shadows",
+                                        .code = {"shadow_textures/vulkan/visibility_hard.comp", k_code}}),
+      sampler_(vk::make_sampler(device, {})),
+      records_(device, views),
+      cells_(device, views)
+{
+}
+
+void HardVisibility::update(vk::Commands& commands, const light_views::LightViews& views,
+                            const light_views::CasterGeometry& casters, const scene::SceneState& state)
+{
+    records_.update(commands, views);
+    cells_.update(commands, views, casters, state);
+}
+
+void HardVisibility::record(vk::Commands& commands, const light_views::LightViews& views,
+                            const light_views::CasterGeometry& casters, const PictureInputs& picture,
+                            const vk::Image& out, std::uint32_t first, std::uint32_t count)
+{
+    if (count == 0) return;
+    GNOMON_CHECK_LE(count, out.desc().layers);
+    GNOMON_CHECK_LE(first + count, views.atlas().first_tile.size() - 1);
+    vk::Pass pass = commands.pass("hard shadows");
+    records_.declare_views(pass);
+    casters.declare_triangles(pass);
+    cells_.declare(pass);
+    for (const vk::Image* image : {picture.positions, picture.normals, picture.objects})
+        pass.reads(*image, vk::Use::sampled);
+    pass.writes(out).compute([&](vk::Recorder& recorder) {
+        recorder.bind(pipeline_);
+        recorder.set("positions", *picture.positions, sampler_.get());
+        recorder.set("normals", *picture.normals, sampler_.get());
+        recorder.set("objects", *picture.objects, sampler_.get());
+        records_.bind_views(recorder);
+        casters.bind_triangles(recorder);
+        cells_.bind(recorder);
+        recorder.set("visibility", out);
+        const glm::uvec2 size(picture.positions->width(), picture.positions->height());
+        shared::LookupConstants constants = LookupRecords::constants(size, views, nullptr, LookupOptions());
+        constants.first_light = first;
+        recorder.push(constants);
+        recorder.dispatch_over(size.x, size.y, count);
+    });
+}
+
+}   // namespace gnomon::shadow_textures

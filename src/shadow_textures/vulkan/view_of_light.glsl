@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// The view of a light that sees a point; view_count must not be 0.
+uint view_of_light(LightRecord light, vec3 point)
+{
+    if (light.view_count == 6u) {
+        vec3 d = point - view_records[light.first_view].origin, size = abs(d);
+        uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+        return light.first_view + 2u * axis + (d[axis] < 0.0 ? 1u : 0u);
+    }
+    if (light.view_count == 2u) {
+        ViewRecord dense = view_records[light.first_view];
+        vec4 clip = dense.clip_from_world * vec4(point, 1);
+        float inside = 1.0 - 2.0 * lookup.border / float(dense.size);
+        return light.first_view + (abs(clip.x) <= inside && abs(clip.y) <= inside ? 0u : 1u);
+    }
+    return light.first_view;
+}
