@@ -21,7 +21,8 @@ struct ReferenceLightOptions {
 };
 
 /// What makes the picture: rays on the processor, or the rasteriser on a Vulkan device, which shows mirrors without
-/// their images and glass without refraction, and has no bounced light yet.
+/// their images and glass without refraction. Its bounced light runs on the device, too, but for that of
+/// Indirect::visible: the processor finds what arrives at the surfaces that the device shows.
 enum class RenderMethod { trace, raster };
 
 /// Shadows of the rasterised frame. `coherent` draws again only what changed; `depth` and `per_caster` are the methods
@@ -38,7 +39,7 @@ struct RenderOptions {
     std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
-    Indirect indirect = Indirect::visible;                       // of the traced frame; the rasterised one has none
+    Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
     int shadow_filter = 1;   // width of the edges of its shadows, in texels of the light's view, 0 (hard) to 64
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`

@@ -44,6 +44,15 @@ Times time_of(const Work& work)
     return {wall_ms() - wall, cpu_ms() - cpu};
 }
 
+// The same of one call of a method, or what the method says itself.
+template <class Work>
+Times time_of(const IndirectMethod& method, IndirectTimes::Took IndirectTimes::*which, const Work& work)
+{
+    const Times taken = time_of(work);
+    if (const IndirectTimes* own = method.own_times()) return {(own->*which).wall, (own->*which).cpu};
+    return taken;
+}
+
 double sum_of(const glm::vec3& v)
 {
     return static_cast<double>(v.x) + static_cast<double>(v.y) + static_cast<double>(v.z);
@@ -219,10 +228,12 @@ class Bench {
         row.method = info.name;
         row.title = info.title;
         row.settings = info.settings;
+        row.vulkan = info.vulkan;
         const FrameRange range = options_.frames;
         World world(scene_, options_, range.first);
         std::unique_ptr<IndirectMethod> method;
-        const Times made = time_of([&] { method = info.make_for(world.state, world.rays, tasks_); });
+        Times made = time_of([&] { method = info.make_for(world.state, world.rays, tasks_); });
+        if (const IndirectTimes* own = method->own_times()) made = {own->made.wall, own->made.cpu};
         SeenPicture picture;
         std::vector<glm::vec3> light, before;
         Times still, moving, repair;
@@ -240,9 +251,10 @@ class Bench {
             light.assign(picture.points.size(), glm::vec3(0));
 
             // The frame as it comes.
-            const Times begun = time_of([&] { method->begin_frame(world.state, world.rays, tasks_); });
+            const Times begun =
+                time_of(*method, &IndirectTimes::begun, [&] { method->begin_frame(world.state, world.rays, tasks_); });
             Times whole = begun;
-            whole += time_of([&] { method->light(picture, tasks_, light.data()); });
+            whole += time_of(*method, &IndirectTimes::lit, [&] { method->light(picture, tasks_, light.data()); });
 
             // Flicker from the frame before to this one.
             if (last && !last->fixed.empty()) {
@@ -259,7 +271,8 @@ class Bench {
                 flickering += seen.size();
             }
             IndirectWork work;
-            whole += time_of([&] { work = method->end_frame(); });
+            const Times ended = time_of([&] { work = method->end_frame(); });
+            if (!method->own_times()) whole += ended;
             row.work.bytes = std::max(row.work.bytes, work.bytes);
             if (cold) {
                 whole += made;
@@ -296,9 +309,11 @@ class Bench {
             // The same frame once more: nothing moved.
             if (!counts) continue;
             world.go(frame);
-            still += time_of([&] { method->begin_frame(world.state, world.rays, tasks_); });
-            still += time_of([&] { method->light(picture, tasks_, light.data()); });
-            still += time_of([&] { method->end_frame(); });
+            still +=
+                time_of(*method, &IndirectTimes::begun, [&] { method->begin_frame(world.state, world.rays, tasks_); });
+            still += time_of(*method, &IndirectTimes::lit, [&] { method->light(picture, tasks_, light.data()); });
+            const Times still_ended = time_of([&] { method->end_frame(); });
+            if (!method->own_times()) still += still_ended;
         }
 
         const auto later = static_cast<double>(std::max(1, range.count() - 1));
@@ -323,7 +338,9 @@ class Bench {
             }
             if (options_.view_steps > 0 && info.walks) row.view_change = walk(*method, world, picture, mean);
         }
-        const Times rebuilt = time_of([&] { info.make_for(world.state, world.rays, tasks_); });
+        std::unique_ptr<IndirectMethod> again;
+        Times rebuilt = time_of([&] { again = info.make_for(world.state, world.rays, tasks_); });
+        if (const IndirectTimes* own = again->own_times()) rebuilt = {own->made.wall, own->made.cpu};
         row.ms_rebuild = rebuilt.wall, row.cpu_ms_rebuild = rebuilt.cpu;
         return row;
     }

@@ -48,6 +48,7 @@ struct Change {
 
 struct IndirectRow {
     std::string method, title;
+    bool vulkan = false;   // where it ran
     IndirectSettings settings;
     // Means from the second frame on; the first is cold (a clip of one frame has that one alone). Wall time, and
     // process CPU time over all threads.

@@ -20,6 +20,7 @@ Json row_json(const IndirectRow& r)
 {
     return {{"method", r.method},
             {"title", r.title},
+            {"on", r.vulkan ? "vulkan" : "cpu"},
             {"depth_threshold", r.settings.depth_threshold},
             {"normal_threshold", r.settings.normal_threshold},
             {"receivers", r.settings.full ? "full" : "64"},
@@ -59,18 +60,25 @@ Json indirect_json(const IndirectStudy& study)
     const IndirectBenchResult& result = study.result;
     Json rows = Json::array();
     for (const IndirectRow& row : result.rows) rows.push_back(row_json(row));
-    return {{"device", processor_name()},
-            {"threads", options.threads > 0 ? options.threads : processor_threads()},
-            {"scene", study.scene},
-            {"width", options.size.width},
-            {"height", options.size.height},
-            {"frames", {options.frames.first, options.frames.last}},
-            {"judged_frames", result.judged},
-            {"spp", options.spp},
-            {"points", result.points},
-            {"mean_irradiance", result.mean_irradiance},
-            {"reference_noise", result.reference_noise},
-            {"rows", std::move(rows)}};
+    Json document = {{"device", study.device.empty() ? processor_name() : study.device},
+                     {"processor", processor_name()},
+                     {"threads", options.threads > 0 ? options.threads : processor_threads()},
+                     {"scene", study.scene},
+                     {"width", options.size.width},
+                     {"height", options.size.height},
+                     {"frames", {options.frames.first, options.frames.last}},
+                     {"judged_frames", result.judged},
+                     {"spp", options.spp},
+                     {"points", result.points},
+                     {"mean_irradiance", result.mean_irradiance},
+                     {"reference_noise", result.reference_noise},
+                     {"rows", std::move(rows)}};
+    if (study.large)
+        document["large_gather"] = {{"width", study.large->size.width},
+                                    {"height", study.large->size.height},
+                                    {"clusters", study.large->clusters},
+                                    {"ms", study.large->ms}};
+    return document;
 }
 
 }   // namespace gnomon::app

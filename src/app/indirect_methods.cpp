@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "app/vulkan_indirect.h"
 #include "gnomon/error.h"
 #include "light_quadtree/map_light.h"
 #include "light_quadtree/visible_light.h"
@@ -158,6 +159,14 @@ light_quadtree::MapLightOptions map_options(const IndirectMethodInfo& info, ligh
     return options;
 }
 
+std::unique_ptr<IndirectMethod> make_map_method(const IndirectMethodInfo& info,
+                                                const light_quadtree::MapLightOptions& options,
+                                                const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+{
+    if (info.vulkan) return make_vulkan_map_method(options, state, rays, tasks);
+    return std::make_unique<MapMethod>(options, state, rays, tasks);
+}
+
 // The table. A method with a number is asked for as NAME:NUMBER.
 struct Row {
     const char* name;
@@ -176,14 +185,14 @@ constexpr Row k_methods[] = {
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::quadtree);
          options.levels.limit = info.number;
-         return std::make_unique<MapMethod>(options, state, rays, tasks);
+         return make_map_method(info, options, state, rays, tasks);
      }},
     {"rsm", ":SAMPLES[:RADIUS]", "sampling, {} samples within {} of the map's side", 1, 65536, true, false, false,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::rsm);
          options.rsm = {info.number, static_cast<float>(info.settings.radius)};
-         return std::make_unique<MapMethod>(options, state, rays, tasks);
+         return make_map_method(info, options, state, rays, tasks);
      }},
 };
 
@@ -197,7 +206,7 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
         const bool numbered = row.most > 0;
         known += fmt::format("{}{}{}", known.empty() ? "" : ", ", row.name, row.form);
         if (name.substr(0, colon) != row.name || numbered != (colon != std::string::npos)) continue;
-        IndirectMethodInfo info{name, "", settings, row.make, 0, row.visible, row.walks};
+        IndirectMethodInfo info{name, "", settings, row.make, 0, settings.vulkan && !row.visible, row.visible, row.walks};
         if (numbered) {
             const char* const end = name.data() + name.size();
             std::from_chars_result at = std::from_chars(name.data() + colon + 1, end, info.number);

@@ -22,6 +22,14 @@ struct IndirectWork {
     std::uint64_t bytes = 0;                           // held
 };
 
+/// Milliseconds that a method took, where it knows better than a clock around its calls: of what a device does.
+struct IndirectTimes {
+    struct Took {
+        double wall = 0, cpu = 0;
+    };
+    Took made, begun, lit;   // by its construction; by the last begin_frame() and light()
+};
+
 class IndirectMethod {
  public:
     virtual ~IndirectMethod() = default;
@@ -36,6 +44,8 @@ class IndirectMethod {
     /// The same of other points that the picture shows, between its pixels' centres. After light().
     virtual void sample(std::span<const SeenPoint> points, glm::vec3* irradiance) = 0;
     virtual IndirectWork end_frame() = 0;
+    /// Null: what its calls take is what it takes.
+    virtual const IndirectTimes* own_times() const { return nullptr; }
 };
 
 /// What is not in a method's name.
@@ -43,6 +53,7 @@ struct IndirectSettings {
     double depth_threshold = 0.05;   // of quadtree; a fraction of the light view's depth range
     double normal_threshold = 0.9;   // of quadtree; least cosine
     bool full = false;               // rsm, quadtree: every pixel gathers
+    bool vulkan = false;             // rsm, quadtree: on a Vulkan device
     double radius = 0.3;             // of rsm's disk, in sides of the light map; rsm:SAMPLES:RADIUS says another
 };
 
@@ -54,6 +65,7 @@ struct IndirectMethodInfo {
     std::unique_ptr<IndirectMethod> (*make)(const IndirectMethodInfo& info, const scene::SceneState& state,
                                             const ray::RayScene& rays, Tasks& tasks);
     int number = 0;        // after the colon
+    bool vulkan = false;   // on a Vulkan device
     bool visible = true;   // knows what stands in light's way; else it is also judged by brute_irradiance()
     bool walks = true;     // is also judged while the view alone moves
     std::unique_ptr<IndirectMethod> make_for(const scene::SceneState& state, const ray::RayScene& rays,

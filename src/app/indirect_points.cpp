@@ -40,6 +40,7 @@ void see_picture(const scene::SceneState& state, const ray::RayScene& rays, cons
                  Tasks& tasks, SeenPicture& out)
 {
     out.size = view.size;
+    out.view = view;
     out.grid = {};
     if (grid_step > 0) out.grid = render::cast_indirect_grid(state.scene(), rays, view, grid_step, tasks);
     out.points.assign(out.index(0, view.size.height), {});

@@ -22,6 +22,7 @@ struct SeenPoint {
 
 struct SeenPicture {
     Size size;
+    render::View view;
     std::vector<SeenPoint> points;   // by pixel, row by row
     render::IndirectGrid grid;       // for methods that have sparse receivers; else empty
     std::size_t index(int x, int y) const

@@ -5,6 +5,7 @@
 
 #include "app/indirect_bench.h"
 #include "app/report_page.h"
+#include "app/vulkan_indirect.h"
 #include "gnomon/picture.h"
 #include "gnomon/scene.h"
 
@@ -12,6 +13,8 @@ namespace gnomon::app {
 
 struct IndirectStudy {
     std::string scene, command;
+    std::string device;                 // Vulkan's; empty: all on the processor
+    std::optional<LargeGather> large;   // on a Vulkan device, where every pixel gathers
     IndirectBenchOptions options;
     IndirectBenchResult result;
     Picture direct;   // of the frame of which pictures are kept, with the layer `direct`; none: no pictures

@@ -86,7 +86,7 @@ constexpr Option k_options[] = {
      .help = "also write a labelled grid of up to 12 frames, evenly spaced over the range"},
     {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = "trace|raster",
      .verbs = k_pictures | bit(bench_indirect), .group = k_output,
-     .help = "CPU ray tracer; or Vulkan, without mirror images, refraction and indirect light"},
+     .help = "CPU ray tracer; or Vulkan, without mirror images and refraction"},
 
     {.name = "frame", .argument = "N", .kind = Kind::integer, .low = 1, .high = k_many,
      .verbs = bit(render) | bit(bench_trace), .group = k_frames, .help = "one frame, from 1"},

@@ -10,6 +10,7 @@
 #include "app/machine.h"
 #include "app/moving_lights.h"
 #include "app/verbs.h"
+#include "app/vulkan_indirect.h"
 
 namespace gnomon::app {
 
@@ -59,7 +60,6 @@ int camera_of(const scene::Scene& scene, const std::string& wanted)
 
 IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
 {
-    if (values.text("renderer") == "raster") throw UsageError("--renderer raster has no indirect light yet");
     IndirectBenchOptions options;
     options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
     if (values.given("frames")) options.frames = *parse_range(values.text("frames"));
@@ -77,7 +77,7 @@ IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
     std::vector<std::string> methods = values.all("method");
     if (methods.empty() && !options.pictures) methods = {"visible"};
     const IndirectSettings settings{values.number("depth-threshold"), values.number("normal-threshold"),
-                                    values.text("receivers") == "full"};
+                                    values.text("receivers") == "full", values.text("renderer") == "raster"};
     if (options.pictures) options.methods = indirect_methods_of_paper(settings);
     for (const std::string& name : methods) {
         const auto same = [&](const IndirectMethodInfo& m) { return m.name == name; };
@@ -91,15 +91,16 @@ IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
 
 int run_bench_indirect(const CommandLine& line, Output& output)
 {
-    if (line.values.text("renderer") == "raster")
-        throw UsageError("bench indirect measures the traced frame: --renderer trace");
     const OptionValues& values = line.values;
+    const bool raster = values.text("renderer") == "raster";
+    const std::string device = raster ? vulkan_device_name() : std::string();
     const Scene scene = load_scene(line, output.progress());
     std::optional<ReportFile> report;
     if (values.given("report")) report.emplace(values.text("report"));
     IndirectStudy study;
     study.scene = line.positionals[0];
     study.command = line.command;
+    study.device = device;
     study.options = options_of(values, scene);
     const IndirectBenchOptions& options = study.options;
     const auto inside = values.flag("moving-lights") ? with_moving_lights(scene.inside()) : scene.inside();
@@ -111,10 +112,23 @@ int run_bench_indirect(const CommandLine& line, Output& output)
                     "reference", options.spp, result.points, result.judged.front(), result.judged.back(),
                     result.reference_noise, result.references_computed, result.references_found));
 
+    if (raster && study.options.methods.front().settings.full) {
+        const scene::SceneState state(inside, inside->timeline.time_of(options.frames.first));
+        const ray::RayScene rays(state);
+        Tasks tasks(options.threads);
+        const render::View view =
+            render::make_view(state, static_cast<scene::CameraId>(options.camera), k_large_gather_size);
+        study.large = measure_large_gather(state, rays, view, tasks);
+        output.say(fmt::format("{:14} {:.2f} ms for every pixel of {}x{} and {} clusters", "gather", study.large->ms,
+                               study.large->size.width, study.large->size.height, study.large->clusters));
+    }
+    if (raster) output.say(fmt::format("{:14} {}: times are its own, but for remembered visibility", "device", device));
+
     if (report) {
         study.direct = direct_light(Scene(inside), study);
         ReportPage page("Gnomon: indirect light",
-                        machine_line(study.options.threads > 0 ? study.options.threads : processor_threads()));
+                        machine_line(study.options.threads > 0 ? study.options.threads : processor_threads()) +
+                            (raster ? "; Vulkan on " + device : ""));
         add_indirect_section(page, study);
         report->write(page);
         output.say(fmt::format("report     {}", report->path().string()));

@@ -27,8 +27,6 @@ void refuse_the_others(const OptionValues& values)
     };
     if (values.text("renderer") == "raster") {
         refuse({"shadow-culling", "accelerator", "max-depth", "reference"}, "trace");
-        if (values.given("indirect") && values.text("indirect") != "off")
-            throw UsageError("--renderer raster has no indirect light yet: --indirect off");
     } else {
         refuse({"shadow-textures", "shadow-filter"}, "raster");
     }
@@ -71,15 +69,27 @@ FilmJob film_job(const OptionValues& values, const Scene& scene)
     return job;
 }
 
-Json indirect_of(const FrameRecord& record, bool reference)
+// Where the parts of a rasterised frame's bounced light run; of a traced one all of them are the processor's.
+void say_where(const RenderOptions& options, Json& json)
+{
+    if (options.renderer != RenderMethod::raster || options.indirect == Indirect::off) return;
+    if (options.indirect == Indirect::visible)
+        json.update({{"visibility", "cpu"}, {"gather", "cpu"}, {"shading", "vulkan"}});
+    else
+        json.update({{"light_map", "vulkan"}, {"tree", "vulkan"}, {"gather", "vulkan"}, {"shading", "vulkan"}});
+}
+
+Json indirect_of(const FrameRecord& record, const RenderOptions& options)
 {
     const FrameCounters::Indirect& counters = record.counters.indirect;
     Json json = {{"clusters", counters.clusters}, {"rays", counters.rays}};
-    if (reference) json["noise"] = record.noise;
+    if (options.reference) json["noise"] = record.noise;
+    say_where(options, json);
     return json;
 }
 
-Json document_of(const CommandLine& line, const FilmResult& result, const std::string& device)
+Json document_of(const CommandLine& line, const FilmResult& result, const RenderOptions& options,
+                 const std::string& device)
 {
     const bool reference = line.values.flag("reference");
     Json frames = Json::array();
@@ -94,7 +104,7 @@ Json document_of(const CommandLine& line, const FilmResult& result, const std::s
                           {"file", record.file.string()},
                           {"ms", record.milliseconds},
                           {"shadow", std::move(shadow)},
-                          {"indirect", indirect_of(record, reference)},
+                          {"indirect", indirect_of(record, options)},
                           {"draws", counters.draws}});
         if (counters.kdtree) {
             const auto work = [](const FrameCounters::KdTree::Work& of) {
@@ -182,7 +192,7 @@ int run_render(const CommandLine& line, Output& output)
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
     if (renderer.options().overlay == Overlay::shadow_states) output.say(wrong_text(result));
     output.say(summary_of(result, span.count()));
-    output.finish(document_of(line, result, renderer.device()));
+    output.finish(document_of(line, result, renderer.options(), renderer.device()));
     return 0;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <optional>
 
 #include "base/check.h"
 #include "light_quadtree/ball_footprint.h"
@@ -18,20 +17,6 @@ namespace {
 bool same_bits(const LightNode& a, const LightNode& b)
 {
     return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-// How far along its axis a view sees the scene, whole clip: the depth range that thresholds are fractions of.
-float depth_range_of(const light_views::ViewProjection& view, const Box3& bounds)
-{
-    if (!view.perspective) return view.reach;
-    const glm::vec3 axis = glm::normalize(view.forward);
-    float farthest = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
-                          corner & 4 ? bounds.high.z : bounds.low.z);
-        farthest = std::max(farthest, glm::dot(p - view.origin, axis));
-    }
-    return farthest > 0 ? farthest : 1;
 }
 
 // The radius of a rigid thing's ball about the middle of its box, in the space of its mesh.
@@ -71,25 +56,8 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
             dynamics_.push_back(o);
             ball_.push_back(ball_of(scene, scene.objects[o]));
         }
-    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
-        if (scene.lights[l].of_environment) continue;
-        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, k_projection); ++face) {
-            View& view = views_.emplace_back();
-            view.light = l;
-            view.face = face;
-        }
-    }
-    int side = options.side;
-    while (side > options.least_side &&
-           views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options.texels)
-        side /= 2;
-    std::size_t end = 0;
-    for (View& view : views_) {
-        while ((1 << view.levels) < side) ++view.levels;
-        GNOMON_CHECK(view.side() == side);
-        view.first = end;
-        end = view.node(view.levels + 1, 0, 0);
-    }
+    views_ = lay_out_views(scene, bounds_, options);
+    const std::size_t end = views_.empty() ? 0 : views_.back().end();
     nodes_.resize(end);
     valid_.assign(end, 0);
     layers_.resize(views_.size());
@@ -117,9 +85,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
 {
     View& view = views_[v];
     Layers& layers = layers_[v];
-    const scene::Light& light = state.scene().lights[view.light];
-    const scene::LightState& at = state.light(view.light);
-    const std::size_t end = view.node(view.levels + 1, 0, 0);
+    const std::size_t end = view.end();
     std::fill(nodes_.begin() + static_cast<std::ptrdiff_t>(view.first),
               nodes_.begin() + static_cast<std::ptrdiff_t>(end), LightNode{});
     std::fill(valid_.begin() + static_cast<std::ptrdiff_t>(view.first),
@@ -129,11 +95,8 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     layers.kept.clear();
     layers.reach.assign(layers.slot.size(), {});
     layers.movers.assign(dynamics_.size(), {});
-    view.on = at.visible && light.color != glm::vec3(0);
+    aim_view(view, state, bounds_);
     if (!view.on) return;
-    view.projection =
-        light_views::project(light, at, bounds_, view.side(), k_projection)[static_cast<std::size_t>(view.face)];
-    view.depth_range = depth_range_of(view.projection, bounds_.whole);
 
     for (int tile = 0; tile < tiles * tiles; ++tile) {
         Tile texels{};
@@ -167,9 +130,8 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
     const int tiles = view.side() / k_tile;
     const int left = tile % tiles * k_tile, top = tile / tiles * k_tile;
     const glm::vec3 axis = glm::normalize(view.projection.forward);
-    std::optional<light_views::ViewProjection> outside_of;
-    if (light.type == scene::LightType::directional && view.face == 1)
-        outside_of = light_views::project(light, at, bounds_, view.side(), k_projection)[0];
+    light_views::ViewProjection outside_of;
+    const bool outside = leaves_out(view, state, bounds_, outside_of);
 
     thread_local ray::RayQueue queue, onward;
     thread_local ray::Hits hits;
@@ -214,8 +176,8 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
             float cosine = -glm::dot(normal, queue.direction(k));
             if (cosine < 0) normal = -normal, cosine = -cosine;
             // The wide view of a directional light leaves out what the near one has.
-            if (outside_of) {
-                const glm::vec4 clip = outside_of->clip_from_world * glm::vec4(position, 1);
+            if (outside) {
+                const glm::vec4 clip = outside_of.clip_from_world * glm::vec4(position, 1);
                 if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
             }
             const auto t = static_cast<double>(hits.t[k]);

@@ -20,21 +20,11 @@
 #include <vector>
 
 #include "base/tasks.h"
-#include "light_quadtree/light_node.h"
+#include "light_quadtree/map_views.h"
 #include "light_views/casters.h"
 #include "ray/ray_scene.h"
 
 namespace gnomon::light_quadtree {
-
-struct LightMapOptions {
-    int side = 512;                  // texels of a view; a power of two
-    std::size_t texels = 1u << 20;   // of all views together, at most; views get smaller sides by halves
-    int least_side = 64;
-    float least_cosine = 0.05f;   // surfaces at a more grazing angle stand for no larger area
-    int most_transparent = 16;    // surfaces that a ray passes before it is given up
-    Validity validity;
-    bool against_everything = false;   // movers' tiles are cast as if no static layer were kept: the slow twin
-};
 
 class LightMap {
  public:
@@ -43,23 +33,7 @@ class LightMap {
     /// Follows one advance() of the state, after the ray scene did.
     void update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
-    /// One view of a light and its pyramid. The grid of level l has 2^l nodes a side; level `levels` are the texels.
-    struct View {
-        scene::LightId light = scene::none;
-        int face = 0;
-        int levels = 0;
-        bool on = false;         // nothing to be seen of dark lights
-        std::size_t first = 0;   // node
-        light_views::ViewProjection projection;
-        float depth_range = 1;   // scene units
-
-        int side() const { return 1 << levels; }
-        std::size_t node(int level, int x, int y) const
-        {
-            return first + ((std::size_t{1} << (2 * level)) - 1) / 3 + (static_cast<std::size_t>(y) << level) +
-                   static_cast<std::size_t>(x);
-        }
-    };
+    using View = MapView;
     std::span<const View> views() const { return views_; }
     std::span<const LightNode> nodes() const { return nodes_; }
     const LightNode& node(std::size_t id) const { return nodes_[id]; }

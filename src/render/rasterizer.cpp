@@ -6,9 +6,11 @@
 #include "base/check.h"
 #include "gnomon/error.h"
 #ifdef GNOMON_VULKAN
+#include "render/raster/map_bounce.h"
 #include "render/raster/raster_frame.h"
 #include "render/raster/redrawn_overlay.h"
 #include "render/raster/shadow_visibility.h"
+#include "render/raster/visible_bounce.h"
 #endif
 
 namespace gnomon::render {
@@ -26,6 +28,14 @@ class VulkanRasterizer final : public Rasterizer {
         options_.layers = settings.layers;
         if (settings.redrawn) options_.ids = &ids_;
         redrawn_stays_ = settings.redrawn_stays;
+        if (settings.indirect == Indirect::visible) {
+            GNOMON_CHECK(settings.rays && settings.tasks);
+            auto bounce = std::make_unique<VisibleBounce>(device_, state, *settings.rays, *settings.tasks);
+            visible_ = &bounce->light();
+            frame_.set_bounced(std::move(bounce));
+        } else if (settings.indirect != Indirect::off) {
+            frame_.set_bounced(std::make_unique<MapBounce>(device_, state, settings.map));
+        }
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         ShadowOptions shadows;
         shadows.method = settings.shadows;
@@ -48,6 +58,7 @@ class VulkanRasterizer final : public Rasterizer {
         render::paint_redrawn(ids_, redrawn_, exposure, color);
     }
     std::string device() const override { return device_->info().name; }
+    std::size_t remembered_bytes() const override { return visible_ ? visible_->bytes() : 0; }
 
  private:
     void note_redrawn(const scene::SceneState& state)
@@ -66,7 +77,8 @@ class VulkanRasterizer final : public Rasterizer {
     std::vector<Redrawn> redrawn_;   // by object
     double redrawn_time_ = 0;
     bool redrawn_stays_ = false;
-    const light_views::LightViews* views_ = nullptr;   // of the frame's visibility
+    const light_quadtree::VisibleLight* visible_ = nullptr;   // of the frame's bounced light
+    const light_views::LightViews* views_ = nullptr;          // of the frame's visibility
 };
 
 }   // namespace

@@ -5,7 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "base/tasks.h"
 #include "gnomon/renderer.h"
+#include "light_quadtree/map_light.h"
 #include "render/traced_frame.h"
 
 namespace gnomon::render {
@@ -19,6 +21,11 @@ struct RasterSettings {
     /// While the time stays, paint_redrawn() shows what was drawn for it: who looks at one moment in several pictures,
     /// finer each time, sees it in the last, too.
     bool redrawn_stays = false;
+    Indirect indirect = Indirect::off;
+    light_quadtree::MapLightOptions map{};   // of Indirect::rsm, quadtree
+    // Of Indirect::visible: follows the state before every update() and render(); both outlive the rasterizer.
+    const ray::RayScene* rays = nullptr;
+    Tasks* tasks = nullptr;
 };
 
 class Rasterizer {
@@ -35,6 +42,8 @@ class Rasterizer {
     /// Overlay::redrawn, over the last frame's colour; its light becomes what is shown, within 0 to 1.
     virtual void paint_redrawn(double exposure, ImageF& color) const = 0;
     virtual std::string device() const = 0;
+    /// Held in the host's memory from frame to frame, of bounced light.
+    virtual std::size_t remembered_bytes() const { return 0; }
 };
 
 /// @throws MissingError  built without Vulkan, no suitable device, or too little memory for the scene

@@ -72,8 +72,6 @@ void check_options(const RenderOptions& o)
     if (o.renderer == RenderMethod::raster && (o.overlay == Overlay::shadow_states || o.overlay == Overlay::clusters))
         throw UsageError(
             "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
-    if (o.renderer == RenderMethod::raster && (o.indirect == Indirect::rsm || o.indirect == Indirect::quadtree))
-        throw UsageError("indirect light from light maps is built for the traced frame: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && o.reference)
         throw UsageError("the reference is traced: not with the rasteriser");
     if (o.overlay == Overlay::redrawn &&
@@ -166,16 +164,21 @@ struct Renderer::Inside {
             paper.reset();
             visible.reset();
             map.reset();
-            rays.reset();
             raster.reset();
+            rays.reset();
             scene.reset();   // until all is made
             state = std::make_unique<scene::SceneState>(wanted, time);
             if (options.renderer == RenderMethod::raster) {
+                if (options.indirect == Indirect::visible) rays = std::make_unique<ray::RayScene>(*state);
                 raster = render::make_rasterizer(*state, {.samples = options.samples,
                                                           .layers = options.layers,
                                                           .shadows = options.shadow_textures,
                                                           .shadow_filter = static_cast<float>(options.shadow_filter),
-                                                          .redrawn = options.overlay == Overlay::redrawn});
+                                                          .redrawn = options.overlay == Overlay::redrawn,
+                                                          .indirect = options.indirect,
+                                                          .map = render::map_light_options(options),
+                                                          .rays = rays.get(),
+                                                          .tasks = &tasks});
                 scene = wanted;
                 return;
             }
@@ -192,11 +195,11 @@ struct Renderer::Inside {
             return;
         }
         state->advance(time);
+        if (rays) rays->update(*state);
         if (raster) {
             raster->update(*state);
             return;
         }
-        rays->update(*state);
         // Shadows are remembered from the second frame on: a single picture has nothing to gain. Nor has a reference.
         if (!culling && !options.reference && options.shadow_culling == ShadowCulling::certified &&
             !scene->lights.empty())
@@ -297,7 +300,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         if (in.visible) in.scene.reset();   // so would points that were claimed and not evaluated
         throw;
     }
-    if (options.accelerator == Accelerator::kdtree && in.rays) {
+    if (options.accelerator == Accelerator::kdtree && in.rays && !in.raster) {
         const auto work = [&](ray::RayClass purpose) {
             const ray::KdCounts counts = in.rays->kdtree_work(purpose);
             return FrameCounters::KdTree::Work{counts.nodes, counts.tests};
@@ -336,7 +339,8 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         give("normal", {"X", "Y", "Z"}, in.buffers.normal);
         give("albedo", {"R", "G", "B"}, in.buffers.albedo);
         give("direct", {"R", "G", "B"}, in.buffers.direct);
-        if (in.visible || in.map || reference) give("indirect", {"R", "G", "B"}, in.buffers.indirect);
+        if (in.visible || in.map || reference || (in.raster && options.indirect != Indirect::off))
+            give("indirect", {"R", "G", "B"}, in.buffers.indirect);
         if (reference) {
             give("variance", {"R", "G", "B"}, in.buffers.variance);
             give("irradiance", {"R", "G", "B"}, in.buffers.irradiance);

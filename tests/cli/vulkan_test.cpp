@@ -54,6 +54,49 @@ TEST(VulkanProgram, RendersByRaster)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
 }
 
+TEST(VulkanProgram, SaysWhereBouncedLightIsMade)
+{
+    const ScratchFolder folder;
+    const auto indirect = [&](const char* how) {
+        return run({"render", "builtin:cornell", "-o", folder / "a.png", "--renderer", "raster", "--size", "64x64",
+                    "--frame", "1", "--indirect", how, "--json"})
+            .json()["frames"][0]["indirect"];
+    };
+    const auto visible = indirect("visible"), quadtree = indirect("quadtree"), rsm = indirect("rsm");
+    EXPECT_EQ(visible["visibility"], "cpu");
+    EXPECT_GT(visible["rays"].get<int>(), 0);
+    EXPECT_EQ(quadtree["light_map"], "vulkan");
+    EXPECT_EQ(quadtree["gather"], "vulkan");
+    EXPECT_EQ(quadtree["rays"], 0);
+    EXPECT_GT(quadtree["clusters"].get<int>(), 50);
+    EXPECT_EQ(rsm["clusters"], 256);
+    EXPECT_FALSE(indirect("off").contains("visibility"));
+}
+
+TEST(VulkanProgram, BenchIndirectOnTheDevice)
+{
+    const auto json =
+        run({"bench",      "indirect", "builtin:cornell", "--renderer", "raster",   "--frames", "1-3",
+             "--size",     "64x64",    "--spp",           "16",         "--judged", "1",        "--method",
+             "quadtree:5", "--method", "rsm:64:1",        "--method",   "visible",  "--json"})
+            .json();
+    EXPECT_FALSE(json["device"].get<std::string>().empty());
+    ASSERT_EQ(json["rows"].size(), 3u);
+    for (int r = 0; r < 2; ++r) {
+        const auto& row = json["rows"][static_cast<std::size_t>(r)];
+        EXPECT_EQ(row["on"], "vulkan");
+        EXPECT_GT(row["ms_moving"].get<double>(), 0);
+        EXPECT_GT(row["clusters"].get<int>(), 20);
+        EXPECT_LT(row["nrmse_brute"].get<double>(), 0.5);
+        EXPECT_GT(row["dirty_pixels"].get<int>(), 0);
+    }
+    EXPECT_EQ(json["rows"][2]["on"], "cpu");
+    const Outcome missing = run({"bench", "indirect", "builtin:cornell", "--renderer", "raster"},
+                                {{"VK_DRIVER_FILES", "/nowhere.json"}, {"VK_ICD_FILENAMES", "/nowhere.json"}});
+    EXPECT_EQ(missing.code, 4);
+    EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
+}
+
 TEST(VulkanProgram, RasterWithoutADriverIsMissing)
 {
     const ScratchFolder folder;
@@ -75,7 +118,7 @@ TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
         return run(more).code;
     };
     EXPECT_EQ(code({"--renderer", "raster", "--shadow-culling", "off"}), 2);
-    EXPECT_EQ(code({"--renderer", "raster", "--indirect", "visible"}), 2);
+    EXPECT_EQ(code({"--renderer", "raster", "--overlay", "clusters", "--indirect", "quadtree"}), 2);
     EXPECT_EQ(code({"--shadow-textures", "depth"}), 2);
     EXPECT_EQ(code({"--shadow-filter", "0"}), 2);
     EXPECT_EQ(code({"--renderer", "raster", "--overlay", "shadow-states"}), 2);
@@ -83,7 +126,6 @@ TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
 #ifdef GNOMON_VIEWER
     EXPECT_EQ(run({"view", "builtin:cornell", "--overlay", "redrawn"}).code, 2);
 #endif
-    EXPECT_EQ(run({"bench", "indirect", "builtin:cornell", "--renderer", "raster"}).code, 2);
 }
 
 #else

@@ -43,6 +43,13 @@ bool shows_clusters(const RenderOptions& options)
     return options.overlay == Overlay::clusters && options.indirect == Indirect::quadtree;
 }
 
+// What bounced light is made with.
+auto of_bounce(const RenderOptions& o)
+{
+    return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
+                      o.indirect_at_every_pixel);
+}
+
 scene::CameraId camera_of(const scene::Scene& scene, const std::string& wanted)
 {
     for (std::size_t c = 0; c < scene.cameras.size(); ++c)
@@ -80,7 +87,7 @@ struct ViewSession::Kept {
     std::unique_ptr<shadow_culling::PaperCulling> paper;
     std::unique_ptr<light_quadtree::VisibleLight> visible;
     std::unique_ptr<light_quadtree::MapLight> map;
-    RenderOptions map_options;   // that it was made with
+    RenderOptions map_options;   // that it, or the rasteriser, was made with
     std::unique_ptr<render::Rasterizer> raster;
     ShadowTextures raster_shadows{};   // it was made for this, and what follows
     int raster_filter = 0, raster_samples = 0;
@@ -120,11 +127,7 @@ struct ViewSession::Kept {
         if (options.shadow_culling != ShadowCulling::certified) certified.reset();
         if (options.shadow_culling != ShadowCulling::paper) paper.reset();
         if (options.indirect != Indirect::visible) visible.reset();
-        const auto of_map = [](const RenderOptions& o) {
-            return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
-                              o.indirect_at_every_pixel);
-        };
-        if (of_map(options) != of_map(map_options) || options.overlay == Overlay::shadow_states) map.reset();
+        if (of_bounce(options) != of_bounce(map_options) || options.overlay == Overlay::shadow_states) map.reset();
         const bool wants_map = options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree;
         if (wants_map && !map && options.overlay != Overlay::shadow_states) {
             map = std::make_unique<light_quadtree::MapLight>(*state, *rays, render::map_light_options(options), tasks);
@@ -151,7 +154,8 @@ struct ViewSession::Kept {
         const bool redrawn = options.overlay == Overlay::redrawn && options.shadow_textures != ShadowTextures::off &&
                              !state->scene().lights.empty();
         if (raster && raster_shadows == options.shadow_textures && raster_filter == options.shadow_filter &&
-            raster_samples == options.samples && raster_redrawn == redrawn) {
+            raster_samples == options.samples && raster_redrawn == redrawn &&
+            of_bounce(options) == of_bounce(map_options)) {
             raster->update(*state);
             return;
         }
@@ -159,11 +163,16 @@ struct ViewSession::Kept {
                                                   .shadows = options.shadow_textures,
                                                   .shadow_filter = static_cast<float>(options.shadow_filter),
                                                   .redrawn = redrawn,
-                                                  .redrawn_stays = true});
+                                                  .redrawn_stays = true,
+                                                  .indirect = options.indirect,
+                                                  .map = render::map_light_options(options),
+                                                  .rays = rays.get(),
+                                                  .tasks = &tasks});
         raster_shadows = options.shadow_textures;
         raster_filter = options.shadow_filter;
         raster_samples = options.samples;
         raster_redrawn = redrawn;
+        map_options = options;
     }
 
     void follow_hands(const std::vector<HandMoved>& wanted)
@@ -420,6 +429,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     if (kept.certified) picture->remembered_bytes += kept.certified->bytes();
     if (kept.visible) picture->remembered_bytes += kept.visible->bytes();
     if (kept.map) picture->remembered_bytes += kept.map->bytes();
+    if (kept.raster) picture->remembered_bytes += kept.raster->remembered_bytes();
     if (request.pick) {
         ray::RayQueue queue;
         glm::vec3 origin, direction;

@@ -2,6 +2,7 @@
 #pragma once
 // What the rasterised frame knows of each pixel's nearest surface, and the seam where shadows come in.
 
+#include "gnomon/types.h"
 #include "gpu_scene/gpu_scene.h"
 #include "render/view.h"
 #include "scene/state.h"
@@ -39,6 +40,22 @@ class LightVisibility {
 
     /// Draw calls, and copies, of the last frame.
     virtual std::uint64_t draws() const { return 0; }
+};
+
+/// Light that arrives by one bounce. Asked once for every layer of surfaces, as LightVisibility.
+class BouncedLight {
+ public:
+    virtual ~BouncedLight() = default;
+
+    /// Called once a frame, before any fill and before the view's draws are culled.
+    virtual void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) = 0;
+
+    /// Fills an image (four 32-bit floats; xyz: irradiance) at all surfaces of a layer that scatter light. May submit.
+    virtual void fill(vk::Commands& commands, const GBuffer& surfaces, const View& view,
+                      const vk::Image& irradiance) = 0;
+
+    /// After the last fill of a frame.
+    virtual FrameCounters::Indirect end_frame() = 0;
 };
 
 }   // namespace gnomon::render

@@ -10,6 +10,7 @@ namespace gnomon::render {
 
 namespace {
 
+using shared::BouncePush;
 using shared::DrawPush;
 using shared::ResolvePush;
 using shared::ShadePush;
@@ -35,6 +36,9 @@ constexpr std::uint32_t k_resolve_comp[] =
     ;
 constexpr std::uint32_t k_shade_comp[] =
 #include "render/raster/shade.comp.inc"
+    ;
+constexpr std::uint32_t k_bounce_comp[] =
+#include "render/raster/bounce.comp.inc"
     ;
 
 constexpr VkFormat k_id_format = VK_FORMAT_R32G32_UINT;
@@ -138,6 +142,9 @@ void RasterFrame::make_pipelines()
                                {"lights",
                                 sizeof(gpu_scene::shared::GpuLight),
                                 {{"of_environment", offsetof(gpu_scene::shared::GpuLight, of_environment)}}}}});
+    bounce_ = vk::Pipeline(device_, ComputeDesc{.name = "bounced light",
+                                                .code = {"bounce.comp", k_bounce_comp},
+                                                .blocks = {{"", sizeof(BouncePush), {}}}});
 }
 
 // Images of the picture's size; kept from frame to frame.
@@ -179,6 +186,8 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
     fitting(peel_depth_[0], optional(peels, "peel depth 0", k_depth_format, depth));
     fitting(peel_depth_[1], optional(peels, "peel depth 1", k_depth_format, depth));
     fitting(direct_, optional(options.layers, "direct", k_wide_format, made));
+    fitting(indirect_, optional(options.layers && bounced_, "indirect", k_wide_format, made));
+    fitting(irradiance_, optional(bounced_ != nullptr, "irradiance", k_wide_format, made));
     vk::ImageDesc visible = optional(visibility_ != nullptr, "light visibility", VK_FORMAT_R8_UNORM, made | drawn);
     visible.array = true;
     if (visibility_) visible.layers = std::max(1u, std::min(options.light_batch, static_cast<std::uint32_t>(lights)));
@@ -204,6 +213,7 @@ void RasterFrame::send_frame(const View& view)
     f.zenith = background.zenith, f.horizon = background.horizon, f.ground = background.ground;
     f.sun_direction = background.sun_direction, f.sun_radiance = background.sun_radiance;
     f.ambient = described_->ambient;
+    f.stand_in = bounced_ ? 0 : 1;
     if (background.kind == scene::Background::Kind::image) {
         f.environment_width = static_cast<std::uint32_t>(background.environment->image().width);
         f.environment_height = static_cast<std::uint32_t>(background.environment->image().height);
@@ -414,6 +424,34 @@ void RasterFrame::light(const RasterOptions& options, bool layers)
     }
 }
 
+// Adds the light of one bounce.
+void RasterFrame::bounce(const View& view, bool layers)
+{
+    if (!bounced_) return;
+    bounced_->fill(commands_, surfaces_, view, irradiance_);
+    vk::Pass pass = commands_.pass("bounced light");
+    pass.reads(frame_, Use::storage_read).writes(color_).writes(indirect_);
+    const std::pair<const char*, const vk::Image*> inputs[] = {
+        {"share", &share_},
+        {"g_position", &surfaces_.position},
+        {"g_normal", &surfaces_.normal},
+        {"g_geometric", &surfaces_.geometric},
+        {"g_diffuse", &surfaces_.diffuse},
+        {"g_specular", &surfaces_.specular},
+        {"irradiance", &irradiance_},
+    };
+    for (const auto& [name, image] : inputs) pass.reads(*image, Use::sampled);
+    pass.compute([&](vk::Recorder& r) {
+        r.bind(bounce_);
+        r.set("Frame", frame_);
+        r.set("color", color_);
+        r.set("indirect", indirect_);
+        for (const auto& [name, image] : inputs) r.set(name, *image);
+        r.push(BouncePush{layers ? 1u : 0u});
+        r.dispatch_over(static_cast<std::uint32_t>(size_.width), static_cast<std::uint32_t>(size_.height));
+    });
+}
+
 void RasterFrame::clear(const vk::Image& image, float value)
 {
     if (vk::is_depth(image.format())) {
@@ -441,11 +479,13 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
         unlimited_far_ = view.near + std::max(1.0f, bounds.diagonal() + glm::length(bounds.centre() - view.eye));
     }
     send_frame(view);
+    if (bounced_) bounced_->update(commands_, scene_, state);
     glm::vec4 planes[6];
     frustum_planes(view, planes);
     scene_.cull(commands_, planes);
     clear(color_, 0);
     clear(direct_, 0);
+    if (bounced_) clear(indirect_, 0);
     if (options.layers)
         commands_.pass("forget lit").writes(lit_, Use::copy_target).copy([&](vk::Recorder& r) { r.fill(lit_, 0); });
     if (visibility_) visibility_->update(commands_, scene_, state, view);
@@ -480,6 +520,7 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
             if (peeled) peel(push, peel_depth_[(layer + 1) % 2], peel_depth_[layer % 2]);
             resolve({offset, weight, layer == 0 ? 1u : 0u, peeled ? 1u : 0u, layer + 1 == layers ? 1u : 0u});
             light(options, options.layers && layer == 0);
+            bounce(view, options.layers && layer == 0);
             if (options.ids && sample == 0 && layer == 0) ids = commands_.read_back(surfaces_.ids);
             if (!options.layers || layer > 0) continue;
             for (const vk::Image* image : {&surfaces_.diffuse, &surfaces_.specular})
@@ -489,11 +530,12 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
                     surfaces.push_back(commands_.read_back(*image));
         }
         // One submit a sample: progress can be told, and a long frame is no single long submit.
-        std::optional<vk::Buffer> color, direct, lit;
+        std::optional<vk::Buffer> color, direct, indirect, lit;
         const bool last = sample + 1 == options.samples;
         if (last) {
             color = commands_.read_back(color_);
             if (options.layers) direct = commands_.read_back(direct_), lit = commands_.read_back(lit_);
+            if (options.layers && bounced_) indirect = commands_.read_back(indirect_);
         }
         const vk::Buffer drawn = commands_.read_back(scene_.counts_buffer);
         commands_.submit();
@@ -520,6 +562,10 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
             if (options.layers) {
                 resize(out.direct, 3);
                 store(*direct, out.direct, 1, false);
+                if (indirect) {
+                    resize(out.indirect, 3);
+                    store(*indirect, out.indirect, 1, false);
+                }
                 resize(out.shadow, static_cast<int>(lights));
                 const std::span<const float> values = lit->as<float>();
                 for (std::size_t l = 0; l < lights; ++l)
@@ -529,6 +575,7 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
         if (progress && !progress({"drawing", static_cast<double>(sample + 1) / options.samples}))
             throw InterruptedError("interrupted");
     }
+    if (bounced_) counters.indirect = bounced_->end_frame();
     if (visibility_) visibility_draws = visibility_->draws();
     counters.draws += visibility_draws;
     return counters;

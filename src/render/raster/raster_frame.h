@@ -3,6 +3,7 @@
 // One frame by rasterisation, with deferred shading:
 //
 //   cull -> ids of opaque surfaces -> per layer: ids of transparent surfaces -> surfaces -> (shadows) -> lights
+//                                                                                -> (bounced light)
 //
 // What is drawn is ids alone (draw and triangle). A compute pass then makes each pixel's surface from its triangle, by
 // the formulas and with the ray cone of the traced frame; so both frames see the same surface, texel and normal, and
@@ -43,6 +44,8 @@ class RasterFrame {
 
     /// Shadows from now on; null: none.
     void set_visibility(std::unique_ptr<LightVisibility> visibility) { visibility_ = std::move(visibility); }
+    /// Bounced light from now on; null: ambient light stands in for it.
+    void set_bounced(std::unique_ptr<BouncedLight> bounced) { bounced_ = std::move(bounced); }
 
     /// Follows one advance() of the state it was made from; takes effect in the next render(). Call once an advance.
     void update(const scene::SceneState& state);
@@ -67,6 +70,7 @@ class RasterFrame {
     void draw_groups(vk::Recorder& r, scene::SurfaceClass surface) const;
     void resolve(const shared::ResolvePush& push);
     void light(const RasterOptions& options, bool layers);
+    void bounce(const View& view, bool layers);
     void clear(const vk::Image& image, float value);
 
     std::shared_ptr<vk::Device> device_;
@@ -74,13 +78,14 @@ class RasterFrame {
     gpu_scene::GpuScene scene_;
     vk::Commands commands_;
     std::unique_ptr<LightVisibility> visibility_;
-    vk::Pipeline opaque_, masked_, peel_, resolve_, shade_;
+    std::unique_ptr<BouncedLight> bounced_;
+    vk::Pipeline opaque_, masked_, peel_, resolve_, shade_, bounce_;
     vk::Buffer frame_, environment_, lit_;
 
     Size size_{};
     GBuffer surfaces_;
     vk::Image opaque_ids_, peeled_ids_, opaque_depth_, peel_depth_[2];
-    vk::Image color_, direct_, through_, share_, lights_visible_;
+    vk::Image color_, direct_, indirect_, irradiance_, through_, share_, lights_visible_;
     float unlimited_far_ = 0;   // where an orthographic view without a far plane ends
 };
 

@@ -19,6 +19,7 @@ struct RasterFrame {
     float pixel_spread;
     float pixel_width;
     uint background;   // as scene::Background::Kind: color, sky, image
+    uint stand_in;     // ambient light stands in for bounced light
     vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
     vec3 ambient;
     uint environment_width, environment_height;
@@ -49,6 +50,11 @@ struct ShadePush {
     uint first_light, light_count;
     uint shadowed;   // `visibility` counts
     uint layers;     // also add to the layers of direct light and of what is lit
+};
+
+/// Of adding bounced light.
+struct BouncePush {
+    uint layers;   // also add to the layer of indirect light
 };
 
 GNOMON_SHARED_END

@@ -33,34 +33,21 @@ layout(binding = 17, rgba32f) uniform writeonly image2D g_position;    // w: dep
 layout(binding = 18, rgba32f) uniform writeonly image2D g_normal;      // w: roughness, or Phong's exponent
 layout(binding = 19, rgba32f) uniform writeonly image2D g_geometric;   // w: coverage
 layout(binding = 20, rgba32f) uniform writeonly image2D g_diffuse;     // w: shading model
-layout(binding = 21, rgba32f) uniform writeonly image2D g_specular;
+layout(binding = 21, rgba32f) uniform writeonly image2D g_specular;    // w: index behind over before, of what refracts; else 0
 layout(binding = 22, rg32ui) uniform writeonly uimage2D g_ids;         // object + 1 (0: nothing), triangle of the mesh
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 
 #include "render/raster/background.glsl"
+#include "render/raster/mirror.glsl"
 #include "render/raster/surface.glsl"
-
-float fresnel_dielectric(float cosine, float eta)
-{
-    const float sin2 = (1 - cosine * cosine) / (eta * eta);
-    if (sin2 >= 1) return 1;
-    const float cos_t = sqrt(1 - sin2);
-    const float parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
-    const float perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
-    return 0.5 * (parallel * parallel + perpendicular * perpendicular);
-}
 
 // Mirror light of rough surfaces, taken from the background alone (Continuation::unresolved_share).
 vec3 unresolved_mirror(Surface s)
 {
     if (s.model != GNOMON_MODEL_METALLIC_ROUGHNESS || s.transmitted != vec3(0) || s.specular == vec3(0)) return vec3(0);
-    const float mirror_roughness = 0.12, matte_roughness = 0.45;
     const float cosine = clamp(dot(s.normal, s.to_viewer), 0, 1);
-    const float f90 = max(max(1 - s.roughness, s.specular.x), max(s.specular.y, s.specular.z));
-    const float x = 1 - cosine;
-    const vec3 fresnel = s.specular + (vec3(f90) - s.specular) * (x * x * x * x * x);
-    const float t = clamp((s.roughness - mirror_roughness) / (matte_roughness - mirror_roughness), 0, 1);
-    const float traced = 1 - t * t * (3 - 2 * t);
+    const vec3 fresnel = rough_fresnel(s.specular, s.roughness, cosine);
+    const float traced = traced_part(s.roughness);
     vec3 reflected = -s.to_viewer + 2 * cosine * s.normal;
     const float above = dot(reflected, s.geometric_normal);
     if (above <= 0) reflected += (1e-3 - above) * s.geometric_normal;
@@ -123,8 +110,8 @@ void main()
     const Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread);
 
     vec3 own = s.emissive * s.coverage;
-    vec3 ambient = s.ambient * frame.ambient;
-    if (frame.background == GNOMON_BACKGROUND_SKY)
+    vec3 ambient = frame.stand_in != 0 ? s.ambient * frame.ambient : vec3(0);
+    if (frame.stand_in != 0 && frame.background == GNOMON_BACKGROUND_SKY)
         ambient += (s.model == GNOMON_MODEL_WHITTED ? s.diffuse : s.ambient) * background_ambient(s.normal);
     own += ambient * s.coverage + unresolved_mirror(s);
     imageStore(color, at, sum + vec4(push.weight * here * own, 0));
@@ -134,6 +121,6 @@ void main()
     imageStore(g_normal, at, vec4(s.normal, s.roughness));
     imageStore(g_geometric, at, vec4(s.geometric_normal, s.coverage));
     imageStore(g_diffuse, at, vec4(s.diffuse, float(s.model)));
-    imageStore(g_specular, at, vec4(s.specular, 0));
+    imageStore(g_specular, at, vec4(s.specular, s.transmitted == vec3(0) ? 0 : s.front ? s.ior : 1 / s.ior));
     imageStore(g_ids, at, uvec4(draws.at[draw].object + 1, draws.at[draw].first_triangle + id.y, 0, 0));
 }

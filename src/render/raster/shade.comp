@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"
+#include "gpu_scene/light.glsl"
 #include "render/raster/raster_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -82,39 +83,6 @@ vec3 reflect_light(Point p, vec3 to_light, bool of_environment)
         return reflectance * (cosine * soft);
     }
     return (p.model == GNOMON_MODEL_WHITTED ? phong(p, to_light, cosine) : ggx(p, to_light, cosine)) * soft;
-}
-
-// What a light does at a point with nothing between. False: nothing.
-bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradiance)
-{
-    if (light.shown == 0) return false;
-    if (light.type == GNOMON_LIGHT_DIRECTIONAL) {
-        to_light = -light.direction;
-        irradiance = light.color;
-        return true;
-    }
-    const vec3 offset = light.position - point;
-    const float square = dot(offset, offset);
-    if (!(square > 0)) return false;
-    to_light = offset / sqrt(square);
-    float strength = light.constant_falloff != 0 ? 1 : 1 / square;
-    if (light.range > 0) {
-        const float ratio = square / (light.range * light.range);
-        strength *= clamp(1 - ratio * ratio, 0, 1);
-    }
-    if (light.type == GNOMON_LIGHT_SPOT) {
-        const float cosine = -dot(to_light, light.direction);
-        if (cosine <= light.cos_outer) return false;
-        if (light.cosine_profile != 0) {
-            strength *= cosine;
-        } else {
-            const float fade =
-                clamp((cosine - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-4), 0, 1);
-            strength *= fade * fade;
-        }
-    }
-    irradiance = light.color * strength;
-    return true;
 }
 
 void main()

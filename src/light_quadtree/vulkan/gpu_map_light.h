@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Bounced light from a light map, without visibility, on the device: the light quad-tree as published [Ki and Oh 2007],
+// and the sampling that it is compared with [Dachsbacher and Stamminger 2005]. The twin of MapLight, kernel and all.
+//
+// Surfaces come as images; so does what arrives. Sparse receivers stand on pixels of the picture. Cost: the map's
+// (gpu_light_map.h); lights times receivers; 48 bytes a receiver of the grid.
+
+#include "light_quadtree/map_light.h"
+#include "light_quadtree/vulkan/gpu_light_map.h"
+
+namespace gnomon::light_quadtree {
+
+/// A picture's surfaces: four 32-bit floats a pixel.
+struct MapSurfaces {
+    const vk::Image* position;   // w: not 0 where light is wanted
+    const vk::Image* normal;     // unit, shading
+    Size size;                   // of the picture
+    glm::vec3 eye{0};
+    float pixel_width = 0, pixel_spread = 0;   // of the view, as render::View has them
+};
+
+class GpuMapLight {
+ public:
+    /// @param options  its method is quadtree or rsm
+    /// @throws MissingError  too little device memory
+    GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
+                const MapLightOptions& options);
+
+    GpuLightMap& map() { return map_; }
+    const GpuLightMap& map() const { return map_; }
+
+    /// Records the light of the grid's receivers: needed before light() where there is a grid.
+    void record_grid(vk::Commands& commands, const MapSurfaces& surfaces);
+    /// Records what arrives at every pixel, into an image of the same size (four 32-bit floats, a storage image).
+    void record_light(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance);
+    /// The same for a list of points, laid out as any image: its position.w is a point's pixel in the picture, from 1.
+    void record_listed(vk::Commands& commands, const MapSurfaces& points, const vk::Image& irradiance);
+
+    /// Lights in use: samples, or clusters as the device counted them in what read_count() returned.
+    vk::Buffer read_count(vk::Commands& commands) const { return commands.read_back(map_.counts()); }
+    std::uint64_t lights(const vk::Buffer& count) const;
+    int grid_step(Size size) const;
+    std::size_t bytes() const;
+
+ private:
+    void record(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance, bool grid,
+                bool listed);
+
+    std::shared_ptr<vk::Device> device_;
+    MapLightOptions options_;
+    GpuLightMap map_;
+    vk::Pipeline pipeline_;
+    vk::Buffer pattern_;   // of sampling
+    vk::Image grid_position_, grid_normal_, grid_light_, none_;
+};
+
+}   // namespace gnomon::light_quadtree

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where nodes lie, as MapView::node.
+
+uint node_of(GpuMapView view, uint level, uint x, uint y)
+{
+    return view.first + ((1u << (2 * level)) - 1) / 3 + (y << level) + x;
+}

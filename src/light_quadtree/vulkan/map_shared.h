@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_LIGHT_QUADTREE_MAP_SHARED_H
+#define GNOMON_LIGHT_QUADTREE_MAP_SHARED_H
+// Light maps, their trees and cuts as shaders see them. Layout: scalar.
+
+#include "vk/shared_types.h"
+
+GNOMON_SHARED_BEGIN(light_quadtree)
+
+/// One view of a light (MapView), and what of it is made anew.
+struct GpuMapView {
+    mat4 clip_from_world;
+    mat4 near_clip;   // of the view that has what this one leaves out
+    vec3 origin;
+    uint light;
+    vec3 forward;
+    uint first;   // node
+    vec3 across;
+    uint levels;
+    vec3 down;
+    float depth_range;
+    float cell;   // area of a texel across the ray, on the plane at `forward`
+    uint perspective;
+    uint leaves_out;
+    uint on;
+    uint dirty[4];   // texels: x0, y0, x1, y1; empty where nothing changed
+};
+
+/// As LightNode.
+struct GpuNode {
+    vec3 position, normal;
+    float depth, area;
+    vec3 flux;
+    uint members;
+};
+
+/// One light of the cut; as Clusters has it.
+struct GpuCluster {
+    vec3 position;
+    float disk;
+    vec3 normal;
+    float red, green, blue;
+    uint node, grid;
+};
+
+/// One sample of the pattern.
+struct GpuSample {
+    float x, y, weight;
+};
+
+/// Of drawing a view's ids.
+struct MapDrawPush {
+    mat4 clip_from_world;
+};
+
+/// Of making texels from ids.
+struct TexelPush {
+    uint view;
+    float least_cosine;
+};
+
+/// Of making one level of nodes.
+struct NodePush {
+    uint level;
+    float depth_threshold, normal_threshold;
+};
+
+/// Of the cut: a work group for each level and view.
+struct CutPush {
+    uint views, start, limit;
+    uint write;   // else count
+};
+
+// Clusters a row of the image that the gather reads, three texels each.
+#define GNOMON_CLUSTERS_A_ROW 1024u
+
+// Pixels of one invocation that gathers clusters.
+#define GNOMON_CLUSTERS_ACROSS 4
+#define GNOMON_CLUSTERS_DOWN 2
+
+/// Of gathering.
+struct GatherPush {
+    vec3 eye;
+    float pixel_width, pixel_spread;
+    uint width, height;   // of the picture
+    uint step, columns, rows;   // of the grid; step 0: none
+    uint fill_grid;   // else light points
+    uint listed;      // points are a list, and position.w is a point's pixel, from 1; else they are the picture
+    float grid_normals, grid_off_plane;
+    uint grid_neighbours;
+    uint views, samples;   // of sampling: a view
+    uint total;            // of the cut: where the number of clusters is
+};
+
+GNOMON_SHARED_END
+#endif

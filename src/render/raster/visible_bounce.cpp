@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/raster/visible_bounce.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace gnomon::render {
+
+namespace {
+
+constexpr int k_tile = 32;   // pixels a side, asked for together
+
+// Where a point of a triangle lies on it.
+glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
+{
+    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = at - p[0];
+    const float aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
+    const float determinant = aa * bb - ab * ab;
+    if (!(determinant > 0)) return glm::vec2(0);
+    const float u = (glm::dot(a, c) * bb - glm::dot(b, c) * ab) / determinant;
+    const float v = (glm::dot(b, c) * aa - glm::dot(a, c) * ab) / determinant;
+    return glm::clamp(glm::vec2(u, v), 0.0f, 1.0f);
+}
+
+}   // namespace
+
+VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
+                             const ray::RayScene& rays, Tasks& tasks)
+    : device_(device),
+      rays_(rays),
+      tasks_(tasks),
+      light_(state, rays, light_quadtree::VisibleOptions{}, tasks),
+      scratch_(static_cast<std::size_t>(tasks.threads()))
+{
+}
+
+void VisibleBounce::update(vk::Commands&, const gpu_scene::GpuScene&, const scene::SceneState& state)
+{
+    light_.begin_frame(state, rays_, tasks_);
+    batches_.clear();
+    for (std::size_t t = 0; t < scratch_.size(); ++t) batches_.push_back(light_.make_batch());
+}
+
+void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const View& view, const vk::Image& irradiance)
+{
+    const vk::Buffer positions = commands.read_back(surfaces.position), normals = commands.read_back(surfaces.normal),
+                     geometric = commands.read_back(surfaces.geometric), diffuse = commands.read_back(surfaces.diffuse),
+                     ids = commands.read_back(surfaces.ids);
+    commands.submit();
+
+    // Light the surfaces, tile by tile, as the traced frame does.
+    const int width = view.size.width, height = view.size.height;
+    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    arrives_.assign(pixels, glm::vec4(0));
+    const std::span<const glm::vec4> at = positions.as<glm::vec4>(), shading = normals.as<glm::vec4>(),
+                                     faces = geometric.as<glm::vec4>(), colors = diffuse.as<glm::vec4>();
+    const std::span<const glm::uvec2> id = ids.as<glm::uvec2>();
+    const int columns = (width + k_tile - 1) / k_tile, rows = (height + k_tile - 1) / k_tile;
+    tasks_.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t tile, int w) {
+        Scratch& own = scratch_[static_cast<std::size_t>(w)];
+        own.points.clear(), own.pixels.clear();
+        const int x0 = static_cast<int>(tile) % columns * k_tile, y0 = static_cast<int>(tile) / columns * k_tile;
+        for (int y = y0; y < std::min(y0 + k_tile, height); ++y)
+            for (int x = x0; x < std::min(x0 + k_tile, width); ++x) {
+                const std::size_t i =
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+                const bool unlit = static_cast<std::uint32_t>(colors[i].w) == GNOMON_MODEL_UNLIT;
+                if (id[i].x == 0 || unlit || glm::vec3(colors[i]) == glm::vec3(0)) continue;
+                light_quadtree::IndirectPoint& point = own.points.emplace_back();
+                point.position = glm::vec3(at[i]);
+                point.geometric_normal = glm::vec3(faces[i]);
+                point.normal = glm::vec3(shading[i]);
+                point.object = id[i].x - 1;
+                point.triangle = id[i].y;
+                glm::vec3 corners[3];
+                rays_.geometry(point.object).corners(point.triangle, corners);
+                const glm::vec2 place = barycentric(corners, point.position);
+                point.u = place.x, point.v = place.y;
+                const float distance = glm::length(point.position - view.eye);
+                point.width = view.pixel_width + distance * view.pixel_spread;
+                own.pixels.push_back(static_cast<std::uint32_t>(i));
+            }
+        own.light.resize(own.points.size());
+        light_.shade(*batches_[static_cast<std::size_t>(w)], own.points, own.light.data());
+        for (std::size_t k = 0; k < own.pixels.size(); ++k) arrives_[own.pixels[k]] = glm::vec4(own.light[k], 0);
+    });
+
+    // Send what arrives.
+    if (sent_.bytes() != pixels * sizeof(glm::vec4))
+        sent_ = vk::Buffer(device_, "bounced light", pixels * sizeof(glm::vec4));
+    const vk::Upload upload = vk::upload_of(sent_, std::span<const glm::vec4>(arrives_));
+    commands.upload("send bounced light", {&upload, 1});
+    commands.pass("bounced light to image")
+        .reads(sent_, vk::Use::copy_source)
+        .writes(irradiance, vk::Use::copy_target)
+        .copy([&](vk::Recorder& r) {
+            VkBufferImageCopy all{};
+            all.imageSubresource = {irradiance.aspect(), 0, 0, 1};
+            all.imageExtent = {irradiance.width(), irradiance.height(), 1};
+            r.copy(sent_, irradiance, {&all, 1});
+        });
+}
+
+FrameCounters::Indirect VisibleBounce::end_frame()
+{
+    light_.end_frame(batches_);
+    return {light_.counters().nodes, light_.counters().rays};
+}
+
+}   // namespace gnomon::render

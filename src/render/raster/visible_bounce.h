@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Bounced light with shadows in the rasterised frame: the surfaces are the device's, the light is that of the traced
+// frame's remembered points (light_quadtree/visible_light.h), found on the processor.
+//
+// Each layer's surfaces are read back, lit, and what arrives is sent to the device: a wait for the device a layer, 72
+// bytes a pixel down and 16 up. A pixel's light is that of the traced frame wherever both see the same surface.
+
+#include "base/tasks.h"
+#include "light_quadtree/visible_light.h"
+#include "render/raster/gbuffer.h"
+
+namespace gnomon::render {
+
+class VisibleBounce final : public BouncedLight {
+ public:
+    /// @param rays   follows the state before every frame; like `tasks`, must outlive this
+    VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
+                  Tasks& tasks);
+
+    void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) override;
+    void fill(vk::Commands& commands, const GBuffer& surfaces, const View& view, const vk::Image& irradiance) override;
+    FrameCounters::Indirect end_frame() override;
+
+    const light_quadtree::VisibleLight& light() const { return light_; }
+
+ private:
+    struct Scratch {
+        std::vector<light_quadtree::IndirectPoint> points;
+        std::vector<std::uint32_t> pixels;
+        std::vector<glm::vec3> light;
+    };
+    std::shared_ptr<vk::Device> device_;
+    const ray::RayScene& rays_;
+    Tasks& tasks_;
+    light_quadtree::VisibleLight light_;
+    std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches_;   // by thread
+    std::vector<Scratch> scratch_;
+    std::vector<glm::vec4> arrives_;   // by pixel
+    vk::Buffer sent_;
+};
+
+}   // namespace gnomon::render
