@@ -56,7 +56,12 @@ class VisibleMethod final : public IndirectMethod {
         for_each_tile(picture, tasks, [&](const std::vector<std::size_t>& pixels, std::size_t w) {
             Scratch& own = scratch_[w];
             own.points.clear();
-            for (const std::size_t pixel : pixels) own.points.push_back(picture.points[pixel].point);
+            for (const std::size_t pixel : pixels) {
+                const auto width = static_cast<std::size_t>(picture.size.width);
+                light_quadtree::IndirectPoint& point = own.points.emplace_back(picture.points[pixel].point);
+                point.x = static_cast<std::int16_t>(pixel % width % k_tile);
+                point.y = static_cast<std::int16_t>(pixel / width % k_tile);
+            }
             own.light.resize(pixels.size());
             visible_.shade(*batches_[w], own.points, own.light.data());
             for (std::size_t i = 0; i < pixels.size(); ++i) irradiance[pixels[i]] = own.light[i];

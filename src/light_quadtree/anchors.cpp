@@ -15,7 +15,7 @@ namespace {
 constexpr int k_bias = 1 << 17;
 constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
 constexpr int k_level_bias = 32;
-// Part: bit 62: front | level (4 bits) | triangle (28) | index (16).
+// Part: bit 62: front | bit 61: near light | level (4 bits) | triangle (28) | index (16).
 constexpr std::uint32_t k_part_levels = 8;
 
 // The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line
@@ -42,32 +42,50 @@ Detail detail_of(float spacing)
     return {static_cast<int>(bits >> 23) - 127, mantissa - 1};
 }
 
-bool lattice_cell(const IndirectPoint& point, int level, LatticeCell& cell)
+LatticeCursor::Step LatticeCursor::go(const IndirectPoint& point, int level)
 {
-    if (level < -k_level_bias || level >= k_level_bias) return false;
-    const float per_h = spacing_of(-level);
+    if (level < -k_level_bias || level >= k_level_bias) return Step::outside;
     const glm::vec3 n = point.geometric_normal;
-    const int axis = axis_of(n), b = (axis + 1) % 3, c = (axis + 2) % 3;
-    const float x = point.position[b] * per_h - k_offset[b], y = point.position[c] * per_h - k_offset[c];
-    const float fi = std::floor(x), fj = std::floor(y);
-    if (!(std::abs(fi) < k_bias - 2 && std::abs(fj) < k_bias - 2)) return false;
-    const float fx = x - fi, fy = y - fj;
+    const bool other = !any_ || level != level_ || n != normal_;
+    if (other) {
+        any_ = false;   // until this step is whole
+        level_ = level, normal_ = n;
+        per_h_ = spacing_of(-level);
+        axis_ = axis_of(n), b_ = (axis_ + 1) % 3, c_ = (axis_ + 2) % 3;
+        slope_b_ = -n[b_] / n[axis_], slope_c_ = -n[c_] / n[axis_];
+    }
+    const float x = point.position[b_] * per_h_ - k_offset[b_], y = point.position[c_] * per_h_ - k_offset[c_];
+    const float i = std::floor(x), j = std::floor(y);
+    if (!(std::abs(i) < k_bias - 2 && std::abs(j) < k_bias - 2)) return Step::outside;
+    const float fx = x - i, fy = y - j;
+    // Where the point's own plane meets the lines, in spacings.
+    const float height = point.position[axis_] * per_h_ - k_offset[axis_] + 0.5f - fx * slope_b_ - fy * slope_c_;
+    float k[4];
+    for (int corner = 0; corner < 4; ++corner) {
+        k[corner] = std::floor(height + (corner & 1 ? slope_b_ : 0) + (corner >> 1 ? slope_c_ : 0));
+        if (!(std::abs(k[corner]) < k_bias - 2)) return Step::outside;
+    }
+    cell_.x = fx, cell_.y = fy;
+    if (!other && i == i_ && j == j_ && std::equal(k, k + 4, k_)) return Step::same;
+    any_ = true;
+    i_ = i, j_ = j;
+    std::copy(k, k + 4, k_);
     const std::uint64_t head = (1ull << 63) | (static_cast<std::uint64_t>(level + k_level_bias) << 57) |
-                               (static_cast<std::uint64_t>(2 * axis + (n[axis] < 0 ? 1 : 0)) << 54);
+                               (static_cast<std::uint64_t>(2 * axis_ + (n[axis_] < 0 ? 1 : 0)) << 54);
     const auto bits = [](float f) {
         return static_cast<std::uint64_t>(static_cast<std::int64_t>(f) + k_bias) & k_coordinate;
     };
-    // Where the point's own plane meets the lines, in spacings.
-    const float slope_b = -n[b] / n[axis], slope_c = -n[c] / n[axis];
-    const float height = point.position[axis] * per_h - k_offset[axis] + 0.5f - fx * slope_b - fy * slope_c;
-    cell.x = fx, cell.y = fy;
-    for (int corner = 0; corner < 4; ++corner) {
-        const bool right = corner & 1, up = corner >> 1;
-        const float k = std::floor(height + (right ? slope_b : 0) + (up ? slope_c : 0));
-        if (!(std::abs(k) < k_bias - 2)) return false;
-        cell.key[corner] =
-            head | (bits(fi + static_cast<float>(right)) << 36) | (bits(fj + static_cast<float>(up)) << 18) | bits(k);
-    }
+    for (int corner = 0; corner < 4; ++corner)
+        cell_.key[corner] = head | (bits(i + static_cast<float>(corner & 1)) << 36) |
+                            (bits(j + static_cast<float>(corner >> 1)) << 18) | bits(k[corner]);
+    return Step::other;
+}
+
+bool lattice_cell(const IndirectPoint& point, int level, LatticeCell& cell)
+{
+    LatticeCursor cursor;
+    if (cursor.go(point, level) == LatticeCursor::Step::outside) return false;
+    cell = cursor.cell();
     return true;
 }
 

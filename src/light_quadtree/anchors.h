@@ -24,6 +24,8 @@ struct IndirectPoint {
     std::uint32_t triangle = 0;
     float u = 0, v = 0;
     float width = 0;   // of a pixel there, scene units
+    // Place in a tile of pixels, of what the camera itself sees, at most once in a call; -1: not in one.
+    std::int16_t x = -1, y = -1;
 };
 
 /// Level of detail: the largest power of two not above the wanted spacing, and how far towards the next.
@@ -42,6 +44,23 @@ struct LatticeCell {
 };
 /// @return false where a coordinate is out of range
 bool lattice_cell(const IndirectPoint& point, int level, LatticeCell& cell);
+
+/// The same for one point after another: what neighbours have in common is reckoned once.
+class LatticeCursor {
+ public:
+    enum class Step : std::uint8_t { outside, same, other };   // cell, compared with the last step's
+    Step go(const IndirectPoint& point, int level);
+    /// Of the last step that was not outside.
+    const LatticeCell& cell() const { return cell_; }
+
+ private:
+    LatticeCell cell_{};
+    bool any_ = false;
+    int level_ = 0, axis_ = 0, b_ = 0, c_ = 0;
+    glm::vec3 normal_{0};
+    float per_h_ = 0, slope_b_ = 0, slope_c_ = 0;
+    float i_ = 0, j_ = 0, k_[4] = {};
+};
 
 /// A lattice anchor's line: search from `from` along `direction` (its length is how far); the wanted place is half-way.
 struct LatticeLine {
@@ -62,5 +81,11 @@ struct Part {
 /// @param spacing  wanted size of a part
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, float triangle_area, float u, float v, float spacing);
 Part part_of(AnchorKey key);
+/// The same place for near light (near_light.h), which is remembered apart.
+inline constexpr AnchorKey k_near_anchor = 1ull << 61;
+inline bool is_near(AnchorKey key)
+{
+    return !is_lattice(key) && (key & k_near_anchor) != 0;
+}
 
 }   // namespace gnomon::light_quadtree

@@ -416,7 +416,8 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     casters_.update(state);
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
-    if (!changes.lights_moved.empty()) {
+    geometry_changed_ = !changes.lights_moved.empty();
+    if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
             if (std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
                 make_view(views_[v]);
@@ -444,6 +445,21 @@ void EmitterTree::follow_movers(const scene::FrameChanges& changes)
         block_leaves(view, where);
         if (dirty_leaves_ != before) ++flux_version_;
     }
+}
+
+float EmitterTree::leaf_spacing() const
+{
+    std::vector<float> area;
+    for (const View& view : views_) {
+        if (!view.on) continue;
+        const NodeId leaves = first_of_level(view, view.levels);
+        for (NodeId id = leaves; id < leaves + static_cast<NodeId>(view.side * view.side); ++id)
+            if (quads_[id / 4].flux[id % 4] > 0) area.push_back(quads_[id / 4].area[id % 4]);
+    }
+    if (area.empty()) return 0;
+    const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
+    std::nth_element(area.begin(), middle, area.end());
+    return std::sqrt(*middle);
 }
 
 std::size_t EmitterTree::bytes() const

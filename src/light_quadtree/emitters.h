@@ -88,8 +88,13 @@ class EmitterTree {
     const std::vector<NodeId>& roots() const { return roots_; }
     /// Nodes were made anew: what was remembered about them is void. Counts up.
     std::uint32_t geometry_version() const { return geometry_version_; }
+    /// By the last update.
+    bool geometry_changed() const { return geometry_changed_; }
     /// Present flux changed. Counts up.
     std::uint32_t flux_version() const { return flux_version_; }
+
+    /// Of the lit leaves: the square root of their median area.
+    float leaf_spacing() const;
 
     std::size_t size() const { return children_.size(); }
     std::uint64_t dirty_leaves() const { return dirty_leaves_; }
@@ -145,6 +150,7 @@ class EmitterTree {
     std::vector<NodeId> roots_;
     std::vector<scene::ObjectId> dynamics_;
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
+    bool geometry_changed_ = false;
     std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;
 };
 

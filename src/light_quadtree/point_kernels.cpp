@@ -117,7 +117,7 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
 {
     // Estimate all light, visibility apart, by coarse cuts, each of which says what matters to the next.
     float total = estimate(tree, options, origin, normal, 0, stack);
-    for (const float share : {0.3f, 0.01f}) {
+    for (const float share : {0.3f, options.estimate}) {
         if (!(total > 0)) break;
         total = estimate(tree, options, origin, normal, share * total, stack);
     }

@@ -18,6 +18,7 @@ struct CutOptions {
     float error = 0.04f;        // a node that may be wrong by more than this share of all light is refined,
     float nearest = 0.6f;       // all the more if it is wider than this share of its distance
     float negligible = 1e-5f;   // shares smaller than this are left out
+    float estimate = 0.01f;     // the error of the cut from which all light is estimated first
 };
 
 /// Walks the tree from its roots: a node whose light may be wrong by too much is refined [Walter et al. 2005].

@@ -58,6 +58,9 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget)
     const auto age_of = [&](const RememberedPoint& p) { return std::min(frame - p.ready.load(), k_ages - 1); };
     for (const Shard& shard : shards_)
         for (const auto& p : shard.points) size[age_of(*p)] += bytes_of(*p);
+    // Large pictures need room for more than their own points, too.
+    budget = std::max(budget, size[0] + size[0] / 2);
+    if (all <= budget) return;
     std::uint32_t oldest = k_ages - 1;
     for (std::size_t left = all; oldest > 0; --oldest) {
         left -= size[oldest];
@@ -65,7 +68,11 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget)
     }
     oldest = std::max(oldest, 1u);   // what the last frame shows stays
     for (Shard& shard : shards_) {
-        std::erase_if(shard.points, [&](const auto& p) { return age_of(*p) >= oldest; });
+        std::erase_if(shard.points, [&](const auto& p) {
+            if (age_of(*p) < oldest) return false;
+            resized(p->count, 0);
+            return true;
+        });
         std::fill(shard.slots.begin(), shard.slots.end(), nullptr);
         for (const auto& p : shard.points) insert(shard, p.get());
     }
@@ -83,9 +90,9 @@ std::size_t SurfacePoints::bytes() const
     std::size_t sum = 0;
     for (const Shard& shard : shards_) {
         sum += (shard.slots.size() + shard.points.size()) * sizeof(void*);
-        for (const auto& p : shard.points) sum += bytes_of(*p);
+        sum += shard.points.size() * sizeof(RememberedPoint);
     }
-    return sum;
+    return sum + seen_bytes_.load();
 }
 
 }   // namespace gnomon::light_quadtree

@@ -19,6 +19,8 @@
 
 namespace gnomon::light_quadtree {
 
+inline constexpr std::uint32_t k_no_owner = scene::none - 1;
+
 struct RememberedPoint {
     AnchorKey key = 0;
     bool exists = false;                // the anchor meets a surface
@@ -28,9 +30,9 @@ struct RememberedPoint {
     float free[4] = {0, 0, 0, 0};   // of lattice anchors: how far the way is open along the lattice, -b +b -c +c
     // By colour: irradiance is dot(light, normal), near this point's own normal. If nothing moved; and present.
     glm::vec3 still[3] = {}, light[3] = {};
-    std::uint32_t owner = scene::none - 1;   // of what moves: EmitterTree::owner_of()
-    std::uint32_t version = 0;               // of the emitters' geometry that `seen` belongs to; 0: never asked
-    std::uint32_t movers_version = 0;        // that `light` belongs to
+    std::uint32_t owner = k_no_owner;   // of what moves: EmitterTree::owner_of()
+    std::uint32_t version = 0;          // of the emitters' geometry that `seen` belongs to; 0: never asked
+    std::uint32_t movers_version = 0;   // that `light` belongs to
     // What it sees of the emitters past everything static; padded to k_seen_step.
     std::uint32_t count = 0;
     std::unique_ptr<SeenNode[]> seen;
@@ -43,8 +45,13 @@ class SurfacePoints {
     SurfacePoints();
     /// The point of an anchor, made empty if it is new. Thread-safe; the address stays until drop().
     RememberedPoint& at(AnchorKey key);
+    /// A point's list of seen nodes has another length now. Thread-safe.
+    void resized(std::size_t before, std::size_t after)
+    {
+        seen_bytes_.fetch_add((after - before) * sizeof(SeenNode), std::memory_order_relaxed);
+    }
     /// Between frames: if the points take more than `budget` bytes, drops the longest unseen until a quarter of it is
-    /// free; what was seen in `frame` stays.
+    /// free; what was seen in `frame` stays, and half as much beside it.
     void drop_unseen(std::uint32_t frame, std::size_t budget);
     std::size_t size() const;
     std::size_t bytes() const;
@@ -66,6 +73,7 @@ class SurfacePoints {
     };
     static void insert(Shard& shard, RememberedPoint* point);
     std::array<Shard, k_shards> shards_;
+    std::atomic<std::size_t> seen_bytes_ = 0;   // of all lists
 };
 
 }   // namespace gnomon::light_quadtree

@@ -44,6 +44,7 @@ void VisibleCounters::add(const VisibleCounters& o)
 {
     rays += o.rays, rays_dynamic += o.rays_dynamic;
     new_points += o.new_points, summed_points += o.summed_points, moving_points += o.moving_points;
+    near_points += o.near_points;
     nodes += o.nodes;
 }
 
@@ -84,12 +85,15 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
     state_ = &state;
     rays_ = &rays;
     counters_ = {};
+    spent_rays_ = 0;
+    lacking_ = false;
     const bool first = frame_++ == 0;
     const scene::FrameChanges& changes = state.changes();
     if (!first) {
         casters_.update(state);
         emitters_.update(state, rays, tasks);
     }
+    follow_radius(first);
     if (!first && changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() &&
         changes.vanished.empty())
         return;
@@ -141,13 +145,16 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
 {
     batch.wanted.clear();
     batch.parts.clear();
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    batch.moving.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        batch.moving[i] = state_->scene().objects[points[i].object].dynamic || !(points[i].width > 0);
+    batch.pixels.choose(points, batch.moving);
+    for (const std::uint32_t i : batch.pixels.reckoned()) {
         irradiance[i] = glm::vec3(0);
-        const auto index = static_cast<std::uint32_t>(i);
-        if (state_->scene().objects[points[i].object].dynamic || !(points[i].width > 0))
-            batch.parts.push_back({index, 1, nullptr, glm::vec3(0)});   // anchored to itself
+        if (batch.moving[i])
+            batch.parts.push_back({i, 1, nullptr, glm::vec3(0)});   // anchored to itself
         else
-            batch.wanted.push_back({index, detail_of(options_.widest * points[i].width).level, 0, 1});
+            batch.wanted.push_back({i, detail_of(options_.widest * points[i].width).level, 0, 1});
     }
     // From coarse to fine, as far as each point needs.
     while (!batch.wanted.empty()) {
@@ -157,6 +164,11 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
         blend_level(batch, points, irradiance);
     }
     shade_parts(batch, points, irradiance);
+    batch.pixels.fill(irradiance);
+    add_near_light(batch, points, irradiance);
+    if (most_rays_ == 0) return;
+    for (std::size_t i = 0; i < points.size(); ++i) batch.light_sum += irradiance[i];
+    batch.light_count += points.size();
 }
 
 // Takes from the present cells what they can tell, and leaves in `wanted` what needs finer ones.
@@ -210,7 +222,7 @@ void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> poin
         batch.claimed.clear();
         batch.awaited.clear();
         for (Batch::Part& part : batch.parts)
-            part.part = want(batch, last ? own_anchor(points[part.point]) : part_anchor(points[part.point]));
+            part.part = want(batch, last ? own_anchor(points[part.point]) : far_part(points[part.point]));
         serve(batch);
         std::size_t kept = 0;
         for (const Batch::Part& part : batch.parts) {
@@ -218,6 +230,7 @@ void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> poin
             // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, and
             // where there is none, once more from close by, than a black dot.
             if (light == glm::vec3(0)) light = part.around;
+            if (light == glm::vec3(0) && part.part->version == 0) light = average_;   // put off
             if (light == glm::vec3(0) && !last)
                 batch.parts[kept++] = part;
             else
@@ -237,11 +250,16 @@ AnchorKey VisibleLight::own_anchor(const IndirectPoint& point) const
                     0.5f * glm::length(cross), point.u, point.v, point.width);
 }
 
-// A part of a large triangle; or the triangle that stands for the small ones around.
-AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
+AnchorKey VisibleLight::far_part(const IndirectPoint& point)
 {
-    const bool moves = state_->scene().objects[point.object].dynamic;
-    float spacing = (moves ? options_.pixels_per_part : options_.narrowest) * point.width;
+    if (state_->scene().objects[point.object].dynamic)
+        return part_anchor(point, options_.pixels_per_part * point.width, options_.pixels_per_part * point.width);
+    return part_anchor(point, options_.narrowest * point.width, options_.pixels_per_leaf * point.width);
+}
+
+// A part of a large triangle; or the triangle that stands for the small ones around.
+AnchorKey VisibleLight::part_anchor(const IndirectPoint& point, float spacing, float leaf_spacing)
+{
     const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
     glm::vec3 corner[3];
     const auto cross_of = [&](std::uint32_t triangle) {
@@ -252,7 +270,7 @@ AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
     glm::vec3 cross = cross_of(triangle);
     float u = point.u, v = point.v;
     if (glm::length(cross) < spacing * spacing) {
-        if (!moves) spacing = options_.pixels_per_leaf * point.width;
+        spacing = leaf_spacing;
         const scene::Object& object = state_->scene().objects[point.object];
         const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
         const float own = scale > 0 ? spacing / scale : spacing;
@@ -266,42 +284,69 @@ AnchorKey VisibleLight::part_anchor(const IndirectPoint& point)
                     0.5f * glm::length(cross), u, v, spacing);
 }
 
+// Puts what is wanted in the order of its cells, so that a cell is looked up once and its points stand side by side.
 void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> points)
 {
     batch.cells.clear();
     batch.claimed.clear();
     batch.awaited.clear();
-    batch.lattice.resize(batch.wanted.size());
-    LatticeCell last, cell;
-    bool any = false;
-    std::size_t kept = 0;
+    batch.found.clear();
+    std::size_t slots = Batch::k_least_slots;
+    while (slots < 2 * batch.wanted.size()) slots *= 2;
+    batch.slots.assign(slots, 0);
+    LatticeCursor cursor;
+    std::uint32_t at = 0;
     for (Batch::Wanted wanted : batch.wanted) {
-        if (!lattice_cell(points[wanted.point], wanted.level, cell)) {
+        const LatticeCursor::Step step = cursor.go(points[wanted.point], wanted.level);
+        if (step == LatticeCursor::Step::outside) {
             batch.parts.push_back({wanted.point, wanted.rest, nullptr, glm::vec3(0)});
             continue;
         }
-        // Neighbours mostly share a cell.
-        if (!any || !std::equal(cell.key, cell.key + 4, last.key)) {
-            last = cell;
-            any = true;
-            Batch::Cell& made = batch.cells.emplace_back();
-            made.anchors.axis = lattice_axis(cell.key[0]);
-            made.level = wanted.level;
-            made.first = kept;
-            for (int c = 0; c < 4; ++c) made.point[c] = want(batch, cell.key[c]);
-        }
-        LatticePoints& lattice = batch.lattice;
-        const IndirectPoint& p = points[wanted.point];
-        lattice.x[kept] = p.position.x, lattice.y[kept] = p.position.y, lattice.z[kept] = p.position.z;
-        lattice.gx[kept] = p.geometric_normal.x, lattice.gy[kept] = p.geometric_normal.y,
-        lattice.gz[kept] = p.geometric_normal.z;
-        lattice.nx[kept] = p.normal.x, lattice.ny[kept] = p.normal.y, lattice.nz[kept] = p.normal.z;
-        lattice.fx[kept] = cell.x, lattice.fy[kept] = cell.y;
-        wanted.cell = static_cast<std::uint32_t>(batch.cells.size() - 1);
-        batch.wanted[kept++] = wanted;
-        batch.cells.back().end = kept;
+        const LatticeCell& cell = cursor.cell();
+        if (step == LatticeCursor::Step::other) at = cell_of(batch, cell, wanted.level);
+        ++batch.cells[at].end;
+        wanted.cell = at;
+        batch.found.push_back({wanted, cell.x, cell.y});
     }
-    batch.wanted.resize(kept);
+    std::size_t end = 0;
+    for (Batch::Cell& cell : batch.cells) {
+        cell.first = end;
+        end += cell.end;
+        cell.end = cell.first;
+    }
+    batch.wanted.resize(end);
+    batch.lattice.resize(end);
+    LatticePoints& lattice = batch.lattice;
+    for (const Batch::Found& found : batch.found) {
+        const std::size_t k = batch.cells[found.wanted.cell].end++;
+        batch.wanted[k] = found.wanted;
+        const IndirectPoint& p = points[found.wanted.point];
+        lattice.x[k] = p.position.x, lattice.y[k] = p.position.y, lattice.z[k] = p.position.z;
+        lattice.gx[k] = p.geometric_normal.x, lattice.gy[k] = p.geometric_normal.y,
+        lattice.gz[k] = p.geometric_normal.z;
+        lattice.nx[k] = p.normal.x, lattice.ny[k] = p.normal.y, lattice.nz[k] = p.normal.z;
+        lattice.fx[k] = found.x, lattice.fy[k] = found.y;
+    }
+}
+
+// The number of a cell among those of this batch, which wants its anchors if it is new.
+std::uint32_t VisibleLight::cell_of(Batch& batch, const LatticeCell& cell, int level)
+{
+    const std::uint64_t mixed = (cell.key[0] ^ (cell.key[3] << 1)) * 0x9e3779b97f4a7c15ull;
+    const std::size_t mask = batch.slots.size() - 1;
+    std::size_t slot = (mixed >> 32) & mask;
+    for (; batch.slots[slot] != 0; slot = (slot + 1) & mask) {
+        const Batch::Cell& other = batch.cells[batch.slots[slot] - 1];
+        if (std::equal(cell.key, cell.key + 4, other.key)) return batch.slots[slot] - 1;
+    }
+    Batch::Cell& made = batch.cells.emplace_back();
+    std::copy(cell.key, cell.key + 4, made.key);
+    made.anchors.axis = lattice_axis(cell.key[0]);
+    made.level = level;
+    made.first = made.end = 0;
+    for (int c = 0; c < 4; ++c) made.point[c] = want(batch, cell.key[c]);
+    batch.slots[slot] = static_cast<std::uint32_t>(batch.cells.size());
+    return batch.slots[slot] - 1;
 }
 
 void VisibleLight::fill_cells(Batch& batch) const
@@ -338,14 +383,37 @@ glm::vec3 VisibleLight::at_part(const RememberedPoint& part, const glm::vec3& no
 void VisibleLight::serve(Batch& batch)
 {
     if (!batch.claimed.empty()) {
+        const std::uint64_t before = batch.counters.rays;
+        put_off(batch);
         place(batch);
         see(batch);
         sum(batch);
-        for (RememberedPoint* point : batch.claimed) point->ready.store(frame_, std::memory_order_release);
+        for (const auto* points : {&batch.claimed, &batch.put_off})
+            for (RememberedPoint* point : *points) point->ready.store(frame_, std::memory_order_release);
+        spent_rays_ += batch.counters.rays - before;
     }
     // Nobody waits before having published what it claimed.
     for (const RememberedPoint* point : batch.awaited)
         while (point->ready.load(std::memory_order_acquire) != frame_) std::this_thread::yield();
+}
+
+// Takes from the claimed points those that must wait for a later frame. What moves never waits.
+void VisibleLight::put_off(Batch& batch)
+{
+    batch.put_off.clear();
+    if (!out_of_rays()) return;
+    const auto moves = [&](AnchorKey key) {
+        if (is_lattice(key)) return false;
+        const auto after = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), part_of(key).triangle);
+        return state_->scene().objects[static_cast<std::size_t>(after - first_triangle_.begin() - 1)].dynamic;
+    };
+    const std::uint32_t version = emitters_.geometry_version();
+    std::erase_if(batch.claimed, [&](RememberedPoint* point) {
+        if (point->version == version || moves(point->key)) return false;
+        batch.put_off.push_back(point);
+        return true;
+    });
+    if (!batch.put_off.empty()) lacking_ = true;
 }
 
 // Finds the surfaces of new anchors.
@@ -489,6 +557,9 @@ void VisibleLight::place_part(RememberedPoint& point) const
 void VisibleLight::see(Batch& batch)
 {
     const std::uint32_t version = emitters_.geometry_version();
+    CutOptions moving_cut = options_.cut;
+    moving_cut.error = options_.moving_error;
+    moving_cut.estimate = options_.moving_estimate;
     std::size_t begin = 0;
     while (begin < batch.claimed.size()) {
         // Some points at a time: their rays fill packets and stay in the cache.
@@ -500,20 +571,26 @@ void VisibleLight::see(Batch& batch)
         std::size_t next = begin;
         for (; next < batch.claimed.size() && batch.rays.size() < k_rays; ++next) {
             RememberedPoint& point = *batch.claimed[next];
-            if (!point.exists || point.version == version) continue;
-            cut_tree(emitters_, options_.cut, point.origin, point.normal, batch.cut, batch.cut_weight, batch.stack);
+            if (!point.exists || point.version == version || is_near(point.key)) continue;
+            const CutOptions& options = point.owner == k_no_owner ? options_.cut : moving_cut;
+            cut_tree(emitters_, options, point.origin, point.normal, batch.cut, batch.cut_weight, batch.stack);
             batch.fresh.push_back({&point, batch.entries.size()});
+            const bool parted =
+                point.owner == k_no_owner && (!is_lattice(point.key) || near_at(lattice_spacing(point.key)));
             for (std::size_t k = 0; k < batch.cut.size(); ++k) {
                 const NodeId node = batch.cut[k];
                 const glm::vec3 to = emitters_.samples().at(node) - point.origin;
                 const float distance = glm::length(to);
                 const float cosine = glm::dot(to, point.normal) / distance;
                 if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
-                batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
                 // At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
                 constexpr float k_least_cosine = 0.1f;
+                // Near light comes to static points by rays of its own.
+                const float share = parted ? far_share(distance, near_.options().radius) : 1;
+                if (!(share > 0)) continue;
+                batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
                 batch.entries.push_back(batch.cut[k]);
-                batch.entry_weight.push_back(batch.cut_weight[k] / std::max(cosine, k_least_cosine));
+                batch.entry_weight.push_back(share * batch.cut_weight[k] / std::max(cosine, k_least_cosine));
             }
         }
         begin = next;
@@ -528,6 +605,7 @@ void VisibleLight::see(Batch& batch)
             std::uint32_t seen = 0;
             for (std::size_t e = first; e < last; ++e) seen += !batch.blocked[e];
             const std::uint32_t padded = (seen + k_seen_step - 1) / k_seen_step * k_seen_step;
+            points_.resized(point.count, seen);
             point.count = seen;
             point.seen = std::make_unique<SeenNode[]>(padded);
             std::uint32_t k = 0;
@@ -541,6 +619,7 @@ void VisibleLight::see(Batch& batch)
         }
         if (sky_.any()) see_sky(batch);
     }
+    see_near(batch);
     for (RememberedPoint* point : batch.claimed)
         if (!point->exists) point->version = version;
 }
@@ -600,7 +679,7 @@ void VisibleLight::sum(Batch& batch)
     batch.bounces.clear();
     for (RememberedPoint* p : batch.claimed) {
         RememberedPoint& point = *p;
-        if (!point.exists || point.movers_version == movers_version_) continue;
+        if (!point.exists || point.movers_version == movers_version_ || is_near(point.key)) continue;
         ++batch.counters.summed_points;
         point.movers_version = movers_version_;
         std::copy(point.still, point.still + 3, point.light);
@@ -668,12 +747,17 @@ void VisibleLight::add_what_arrives(Batch& batch, ray::RayQueue& rays, const std
 
 void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
 {
+    glm::dvec3 light(0);
+    std::uint64_t count = 0;
     for (const auto& batch : batches) {
         if (!batch) continue;
         counters_.add(batch->counters);
         batch->counters = {};
+        light += batch->light_sum, count += batch->light_count;
+        batch->light_sum = glm::dvec3(0), batch->light_count = 0;
         for (auto& recent : batch->recent) recent = {};
     }
+    average_ = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
     points_.drop_unseen(frame_, options_.memory);
 }
 

@@ -13,11 +13,15 @@
 // the interpolation of four points.
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <span>
 
 #include "base/tasks.h"
 #include "light_quadtree/lattice_kernels.h"
+#include "light_quadtree/near_hints.h"
+#include "light_quadtree/near_light.h"
+#include "light_quadtree/sparse_pixels.h"
 #include "light_quadtree/surface_points.h"
 #include "light_quadtree/triangle_clusters.h"
 
@@ -32,15 +36,25 @@ struct VisibleOptions {
     float pixels_per_part = 6;    // of what moves
     float pixels_per_leaf = 16;   // of small triangles that no lattice fits: foliage, rods
     CutOptions cut;
-    float unasked = 0.02f;            // share of a point's light: less than this comes from a mover unshadowed
-    std::size_t memory = 64u << 20;   // bytes of remembered points; the longest unseen go first
+    // In place of cut.error and cut.estimate for points that move, since they are made anew every frame.
+    float moving_error = 0.1f, moving_estimate = 0.05f;
+    // Near light (near_light.h): from within so many leaves of the light map, where far points lie no further apart
+    // than so many of its radii.
+    float near_radius = 1, near_spacing = 4;
+    float pixels_per_near = 2;           // spacing of its points,
+    float pixels_per_near_cluster = 4;   // and of those that stand for smaller triangles
+    int near_rays = 64;
+    float unasked = 0.02f;   // share of a point's light: less than this comes from a mover unshadowed
+    // Bytes of remembered points, or half as much again as the last frame shows; the longest unseen go first.
+    std::size_t memory = 16u << 20;
 };
 
 struct VisibleCounters {
     std::uint64_t rays = 0;           // static and dynamic
     std::uint64_t rays_dynamic = 0;   // of these, against movers alone
     std::uint64_t new_points = 0, summed_points = 0, moving_points = 0;
-    std::uint64_t nodes = 0;   // seen emitters of new points
+    std::uint64_t near_points = 0;   // new ones; not among new_points
+    std::uint64_t nodes = 0;         // seen emitters of new points
     void add(const VisibleCounters& other);
 };
 
@@ -62,22 +76,39 @@ class VisibleLight {
     /// Gathers the batches' counters; drops points if they take too much.
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
 
+    /// For viewers, from the next frame on: once so many rays were cast in a frame no new point is asked about; what
+    /// lacks is lit as brightly as the rest on average. 0: no limit, the only way to pictures that do not depend on
+    /// history.
+    void limit_rays(std::uint64_t a_frame) { most_rays_ = a_frame; }
+    /// The last frame lacked points: the same frame once more would have more of them.
+    bool lacks_points() const { return lacking_; }
+
     const VisibleCounters& counters() const { return counters_; }
     const EmitterTree& emitters() const { return emitters_; }
-    std::size_t bytes() const { return emitters_.bytes() + points_.bytes() + clusters_.bytes(); }
+    std::size_t bytes() const;
     std::size_t points() const { return points_.size(); }
 
  private:
-    AnchorKey part_anchor(const IndirectPoint& point);
+    AnchorKey part_anchor(const IndirectPoint& point, float spacing, float leaf_spacing);
+    AnchorKey far_part(const IndirectPoint& point);
     AnchorKey own_anchor(const IndirectPoint& point) const;
     void find_cells(Batch& batch, std::span<const IndirectPoint> points);
+    std::uint32_t cell_of(Batch& batch, const LatticeCell& cell, int level);
     void blend_level(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     void shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     RememberedPoint* want(Batch& batch, AnchorKey key);
     void serve(Batch& batch);
+    bool out_of_rays() const { return most_rays_ > 0 && spent_rays_.load(std::memory_order_relaxed) >= most_rays_; }
+    void put_off(Batch& batch);
     void place(Batch& batch);
     void open_ways(Batch& batch);
     void place_part(RememberedPoint& point) const;
+    void follow_radius(bool first);
+    void find_hints(Batch& batch, std::span<const IndirectPoint> points);
+    void add_near_light(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    void see_near(Batch& batch);
+    bool near_at(float spacing) const { return spacing <= options_.near_spacing * near_.options().radius; }
+    bool movers_may_touch(const RememberedPoint& point) const;
     void see(Batch& batch);
     void see_sky(Batch& batch);
     void shade_sky(Batch& batch, RememberedPoint& point);
@@ -99,6 +130,8 @@ class VisibleLight {
     SurfacePoints points_;
     TriangleClusters clusters_;
     SkyLight sky_;
+    NearLight near_;
+    std::unique_ptr<NearHints> hints_;   // null: no near light
     light_views::Casters casters_;
     struct Together {   // what moves together
         std::uint32_t owner;
@@ -108,6 +141,10 @@ class VisibleLight {
     MovingSpheres movers_;
     std::vector<std::uint32_t> first_triangle_;   // by object, among all of the scene
     std::uint32_t frame_ = 0, movers_version_ = 1;
+    std::uint64_t most_rays_ = 0;   // a frame; 0: no limit
+    std::atomic<std::uint64_t> spent_rays_ = 0;
+    std::atomic<bool> lacking_ = false;
+    glm::vec3 average_{0};   // irradiance in the last frame, if rays are limited
     VisibleCounters counters_;
 };
 
@@ -115,11 +152,14 @@ class VisibleLight::Batch {
  public:
     Batch() { rays.purpose = bounce_rays.purpose = ray::RayClass::indirect; }
     VisibleCounters counters;
+    glm::dvec3 light_sum{0};   // if rays are limited, of light_count pixels
+    std::uint64_t light_count = 0;
 
  private:
     friend class VisibleLight;
     // Four lattice anchors around some pixels, side by side once they are ready.
     struct Cell {
+        AnchorKey key[4];
         RememberedPoint* point[4];
         int level;
         std::size_t first, end;   // of `wanted`
@@ -150,14 +190,23 @@ class VisibleLight::Batch {
         RememberedPoint* point;
         std::size_t first;   // of its rays
     };
+    struct Found {
+        Wanted wanted;
+        float x, y;   // place in its cell
+    };
+    static constexpr std::size_t k_least_slots = 64;
+    std::vector<std::uint32_t> slots;   // cells by their keys: number + 1; open addressing, a power of two
+    std::vector<Found> found;
     static constexpr unsigned k_recent_bits = 10;
     std::array<Recent, 1u << k_recent_bits> recent;
+    SparsePixels pixels;
+    std::vector<std::uint8_t> moving;   // by point
     std::vector<Wanted> wanted;
     std::vector<Cell> cells;
     LatticePoints lattice;   // of `wanted`
     LatticeLight light, around;
     std::vector<Part> parts;
-    std::vector<RememberedPoint*> claimed, awaited;
+    std::vector<RememberedPoint*> claimed, awaited, put_off;
     std::vector<Search> searching;
     std::vector<RememberedPoint*> placed;   // new lattice points
     std::vector<NodeId> cut, entries;
@@ -170,6 +219,19 @@ class VisibleLight::Batch {
 
     ray::Hits hits;
     std::vector<std::uint8_t> blocked;
+    struct NearPoint {
+        std::uint32_t point;
+        NearHints::Cell cell;
+        RememberedPoint* near;
+    };
+    std::vector<NearPoint> near_points;
+    std::vector<NearHints::Cell> awaited_cells;
+    std::vector<NearHints::Asked> asked_cells;
+    NearHints::Scratch hints;
+    std::vector<RememberedPoint*> near_asked;
+    std::vector<NearReceiver> near_receivers;
+    std::vector<NearAnswer> near_answers;
+    NearLight::Scratch near;
 };
 
 }   // namespace gnomon::light_quadtree

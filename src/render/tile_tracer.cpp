@@ -312,10 +312,14 @@ void TileTracer::bounce_light(bool primary, const TileRect& tile)
         if (s.model == scene::ShadingModel::unlit || s.diffuse == glm::vec3(0)) continue;
         const shadow_culling::ShadowPoint& here = shadow_points_[p];
         const int pixel = static_cast<int>(points_[p].pixel);
-        if (visible_)
+        if (visible_) {
             indirect_points_.push_back(
                 {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, s.cone.width});
-        else if (primary)
+            if (primary) {
+                indirect_points_.back().x = static_cast<std::int16_t>(pixel % options_.tile);
+                indirect_points_.back().y = static_cast<std::int16_t>(pixel / options_.tile);
+            }
+        } else if (primary)
             map_receivers_.push_back(
                 {s.position, s.normal, s.cone.width, {tile.x + pixel % options_.tile, tile.y + pixel / options_.tile}});
         else

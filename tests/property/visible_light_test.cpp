@@ -14,6 +14,7 @@ namespace {
 
 using light_quadtree::EmitterTree;
 using light_quadtree::VisibleLight;
+using light_quadtree::VisibleOptions;
 
 struct World {
     explicit World(const char* name, int frame, int threads)
@@ -35,10 +36,11 @@ struct World {
 };
 
 // The indirect layer of a frame, after others.
-std::vector<float> indirect_of(const char* name, std::vector<int> frames, int threads, int size = 64)
+std::vector<float> indirect_of(const char* name, std::vector<int> frames, int threads, int size = 64,
+                               const VisibleOptions& visible_options = {})
 {
     World world(name, frames.front(), threads);
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    VisibleLight visible(world.state, world.rays, visible_options, world.tasks);
     render::Remembered remembered;
     remembered.visible = &visible;
     render::TracedOptions options;
@@ -72,6 +74,66 @@ TEST(VisibleLight, SameBytesForAnyNumberOfThreads)
     const auto one = indirect_of("cornell", {1, 2}, 1, 128);
     EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 2, 128)));
     EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 5, 128)));
+}
+
+// Near light in small pictures, too, and much of it.
+VisibleOptions with_near_light()
+{
+    VisibleOptions options;
+    options.near_radius = 12;
+    options.near_spacing = 100;
+    return options;
+}
+
+double mean_of(const std::vector<float>& light)
+{
+    double sum = 0;
+    for (const float value : light) sum += static_cast<double>(value);
+    return sum / static_cast<double>(light.size());
+}
+
+TEST(VisibleLight, NearLightIsTheSameColdWarmAndForAnyNumberOfThreads)
+{
+    const VisibleOptions near = with_near_light();
+    const auto cold = indirect_of("cornell", {8}, 1, 128, near);
+    EXPECT_TRUE(same_bits(cold, indirect_of("cornell", {5, 6, 7, 8}, 3, 128, near)));
+    EXPECT_TRUE(same_bits(cold, indirect_of("cornell", {20, 3, 8}, 1, 128, near)));
+    EXPECT_FALSE(same_bits(cold, indirect_of("cornell", {8}, 1, 128)));
+}
+
+// Near light and the rest make up all light, wherever the line between them is drawn.
+TEST(VisibleLight, NearLightNeitherAddsNorTakes)
+{
+    VisibleOptions far;
+    far.near_radius = 0;
+    const double all = mean_of(indirect_of("cornell", {1}, 2, 128, far)),
+                 parted = mean_of(indirect_of("cornell", {1}, 2, 128, with_near_light()));
+    EXPECT_NEAR(parted / all, 1, 0.03);
+}
+
+// With a limit of rays a frame lacks points; asked again and again it ends in the picture that has none.
+TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
+{
+    World world("cornell", 3, 2);
+    VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
+    visible.limit_rays(1 << 14);
+    render::Remembered remembered;
+    remembered.visible = &visible;
+    render::TracedOptions options;
+    options.layers = true;
+    render::FrameBuffers buffers;
+    constexpr int k_size = 128, k_most = 1000;
+    int lacking = 0;
+    for (; lacking < k_most; ++lacking) {
+        world.go(3);
+        render::trace_frame(world.state, world.rays, render::make_view(world.state, 0, {k_size, k_size}), options,
+                            world.tasks, buffers, remembered);
+        // One tile may overrun the limit by what it asks at once.
+        if (!visible.lacks_points()) break;
+    }
+    EXPECT_GT(lacking, 3);
+    EXPECT_LT(lacking, k_most);
+    EXPECT_TRUE(same_bits(buffers.indirect.data, indirect_of("cornell", {3}, 1, k_size, with_near_light())));
 }
 
 TEST(VisibleLight, RepairedTreeEqualsANewOne)

@@ -75,6 +75,9 @@ double ViewTimes::total() const
     return sum;
 }
 
+// Rays a frame after which bounced light waits for the next one: some 50 ms of two processors.
+constexpr std::uint64_t k_indirect_rays = 1u << 18;
+
 struct ViewSession::Kept {
     explicit Kept(int threads) : tasks(threads) {}
 
@@ -147,6 +150,7 @@ struct ViewSession::Kept {
         if (options.indirect == Indirect::visible && !visible)
             visible =
                 std::make_unique<light_quadtree::VisibleLight>(*state, *rays, light_quadtree::VisibleOptions{}, tasks);
+        if (visible) visible->limit_rays(k_indirect_rays);
     }
 
     void follow_raster(const RenderOptions& options)
@@ -330,11 +334,18 @@ void ViewSession::render_loop(const std::stop_token& stop)
         }
         try {
             auto picture = render(scene, request);
+            const bool lacking = kept_->visible && kept_->visible->lacks_points();
             {
                 const std::lock_guard lock(mutex_);
                 picture->number = picture_ ? picture_->number + 1 : 1;
                 picture_ = std::move(picture);
                 rendering_ = false;
+                // Bounced light that the frame had no time for: the same frame again, unless another is wanted.
+                if (lacking && !request_ && scene == scene_) {
+                    request_ = std::move(request);
+                    rendering_ = true;
+                    continue;
+                }
             }
             // No frame waits for certificates: they are made while nobody wants one.
             if (kept_->certified)

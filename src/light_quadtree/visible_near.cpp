@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// Near light in the visible scheme: where it is wanted, where it is remembered, and what movers change of it.
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "light_quadtree/visible_light.h"
+
+namespace gnomon::light_quadtree {
+
+// The radius follows the lights, in steps: from it on, leaves can tell surfaces apart.
+void VisibleLight::follow_radius(bool first)
+{
+    if (!first && !emitters_.geometry_changed()) return;
+    const float wanted = options_.near_radius * emitters_.leaf_spacing();
+    if (!(wanted > 0) || !std::isfinite(wanted)) {
+        near_ = NearLight({0, options_.near_rays});
+        hints_.reset();
+        return;
+    }
+    constexpr float k_steps = 2;   // to twice the radius
+    const float radius = std::exp2(std::round(k_steps * std::log2(wanted)) / k_steps);
+    if (hints_ && radius == near_.options().radius) return;
+    near_ = NearLight({radius, options_.near_rays});
+    hints_ = std::make_unique<NearHints>(state_->scene(), *rays_, NearHintOptions{.radius = radius});
+}
+
+// Leaves in `near_points` those with other surfaces close by.
+void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> points)
+{
+    batch.near_points.clear();
+    batch.asked_cells.clear();
+    batch.awaited_cells.clear();
+    const std::vector<scene::Object>& objects = state_->scene().objects;
+    scene::ObjectId object = scene::none;
+    std::uint32_t triangle = 0;
+    glm::vec3 winding(0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const IndirectPoint& point = points[i];
+        if (!(point.width > 0) || objects[point.object].dynamic) continue;
+        if (!near_at(spacing_of(detail_of(options_.widest * point.width).level))) continue;
+        if (point.object != object || point.triangle != triangle) {
+            object = point.object, triangle = point.triangle;
+            glm::vec3 p[3];
+            rays_->geometry(object).corners(triangle, p);
+            winding = glm::cross(p[1] - p[0], p[2] - p[0]);
+        }
+        const std::uint32_t at = first_triangle_[object] + triangle;
+        const bool front = glm::dot(winding, point.geometric_normal) > 0;
+        const NearHints::Cell cell = hints_->cell_at(at, point.u, point.v, front);
+        switch (hints_->state(cell)) {
+            case NearHints::State::none:
+                continue;
+            case NearHints::State::near:
+                break;
+            case NearHints::State::asked:
+                batch.awaited_cells.push_back(cell);
+                break;
+            case NearHints::State::unknown:
+                if (out_of_rays()) {
+                    lacking_ = true;
+                    continue;
+                }
+                if (hints_->claim(cell))
+                    batch.asked_cells.push_back({cell, object, triangle, at, front});
+                else
+                    batch.awaited_cells.push_back(cell);
+                break;
+        }
+        batch.near_points.push_back({static_cast<std::uint32_t>(i), cell, nullptr});
+    }
+    if (!batch.asked_cells.empty()) hints_->answer(*rays_, batch.asked_cells, batch.hints);
+    batch.counters.rays += batch.hints.cast;
+    batch.hints.cast = 0;
+    // Nobody waits before having published what it claimed.
+    for (const NearHints::Cell cell : batch.awaited_cells)
+        while (hints_->state(cell) == NearHints::State::asked) std::this_thread::yield();
+    std::erase_if(batch.near_points,
+                  [&](const Batch::NearPoint& p) { return hints_->state(p.cell) != NearHints::State::near; });
+}
+
+void VisibleLight::add_near_light(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+{
+    if (!hints_) return;
+    find_hints(batch, points);
+    if (batch.near_points.empty()) return;
+    batch.claimed.clear();
+    batch.awaited.clear();
+    for (Batch::NearPoint& near : batch.near_points) {
+        const IndirectPoint& point = points[near.point];
+        near.near = want(batch, part_anchor(point, options_.pixels_per_near * point.width,
+                                            options_.pixels_per_near_cluster * point.width) |
+                                    k_near_anchor);
+    }
+    serve(batch);
+    for (const Batch::NearPoint& near : batch.near_points)
+        irradiance[near.point] += at_part(*near.near, points[near.point].normal);
+}
+
+// Asks new points for near light from what stands still; and those that movers may touch for what is left of it.
+void VisibleLight::see_near(Batch& batch)
+{
+    if (!hints_) return;
+    const std::uint32_t version = emitters_.geometry_version();
+    const auto ask = [&](ray::Against against, const auto& wanted, const auto& answered) {
+        constexpr std::size_t k_rays = 4096;
+        const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(options_.near_rays));
+        std::size_t next = 0;
+        while (next < batch.claimed.size()) {
+            batch.near_asked.clear();
+            batch.near_receivers.clear();
+            for (; next < batch.claimed.size() && batch.near_asked.size() < most; ++next) {
+                RememberedPoint& point = *batch.claimed[next];
+                if (!point.exists || !is_near(point.key) || !wanted(point)) continue;
+                batch.near_asked.push_back(&point);
+                batch.near_receivers.push_back({point.origin, point.normal, point.geometric_normal});
+            }
+            batch.near_answers.resize(batch.near_asked.size());
+            near_.ask(*state_, *rays_, batch.near_receivers.data(), batch.near_receivers.size(), against, batch.near,
+                      batch.near_answers.data());
+            for (std::size_t k = 0; k < batch.near_asked.size(); ++k)
+                answered(*batch.near_asked[k], batch.near_answers[k]);
+        }
+        batch.counters.rays += batch.near.cast;
+        batch.near.cast = 0;
+    };
+    ask(
+        ray::Against::static_only, [&](const RememberedPoint& point) { return point.version != version; },
+        [&](RememberedPoint& point, const NearAnswer& answer) {
+            std::copy(answer.light, answer.light + 3, point.still);
+            point.version = version;
+            point.movers_version = 0;
+            ++batch.counters.near_points;
+        });
+    ask(
+        ray::Against::everything,
+        [&](RememberedPoint& point) {
+            if (point.movers_version == movers_version_) return false;
+            point.movers_version = movers_version_;
+            std::copy(point.still, point.still + 3, point.light);
+            return movers_may_touch(point);
+        },
+        [&](RememberedPoint& point, const NearAnswer& answer) {
+            std::copy(answer.light, answer.light + 3, point.light);
+        });
+}
+
+// Whether something that moves may come between near surfaces and the point, or between them and a light.
+bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
+{
+    if (movers_.each.empty()) return false;
+    if (point.still[0] == glm::vec3(0) && point.still[1] == glm::vec3(0) && point.still[2] == glm::vec3(0))
+        return false;
+    const float radius = near_.options().radius;
+    const scene::Scene& scene = state_->scene();
+    // From the point to `way` beyond it; without an end if `endless`.
+    const auto meets = [&](const Sphere& sphere, const glm::vec3& way, bool endless) {
+        const glm::vec3 at = sphere.centre - point.origin;
+        const float square = glm::dot(way, way);
+        float along = square > 0 ? std::max(glm::dot(at, way) / square, 0.0f) : 0.0f;
+        if (!endless) along = std::min(along, 1.0f);
+        const glm::vec3 off = at - along * way;
+        const float reach = sphere.radius + radius;
+        return glm::dot(off, off) <= reach * reach;
+    };
+    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
+        const scene::Light& light = scene.lights[l];
+        const scene::LightState& at = state_->light(l);
+        if (!at.visible || light.of_environment) continue;
+        const bool endless = light.type == scene::LightType::directional;
+        const glm::vec3 way = endless ? -at.direction : at.position - point.origin;
+        for (const MovingSpheres::Together& group : movers_.together) {
+            if (!meets(group.sphere, way, endless)) continue;
+            for (std::uint32_t m = group.first; m < group.end; ++m)
+                if (meets(movers_.each[m], way, endless)) return true;
+        }
+    }
+    return false;
+}
+
+std::size_t VisibleLight::bytes() const
+{
+    return emitters_.bytes() + points_.bytes() + clusters_.bytes() + (hints_ ? hints_->bytes() : 0);
+}
+
+}   // namespace gnomon::light_quadtree
