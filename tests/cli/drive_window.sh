@@ -38,7 +38,8 @@ while read -r verb rest <&3; do
         await)
             for _ in $(seq 1200); do [[ -e $rest ]] && break; sleep 0.1; done
             [[ -e $rest ]] || { kill -9 $program; exit 98; } ;;
-        shot) ffmpeg -loglevel error -f x11grab -video_size $screen -i "$DISPLAY" -frames:v 1 "$rest" </dev/null ;;
+        shot) ffmpeg -loglevel error -f x11grab -video_size $screen -i "$DISPLAY" -frames:v 1 -y "$rest" </dev/null ;;
+        type) xdotool type --delay 30 -- "$rest" ;;
         drop) "$GNOMON_DROP_FILE" "$window" "$(realpath "$rest")" || { kill -9 $program; exit 96; } ;;
         resize) xdotool windowsize "$window" $rest ;;
         *) xdotool "$verb" $rest ;;
