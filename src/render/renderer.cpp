@@ -156,6 +156,7 @@ struct Renderer::Inside {
     std::unique_ptr<render::Rasterizer> raster;
     render::FrameBuffers buffers;
     render::StateMap states;
+    std::optional<glm::vec3> turn_centre;   // of `scene`
 
     void follow(const std::shared_ptr<const scene::Scene>& wanted, double time)
     {
@@ -166,6 +167,7 @@ struct Renderer::Inside {
             map.reset();
             raster.reset();
             rays.reset();
+            turn_centre.reset();
             scene.reset();   // until all is made
             state = std::make_unique<scene::SceneState>(wanted, time);
             if (options.renderer == RenderMethod::raster) {
@@ -252,8 +254,9 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     render::View view = render::make_view(*in.state, camera, size);
     if (options.turntable_seconds > 0) {
         const double turn = (frame - 1) / scene.fps() / options.turntable_seconds;
-        const Box3 bounds = in.rays ? in.rays->bounds() : scene.inside()->bounds(time);
-        view = render::turned(view, bounds.centre(), 2 * k_pi * turn);
+        // Around one place for the whole clip, whatever moves.
+        if (!in.turn_centre) in.turn_centre = scene.inside()->bounds(scene.inside()->timeline.start).centre();
+        view = render::turned(view, *in.turn_centre, 2 * k_pi * turn);
     }
 
     if (options.overlay == Overlay::clusters) {

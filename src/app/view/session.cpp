@@ -99,9 +99,11 @@ struct ViewSession::Kept {
     std::unordered_map<scene::NodeId, glm::dmat4> held;   // by node that a hand holds: its own transform when taken
     render::FrameBuffers buffers;
     render::StateMap states;
+    std::optional<glm::vec3> turn_centre;   // of `owner`
 
     void forget()
     {
+        turn_centre.reset();
         certified.reset();
         paper.reset();
         visible.reset();
@@ -389,8 +391,10 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     picture->eye = request.eye
                        ? *request.eye
                        : render::make_view(*kept.state, camera_of(*scene->inside(), request.camera), request.size);
-    if (!request.eye && request.turn != 0)
-        picture->eye = render::turned(picture->eye, kept.rays->bounds().centre(), request.turn);
+    if (!request.eye && request.turn != 0) {
+        if (!kept.turn_centre) kept.turn_centre = scene->inside()->bounds(scene->inside()->timeline.start).centre();
+        picture->eye = render::turned(picture->eye, *kept.turn_centre, request.turn);
+    }
 
     const bool states = !kept.raster && options.overlay == Overlay::shadow_states && !scene->inside()->lights.empty() &&
                         options.shadow_culling != ShadowCulling::off;
