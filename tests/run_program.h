@@ -12,6 +12,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -52,8 +53,9 @@ using Environment = std::map<std::string, std::string>;
 /// A program that runs; killed with the object if it still does.
 class RunningProgram {
  public:
+    /// @param in_child  called in the new process before the program takes its place: limits, say
     explicit RunningProgram(const std::vector<std::string>& arguments, const Environment& environment = {},
-                            const std::string& standard_output = {})
+                            const std::string& standard_output = {}, const std::function<void()>& in_child = {})
     {
         const std::string out = standard_output.empty() ? folder_ / "out" : std::filesystem::path(standard_output);
         const std::string err = folder_ / "err";
@@ -70,6 +72,7 @@ class RunningProgram {
         ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
         ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | (standard_output.empty() ? O_TRUNC : 0), 0600), STDOUT_FILENO);
         ::dup2(::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+        if (in_child) in_child();
         ::execv(argv[0], argv.data());
         ::_exit(127);
     }

@@ -59,6 +59,7 @@ int fail(int code, std::string message)
 int run_program(const std::vector<std::string>& arguments)
 {
     install_signal_handlers();
+    install_terminate_handler();
     try {
         const CommandLine line = parse_command_line(arguments);
         if (line.help || line.version) {

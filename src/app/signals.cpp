@@ -4,6 +4,10 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cstring>
+#include <exception>
+#include <new>
+
 #include "app/program.h"
 
 namespace gnomon::app {
@@ -16,7 +20,30 @@ extern "C" void note_signal(int)
     if (g_interrupted) ::_exit(k_exit_interrupted);
     g_interrupted = 1;
 }
+
+// Takes no memory: there may be none.
+[[noreturn]] void end_with(int code, const char* line)
+{
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line, std::strlen(line));
+    ::_exit(code);
+}
+
+[[noreturn]] void note_end()
+{
+    try {
+        if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+    } catch (const std::bad_alloc&) {
+        end_with(k_exit_missing, "gnomon: out of memory\n");
+    } catch (...) {
+    }
+    end_with(k_exit_internal, "gnomon: internal error: an exception where none may be\n");
+}
 }   // namespace
+
+void install_terminate_handler()
+{
+    std::set_terminate(note_end);
+}
 
 void install_signal_handlers()
 {
@@ -29,7 +56,7 @@ void install_signal_handlers()
         if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
         ::sigaction(signal, &action, nullptr);
     }
-    ::signal(SIGPIPE, SIG_IGN);
+    for (const int signal : {SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_IGN);
 }
 
 bool interrupted()

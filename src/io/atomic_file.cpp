@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -22,15 +23,24 @@ namespace {
     throw MissingError(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
 }
 
+// Whether a file can be renamed from one folder into the other.
+bool on_one_disk(const fs::path& a, const fs::path& b)
+{
+    struct stat of_a {
+    }, of_b{};
+    const auto name = [](const fs::path& folder) { return folder.empty() ? "." : folder.c_str(); };
+    return ::stat(name(a), &of_a) == 0 && ::stat(name(b), &of_b) == 0 && of_a.st_dev == of_b.st_dev;
+}
+
 // Short whatever the target is called, and different for every file of every process.
-fs::path temporary_beside(const fs::path& target)
+fs::path temporary_in(const fs::path& folder)
 {
     static std::atomic<unsigned> count{0};
-    return target.parent_path() / fmt::format("{}{}-{}.tmp", k_temporary_prefix, ::getpid(), count++);
+    return folder / fmt::format("{}{}-{}.tmp", k_temporary_prefix, ::getpid(), count++);
 }
 }   // namespace
 
-AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target)
+AtomicFile::AtomicFile(const fs::path& target, const fs::path& folder) : asked_(target), target_(target)
 {
     if (target.filename().empty()) throw MissingError(fmt::format("cannot write '{}': no file name", target.string()));
     // Rename would replace a link, not what it names.
@@ -43,8 +53,9 @@ AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target)
     if (fs::exists(status) && !fs::is_regular_file(status))
         throw MissingError(fmt::format("cannot write {}: not an ordinary file", asked_.string()));
 
+    const bool elsewhere = !folder.empty() && on_one_disk(folder, target_.parent_path());
     do {
-        temporary_ = temporary_beside(target_);
+        temporary_ = temporary_in(elsewhere ? folder : target_.parent_path());
         descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
     if (descriptor_ < 0) fail(asked_, errno);

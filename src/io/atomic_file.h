@@ -15,7 +15,10 @@ class AtomicFile {
  public:
     /// Creates the temporary file.
     /// @throws MissingError, with the reason, if the folder cannot be written or the target is no ordinary file
-    explicit AtomicFile(const std::filesystem::path& target);
+    explicit AtomicFile(const std::filesystem::path& target) : AtomicFile(target, {}) {}
+    /// The same, with the temporary file in another folder where a rename from there is possible: what a killed process
+    /// leaves is then found where its other leavings are. The folder may be empty: beside the target.
+    AtomicFile(const std::filesystem::path& target, const std::filesystem::path& folder);
     /// Removes the temporary file if it was not committed.
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;

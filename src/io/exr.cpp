@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <new>
 
 #include "base/check.h"
 #include "gnomon/error.h"
@@ -135,6 +136,8 @@ void write_exr(const std::filesystem::path& file, Size size, std::span<const Lay
         exr.writePixels(size.height);
     } catch (const Error&) {
         throw;
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& e) {
         throw MissingError(fmt::format("cannot write {}: {}", file.string(), e.what()));
     }
@@ -175,8 +178,12 @@ ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& na
         if (!exr.isComplete()) throw std::runtime_error("the file is not complete");
         exr.setFrameBuffer(frame);
         exr.readPixels(header.y, header.y + header.size.height - 1);
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& e) {
         std::string what = e.what();
+        if (what.find("bad_alloc") != std::string::npos)
+            throw std::bad_alloc();   // OpenEXR wraps it in an error of its own
         std::replace(what.begin(), what.end(), '\n', ' ');
         throw InputError(name, "", "OpenEXR: " + what);
     }

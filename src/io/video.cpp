@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -98,6 +99,36 @@ std::string last_line(const std::string& text)
     }
     return last;
 }
+
+// Whether an MP4 has its index and its pictures, and ends where its last part does: an encoder that was cut short need
+// not know it.
+bool is_whole_mp4(const fs::path& file)
+{
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    std::ifstream in(file, std::ios::binary);
+    bool index = false, pictures = false;
+    std::uintmax_t at = 0;
+    while (!error && in && at < size) {
+        // A part: its size in four bytes, or 1 and the size in the eight behind its name; its name in four.
+        std::array<unsigned char, 16> head{};
+        in.seekg(static_cast<std::streamoff>(at));
+        in.read(reinterpret_cast<char*>(head.data()), head.size());
+        in.clear();
+        const auto number = [&](std::size_t from, std::size_t to) {
+            std::uintmax_t value = 0;
+            for (std::size_t i = from; i < to; ++i) value = value << 8 | head[i];
+            return value;
+        };
+        const bool large = number(0, 4) == 1;
+        const std::uintmax_t part = large ? number(8, 16) : number(0, 4);
+        if (part < 8 || part > size - at) return false;
+        index |= number(4, 8) == 0x6d6f6f76;      // "moov"
+        pictures |= number(4, 8) == 0x6d646174;   // "mdat"
+        at += part;
+    }
+    return index && pictures && at == size;
+}
 }   // namespace
 
 void encode_video(const std::vector<fs::path>& frames, double fps, const fs::path& out, const Progress& progress)
@@ -107,7 +138,7 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
 
     double done = 0;
     const auto go_on = [&] { return !progress || progress({"encoding", done}); };
-    AtomicFile file(out);
+    AtomicFile file(out, frames.front().parent_path());   // unfinished, it stands among what it is made of
     Process ffmpeg(encode_arguments(fps, file.temporary()));
 
     // Feed the frames one by one; a program that stops listening has something to say.
@@ -119,11 +150,12 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
     }
     const int status = ffmpeg.wait(go_on);
     if (status < 0) throw MissingError(fmt::format("ffmpeg was ended by signal {} ({})", -status, out.string()));
-    std::error_code error;
-    if (status != 0 || !listening || fs::file_size(file.temporary(), error) == 0 || error) {
+    const bool whole = status == 0 && listening && is_whole_mp4(file.temporary());
+    if (!whole) {
         const std::string reason = last_line(ffmpeg.errors());
-        throw MissingError(fmt::format("ffmpeg could not write {}: {}", out.string(),
-                                       reason.empty() ? fmt::format("exit status {}", status) : reason));
+        const std::string short_of = fmt::format("exit status {}{}", status, status == 0 ? ", but no whole film" : "");
+        throw MissingError(
+            fmt::format("ffmpeg could not write {}: {}", out.string(), reason.empty() ? short_of : reason));
     }
     file.commit();
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <unordered_map>
 
 #include "base/check.h"
@@ -45,6 +46,34 @@ std::uint32_t gathered(std::uint32_t x)
     return (x | (x >> 8)) & 0x0000ffff;
 }
 
+constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
+constexpr int k_smallest_side = 2;   // one level
+
+// Of a view's pyramid, from the level of four nodes down.
+std::size_t nodes_of(int side)
+{
+    return (4 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) - 4) / 3;
+}
+
+// All of them, where their views fit; else the strongest, in the scene's order.
+std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const light_views::SceneBounds& bounds,
+                                            const EmitterOptions& options)
+{
+    const auto views = [&](scene::LightId l) {
+        return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, k_projection));
+    };
+    std::vector<scene::LightId> lights(scene.lights.size());
+    std::iota(lights.begin(), lights.end(), 0u);
+    std::stable_sort(lights.begin(), lights.end(), [&](scene::LightId a, scene::LightId b) {
+        return luminance(scene.lights[a].color) > luminance(scene.lights[b].color);
+    });
+    std::size_t taken = 0, kept = 0;
+    while (kept < lights.size() && taken + views(lights[kept]) <= options.views) taken += views(lights[kept++]);
+    lights.resize(kept);
+    std::sort(lights.begin(), lights.end());
+    return lights;
+}
+
 }   // namespace
 
 EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options,
@@ -54,7 +83,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     const scene::Scene& scene = state.scene();
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
         if (scene.objects[o].dynamic && casters_.casts(o)) dynamics_.push_back(o);
-    for (scene::LightId l = 0; l < scene.lights.size(); ++l)
+    for (const scene::LightId l : bouncing_lights(scene, bounds_, options))
         for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, k_projection); ++face) {
             View& view = views_.emplace_back();
             view.light = l;
@@ -64,6 +93,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     while (side > options.least_side &&
            views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options.leaves)
         side /= 2;
+    while (side > k_smallest_side && views_.size() * nodes_of(side) > k_most_nodes) side /= 2;
     NodeId end = 0;
     for (View& view : views_) {
         view.side = side;
@@ -73,7 +103,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
         view.blocked.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
     }
     quads_.resize(end / 4);
-    GNOMON_CHECK(end <= 1u << k_node_bits);
+    GNOMON_CHECK(end <= k_most_nodes);
     for (auto* lane : {&samples_.x, &samples_.y, &samples_.z}) lane->resize(end);
     for (Flux* flux : {&flux_, &still_})
         for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->resize(end);

@@ -23,8 +23,9 @@ namespace gnomon::light_quadtree {
 struct EmitterOptions {
     int side = 256;                  // texels of a view, at most; a power of two
     std::size_t leaves = 1u << 17;   // of all views together, at most; views get smaller sides by halves
-    int least_side = 16;
-    float least_cosine = 0.05f;   // surfaces at a more grazing angle stand for no larger area
+    int least_side = 16;             // or smaller, where there would be more nodes than numbers for them
+    std::size_t views = 6144;        // at most, six for a lamp that shines all around; the weakest lights are left out
+    float least_cosine = 0.05f;      // surfaces at a more grazing angle stand for no larger area
     float ray_end = 0.9999f;
     std::size_t mover_rays = 4096;     // by view, against what moves and is lit
     std::size_t mover_emitters = 64;   // at most; the darkest are left out

@@ -14,9 +14,11 @@ struct EmbreeDevice::Arena {
 
 EmbreeDevice::EmbreeDevice() : arena_(std::make_unique<Arena>()), device_(rtcNewDevice("set_affinity=0"))
 {
-    if (!device_)
-        throw MissingError(
-            fmt::format("Embree does not start (error {})", static_cast<int>(rtcGetDeviceError(nullptr))));
+    if (!device_) {
+        const RTCError error = rtcGetDeviceError(nullptr);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw MissingError("not enough memory for the ray tracer to start");
+        throw MissingError(fmt::format("Embree does not start (error {})", static_cast<int>(error)));
+    }
     rtcSetDeviceMemoryMonitorFunction(device_, &EmbreeDevice::count_memory, this);
 }
 

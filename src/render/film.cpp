@@ -52,7 +52,7 @@ void check_room(const fs::path& file, Size size, int frames)
     const double needed = k_least_bytes_per_pixel * size.width * size.height * frames;
     if (static_cast<double>(space.available) < needed)
         throw MissingError(
-            fmt::format("cannot write {}: {} frames need {:.0f} MB at least, the disk has {:.0f} MB left",
+            fmt::format("cannot write {}: {} frames need {:.3g} MB at least, the disk has {:.3g} MB left",
                         file.string(), frames, needed / 1e6, static_cast<double>(space.available) / 1e6));
 }
 

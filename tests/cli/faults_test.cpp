@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes wrong while the program runs: full disks, files at their limit, folders that vanish, an encoder that dies,
+// signals, no memory. Each ends with its exit code and one line, leaves nothing half, and can be gone on from.
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+namespace fs = std::filesystem;
+const std::string k_scene = "builtin:cornell";
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool k_sanitized = true;   // reserves terabytes of address space
+#else
+constexpr bool k_sanitized = false;
+#endif
+
+// A disk of a few kilobytes in memory, seen by this process and its children alone.
+class SmallDisk {
+ public:
+    SmallDisk()
+    {
+        there_ = ::unshare(CLONE_NEWNS) == 0 && ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                 ::mount("none", folder_.path().c_str(), "tmpfs", 0, "size=1m") == 0;
+    }
+    ~SmallDisk()
+    {
+        if (there_) ::umount2(folder_.path().c_str(), MNT_DETACH);
+    }
+    SmallDisk(const SmallDisk&) = delete;
+    SmallDisk& operator=(const SmallDisk&) = delete;
+
+    bool there() const { return there_; }
+    void hold(int kilobytes) const
+    {
+        const std::string size = "size=" + std::to_string(kilobytes) + "k";
+        ASSERT_EQ(::mount("none", folder_.path().c_str(), nullptr, MS_REMOUNT, size.c_str()), 0);
+    }
+    const fs::path& path() const { return folder_.path(); }
+    fs::path operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+    ScratchFolder folder_;
+    bool there_ = false;
+};
+
+std::vector<std::string> film(const fs::path& out)
+{
+    return {"render", k_scene, "-o", out, "--frames", "1-12", "--size", "64x48", "--indirect", "off", "--resume"};
+}
+
+std::string undisturbed_film()
+{
+    const ScratchFolder folder;
+    EXPECT_EQ(run(film(folder / "a.mp4")).code, 0);
+    return bytes_of(folder / "a.mp4");
+}
+
+// Found out before the work, or by a write.
+void expect_full_disk(const Outcome& outcome)
+{
+    const bool before = outcome.err.find("the disk has") != std::string::npos;
+    expect_failure(outcome, 4, before ? "" : "No space left on device");
+}
+
+TEST(Faults, AFullDisk)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const SmallDisk disk;
+    if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
+    const std::string whole = undisturbed_film();
+    // Full from the beginning, while the frames are made, and while the film is encoded. (The size is in pages.)
+    int full = 0, made = 0;
+    for (const int kilobytes : {4, 16, 36, 64, 80, 1024}) {
+        disk.hold(kilobytes);
+        const Outcome outcome = run(film(disk / "a.mp4"));
+        if (outcome.code == 0) {
+            ++made;
+        } else {
+            ++full;
+            expect_full_disk(outcome);
+            EXPECT_FALSE(fs::exists(disk / "a.mp4"));
+            disk.hold(1024);
+            EXPECT_EQ(run(film(disk / "a.mp4")).code, 0);
+        }
+        EXPECT_TRUE(bytes_of(disk / "a.mp4") == whole) << kilobytes << " KB";
+        EXPECT_EQ(names_in(disk.path()), std::vector<std::string>{"a.mp4"});
+        fs::remove(disk / "a.mp4");
+    }
+    EXPECT_GT(full, 2);
+    EXPECT_GT(made, 0);
+}
+
+TEST(Faults, AFullDiskForEverythingElseThatIsWritten)
+{
+    const SmallDisk disk;
+    if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
+    disk.hold(4);
+    const ScratchFolder folder;
+    for (const char* frame : {"1", "20"})
+        ASSERT_EQ(run({"render", k_scene, "-o", folder / (std::string(frame) + ".png"), "--frame", frame}).code, 0);
+    const std::vector<std::vector<std::string>> calls = {
+        {"render", k_scene, "-o", disk / "a.png", "--size", "200x150", "--quiet"},
+        {"render", k_scene, "-o", disk / "a.exr", "--size", "64x48", "--quiet"},
+        {"render", k_scene, "-o", disk / "a-{frame}.png", "--size", "200x150", "--frames", "3-5", "--quiet"},
+        {"render", k_scene, "-o", folder / "b.png", "--contact-sheet", disk / "s.png", "--size", "200x150", "--quiet"},
+        {"render", k_scene, "-o", folder / "c-{frame}.png", "--size", "8x8", "--json=" + (disk / "a.json").string(),
+         "--quiet"},
+        {"compare", folder / "1.png", folder / "20.png", "--heatmap", disk / "h.png", "--quiet"},
+    };
+    for (const std::vector<std::string>& call : calls) {
+        expect_full_disk(run(call));
+        EXPECT_TRUE(names_in(disk.path()).empty()) << testing::PrintToString(call);
+    }
+}
+
+TEST(Faults, AFileAtItsLimit)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder folder;
+    const std::string whole = undisturbed_film();
+    for (const rlim_t bytes : {1, 1000, 4000, 1 << 20}) {
+        const auto limit = [bytes] {
+            const rlimit file{bytes, bytes};
+            ::setrlimit(RLIMIT_FSIZE, &file);
+        };
+        // Standard error is a file too, and the first of these limits cuts it short.
+        const Outcome outcome = RunningProgram(film(folder / "a.mp4"), {}, {}, limit).wait();
+        EXPECT_EQ(outcome.code, bytes <= 4000 ? 4 : 0) << bytes << ": " << outcome.err;
+        EXPECT_EQ(fs::exists(folder / "a.mp4"), outcome.code == 0);
+    }
+    ASSERT_EQ(run(film(folder / "a.mp4")).code, 0);
+    EXPECT_TRUE(bytes_of(folder / "a.mp4") == whole);
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
+}
+
+TEST(Faults, AFolderThatVanishes)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder folder;
+    const std::string whole = undisturbed_film();
+    fs::create_directory(folder / "there");
+    const fs::path frame = folder / "there/a.mp4.frames/frame-000003.png";
+    RunningProgram program(film(folder / "there/a.mp4"));
+    ASSERT_TRUE(wait_until([&] { return fs::exists(frame); }));
+    fs::rename(folder / "there", folder / "gone");
+    expect_failure(program.wait(), 4, "No such file or directory");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"gone"});
+    ASSERT_EQ(run(film(folder / "gone/a.mp4")).code, 0);
+    EXPECT_TRUE(bytes_of(folder / "gone/a.mp4") == whole);
+    EXPECT_EQ(names_in(folder / "gone"), std::vector<std::string>{"a.mp4"});
+
+    // A set of pictures, its folder removed outright.
+    fs::create_directory(folder / "set");
+    RunningProgram set({"render", k_scene, "-o", folder / "set/{frame}.png", "--size", "64x48", "--frames", "1-40"});
+    ASSERT_TRUE(wait_until([&] { return fs::exists(folder / "set/3.png"); }));
+    fs::rename(folder / "set", folder / "away");
+    expect_failure(set.wait(), 4, "No such file or directory");
+    EXPECT_FALSE(fs::exists(folder / "set"));
+}
+
+TEST(Faults, AnEncoderThatDies)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const std::string whole = undisturbed_film();
+    const std::string found = "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n";
+    const std::string last = "eval out=\\${$#}; out=${out#file:}\n";   // its last argument: where it writes
+    for (const auto& [script, about] :
+         std::map<std::string, std::string>{{"head -c 3000 >$out; kill -9 $$", "signal 9"},
+                                            {"head -c 3000 >$out; kill -SEGV $$", "signal 11"},
+                                            {"head -c 3000 >$out; echo 'no such codec' >&2; exit 1", "no such codec"},
+                                            {"head -c 3000 >$out; exit 0", "ffmpeg could not write"},
+                                            {"cat >/dev/null; exit 0", "ffmpeg could not write"}}) {
+        const ScratchFolder folder, programs;
+        std::ofstream(programs / "ffmpeg") << found << last << script << '\n';
+        fs::permissions(programs / "ffmpeg", fs::perms::owner_all);
+        expect_failure(run(film(folder / "a.mp4"), {{"PATH", programs.path().string() + ":/usr/bin:/bin"}}), 4, about);
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4.frames"});
+        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << script;
+        EXPECT_EQ(run(film(folder / "a.mp4")).code, 0);
+        EXPECT_TRUE(bytes_of(folder / "a.mp4") == whole) << script;
+    }
+}
+
+// The signal comes while the scene is made, rendered, or encoded: 130, one line, no file, no encoder left running.
+TEST(Faults, SignalsAtAnyTime)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder programs;
+    std::ofstream(programs / "ffmpeg") << "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n"
+                                          "touch $FLAG; exec sleep 60\n";
+    fs::permissions(programs / "ffmpeg", fs::perms::owner_all);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        const ScratchFolder folder;
+        const std::string flag = folder / "flag";
+        RunningProgram encoding(film(folder / "a.mp4"),
+                                {{"PATH", programs.path().string() + ":/usr/bin:/bin"}, {"FLAG", flag}});
+        ASSERT_TRUE(wait_until([&] { return fs::exists(flag); }));
+        encoding.send(signal);
+        expect_failure(encoding.wait(), 130, "interrupted");
+        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest stay, no part of a film";
+        fs::remove(flag);
+        EXPECT_EQ(run(film(folder / "a.mp4")).code, 0);
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
+    }
+    for (const char* out : {"a.exr", "{frame}.png"}) {
+        const ScratchFolder folder;
+        for (const int milliseconds : {50, 400}) {
+            RunningProgram program(
+                {"render", "builtin:kinetic", "-o", folder / out, "--size", "2000x2000", "--samples", "64"});
+            std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+            program.send(SIGTERM);
+            const Outcome outcome = program.wait();
+            // Before the handlers stand, a signal is the system's.
+            if (outcome.code != -SIGTERM) expect_failure(outcome, 130, "interrupted");
+            EXPECT_TRUE(names_in(folder.path()).empty()) << out << " after " << milliseconds << " ms";
+        }
+    }
+}
+
+// From too little to start with to enough: a picture, or one line and nothing.
+TEST(Faults, TooLittleMemory)
+{
+    if (k_sanitized) GTEST_SKIP() << "sanitizers take address space of their own";
+    const ScratchFolder folder;
+    int refused = 0, made = 0;
+    for (const rlim_t megabytes : {50, 65, 85, 150, 190, 205, 215, 3000}) {
+        const auto limit = [megabytes] {
+            const rlimit memory{megabytes << 20, megabytes << 20};
+            ::setrlimit(RLIMIT_AS, &memory);
+        };
+        const Outcome outcome =
+            RunningProgram({"render", k_scene, "-o", folder / "a.png", "--size", "64x48", "--threads", "2", "--quiet"},
+                           {}, {}, limit)
+                .wait();
+        if (outcome.code == 127) continue;   // the loader's own refusal: the program has not begun
+        if (outcome.code == 0) {
+            ++made;
+            EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
+            fs::remove(folder / "a.png");
+            continue;
+        }
+        ++refused;
+        expect_failure(outcome, 4, "memory");
+        EXPECT_TRUE(names_in(folder.path()).empty()) << megabytes << " MB";
+    }
+    EXPECT_GT(refused, 0);
+    EXPECT_GT(made, 0);
+}
+
+}   // namespace
+}   // namespace gnomon::test

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory that is refused while a file is read: every allocation in turn, by a failing operator new. What comes out is
+// std::bad_alloc (the program says "out of memory", exit code 4), nothing leaks (under AddressSanitizer), and the next
+// reading is whole.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+#include "app/program.h"
+#include "app/signals.h"
+#include "fuzz/targets.h"
+
+namespace {
+// Allocations until one fails; 0 and below: none does.
+std::atomic<long> g_allocations_left{0};
+
+void* allocate(std::size_t size, std::size_t alignment = 0) noexcept
+{
+    if (g_allocations_left.load(std::memory_order_relaxed) > 0 && g_allocations_left.fetch_sub(1) == 1) return nullptr;
+    if (size == 0) size = 1;
+    return alignment == 0 ? std::malloc(size)
+                          : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+void* allocate_or_throw(std::size_t size, std::size_t alignment = 0)
+{
+    void* memory = allocate(size, alignment);
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+}   // namespace
+
+// clang-format off
+void* operator new(std::size_t size) { return allocate_or_throw(size); }
+void* operator new[](std::size_t size) { return allocate_or_throw(size); }
+void* operator new(std::size_t size, std::align_val_t at) { return allocate_or_throw(size, static_cast<std::size_t>(at)); }
+void* operator new[](std::size_t size, std::align_val_t at) { return allocate_or_throw(size, static_cast<std::size_t>(at)); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return allocate(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
+void operator delete[](void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
+// clang-format on
+
+namespace gnomon::fuzz {
+namespace {
+
+// The first hundreds one by one; behind them, where the large files' elements are, by growing steps.
+constexpr long k_each = 400;
+
+long after(long n)
+{
+    return n + (n < k_each ? 1 : n / 40);
+}
+
+// What a child and its parent both see.
+struct Shared {
+    long at = 0;   // the allocation that fails
+    bool done = false;
+    long out_of_memory = 0, spared = 0;
+    char fault[200] = "";
+};
+
+// Lets one allocation after the other fail while a seed is read, until there is no such allocation.
+void fail_each(const Target& target, const Bytes& seed, Shared& shared)
+{
+    target.run(seed);   // what libraries make once is made
+    for (;; shared.at = after(shared.at)) {
+        std::string outcome;
+        bool thrown = false;
+        g_allocations_left = shared.at;
+        try {
+            outcome = target.run(seed);
+        } catch (const std::bad_alloc&) {
+            thrown = true;
+        } catch (const std::exception& error) {
+            g_allocations_left = 0;
+            std::snprintf(shared.fault, sizeof shared.fault, "%s", error.what());
+        }
+        shared.done = g_allocations_left.exchange(0) > 0;
+        if (!outcome.empty()) std::snprintf(shared.fault, sizeof shared.fault, "%s", outcome.c_str());
+        if (shared.done || shared.fault[0]) break;
+        ++(thrown ? shared.out_of_memory : shared.spared);
+    }
+    const std::string again = target.run(seed);
+    if (!again.empty()) std::snprintf(shared.fault, sizeof shared.fault, "afterwards: %s", again.c_str());
+}
+
+class Allocations : public testing::TestWithParam<Target> {};
+
+// In a child, since some libraries take memory in destructors: then the program ends, with that same code and line.
+TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
+{
+    void* memory = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    ASSERT_NE(memory, MAP_FAILED);
+    Shared& shared = *new (memory) Shared;
+    long ended = 0;
+    for (const Bytes& seed : GetParam().seeds()) {
+        shared.at = 1, shared.done = false;
+        while (!shared.done) {
+            std::fflush(nullptr);
+            const pid_t child = ::fork();
+            if (child == 0) {
+                app::install_terminate_handler();
+                ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
+                fail_each(GetParam(), seed, shared);
+                ::_exit(0);
+            }
+            int status = 0;
+            ::waitpid(child, &status, 0);
+            ASSERT_STREQ(shared.fault, "") << "allocation " << shared.at;
+            ASSERT_TRUE(WIFEXITED(status)) << "allocation " << shared.at << ": signal " << WTERMSIG(status);
+            if (WEXITSTATUS(status) == 0) continue;
+            ASSERT_EQ(WEXITSTATUS(status), app::k_exit_missing) << "allocation " << shared.at;
+            ++ended;
+            shared.at = after(shared.at);
+        }
+    }
+    EXPECT_GT(shared.out_of_memory, 3);
+    std::printf(
+        "%ld allocations failed and were out of memory, %ld of them in a destructor; %ld could be done without\n",
+        shared.out_of_memory + ended, ended, shared.spared);
+    ::munmap(memory, sizeof(Shared));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Allocations, testing::ValuesIn(targets().begin(), targets().end()),
+                         [](const auto& chosen) { return std::string(chosen.param.name); });
+
+}   // namespace
+}   // namespace gnomon::fuzz

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hundreds of bad scenes (made_scenes.h), each rendered by the program with all layers, within 10 s of processor time
+// and 512 MB of memory. What comes out is a picture in which every number is finite, or exit code 3 and one line; the
+// full run prints the table.
+#include <sys/resource.h>
+
+#include <cmath>
+
+#include "hostile/made_scenes.h"
+#include "io/exr.h"
+#include "run_program.h"
+
+namespace gnomon::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool k_sanitized = true;   // slower, and reserves terabytes of address space
+#else
+constexpr bool k_sanitized = false;
+#endif
+constexpr rlim_t k_memory = 512ull << 20;   // bytes of address space
+constexpr rlim_t k_seconds = k_sanitized ? 200 : 10;
+
+struct Result {
+    int code = 0;
+    double seconds = 0;
+    std::string line;    // what it said
+    std::string fault;   // empty: all is well
+};
+
+void limit()
+{
+    const rlimit memory{k_memory, k_memory}, time{k_seconds, k_seconds}, core{0, 0};
+    if (!k_sanitized) ::setrlimit(RLIMIT_AS, &memory);
+    ::setrlimit(RLIMIT_CPU, &time);
+    ::setrlimit(RLIMIT_CORE, &core);
+}
+
+std::size_t not_finite(const fs::path& exr)
+{
+    const std::string bytes = bytes_of(exr);
+    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    std::size_t count = 0;
+    for (const Layer& layer : io::decode_exr({data, bytes.size()}, exr.string()).layers)
+        for (const float value : layer.data) count += !std::isfinite(value);
+    return count;
+}
+
+double processor_seconds_of_children()
+{
+    rusage usage{};
+    ::getrusage(RUSAGE_CHILDREN, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+Result render(const MadeScene& scene)
+{
+    const ScratchFolder folder;
+    for (const auto& [name, bytes] : scene.files()) {
+        const fs::path file = folder / "scene" / name;
+        fs::create_directories(file.parent_path());
+        std::ofstream(file, std::ios::binary) << bytes;
+    }
+    const fs::path out = folder / "out.exr";
+    Result result;
+    const double before = processor_seconds_of_children();
+    const Outcome outcome = RunningProgram({"render", folder / "scene" / scene.main, "-o", out, "--size", "40x30",
+                                            "--frame", "1", "--quiet"},
+                                           {}, {}, limit)
+                                .wait();
+    result.seconds = processor_seconds_of_children() - before;
+    result.code = outcome.code;
+    result.line = outcome.err.substr(0, outcome.err.find('\n'));
+    const auto lines = std::count(outcome.err.begin(), outcome.err.end(), '\n');
+    if (outcome.code == 0) {
+        if (const std::size_t count = not_finite(out)) result.fault = std::to_string(count) + " numbers are not finite";
+        if (!outcome.err.empty()) result.fault = "says something on success";
+        if (scene.expected == Expected::refused) result.fault = "ought to be refused";
+    } else if (outcome.code == 3) {
+        if (lines != 1 || !outcome.err.starts_with("gnomon: ")) result.fault = "not one line";
+        if (outcome.err.find_first_of("\x1b\x01\t") != std::string::npos) result.fault = "control characters";
+        if (fs::exists(out)) result.fault = "a file is left";
+        if (scene.expected == Expected::picture) result.fault = "ought to be shown";
+    } else if (outcome.code == 4 && scene.expected == Expected::either) {
+        // More than fits into the memory it may have.
+        if (lines != 1 || outcome.err.find("memory") == std::string::npos) result.fault = "not one line about memory";
+        if (fs::exists(out)) result.fault = "a file is left";
+    } else {
+        result.fault = "exit code " + std::to_string(outcome.code);
+    }
+    return result;
+}
+
+std::string shown(std::string text, std::size_t width)
+{
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return text.size() <= width ? text : text.substr(0, width - 3) + "...";
+}
+
+// Every `step`-th scene, the sound one among them.
+void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool table)
+{
+    int pictures = 0, refused = 0, no_memory = 0, faults = 0;
+    double longest = 0;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        if (i % step != 0) continue;
+        const Result result = render(scenes[i]);
+        pictures += result.code == 0, refused += result.code == 3, no_memory += result.code == 4,
+            faults += !result.fault.empty();
+        longest = std::max(longest, result.seconds);
+        EXPECT_EQ(result.fault, "") << scenes[i].name << ": " << result.line;
+        if (table)
+            std::printf(
+                "%-64s %-8s %5.2f s  %s\n", shown(scenes[i].name, 64).c_str(),
+                result.code == 0       ? "picture"
+                : result.code == 3     ? "refused"
+                : result.fault.empty() ? "memory"
+                                       : "FAULT",
+                result.seconds,
+                shown(result.line.substr(0, 8) == "gnomon: " ? result.line.substr(8) : result.line, 90).c_str());
+    }
+    std::printf("%d pictures, %d refused, %d out of memory, %d faults; the longest %.2f s\n", pictures, refused,
+                no_memory, faults, longest);
+}
+
+TEST(MadeScenes, ASampleOfGltf)
+{
+    render_all(made_gltf_scenes(), 13, false);
+}
+TEST(MadeScenes, ASampleOfObj)
+{
+    render_all(made_obj_scenes(), 13, false);
+}
+TEST(MadeScenes, ASampleOfAff)
+{
+    render_all(made_aff_scenes(), 13, false);
+}
+
+TEST(MadeScenesFull, Gltf)
+{
+    render_all(made_gltf_scenes(), 1, true);
+}
+TEST(MadeScenesFull, Obj)
+{
+    render_all(made_obj_scenes(), 1, true);
+}
+TEST(MadeScenesFull, Aff)
+{
+    render_all(made_aff_scenes(), 1, true);
+}
+
+}   // namespace
+}   // namespace gnomon::test
