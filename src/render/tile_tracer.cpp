@@ -273,14 +273,18 @@ void TileTracer::find_lit_by_rays(std::size_t l)
 // The same points, by certified shadow culling: most of them without a ray.
 void TileTracer::find_lit_by_memory(std::size_t l)
 {
+    const scene::Light& light = scene_.lights[l];
     const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
-    const bool directional = scene_.lights[l].type == scene::LightType::directional;
+    const bool directional = light.type == scene::LightType::directional;
+    const bool bounded = light.type == scene::LightType::spot || light.range > 0;
     blocked_.resize(shadow_points_.size() + ray::k_packet_pad);
     culling_->shadow(*batch_, static_cast<int>(l), blocked_.data());
     for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
         if (blocked_[p]) continue;
         const glm::vec3 to_light = directional ? -at.direction : at.position - shadow_points_[p].origin;
-        if (glm::dot(to_light, shading_normals_[p]) > 0) lit_.push_back(p);
+        if (glm::dot(to_light, shading_normals_[p]) <= 0) continue;
+        if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
+        lit_.push_back(p);
     }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// --indirect quadtree and rsm from outside: the same bytes for any number of threads, in parts, and alone.
+// --indirect quadtree and rsm from outside: the same bytes of all layers for any number of threads, in parts, and
+// alone.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -10,8 +11,7 @@ using Words = std::vector<std::string>;
 // Frames 5 to 8 with layers, the ball moving.
 void make(const std::string& out, const Words& more)
 {
-    // Indirect light alone is asked: shadows have tests of their own.
-    Words words{"render", "builtin:cornell", "-o", out, "--size", "72x64", "--shadow-culling", "off"};
+    Words words{"render", "builtin:cornell", "-o", out, "--size", "72x64"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = run(words);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
