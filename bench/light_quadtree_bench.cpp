@@ -53,18 +53,6 @@ void gather_everywhere(const MapLight& light, Receivers& receivers, Tasks& tasks
     });
 }
 
-double nrmse(const Receivers& test, const Receivers& truth)
-{
-    double error = 0, mean = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-        const glm::dvec3 t(truth.irradiance(i)), d = glm::dvec3(test.irradiance(i)) - t;
-        error += glm::dot(d, d);
-        mean += t.x + t.y + t.z;
-    }
-    const auto count = static_cast<double>(3 * truth.size());
-    return std::sqrt(error / count) / (mean / count);
-}
-
 const Receivers& brute()
 {
     static const Receivers truth = [] {

@@ -110,8 +110,7 @@ class Section {
         ReportTable table;
         table.caption =
             "Table 1 of the paper (and Figure 7): limit levels, thresholds 0.05 and 0.9. Kept / not kept. A finer "
-            "limit "
-            "costs time as it adds clusters, and comes nearer to the sum over all texels.";
+            "limit costs time as it adds clusters, and comes nearer to the sum over all texels.";
         table.columns = {"", "level 6 (16 x 16)", "level 5 (32 x 32)", "level 4 (64 x 64)"};
         std::vector<const Row*> rows;
         std::vector<std::string> rates, ratios;
@@ -140,8 +139,7 @@ class Section {
         ReportTable table;
         table.caption =
             "Table 2 of the paper (and Figure 8): thresholds of depth and normal, limit level 5, kept. Looser "
-            "thresholds "
-            "make fewer clusters of what is less alike. The paper's Buddha has 50,000 triangles.";
+            "thresholds make fewer clusters of what is less alike. The paper's Buddha has 50,000 triangles.";
         table.columns = {"", "0.45, 0.3", "0.25, 0.6", "0.05, 0.9"};
         std::vector<const Row*> rows;
         std::vector<std::string> cornell, buddha, ratios, buddha_ratios;

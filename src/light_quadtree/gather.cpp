@@ -41,6 +41,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <algorithm>
+#include <cmath>
 
 #include "base/check.h"
 
@@ -54,6 +55,18 @@ void Receivers::resize(std::size_t count)
     const std::size_t padded = (count + k_receiver_step - 1) / k_receiver_step * k_receiver_step;
     for (auto* lane : {&x, &y, &z, &nx, &ny, &nz, &r, &g, &b}) lane->resize(padded);
     for (std::size_t i = count; i < padded; ++i) set(i, glm::vec3(0), glm::vec3(0));
+}
+
+double nrmse(const Receivers& test, const Receivers& truth)
+{
+    double error = 0, mean = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const glm::dvec3 t(truth.irradiance(i)), d = glm::dvec3(test.irradiance(i)) - t;
+        error += glm::dot(d, d);
+        mean += t.x + t.y + t.z;
+    }
+    const auto count = static_cast<double>(3 * truth.size());
+    return std::sqrt(error / count) / (mean / count);
 }
 
 void Receivers::set(std::size_t i, const glm::vec3& position, const glm::vec3& normal)

@@ -35,6 +35,9 @@ struct Receivers {
     std::size_t count_ = 0;
 };
 
+/// Root mean square error of what receivers have, over the mean of `truth`; all channels together.
+double nrmse(const Receivers& test, const Receivers& truth);
+
 /// Irradiance of all clusters at receivers [begin, end), multiples of the step or the padded end.
 void gather(const Clusters& clusters, Receivers& receivers, std::size_t begin, std::size_t end);
 inline void gather(const Clusters& clusters, Receivers& receivers)

@@ -18,36 +18,9 @@ constexpr VkPipelineStageFlags2 k_drawing =
 
 }   // namespace
 
-Commands::Commands(const std::shared_ptr<Device>& device) : device_(device)
+Commands::Commands(const std::shared_ptr<Device>& device) : device_(device), submission_(device)
 {
-    VkCommandPoolCreateInfo pool_info{};
-    pool_info.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    pool_info.queueFamilyIndex = device->queue_family();
-    VkCommandPool pool = VK_NULL_HANDLE;
-    check(vkCreateCommandPool(device->handle(), &pool_info, nullptr, &pool), "making a command pool");
-    pool_ = {device, pool, [](const Device& d, VkCommandPool p) { vkDestroyCommandPool(d.handle(), p, nullptr); }};
-
-    VkCommandBufferAllocateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-    info.commandPool = pool;
-    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    info.commandBufferCount = 1;
-    check(vkAllocateCommandBuffers(device->handle(), &info, &buffer_), "making a command buffer");
-
-    VkFenceCreateInfo fence_info{};
-    fence_info.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-    VkFence fence = VK_NULL_HANDLE;
-    check(vkCreateFence(device->handle(), &fence_info, nullptr, &fence), "making a fence");
-    fence_ = {device, fence, [](const Device& d, VkFence f) { vkDestroyFence(d.handle(), f, nullptr); }};
-
-    if (device->timestamp_period() <= 0) return;
-    VkQueryPoolCreateInfo query_info{};
-    query_info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
-    query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    query_info.queryCount = 2 * k_max_timed;
-    VkQueryPool queries = VK_NULL_HANDLE;
-    check(vkCreateQueryPool(device->handle(), &query_info, nullptr, &queries), "making timestamps");
-    queries_ = {device, queries, [](const Device& d, VkQueryPool q) { vkDestroyQueryPool(d.handle(), q, nullptr); }};
+    if (device->timestamp_period() > 0) queries_ = make_timestamps(device, 2 * k_max_timed);
 }
 
 Commands::~Commands() = default;
@@ -55,12 +28,8 @@ Commands::~Commands() = default;
 void Commands::begin()
 {
     if (recording_) return;
-    check(vkResetCommandPool(device_->handle(), pool_.get(), 0), "recording");
-    VkCommandBufferBeginInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(buffer_, &info), "recording");
-    if (queries_) vkCmdResetQueryPool(buffer_, queries_.get(), 0, 2 * k_max_timed);
+    submission_.begin();
+    if (queries_) vkCmdResetQueryPool(submission_.buffer(), queries_.get(), 0, 2 * k_max_timed);
     recording_ = true;
     timed_.clear();
     draw_calls_ = 0;
@@ -118,7 +87,7 @@ void Commands::barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kin
     info.pBufferMemoryBarriers = buffers.data();
     info.imageMemoryBarrierCount = static_cast<std::uint32_t>(images.size());
     info.pImageMemoryBarriers = images.data();
-    vkCmdPipelineBarrier2(buffer_, &info);
+    vkCmdPipelineBarrier2(submission_.buffer(), &info);
 }
 
 void Commands::upload(const std::string& name, std::span<const Upload> uploads)
@@ -177,19 +146,8 @@ Buffer Commands::read_back(const Image& from, std::uint32_t layer)
 void Commands::submit()
 {
     begin();
-    check(vkEndCommandBuffer(buffer_), "recording");
     recording_ = false;
-    VkCommandBufferSubmitInfo commands{};
-    commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO;
-    commands.commandBuffer = buffer_;
-    VkSubmitInfo2 info{};
-    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2;
-    info.commandBufferInfoCount = 1;
-    info.pCommandBufferInfos = &commands;
-    const VkFence fence = fence_.get();
-    check(vkResetFences(device_->handle(), 1, &fence), "sending work");
-    check(vkQueueSubmit2(device_->queue(), 1, &info, fence), "sending work");
-    check(vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX), "waiting for the device");
+    submission_.submit();
     staging_.clear();
 
     timings_.clear();

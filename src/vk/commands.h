@@ -23,6 +23,7 @@
 
 #include "vk/pipeline.h"
 #include "vk/resource.h"
+#include "vk/submission.h"
 
 namespace gnomon::vk {
 
@@ -224,10 +225,8 @@ class Commands {
     void barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kind);
 
     std::shared_ptr<Device> device_;
-    Owned<VkCommandPool> pool_;
-    Owned<VkFence> fence_;
+    Submission submission_;
     Owned<VkQueryPool> queries_;
-    VkCommandBuffer buffer_ = VK_NULL_HANDLE;
     bool recording_ = false;
     std::vector<Buffer> staging_;   // until submit
     std::vector<std::string> timed_;

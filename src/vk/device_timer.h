@@ -5,7 +5,7 @@
 // Mesa's software driver stamps a compute pass as soon as it is recorded, and so tells too little inside a submit; from
 // one submit to the next its stamps are right. On hardware the gap between submits is in the time: some 10 us each.
 
-#include "vk/device.h"
+#include "vk/submission.h"
 
 namespace gnomon::vk {
 
@@ -22,10 +22,8 @@ class DeviceTimer {
     void stamp(std::uint32_t which);
 
     std::shared_ptr<Device> device_;
-    Owned<VkCommandPool> pool_;
+    Submission submission_;
     Owned<VkQueryPool> queries_;
-    Owned<VkFence> fence_;
-    VkCommandBuffer buffer_ = VK_NULL_HANDLE;
 };
 
 }   // namespace gnomon::vk

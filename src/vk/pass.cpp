@@ -108,7 +108,7 @@ void Pass::begin_rendering(VkCommandBuffer buffer) const
 void Pass::record(Recorder::Kind kind, const std::function<void(Recorder&)>& body)
 {
     commands_.begin();
-    const VkCommandBuffer buffer = commands_.buffer_;
+    const VkCommandBuffer buffer = commands_.submission_.buffer();
     const bool labels = commands_.device_->instance().has_debug_utils();
     if (labels) {
         VkDebugUtilsLabelEXT label{};

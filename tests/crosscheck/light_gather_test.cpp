@@ -8,25 +8,13 @@
 
 #include "base/random.h"
 #include "light_quadtree/map_light.h"
-#include "scene/builtin.h"
+#include "world.h"
 
 namespace gnomon {
 namespace {
 
 using namespace light_quadtree;
-
-struct World {
-    explicit World(const char* name = "cornell")
-        : scene(std::make_shared<const scene::Scene>(scene::make_builtin(name))),
-          state(scene, scene->timeline.start),
-          rays(state)
-    {
-    }
-    std::shared_ptr<const scene::Scene> scene;
-    scene::SceneState state;
-    ray::RayScene rays;
-    Tasks tasks{1};
-};
+using test::World;
 
 // Points in the box, on no surface in particular.
 Receivers random_receivers(std::size_t count)
@@ -60,21 +48,9 @@ Receivers wall_receivers(int a_side)
     return receivers;
 }
 
-double nrmse(const Receivers& test, const Receivers& truth)
-{
-    double error = 0, mean = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-        const glm::dvec3 t(truth.irradiance(i)), d = glm::dvec3(test.irradiance(i)) - t;
-        error += glm::dot(d, d);
-        mean += t.x + t.y + t.z;
-    }
-    const auto count = static_cast<double>(3 * truth.size());
-    return std::sqrt(error / count) / (mean / count);
-}
-
 TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
 {
-    World world;
+    World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
     Clusters clusters;
     find_clusters(map, {7, 5}, clusters);
@@ -93,7 +69,7 @@ TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
 // Clusters and samples by each instruction set that this processor has and the build knows.
 TEST(LightGather, EveryInstructionSetFindsTheSameBits)
 {
-    World world;
+    World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
     Clusters clusters;
     find_clusters(map, {7, 5}, clusters);
@@ -125,7 +101,7 @@ TEST(LightGather, EveryInstructionSetFindsTheSameBits)
 
 TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
 {
-    World world;
+    World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
     Receivers receivers = random_receivers(300);
     RsmPlaces places;
@@ -162,7 +138,7 @@ TEST(LightGather, TheCompactedCutSumsAsPrinted)
 
 TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
 {
-    World world;
+    World world("cornell");
     LightMapOptions small;
     small.side = 256;
     Clusters all, some;
@@ -195,7 +171,7 @@ TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
 
 TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
 {
-    World world;
+    World world("cornell");
     LightMapOptions small;
     small.side = 256;
     const LightMap map(world.state, world.rays, small, world.tasks);

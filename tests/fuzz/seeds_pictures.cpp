@@ -6,8 +6,6 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
-#include <jpeglib.h>
-#include <png.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -15,6 +13,7 @@
 
 #include "fuzz/seeds.h"
 #include "hdr_bytes.h"
+#include "picture_bytes.h"
 
 namespace gnomon::fuzz {
 
@@ -33,65 +32,20 @@ Bytes ramp(std::size_t size)
     return bytes;
 }
 
-Bytes make_png(int width, int height, int depth, int type, bool interlaced, bool transparent = false)
+Bytes make_png(test::PngKind kind)
 {
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-    png_infop info = png_create_info_struct(png);
-    Bytes out;
-    png_set_write_fn(
-        png, &out,
-        [](png_structp p, png_bytep data, png_size_t size) {
-            auto* bytes = static_cast<Bytes*>(png_get_io_ptr(p));
-            bytes->insert(bytes->end(), data, data + size);
-        },
-        nullptr);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), depth, type,
-                 interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
-    const png_color palette[] = {{10, 20, 30}, {40, 50, 60}};
-    const png_byte alpha[] = {0, 255};
-    png_color_16 key{};
-    if (type == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 2);
-    if (transparent)
-        png_set_tRNS(png, info, type == PNG_COLOR_TYPE_PALETTE ? alpha : nullptr, 2,
-                     type == PNG_COLOR_TYPE_PALETTE ? nullptr : &key);
-    png_set_gAMA(png, info, 0.45);
-    png_write_info(png, info);
-    const std::size_t row_bytes = png_get_rowbytes(png, info);
-    const Bytes row = type == PNG_COLOR_TYPE_PALETTE ? Bytes(row_bytes, 0) : ramp(row_bytes);
-    for (int pass = interlaced ? png_set_interlace_handling(png) : 1; pass > 0; --pass)
-        for (int y = 0; y < height; ++y) png_write_row(png, row.data());
-    png_write_end(png, info);
-    png_destroy_write_struct(&png, &info);
-    return out;
+    const bool palette = kind.type == PNG_COLOR_TYPE_PALETTE;
+    const bool rgb = (kind.type & PNG_COLOR_MASK_COLOR) != 0 && !palette, alpha = kind.type & PNG_COLOR_MASK_ALPHA;
+    const int bits = kind.width * kind.depth * ((rgb ? 3 : 1) + (alpha ? 1 : 0));
+    const auto row_bytes = static_cast<std::size_t>((bits + 7) / 8);
+    if (palette) kind.palette = {{10, 20, 30}, {40, 50, 60}};
+    kind.gamma = 0.45;
+    return test::png_bytes(kind, {palette ? Bytes(row_bytes, 0) : ramp(row_bytes)});
 }
 
-Bytes make_jpeg(int width, int height, J_COLOR_SPACE space, int channels, bool progressive, unsigned restart)
+Bytes make_jpeg(const test::JpegKind& kind)
 {
-    jpeg_compress_struct info{};
-    jpeg_error_mgr errors{};
-    info.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&info);
-    unsigned char* memory = nullptr;
-    unsigned long size = 0;
-    jpeg_mem_dest(&info, &memory, &size);
-    info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
-    info.input_components = channels;
-    info.in_color_space = space;
-    jpeg_set_defaults(&info);
-    if (progressive) jpeg_simple_progression(&info);
-    info.restart_interval = restart;
-    jpeg_start_compress(&info, TRUE);
-    Bytes row = ramp(static_cast<std::size_t>(width * channels));
-    while (info.next_scanline < info.image_height) {
-        JSAMPROW pointer = row.data();
-        jpeg_write_scanlines(&info, &pointer, 1);
-    }
-    jpeg_finish_compress(&info);
-    jpeg_destroy_compress(&info);
-    Bytes out(memory, memory + size);
-    std::free(memory);
-    return out;
+    return test::jpeg_bytes(kind, ramp(static_cast<std::size_t>(kind.width * kind.channels)));
 }
 
 // --- OpenEXR into memory
@@ -147,19 +101,27 @@ std::vector<Bytes> png_seeds()
     std::vector<Bytes> seeds;
     for (const bool interlaced : {false, true}) {
         for (const int type : {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGBA})
-            for (const int depth : {8, 16}) seeds.push_back(make_png(9, 5, depth, type, interlaced));
-        seeds.push_back(make_png(9, 5, 1, PNG_COLOR_TYPE_PALETTE, interlaced, true));
+            for (const int depth : {8, 16})
+                seeds.push_back(
+                    make_png({.width = 9, .height = 5, .depth = depth, .type = type, .interlaced = interlaced}));
+        seeds.push_back(make_png({.width = 9,
+                                  .height = 5,
+                                  .depth = 1,
+                                  .type = PNG_COLOR_TYPE_PALETTE,
+                                  .palette_alpha = {0, 255},
+                                  .interlaced = interlaced}));
     }
-    seeds.push_back(make_png(9, 5, 8, PNG_COLOR_TYPE_RGB, false, true));
-    seeds.push_back(make_png(4, 4, 1, PNG_COLOR_TYPE_GRAY, false));
-    seeds.push_back(make_png(2, 2, 8, PNG_COLOR_TYPE_PALETTE, false));
+    seeds.push_back(
+        make_png({.width = 9, .height = 5, .depth = 8, .type = PNG_COLOR_TYPE_RGB, .see_through = png_color_16{}}));
+    seeds.push_back(make_png({.width = 4, .height = 4, .depth = 1, .type = PNG_COLOR_TYPE_GRAY}));
+    seeds.push_back(make_png({.width = 2, .height = 2, .depth = 8, .type = PNG_COLOR_TYPE_PALETTE}));
     return seeds;
 }
 
 std::vector<Bytes> jpeg_seeds()
 {
-    return {make_jpeg(9, 5, JCS_GRAYSCALE, 1, false, 0), make_jpeg(17, 18, JCS_RGB, 3, false, 1),
-            make_jpeg(17, 18, JCS_RGB, 3, true, 0), make_jpeg(8, 8, JCS_CMYK, 4, false, 0)};
+    return {make_jpeg({9, 5, JCS_GRAYSCALE, 1}), make_jpeg({17, 18, JCS_RGB, 3, false, 1}),
+            make_jpeg({17, 18, JCS_RGB, 3, true}), make_jpeg({8, 8, JCS_CMYK, 4})};
 }
 
 std::vector<Bytes> ppm_seeds()

@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "light_quadtree/ball_footprint.h"
 #include "light_quadtree/clusters.h"
-#include "scene/builtin.h"
+#include "world.h"
 
 namespace gnomon {
 namespace {
@@ -16,24 +16,7 @@ namespace {
 using light_quadtree::LightMap;
 using light_quadtree::LightMapOptions;
 using light_quadtree::LightNode;
-
-struct World {
-    explicit World(scene::Scene made, int frame = 1)
-        : scene(std::make_shared<const scene::Scene>(std::move(made))),
-          state(scene, scene->timeline.time_of(frame)),
-          rays(state)
-    {
-    }
-    void go(int frame)
-    {
-        state.advance(scene->timeline.time_of(frame));
-        rays.update(state);
-    }
-    std::shared_ptr<const scene::Scene> scene;
-    scene::SceneState state;
-    ray::RayScene rays;
-    Tasks tasks{1};
-};
+using test::World;
 
 // Nodes or validity bits that differ.
 std::size_t differing(const LightMap& a, const LightMap& b)

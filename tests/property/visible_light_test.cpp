@@ -7,7 +7,7 @@
 
 #include "light_quadtree/visible_light.h"
 #include "render/traced_frame.h"
-#include "scene/builtin.h"
+#include "world.h"
 
 namespace gnomon {
 namespace {
@@ -15,25 +15,7 @@ namespace {
 using light_quadtree::EmitterTree;
 using light_quadtree::VisibleLight;
 using light_quadtree::VisibleOptions;
-
-struct World {
-    explicit World(const char* name, int frame, int threads)
-        : scene(std::make_shared<const scene::Scene>(scene::make_builtin(name))),
-          state(scene, scene->timeline.time_of(frame)),
-          rays(state),
-          tasks(threads)
-    {
-    }
-    void go(int frame)
-    {
-        state.advance(scene->timeline.time_of(frame));
-        rays.update(state);
-    }
-    std::shared_ptr<const scene::Scene> scene;
-    scene::SceneState state;
-    ray::RayScene rays;
-    Tasks tasks;
-};
+using test::World;
 
 // The indirect layer of a frame, after others.
 std::vector<float> indirect_of(const char* name, std::vector<int> frames, int threads, int size = 64,

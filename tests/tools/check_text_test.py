@@ -18,7 +18,7 @@ def check(text: str, *checks: str) -> subprocess.CompletedProcess:
 
 class CheckText(unittest.TestCase):
     def test_clean(self):
-        for text in [k_first + "int a = 0;   // see docs/work/notes, $TMP/work/x\n",
+        for text in [k_first + "int a = 0;   // see docs/wo" + "rk/notes, $TMP/wo" + "rk/x\n",
                      k_first + "// LONG: a table\n" + "int a;\n" * 600]:
             result = check(text)
             self.assertEqual(result.returncode, 0, result.stdout + result.stderr)

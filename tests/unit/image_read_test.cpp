@@ -2,14 +2,13 @@
 // Pictures from files and memory: what they mean, and what is refused.
 #include "io/image_file.h"
 
-#include <jpeglib.h>
-#include <png.h>
 #include <sys/stat.h>
 
 #include <fstream>
 
 #include "base/random.h"
 #include "gnomon/error.h"
+#include "picture_bytes.h"
 #include "support.h"
 
 namespace gnomon::io {
@@ -28,56 +27,15 @@ Bytes file_bytes(const std::filesystem::path& file)
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-// A PNG of any kind by libpng; rows as libpng wants them.
 Bytes make_png(int width, int height, int depth, int type, const std::vector<Bytes>& rows,
                const std::vector<png_color>& palette = {}, const Bytes& palette_alpha = {})
 {
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-    png_infop info = png_create_info_struct(png);
-    Bytes out;
-    png_set_write_fn(
-        png, &out,
-        [](png_structp p, png_bytep data, png_size_t size) {
-            auto* bytes = static_cast<Bytes*>(png_get_io_ptr(p));
-            bytes->insert(bytes->end(), data, data + size);
-        },
-        nullptr);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), depth, type,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (!palette.empty()) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
-    if (!palette_alpha.empty())
-        png_set_tRNS(png, info, palette_alpha.data(), static_cast<int>(palette_alpha.size()), nullptr);
-    png_write_info(png, info);
-    for (const Bytes& row : rows) png_write_row(png, row.data());
-    png_write_end(png, info);
-    png_destroy_write_struct(&png, &info);
-    return out;
+    return test::png_bytes({width, height, depth, type, palette, palette_alpha}, rows);
 }
 
 Bytes make_jpeg(int width, int height, J_COLOR_SPACE space, int channels, std::uint8_t value)
 {
-    jpeg_compress_struct info{};
-    jpeg_error_mgr errors{};
-    info.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&info);
-    unsigned char* memory = nullptr;
-    unsigned long size = 0;
-    jpeg_mem_dest(&info, &memory, &size);
-    info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
-    info.input_components = channels;
-    info.in_color_space = space;
-    jpeg_set_defaults(&info);
-    jpeg_start_compress(&info, TRUE);
-    Bytes row(static_cast<std::size_t>(width * channels), value);
-    while (info.next_scanline < info.image_height) {
-        JSAMPROW pointer = row.data();
-        jpeg_write_scanlines(&info, &pointer, 1);
-    }
-    jpeg_finish_compress(&info);
-    jpeg_destroy_compress(&info);
-    Bytes out(memory, memory + size);
-    std::free(memory);
-    return out;
+    return test::jpeg_bytes({width, height, space, channels}, Bytes(static_cast<std::size_t>(width * channels), value));
 }
 
 void expect_refused(const Bytes& bytes, const std::string& what, const ImageLimits& limits = {})

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// A scene at a frame with its rays, for tests of what lies above them.
+
+#include <memory>
+#include <string>
+
+#include "base/tasks.h"
+#include "ray/ray_scene.h"
+#include "scene/builtin.h"
+
+namespace gnomon::test {
+
+struct World {
+    explicit World(scene::Scene made, int frame = 1, int threads = 1)
+        : scene(std::make_shared<const scene::Scene>(std::move(made))),
+          state(scene, scene->timeline.time_of(frame)),
+          rays(state),
+          tasks(threads)
+    {
+    }
+    explicit World(const std::string& builtin, int frame = 1, int threads = 1)
+        : World(scene::make_builtin(builtin), frame, threads)
+    {
+    }
+    void go(int frame)
+    {
+        state.advance(scene->timeline.time_of(frame));
+        rays.update(state);
+    }
+    std::shared_ptr<const scene::Scene> scene;
+    scene::SceneState state;
+    ray::RayScene rays;
+    Tasks tasks;
+};
+
+}   // namespace gnomon::test
