@@ -20,10 +20,11 @@ inline constexpr double k_largest_inverse = 1e8;
 /// Whether a ray may be handed to Embree; the others meet nothing.
 inline bool traceable(float ox, float oy, float oz, float tnear, float dx, float dy, float dz, float tfar)
 {
-    const auto fits = [](float x) { return std::abs(x) <= k_largest_coordinate; };   // false for NaN
-    // Without branches, so that packets are checked at once.
-    return static_cast<bool>(fits(ox) & fits(oy) & fits(oz) & fits(dx) & fits(dy) & fits(dz) & (tnear >= 0) &
-                             (tnear <= k_infinity) & (tfar >= -k_infinity));
+    // Numbers and no truth values, so that there are no branches and packets are checked at once.
+    const auto fits = [](float x) { return static_cast<unsigned>(std::abs(x) <= k_largest_coordinate); };   // 0 for NaN
+    const auto at_least = [](float x, float least) { return static_cast<unsigned>(x >= least); };
+    return (fits(ox) & fits(oy) & fits(oz) & fits(dx) & fits(dy) & fits(dz) & at_least(tnear, 0) &
+            at_least(k_infinity, tnear) & at_least(tfar, -k_infinity)) != 0;
 }
 
 /// What a packet met, in Embree's numbers.
