@@ -34,9 +34,9 @@ struct Curve {
 
 // Colour spaces: linear RGB (sRGB primaries, D65), XYZ, Y Cx Cz, L*a*b*.
 
-const glm::mat3 k_xyz_from_rgb(10135552.0f / 24577794, 2613072.0f / 12288897, 1425312.0f / 73733382,   // column R
-                               8788810.0f / 24577794, 8788810.0f / 12288897, 8788810.0f / 73733382,    // G
-                               4435075.0f / 24577794, 887015.0f / 12288897, 70074185.0f / 73733382);   // B
+const glm::mat3 k_xyz_from_rgb(10135552.0f / 24577794, 2613072.0f / 12288897, 1425312.0f / 73733382.0f,   // column R
+                               8788810.0f / 24577794, 8788810.0f / 12288897, 8788810.0f / 73733382.0f,    // G
+                               4435075.0f / 24577794, 887015.0f / 12288897, 70074185.0f / 73733382.0f);   // B
 const glm::mat3 k_rgb_from_xyz = glm::inverse(k_xyz_from_rgb);
 const glm::vec3 k_white = k_xyz_from_rgb * glm::vec3(1);
 
