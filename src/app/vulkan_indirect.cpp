@@ -56,7 +56,7 @@ struct Points {
             commands.pass("surfaces to images")
                 .reads(*from, vk::Use::copy_source)
                 .writes(*to, vk::Use::copy_target)
-                .copy([&](vk::Recorder& r) {
+                .copy([from = from, to = to](vk::Recorder& r) {
                     VkBufferImageCopy all{};
                     all.imageSubresource = {to->aspect(), 0, 0, 1};
                     all.imageExtent = {to->width(), to->height(), 1};
