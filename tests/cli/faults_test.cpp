@@ -6,18 +6,13 @@
 #include <sys/resource.h>
 
 #include "run_program.h"
+#include "sanitized.h"
 
 namespace gnomon::test {
 namespace {
 
 namespace fs = std::filesystem;
 const std::string k_scene = "builtin:cornell";
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool k_sanitized = true;   // reserves terabytes of address space
-#else
-constexpr bool k_sanitized = false;
-#endif
 
 // A disk of a few kilobytes in memory, seen by this process and its children alone.
 class SmallDisk {

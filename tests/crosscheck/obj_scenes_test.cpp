@@ -34,7 +34,7 @@ TEST(ObjScenes, CornellBox)
     EXPECT_NEAR(box.high.z, 559.2f, 1e-3f);
 }
 
-TEST(ObjScenes, SponzaWholeAndFast)
+TEST(ObjScenes, SponzaWhole)
 {
     GNOMON_NEED_SCENE(file, "sponza/sponza.obj");
     const auto begin = std::chrono::steady_clock::now();
@@ -56,9 +56,6 @@ TEST(ObjScenes, SponzaWholeAndFast)
         EXPECT_TRUE(scene.textures[material.base_color_texture.texture].has_alpha()) << material.name;
     }
     EXPECT_EQ(masked, 3);
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    EXPECT_LT(seconds.count(), 2.0);
-#endif
 }
 
 }   // namespace

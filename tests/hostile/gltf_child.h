@@ -13,6 +13,7 @@
 
 #include "gnomon/error.h"
 #include "io/load.h"
+#include "sanitized.h"
 
 namespace gnomon::test {
 
@@ -24,12 +25,6 @@ struct Outcome {
     std::size_t warnings = 0;
     long peak_kib = 0;   // of memory, as a process
 };
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool k_address_sanitizer = true;
-#else
-inline constexpr bool k_address_sanitizer = false;
-#endif
 
 /// At most 10 seconds, and 512 MiB of address space (sanitizers need more: there only the time).
 inline Outcome load_in_child(const std::filesystem::path& file)
@@ -43,7 +38,7 @@ inline Outcome load_in_child(const std::filesystem::path& file)
         close(pipe_ends[0]);
         const rlimit time{seconds, seconds}, memory{bytes, bytes};
         setrlimit(RLIMIT_CPU, &time);
-        if (!k_address_sanitizer) setrlimit(RLIMIT_AS, &memory);
+        if (!k_sanitized) setrlimit(RLIMIT_AS, &memory);
         alarm(static_cast<unsigned>(seconds));
         std::string answer;
         try {

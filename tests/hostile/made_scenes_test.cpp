@@ -9,17 +9,13 @@
 #include "hostile/made_scenes.h"
 #include "io/exr.h"
 #include "run_program.h"
+#include "sanitized.h"
 
 namespace gnomon::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool k_sanitized = true;   // slower, and reserves terabytes of address space
-#else
-constexpr bool k_sanitized = false;
-#endif
 constexpr rlim_t k_memory = 512ull << 20;   // bytes of address space
 constexpr rlim_t k_seconds = k_sanitized ? 200 : 10;
 

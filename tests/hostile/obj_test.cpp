@@ -14,16 +14,12 @@
 #include "base/random.h"
 #include "gnomon/error.h"
 #include "io/load.h"
+#include "sanitized.h"
 #include "support.h"
 
 namespace gnomon::io {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool k_sanitized = true;   // reserves terabytes of address space: no limit on it
-#else
-constexpr bool k_sanitized = false;
-#endif
 constexpr rlim_t k_memory = 512ull << 20;
 constexpr unsigned k_seconds = 10;
 
@@ -35,7 +31,7 @@ Outcome import_in_child(const std::filesystem::path& file)
     const pid_t child = fork();
     if (child == 0) {
         const rlimit memory{k_memory, k_memory}, time{k_seconds, k_seconds};
-        if (!k_sanitized) setrlimit(RLIMIT_AS, &memory);
+        if (!test::k_sanitized) setrlimit(RLIMIT_AS, &memory);
         setrlimit(RLIMIT_CPU, &time);
         alarm(k_seconds);
         try {
