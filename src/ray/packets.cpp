@@ -87,20 +87,25 @@ void intersect_width(RTCScene scene, TraceContext& context, const RayQueue& rays
 }
 
 template <int W>
-bool occlude_width(RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin, int count,
-                   int* active)
+void occlude_width(RTCScene scene, RTCScene then, TraceContext& context, const RayQueue& rays, std::size_t begin,
+                   int count, int* active)
 {
     typename Packet<W>::Ray packet;
     alignas(64) int valid[W];
     for (int i = 0; i < W; ++i) valid[i] = i < count ? active[i] : 0;
     load<W>(packet, rays, begin, k_mask_blocks, valid);
-    Packet<W>::occluded(valid, scene, &context.embree, &packet);
-    bool any = false;
-    for (int i = 0; i < count; ++i) {
-        if (valid[i] && packet.tfar[i] < 0) active[i] = 0;   // Embree's mark of a blocked ray
-        any = any || active[i];
+    for (const RTCScene asked : {scene, then}) {
+        if (!asked) continue;
+        Packet<W>::occluded(valid, asked, &context.embree, &packet);
+        int open = 0;
+        for (int i = 0; i < W; ++i) {
+            const int blocked = valid[i] & -static_cast<int>(packet.tfar[i] < 0);   // Embree's mark of a blocked ray
+            valid[i] &= ~blocked;
+            active[i] &= ~blocked;
+            open |= valid[i];
+        }
+        if (open == 0) break;
     }
-    return any;
 }
 
 }   // namespace
@@ -121,16 +126,19 @@ void intersect_packet(int width, RTCScene scene, TraceContext& context, const Ra
     }
 }
 
-bool occlude_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
-                    int count, int* active)
+void occlude_packet(int width, RTCScene scene, RTCScene then, TraceContext& context, const RayQueue& rays,
+                    std::size_t begin, int count, int* active)
 {
     switch (width) {
         case 16:
-            return occlude_width<16>(scene, context, rays, begin, count, active);
+            occlude_width<16>(scene, then, context, rays, begin, count, active);
+            break;
         case 8:
-            return occlude_width<8>(scene, context, rays, begin, count, active);
+            occlude_width<8>(scene, then, context, rays, begin, count, active);
+            break;
         default:
-            return occlude_width<4>(scene, context, rays, begin, count, active);
+            occlude_width<4>(scene, then, context, rays, begin, count, active);
+            break;
     }
 }
 

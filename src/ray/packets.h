@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Queues of rays through Embree in packets as wide as the processor, one scene at a time.
+// Queues of rays through Embree in packets as wide as the processor.
 
 #include <cmath>
 #include <cstdint>
@@ -38,9 +38,9 @@ struct RawHits {
 /// @param count  lanes in use, 1 to width
 void intersect_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
                       int count, const float* tfar, RawHits& hits);
+/// Asks one scene, and then another (null: none) with what the first let pass: rays are loaded once.
 /// @param active  per lane: -1 to trace, 0 to leave alone; on return 0 as well for those that are blocked
-/// @return whether any lane is still active
-bool occlude_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
-                    int count, int* active);
+void occlude_packet(int width, RTCScene scene, RTCScene then, TraceContext& context, const RayQueue& rays,
+                    std::size_t begin, int count, int* active);
 
 }   // namespace gnomon::ray

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "base/check.h"
 #include "ray/inside.h"
@@ -99,21 +100,16 @@ void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end,
     if (in.kdtree) return in.blocked_on_kdtree(rays, begin, end, blocked, against);
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     TraceContext context(TraceContext::Kind::any);
+    RTCScene first = in.still.get(), then = in.solids.empty() ? nullptr : in.moving.get();
+    if (against == Against::static_only) then = nullptr;
+    if (against == Against::dynamic_only) first = std::exchange(then, nullptr);
+    if (against == Against::one_tree) first = in.one.get(), then = nullptr;
     const auto step = static_cast<std::size_t>(in.width);
     alignas(64) int active[16];
     for (std::size_t at = begin; at < end; at += step) {
         const int count = static_cast<int>(std::min(step, end - at));
         for (int i = 0; i < 16; ++i) active[i] = i < count ? -1 : 0;
-        if (against == Against::one_tree) {
-            occlude_packet(in.width, in.one.get(), context, rays, at, count, active);
-            for (int i = 0; i < count; ++i) blocked[at - begin + static_cast<std::size_t>(i)] = active[i] == 0;
-            continue;
-        }
-        bool open = true;
-        if (against != Against::dynamic_only)
-            open = occlude_packet(in.width, in.still.get(), context, rays, at, count, active);
-        if (open && against != Against::static_only && !in.solids.empty())
-            occlude_packet(in.width, in.moving.get(), context, rays, at, count, active);
+        if (first) occlude_packet(in.width, first, then, context, rays, at, count, active);
         for (int i = 0; i < count; ++i) blocked[at - begin + static_cast<std::size_t>(i)] = active[i] == 0;
     }
 }

@@ -105,8 +105,7 @@ void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* 
 {
     using Answer = MoverMask::Answer;
     MoverMask::Asked& asked = batch.asked;
-    // Nothing is drawn for a light that moves: nobody asks for it twice.
-    const bool draw = !batch.movers.empty() && light_on_[static_cast<std::size_t>(lamp.index)];
+    const bool draw = !batch.movers.empty();
     if (draw) mask_->answer(static_cast<std::uint32_t>(lamp.index), batch.points, asked);
     for (std::size_t first = 0; first < asked.count; first += 8) {
         // What is settled, eight at a time: free, and static geometry known or out of the way.
@@ -125,7 +124,7 @@ void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* 
             const std::size_t i = first + static_cast<std::size_t>(__builtin_ctzll(rest)) / 8;
             if (i >= asked.count) break;
             const std::uint32_t point = asked.point[i];
-            const Answer answer = draw ? asked.answer[i] : batch.movers.empty() ? Answer::free : Answer::not_drawn;
+            const Answer answer = draw ? asked.answer[i] : Answer::free;
             if (answer == Answer::blocked) {
                 blocked[point] = 1;
                 batch.counters.skipped += batch.open[i];
@@ -166,7 +165,7 @@ void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t
         batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
         batch.dynamic_point.push_back(point);
     }
-    if (light_on_[static_cast<std::size_t>(lamp.index)]) note_seen(batch, lamp.index);
+    note_seen(batch, lamp.index);
 }
 
 // Notes what the rays against static geometry saw.
@@ -199,6 +198,28 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
     }
 }
 
+// A light that moves: nothing is remembered of it, and nothing drawn, for nobody asks twice. Every point that it may
+// reach is a ray against all there is.
+void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+{
+    ray::RayQueue& queue = batch.static_rays;
+    queue.clear();
+    batch.static_point.clear();
+    for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+        const ShadowPoint& here = batch.points[p];
+        const glm::vec3 direction = lamp.from(here.origin);
+        blocked[p] = 1;
+        if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) continue;
+        queue.push(here.origin, 0, direction, lamp.end);
+        batch.static_point.push_back(p);
+    }
+    const std::size_t traced = queue.size();
+    batch.hit.resize(traced + ray::k_packet_pad);
+    rays_->blocked(queue, 0, traced, batch.hit.data());
+    for (std::size_t r = 0; r < traced; ++r) blocked[batch.static_point[r]] = batch.hit[r];
+    batch.counters.traced += traced;
+}
+
 void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays)
 {
     const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
@@ -209,6 +230,12 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, st
     if (described.type == scene::LightType::spot) {
         lamp.axis = at.direction;
         lamp.outer_cosine = std::cos(described.outer_angle);
+    }
+    if (!light_on_[static_cast<std::size_t>(light)]) {
+        trace_all(batch, lamp, blocked);
+        if (rays)
+            for (const std::uint32_t point : batch.static_point) rays[point] = 1;
+        return;
     }
     movers_->select(batch.bounds, lamp.to, directional, batch.movers);
     batch.strip_open.assign(batch.strip_bounds.size(), 0);

@@ -160,7 +160,6 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
         std::fill(at.slot.begin(), at.slot.end(), k_no_slot);
         std::fill(batch.states.begin(), batch.states.end(), 0);
         std::fill(batch.record.begin(), batch.record.end(), k_no_record);
-        for (std::size_t i = 0; i < count; i += Batch::k_strip) batch.find_bounds(i);
         return;
     }
 

@@ -103,6 +103,7 @@ class CertifiedCulling {
 
  private:
     struct Lamp;
+    void trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
     void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
     void ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
     void trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
