@@ -168,33 +168,49 @@ void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t
     note_seen(batch, lamp.index);
 }
 
-// Notes what the rays against static geometry saw.
+// Notes what the rays against static geometry saw, in the finest parts.
 void CertifiedCulling::note_seen(Batch& batch, int light)
 {
     const int shift = 2 * (light % k_lights_per_group);
-    std::uint8_t* const evidence = memory_->evidence(light / k_lights_per_group);
-    RecordId judged = k_no_slot;
-    bool coarse = false;
+    // Rays that follow each other mostly start on one triangle.
+    RecordId record = k_no_record;
+    bool coarse = false, asked = false;
+    std::uint8_t* evidence = nullptr;   // of the light's group
+    std::uint32_t level = 0;
+    Rim rim{RimCodes{}};
     for (std::size_t r = 0; r < batch.static_point.size(); ++r) {
         const std::uint32_t point = batch.static_point[r];
-        const std::uint32_t slot = batch.at.slot[point];
-        if (slot == k_no_slot) continue;
+        if (batch.at.slot[point] == k_no_slot) continue;
+        if (batch.record[point] != record) {
+            record = batch.record[point];
+            coarse = asked = false;
+            evidence = nullptr;
+        }
         if (state_of(batch, point, light) == ShadowState::partial) {
             ++batch.counters.partial;
             // Nothing to learn where parts are as fine as they get.
-            if (batch.record[point] != judged) {
-                judged = batch.record[point];
-                coarse = memory_->coarse(judged, frame_, [&] {
-                    const std::uint32_t level = memory_->level(judged);
-                    return level < k_max_level && level < wanted_level(judged / 2);
+            if (!asked) {
+                asked = true;
+                coarse = memory_->coarse(record, frame_, [&] {
+                    const std::uint32_t at = memory_->level(record);
+                    return at < k_max_level && at < wanted_level(record / 2);
                 });
             }
             if (!coarse) continue;
         }
-        if (batch.touched.empty() || batch.touched.back() != batch.record[point])
-            batch.touched.push_back(batch.record[point]);
+        if (!evidence) {
+            evidence = memory_->evidence(record);
+            if (!evidence) continue;   // no room: asked again
+            level = memory_->level(record);
+            rim = memory_->rim(record);
+            evidence += static_cast<std::size_t>(light / k_lights_per_group) << (2 * level);
+            if (batch.touched.empty() || batch.touched.back() != record) batch.touched.push_back(record);
+        }
+        float u, v;
+        rim.inside(batch.at.uv[point].x, batch.at.uv[point].y, u, v);
         const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_blocked : k_saw_free) << shift);
-        std::atomic_ref<std::uint8_t>(evidence[slot]).fetch_or(saw, std::memory_order_relaxed);
+        std::atomic_ref<std::uint8_t>(evidence[micro_index_at(u, v, level)])
+            .fetch_or(saw, std::memory_order_relaxed);
     }
 }
 

@@ -195,18 +195,19 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
         std::fill(records + begin, records + i, record);
         at.runs.push_back({static_cast<std::uint32_t>(begin), k_no_slot, 0, 0, 0, 0});
         if (record == k_no_record) continue;
-        if (memory_->base(record) == k_no_slot && !memory_->full())
-            memory_->create(record, wanted_level(record / 2), rim_of_record(record));
+        ShadowMemory::Place place = memory_->place(record);
+        if (place.begin == k_no_slot) {
+            if (!memory_->full()) memory_->create(record, wanted_level(record / 2), rim_of_record(record));
+            place = memory_->place(record);
+            if (place.begin == k_no_slot) continue;
+        }
         memory_->note_seen(record, frame_);
-        const std::uint32_t base = memory_->base(record);
-        if (base == k_no_slot) continue;
-        const std::uint32_t level = memory_->level(record);
         const Rim rim = memory_->rim(record);
-        at.runs.back() = {static_cast<std::uint32_t>(begin), base + pyramid_offset(level), rim.u, rim.v, rim.per_inner,
-                          static_cast<float>(1u << level)};
+        at.runs.back() = {static_cast<std::uint32_t>(begin),        place.begin, rim.u, rim.v, rim.per_inner,
+                          static_cast<float>(1u << place.level), place.pieces};
     }
 
-    find_parts(at);
+    find_parts(at, groups > 0 ? memory_->states(0) : nullptr);
     for (std::size_t g = 0; g < groups; ++g)
         fetch_states(at, memory_->states(static_cast<int>(g)), group_mask_[g], batch.states.data() + g * batch.stride);
 }
@@ -268,7 +269,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
         const std::size_t end = std::min(count, (chunk + 1) * k_chunk);
         for (std::size_t i = chunk * k_chunk; i < end && judge->allowed(); ++i) {
             const std::size_t r = (i + shift) % count;
-            if (memory_->base(news_[r]) != k_no_slot) judge->judge(news_[r]);   // it may have been dropped meanwhile
+            if (memory_->has(news_[r])) judge->judge(news_[r]);   // it may have been dropped meanwhile
             judged[r] = 1;
         }
     });
@@ -283,7 +284,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
             left.push_back(record);
             continue;
         }
-        if (memory_->base(record) == k_no_slot) continue;
+        if (!memory_->has(record)) continue;
         const std::uint32_t wanted = wanted_level(record / 2);
         if (wanted > memory_->level(record)) memory_->deepen(record, wanted);
     }
@@ -296,6 +297,11 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
 std::size_t CertifiedCulling::bytes() const
 {
     return memory_->bytes();
+}
+
+std::size_t CertifiedCulling::most_evidence_bytes() const
+{
+    return memory_->most_evidence_bytes();
 }
 
 std::size_t CertifiedCulling::mask_bytes() const

@@ -97,6 +97,8 @@ class CertifiedCulling {
     const CullingCounters& counters() const { return counters_; }
     /// States, evidence and records.
     std::size_t bytes() const;
+    /// The most that evidence took at once; it is freed when it is judged.
+    std::size_t most_evidence_bytes() const;
     /// The mask of movers: room that is used afresh every frame.
     std::size_t mask_bytes() const;
     std::size_t visible_triangles() const { return memory_->live_records(); }

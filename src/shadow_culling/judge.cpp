@@ -29,8 +29,9 @@ Judge::Judge(const scene::SceneState& state, const StaticTriangles& triangles, S
 
 void Judge::judge(RecordId record)
 {
-    base_ = memory_.base(record);
-    if (base_ == k_no_slot) return;
+    const ShadowMemory::Evidence evidence = memory_.take_evidence(record);
+    if (!evidence) return;
+    record_ = record;
     level_ = memory_.level(record);
     triangle_ = record / 2;
     rim_ = memory_.rim(record);
@@ -43,7 +44,7 @@ void Judge::judge(RecordId record)
     lift_ = ray::origin_lift(t.p);
 
     for (int g = 0; g < memory_.groups(); ++g) {
-        gather_evidence(g, base_, level_);
+        gather_evidence(evidence.get() + (static_cast<std::size_t>(g) << (2 * level_)));
         const int lights = std::min(k_lights_per_group, static_cast<int>(light_on_.size()) - g * k_lights_per_group);
         for (int l = 0; l < lights; ++l) {
             const int light = g * k_lights_per_group + l;
@@ -52,15 +53,12 @@ void Judge::judge(RecordId record)
     }
 }
 
-// Sums the finest parts' evidence up the pyramid, and clears it.
-void Judge::gather_evidence(int group, std::uint32_t base, std::uint32_t level)
+// Sums the finest parts' evidence up the pyramid.
+void Judge::gather_evidence(const std::uint8_t* finest)
 {
-    seen_.assign(pyramid_size(level), 0);
-    std::uint8_t* const fresh = memory_.evidence(group) + base + pyramid_offset(level);
-    const std::uint32_t finest = 1u << (2 * level);
-    std::memcpy(seen_.data() + pyramid_offset(level), fresh, finest);
-    std::memset(fresh, 0, finest);
-    for (std::uint32_t k = level; k > 0; --k)
+    seen_.assign(pyramid_size(level_), 0);
+    std::memcpy(seen_.data() + pyramid_offset(level_), finest, std::size_t{1} << (2 * level_));
+    for (std::uint32_t k = level_; k > 0; --k)
         for (std::uint32_t i = 0; i < 1u << (2 * k); ++i) {
             const std::uint8_t saw = seen_[pyramid_offset(k) + i];
             if (saw) seen_[pyramid_offset(k - 1) + micro_index(parent_of(micro_at(i, k)), k - 1)] |= saw;
@@ -73,7 +71,8 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
     const int shift = 2 * (light % k_lights_per_group);
     const std::uint8_t saw = (seen_[in_pyramid] >> shift) & 3;
     if (saw == 0) return;
-    std::uint8_t& byte = memory_.states(light / k_lights_per_group)[base_ + in_pyramid];
+    std::uint8_t* const states = memory_.states(light / k_lights_per_group);
+    const std::uint8_t byte = states[memory_.address(record_, part, at_level)];
     auto state = static_cast<ShadowState>((byte >> shift) & 3);
     if (state == ShadowState::none || state == ShadowState::full) return;
 
@@ -85,7 +84,10 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
             fill_down(part, at_level, light, state);
             return;
         }
-        byte = static_cast<std::uint8_t>(byte | (static_cast<unsigned>(ShadowState::partial) << shift));
+        // Without room for its quarters it stays unknown, and is asked again.
+        if (at_level < level_ && !memory_.open(record_, part, at_level)) return;
+        states[memory_.address(record_, part, at_level)] |=
+            static_cast<std::uint8_t>(static_cast<unsigned>(ShadowState::partial) << shift);
     }
     if (at_level == level_) return;
     MicroTriangle child[4];
@@ -137,14 +139,14 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     return saw_blocked ? ShadowState::full : ShadowState::none;
 }
 
-// Writes a decided part into all finer levels of the pyramid, where look-ups read.
+// Writes a decided part into all finer levels that are kept: where look-ups read.
 void Judge::fill_down(const MicroTriangle& part, std::uint32_t at_level, int light, ShadowState state)
 {
     const int shift = 2 * (light % k_lights_per_group);
-    std::uint8_t* const states = memory_.states(light / k_lights_per_group) + base_;
-    std::uint8_t& byte = states[pyramid_offset(at_level) + micro_index(part, at_level)];
+    std::uint8_t& byte =
+        memory_.states(light / k_lights_per_group)[memory_.address(record_, part, at_level)];
     byte = static_cast<std::uint8_t>((byte & ~(3u << shift)) | (static_cast<unsigned>(state) << shift));
-    if (at_level == level_) return;
+    if (!memory_.is_open(record_, part, at_level)) return;
     MicroTriangle child[4];
     children_of(part, child);
     for (const MicroTriangle& c : child) fill_down(c, at_level + 1, light, state);

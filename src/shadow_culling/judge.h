@@ -4,7 +4,7 @@
 //
 // Top down: a part without evidence is left alone; one decided already needs nothing; one in which rays were both
 // blocked and free is PARTIAL without any proof; else the certificate that the evidence allows is tried. Where it fails
-// the part is PARTIAL and its quarters are judged.
+// the part is PARTIAL, and its quarters, which get states of their own now, are judged.
 
 #include "shadow_culling/certified_culling.h"
 
@@ -15,7 +15,7 @@ class Judge {
     Judge(const scene::SceneState& state, const StaticTriangles& triangles, ShadowMemory& memory,
           const std::vector<char>& light_on, const CertifiedOptions& options);
 
-    /// Judges all parts of a record with evidence, and clears the evidence. Where certificates run out, what is left
+    /// Judges all parts of a record with evidence, and takes the evidence. Where certificates run out, what is left
     /// stays as it is; rays will see it again.
     void judge(RecordId record);
     /// Certificates that may still be tried; without end unless set.
@@ -24,7 +24,7 @@ class Judge {
     const CullingCounters& counters() const { return counters_; }
 
  private:
-    void gather_evidence(int group, std::uint32_t base, std::uint32_t level);
+    void gather_evidence(const std::uint8_t* finest);
     void judge_part(const MicroTriangle& part, std::uint32_t at_level, int light);
     ShadowState certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_blocked);
     void fill_down(const MicroTriangle& part, std::uint32_t at_level, int light, ShadowState state);
@@ -39,7 +39,8 @@ class Judge {
 
     // The record under judgement.
     TriangleId triangle_ = 0;
-    std::uint32_t base_ = 0, level_ = 0;
+    RecordId record_ = 0;
+    std::uint32_t level_ = 0;
     glm::dvec3 corner_[3], normal_;
     double lift_ = 0;
     Rim rim_{RimCodes{}};              // its parts lie inside

@@ -31,13 +31,46 @@ Box3 bounds_of_points(std::span<const ShadowPoint> points)
     return {glm::vec3(at_least[0], at_least[1], at_least[2]), glm::vec3(at_most[0], at_most[1], at_most[2])};
 }
 
-void find_parts_of(LookUp& points)
+using Reals = hn::ScalableTag<float>;
+using Real = hn::Vec<Reals>;
+using Addresses = hn::RebindToUnsigned<Reals>;
+
+// The number of the part, of n * n that a triangle is cut into, that (x, y) lies in. Both in widths of a part; on return
+// where it lies in the part.
+HWY_INLINE hn::Vec<Addresses> part_of(Real& x, Real& y, Real count)
 {
-    const hn::ScalableTag<float> real;
-    const hn::RebindToSigned<decltype(real)> integer;
-    const hn::RebindToUnsigned<decltype(real)> address;
+    const Reals real;
+    const hn::RebindToSigned<Reals> integer;
+    const auto one = hn::Set(real, 1.0f);
+    const auto n = hn::ConvertTo(integer, count), last = hn::Sub(n, hn::Set(integer, 1));
+    // Cell, and which half of it.
+    auto i = hn::ConvertTo(integer, x), j = hn::ConvertTo(integer, y);
+    const auto upper = hn::RebindMask(
+        integer, hn::Gt(hn::Add(hn::Sub(x, hn::ConvertTo(real, i)), hn::Sub(y, hn::ConvertTo(real, j))), one));
+    // Rounding may put a point on the long edge into a cell beyond it.
+    const auto reached = hn::Add(hn::Add(i, j), hn::IfThenElseZero(upper, hn::Set(integer, 1)));
+    const auto mirrored = hn::And(upper, hn::Lt(reached, n));
+    i = hn::Min(i, last);
+    j = hn::Min(j, hn::Sub(last, i));
+    x = hn::Sub(x, hn::ConvertTo(real, i));
+    y = hn::Sub(y, hn::ConvertTo(real, j));
+    const auto turned = hn::RebindMask(real, mirrored);
+    x = hn::IfThenElse(turned, hn::Sub(one, x), x);
+    y = hn::IfThenElse(turned, hn::Sub(one, y), y);
+    const auto row = hn::IfThenElse(mirrored, hn::Sub(last, j), j);
+    const auto column = hn::IfThenElse(mirrored, hn::Sub(last, i), i);
+    return hn::BitCast(Addresses(), hn::Add(hn::Mul(row, n), column));
+}
+
+void find_parts_of(LookUp& points, const std::uint8_t* tables)
+{
+    const Reals real;
+    const hn::RebindToSigned<Reals> integer;
+    const Addresses address;
     const auto zero = hn::Zero(real), one = hn::Set(real, 1.0f);
     const auto none = hn::Set(address, k_no_slot);
+    const auto has_piece = hn::Set(address, k_has_piece);
+    const auto in_piece = hn::Set(real, static_cast<float>(1u << k_piece_levels));
     for (std::size_t r = 0; r < points.runs.size(); ++r) {
         const LookUp::Run& run = points.runs[r];
         const std::size_t end = r + 1 < points.runs.size() ? points.runs[r + 1].first : points.count;
@@ -49,29 +82,33 @@ void find_parts_of(LookUp& points)
         const auto begin = hn::Set(address, run.begin);
         const auto rim_u = hn::Set(real, run.rim_u), rim_v = hn::Set(real, run.rim_v);
         const auto scale = hn::Set(real, run.per_inner), count = hn::Set(real, run.divisions);
-        const auto n = hn::ConvertTo(integer, count), last = hn::Sub(n, hn::Set(integer, 1));
         for (std::size_t k = run.first; k < end; k += hn::Lanes(real)) {
             // Place in the inner triangle.
-            hn::Vec<decltype(real)> u, v;
+            Real u, v;
             hn::LoadInterleaved2(real, &points.uv[k].x, u, v);
             auto x = hn::Mul(hn::Sub(u, rim_u), scale), y = hn::Mul(hn::Sub(v, rim_v), scale);
             const auto inside = hn::And(hn::Le(hn::Add(x, y), one), hn::And(hn::Ge(x, zero), hn::Ge(y, zero)));
-            // Cell, and which half of it.
             x = hn::Mul(hn::IfThenElseZero(inside, x), count);
             y = hn::Mul(hn::IfThenElseZero(inside, y), count);
-            auto i = hn::ConvertTo(integer, x), j = hn::ConvertTo(integer, y);
-            const auto upper = hn::RebindMask(
-                integer, hn::Gt(hn::Add(hn::Sub(x, hn::ConvertTo(real, i)), hn::Sub(y, hn::ConvertTo(real, j))), one));
-            // Rounding may put a point on the long edge into a cell beyond it.
-            const auto reached = hn::Add(hn::Add(i, j), hn::IfThenElseZero(upper, hn::Set(integer, 1)));
-            const auto mirrored = hn::And(upper, hn::Lt(reached, n));
-            i = hn::Min(i, last);
-            j = hn::Min(j, hn::Sub(last, i));
-            const auto row = hn::IfThenElse(mirrored, hn::Sub(last, j), j);
-            const auto column = hn::IfThenElse(mirrored, hn::Sub(last, i), i);
-            const auto index = hn::BitCast(address, hn::Add(hn::Mul(row, n), column));
-            hn::StoreU(hn::IfThenElse(hn::RebindMask(address, inside), hn::Add(begin, index), none), address,
-                       &points.slot[k]);
+            auto slot = part_of(x, y, count);
+            if (!run.pieces) {
+                slot = hn::Add(begin, slot);
+            } else {
+                // What was found is a piece, or one part without.
+                const auto entry = hn::BitCast(integer, hn::Add(begin, hn::ShiftLeft<2>(slot)));
+                const auto below = hn::BitCast(
+                    address, hn::GatherOffset(integer, reinterpret_cast<const std::int32_t*>(tables), entry));
+                slot = hn::AndNot(has_piece, below);
+                const auto cut = hn::RebindMask(real, hn::Ne(slot, below));
+                if (!hn::AllFalse(real, cut)) {
+                    // The same once more, inside the piece.
+                    const auto parts = hn::IfThenElse(cut, in_piece, one);
+                    x = hn::Mul(x, parts);
+                    y = hn::Mul(y, parts);
+                    slot = hn::Add(slot, part_of(x, y, parts));
+                }
+            }
+            hn::StoreU(hn::IfThenElse(hn::RebindMask(address, inside), slot, none), address, &points.slot[k]);
         }
     }
     for (std::size_t k = points.count; k < points.slot.size(); ++k) points.slot[k] = k_no_slot;
@@ -127,9 +164,9 @@ Box3 bounds_of(std::span<const ShadowPoint> points)
     return HWY_DYNAMIC_DISPATCH(bounds_of_points)(points);
 }
 
-void find_parts(LookUp& points)
+void find_parts(LookUp& points, const std::uint8_t* tables)
 {
-    HWY_DYNAMIC_DISPATCH(find_parts_of)(points);
+    HWY_DYNAMIC_DISPATCH(find_parts_of)(points, tables);
 }
 
 void fetch_states(const LookUp& points, const std::uint8_t* states, std::uint8_t mask, std::uint8_t* out)

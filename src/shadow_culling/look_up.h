@@ -23,9 +23,10 @@ inline constexpr std::size_t k_look_up_step = 16;
 struct LookUp {
     struct Run {
         std::uint32_t first;             // point; the run ends where the next one begins
-        std::uint32_t begin;             // where the triangle's finest level begins; k_no_slot: not remembered
+        std::uint32_t begin;             // where its finest states begin, or the table; k_no_slot: not remembered
         float rim_u, rim_v, per_inner;   // of the triangle's rim (rim.h)
-        float divisions;                 // of each axis at the finest level: 2^level
+        float divisions;                 // of each axis: 2^level
+        bool pieces = false;             // at `begin` is a table of what lies below (shadow_memory.h)
     };
     std::vector<glm::vec2> uv;         // in the triangle
     std::vector<std::uint32_t> slot;   // of the part; k_no_slot: not remembered, or in the rim
@@ -39,7 +40,8 @@ struct LookUp {
 Box3 bounds_of(std::span<const ShadowPoint> points);
 
 /// Finds the parts of all points: `slot`.
-void find_parts(LookUp& points);
+/// @param tables  the block that tables of pieces lie in; may be null where no run has one
+void find_parts(LookUp& points, const std::uint8_t* tables);
 /// out[k] = states[slot[k]] & mask; 0 without a slot. For the points of all runs.
 /// @param out  padded, too
 void fetch_states(const LookUp& points, const std::uint8_t* states, std::uint8_t mask, std::uint8_t* out);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Room: records, evidence, and what is dropped. Where a record's states lie in it: shadow_parts.cpp.
 #include "shadow_culling/shadow_memory.h"
 
 #include <algorithm>
@@ -9,154 +10,168 @@
 
 namespace gnomon::shadow_culling {
 
+namespace {
+
+// Of a pyramid of so many levels: whole, or its upper levels after a table of the pieces below.
+constexpr std::uint32_t size_of_class(std::uint32_t level)
+{
+    if (level <= k_piece_levels) return pyramid_size(level);
+    const std::uint32_t above = level - k_piece_levels;
+    return static_cast<std::uint32_t>(sizeof(std::uint32_t) << (2 * above)) + pyramid_size(above);
+}
+
+}   // namespace
+
 ShadowMemory::ShadowMemory(std::size_t records, int lights, std::size_t budget)
-    : records_(std::make_unique<Record[]>(records)), record_count_(records)
+    : records_(std::make_unique<Record[]>(records)),
+      record_count_(records),
+      evidence_room_(budget / 2)
 {
     const int groups = (lights + k_lights_per_group - 1) / k_lights_per_group;
     const std::size_t each = groups > 0 ? budget / (2 * static_cast<std::size_t>(groups)) : 0;
-    capacity_ = static_cast<std::uint32_t>(std::min<std::size_t>(each, k_no_slot - 1));
+    capacity_ = static_cast<std::uint32_t>(std::min<std::size_t>(each, k_has_piece - 1));
     for (int g = 0; g < groups; ++g) {
-        for (std::vector<Block>* blocks : {&states_, &evidence_}) {
-            auto* block = static_cast<std::uint8_t*>(std::calloc(capacity_ + k_read_pad, 1));
-            if (!block) throw std::bad_alloc();
-            blocks->emplace_back(block);
-        }
+        auto* block = static_cast<std::uint8_t*>(std::calloc(capacity_ + k_read_pad, 1));
+        if (!block) throw std::bad_alloc();
+        states_.emplace_back(block);
     }
 }
 
-std::uint32_t ShadowMemory::allocate(std::uint32_t level)
+std::uint32_t ShadowMemory::allocate(std::uint32_t size_class)
 {
-    const std::uint32_t size = pyramid_size(level);
-    std::uint32_t base = k_no_slot;
-    if (!free_[level].empty()) {
-        base = free_[level].back();
-        free_[level].pop_back();
-    } else if (size <= capacity_ - end_) {
-        base = end_;
-        end_ += size;
-    } else {
-        full_.store(true, std::memory_order_relaxed);
-        return k_no_slot;
+    const std::lock_guard lock(mutex_);
+    const std::uint32_t size = size_of_class(size_class);
+    if (free_[size_class].empty()) {
+        if (size <= capacity_ - end_) {
+            end_ += size;
+            used_ += size;
+            return end_ - size;
+        }
+        // Cut up something larger.
+        std::uint32_t larger = size_class + 1;
+        while (larger <= k_max_level && free_[larger].empty()) ++larger;
+        if (larger > k_max_level) {
+            full_.store(true, std::memory_order_relaxed);
+            return k_no_slot;
+        }
+        const std::uint32_t whole = free_[larger].back();
+        free_[larger].pop_back();
+        for (std::uint32_t at = 0; at + size <= size_of_class(larger); at += size)
+            free_[size_class].push_back(whole + at);
     }
+    const std::uint32_t base = free_[size_class].back();
+    free_[size_class].pop_back();
     used_ += size;
     return base;
 }
 
-void ShadowMemory::release(std::uint32_t base, std::uint32_t level)
+void ShadowMemory::release(std::uint32_t base, std::uint32_t size_class)
 {
-    const std::uint32_t size = pyramid_size(level);
-    for (std::size_t g = 0; g < states_.size(); ++g) {
-        std::memset(states_[g].get() + base, 0, size);
-        std::memset(evidence_[g].get() + base, 0, size);
-    }
-    free_[level].push_back(base);
+    const std::uint32_t size = size_of_class(size_class);
+    for (const Block& block : states_) std::memset(block.get() + base, 0, size);
+    const std::lock_guard lock(mutex_);
+    free_[size_class].push_back(base);
     used_ -= size;
 }
 
 bool ShadowMemory::create(RecordId id, std::uint32_t level, const RimCodes& rim)
 {
     GNOMON_CHECK_LT(id, record_count_);
-    const std::lock_guard lock(mutex_);
+    Shard& shard = evidence_[id % k_shards];
+    const std::lock_guard lock(shard.mutex);
     Record& record = records_[id];
-    if (record.base.load(std::memory_order_relaxed) != k_no_slot) return false;
-    const std::uint32_t base = allocate(std::min(level, k_max_level));
+    if (record.begin.load(std::memory_order_relaxed) != k_no_slot) return false;
+    const std::uint32_t base = allocate(0);
     if (base == k_no_slot) return false;
-    record.level = static_cast<std::uint8_t>(std::min(level, k_max_level));
+    record.level = static_cast<std::uint8_t>(std::min(level, k_max_level)) & 0x7f;
+    record.open = false;
     record.rim = rim;
-    record.base.store(base, std::memory_order_release);
-    with_pyramid_.push_back(id);
+    record.begin.store(base, std::memory_order_release);
+    const std::lock_guard room(mutex_);
+    with_states_.push_back(id);
     ++live_;
     return true;
 }
 
-bool ShadowMemory::deepen(RecordId id, std::uint32_t level)
+std::uint8_t* ShadowMemory::evidence(RecordId id)
 {
-    Record& record = records_[id];
-    const std::uint32_t old_base = record.base.load(std::memory_order_relaxed), old_level = record.level;
-    level = std::min(level, k_max_level);
-    if (old_base == k_no_slot || level <= old_level) return false;
-    const std::uint32_t base = allocate(level);
-    if (base == k_no_slot) return false;
-
-    for (std::size_t g = 0; g < states_.size(); ++g) {
-        std::uint8_t* const states = states_[g].get();
-        std::memcpy(states + base, states + old_base, pyramid_size(old_level));
-        // Hand what is decided down to the new levels; partial parts are open again below.
-        for (std::uint32_t k = old_level + 1; k <= level; ++k) {
-            const std::uint32_t parts = 1u << (2 * k);
-            for (std::uint32_t i = 0; i < parts; ++i) {
-                const MicroTriangle parent = parent_of(micro_at(i, k));
-                std::uint8_t state = states[base + pyramid_offset(k - 1) + micro_index(parent, k - 1)];
-                const std::uint8_t partial = state & static_cast<std::uint8_t>(state >> 1) & 0x55;
-                state &= static_cast<std::uint8_t>(~(partial * 3));
-                states[base + pyramid_offset(k) + i] = state;
-            }
-        }
+    Shard& shard = evidence_[id % k_shards];
+    const std::lock_guard lock(shard.mutex);
+    Evidence& evidence = shard.of[id];
+    if (evidence) return evidence.get();
+    const std::size_t size = evidence_size(level(id));
+    const std::size_t bytes = evidence_bytes_.fetch_add(size) + size;
+    if (bytes > evidence_room_) {
+        evidence_bytes_ -= size;
+        shard.of.erase(id);
+        return nullptr;
     }
-    release(old_base, old_level);
-    record.level = static_cast<std::uint8_t>(level);
-    record.base.store(base, std::memory_order_relaxed);
-    return true;
+    std::size_t most = most_evidence_.load();
+    while (bytes > most && !most_evidence_.compare_exchange_weak(most, bytes)) {
+    }
+    evidence = std::make_unique<std::uint8_t[]>(size);
+    return evidence.get();
+}
+
+ShadowMemory::Evidence ShadowMemory::take_evidence(RecordId id)
+{
+    Shard& shard = evidence_[id % k_shards];
+    const std::lock_guard lock(shard.mutex);
+    const auto found = shard.of.find(id);
+    if (found == shard.of.end()) return nullptr;
+    Evidence taken = std::move(found->second);
+    shard.of.erase(found);
+    evidence_bytes_ -= evidence_size(level(id));
+    return taken;
 }
 
 bool ShadowMemory::drop(RecordId id)
 {
-    Record& record = records_[id];
-    const std::uint32_t base = record.base.load();
-    if (base == k_no_slot) return false;
-    release(base, record.level);
-    record.base.store(k_no_slot);
+    if (!has(id)) return false;
+    take_evidence(id);
+    release(shape_of(id));
+    records_[id].begin.store(k_no_slot);
+    records_[id].open = false;
     --live_;
     return true;
 }
 
-void ShadowMemory::reopen(RecordId id, int light)
-{
-    const Record& record = records_[id];
-    const std::uint32_t base = record.base.load();
-    if (base == k_no_slot) return;
-    std::uint8_t* const states = states_[static_cast<std::size_t>(light / k_lights_per_group)].get() + base;
-    const int shift = 2 * (light % k_lights_per_group);
-    for (std::uint32_t i = 0; i < pyramid_size(record.level); ++i)
-        if (static_cast<ShadowState>((states[i] >> shift) & 3) != ShadowState::none)
-            states[i] &= static_cast<std::uint8_t>(~(3u << shift));
-}
-
 void ShadowMemory::drop_unseen(std::uint32_t frame)
 {
-    std::erase_if(with_pyramid_, [&](RecordId id) { return records_[id].base.load() == k_no_slot; });
-    std::sort(with_pyramid_.begin(), with_pyramid_.end(), [&](RecordId a, RecordId b) {
+    std::erase_if(with_states_, [&](RecordId id) { return !has(id); });
+    std::sort(with_states_.begin(), with_states_.end(), [&](RecordId a, RecordId b) {
         const auto seen_a = records_[a].seen.load(), seen_b = records_[b].seen.load();
         return seen_a != seen_b ? seen_a > seen_b : a < b;
     });
-    while (!with_pyramid_.empty() && used_ > capacity_ / 2) {
-        if (records_[with_pyramid_.back()].seen.load() >= frame) break;
-        drop(with_pyramid_.back());
-        with_pyramid_.pop_back();
+    while (!with_states_.empty() && used_ > capacity_ / 2) {
+        if (records_[with_states_.back()].seen.load() >= frame) break;
+        drop(with_states_.back());
+        with_states_.pop_back();
     }
     full_.store(false);
 }
 
 void ShadowMemory::forget_light(int light)
 {
-    const auto group = static_cast<std::size_t>(light / k_lights_per_group);
+    for (const RecordId id : with_states_)
+        if (has(id)) forget_in(shape_of(id), light, false);
+    const std::size_t group = static_cast<std::size_t>(light / k_lights_per_group);
     const auto keep = static_cast<std::uint8_t>(~(3 << (2 * (light % k_lights_per_group))));
-    std::uint8_t *const states = states_[group].get(), *const evidence = evidence_[group].get();
-    for (std::uint32_t i = 0; i < end_; ++i) states[i] &= keep;
-    for (std::uint32_t i = 0; i < end_; ++i) evidence[i] &= keep;
+    for (Shard& shard : evidence_)
+        for (auto& [id, evidence] : shard.of) {
+            const std::size_t parts = std::size_t{1} << (2 * level(id));
+            for (std::size_t i = group * parts; i < (group + 1) * parts; ++i) evidence[i] &= keep;
+        }
 }
 
-void ShadowMemory::forget_everything()
+void ShadowMemory::reopen(RecordId id, int light)
 {
-    for (std::size_t g = 0; g < states_.size(); ++g) {
-        std::memset(states_[g].get(), 0, end_);
-        std::memset(evidence_[g].get(), 0, end_);
-    }
+    if (has(id)) forget_in(shape_of(id), light, true);
 }
 
 std::size_t ShadowMemory::bytes() const
 {
-    return 2 * used_ * states_.size() + live_ * (sizeof(Record) + sizeof(RecordId));
+    return used_ * states_.size() + evidence_bytes_.load() + live_ * (sizeof(Record) + sizeof(RecordId));
 }
 
 }   // namespace gnomon::shadow_culling
