@@ -97,6 +97,7 @@ class Run {
         if (!culling_) return;
         result.bytes = culling_->bytes();
         result.mask_bytes = culling_->mask_bytes();
+        result.most_evidence_bytes = culling_->most_evidence_bytes();
         result.visible_triangles = culling_->visible_triangles();
         const auto pairs = static_cast<double>(result.visible_triangles * scene_.lights.size());
         if (pairs > 0) result.bytes_per_triangle_light = static_cast<double>(result.bytes) / pairs;

@@ -65,6 +65,7 @@ struct CullingBenchResult {
     double later_frames_ratio = 0;                         // certified / off, of sums, from the second frame on
     double paper_extra_tests_per_pixel = 0, paper_wrong_mean = 0;   // a frame
     std::uint64_t wrong_total = 0, bytes = 0, mask_bytes = 0, visible_triangles = 0;
+    std::uint64_t most_evidence_bytes = 0;   // at once, until it was judged
     std::uint64_t paper_bytes = 0;
     double bytes_per_triangle_light = 0;   // per visible triangle and light, of certified
     // Percent of `off`, from the counts. Mean and best: over the frames' percentages; of totals: of the frames' sums.

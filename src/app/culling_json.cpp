@@ -61,6 +61,7 @@ nlohmann::ordered_json summary_of(const CullingBenchResult& result, const Cullin
                                 {"wrong_total", result.wrong_total},
                                 {"bytes", result.bytes},
                                 {"mask_bytes", result.mask_bytes},
+                                {"most_evidence_bytes", result.most_evidence_bytes},
                                 {"visible_triangles", result.visible_triangles},
                                 {"bytes_per_triangle_light", result.bytes_per_triangle_light}};
         if (moving_lights) summary["certified"]["moving_lights_ratio"] = result.later_frames_ratio;

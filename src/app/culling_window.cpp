@@ -24,6 +24,7 @@ CullingWindow beginning_of(const CullingWindow& window, int frames)
     shorter.result.frames.assign(window.result.frames.begin(), window.result.frames.begin() + frames);
     shorter.result.bytes = window.result.bytes;
     shorter.result.mask_bytes = window.result.mask_bytes;
+    shorter.result.most_evidence_bytes = window.result.most_evidence_bytes;
     shorter.result.paper_bytes = window.result.paper_bytes;
     shorter.result.visible_triangles = window.result.visible_triangles;
     shorter.result.bytes_per_triangle_light = window.result.bytes_per_triangle_light;

@@ -80,9 +80,10 @@ void say_summary(const CullingWindow& window, Output& output)
                     "certified", result.speedup_mean, result.speedup_steady, result.first_frame_ratio,
                     result.worst_frame_ratio, result.wrong_total));
     output.say(fmt::format(
-        "{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light; mask of movers {:.2f} MB",
+        "{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light; for a while {:.2f} MB of evidence; "
+        "mask of movers {:.2f} MB",
         "certified", static_cast<double>(result.bytes) / 1e6, result.visible_triangles, result.bytes_per_triangle_light,
-        static_cast<double>(result.mask_bytes) / 1e6));
+        static_cast<double>(result.most_evidence_bytes) / 1e6, static_cast<double>(result.mask_bytes) / 1e6));
     if (window.moving_lights)
         output.say(fmt::format("{:10} {:.3f} x the time while every light moves, from the second frame on", "certified",
                                result.later_frames_ratio));

@@ -209,8 +209,7 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
         float u, v;
         rim.inside(batch.at.uv[point].x, batch.at.uv[point].y, u, v);
         const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_blocked : k_saw_free) << shift);
-        std::atomic_ref<std::uint8_t>(evidence[micro_index_at(u, v, level)])
-            .fetch_or(saw, std::memory_order_relaxed);
+        std::atomic_ref<std::uint8_t>(evidence[micro_index_at(u, v, level)]).fetch_or(saw, std::memory_order_relaxed);
     }
 }
 

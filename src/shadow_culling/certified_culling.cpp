@@ -203,7 +203,7 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
         }
         memory_->note_seen(record, frame_);
         const Rim rim = memory_->rim(record);
-        at.runs.back() = {static_cast<std::uint32_t>(begin),        place.begin, rim.u, rim.v, rim.per_inner,
+        at.runs.back() = {static_cast<std::uint32_t>(begin),     place.begin, rim.u, rim.v, rim.per_inner,
                           static_cast<float>(1u << place.level), place.pieces};
     }
 

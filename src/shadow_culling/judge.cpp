@@ -143,8 +143,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
 void Judge::fill_down(const MicroTriangle& part, std::uint32_t at_level, int light, ShadowState state)
 {
     const int shift = 2 * (light % k_lights_per_group);
-    std::uint8_t& byte =
-        memory_.states(light / k_lights_per_group)[memory_.address(record_, part, at_level)];
+    std::uint8_t& byte = memory_.states(light / k_lights_per_group)[memory_.address(record_, part, at_level)];
     byte = static_cast<std::uint8_t>((byte & ~(3u << shift)) | (static_cast<unsigned>(state) << shift));
     if (!memory_.is_open(record_, part, at_level)) return;
     MicroTriangle child[4];

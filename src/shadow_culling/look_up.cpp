@@ -35,8 +35,8 @@ using Reals = hn::ScalableTag<float>;
 using Real = hn::Vec<Reals>;
 using Addresses = hn::RebindToUnsigned<Reals>;
 
-// The number of the part, of n * n that a triangle is cut into, that (x, y) lies in. Both in widths of a part; on return
-// where it lies in the part.
+// The number of the part, of n * n that a triangle is cut into, that (x, y) lies in. Both in widths of a part; on
+// return where it lies in the part.
 HWY_INLINE hn::Vec<Addresses> part_of(Real& x, Real& y, Real count)
 {
     const Reals real;

@@ -9,7 +9,8 @@
 //
 //   closed        [state]
 //   open, flat    [states of levels 0 ... level]
-//   open, pieces  [table: 4 bytes a piece][states of levels 0 ... level - k_piece_levels], pieces wherever there is room
+//   open, pieces  [table: 4 bytes a piece][states of levels 0 ... level - k_piece_levels], pieces wherever there is
+//   room
 //
 // Invariant: what is PARTIAL at a level above the finest is open below.
 //
@@ -187,7 +188,7 @@ class ShadowMemory {
     std::uint32_t capacity_ = 0, end_ = 0;
     std::size_t used_ = 0, live_ = 0;
     std::vector<std::uint32_t> free_[k_max_level + 1];
-    std::vector<RecordId> with_states_;   // and some that were dropped since
+    std::vector<RecordId> with_states_;      // and some that were dropped since
     std::array<Shard, k_shards> evidence_;   // of records with news
     std::size_t evidence_room_ = 0;
     std::atomic<std::size_t> evidence_bytes_ = 0, most_evidence_ = 0;

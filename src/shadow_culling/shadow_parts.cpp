@@ -134,8 +134,7 @@ void ShadowMemory::hand_down(const Shape& from, const Shape& to)
         for (std::uint32_t i = 0; i < 1u << (2 * k); ++i) {
             const MicroTriangle part = micro_at(i, k);
             const std::uint32_t at = address_in(to, part, k);
-            const std::uint32_t source =
-                k <= kept ? address_in(from, part, k) : address_in(to, parent_of(part), k - 1);
+            const std::uint32_t source = k <= kept ? address_in(from, part, k) : address_in(to, parent_of(part), k - 1);
             for (const Block& block : states_) {
                 const std::uint8_t states = block.get()[source];
                 block.get()[at] = k <= kept ? states : decided_of(states);
@@ -165,8 +164,9 @@ void ShadowMemory::hand_piece_down(const Shape& from, const Shape& to, std::uint
             for (std::uint32_t i = 0; i < 1u << (2 * k); ++i) {
                 const MicroTriangle part = micro_at(i, k);
                 std::uint8_t& state = states[pyramid_offset(k) + i];
-                state = above + k <= kept ? block[address_in(from, out_of(top, part, k), above + k)]
-                                          : decided_of(states[pyramid_offset(k - 1) + micro_index(parent_of(part), k - 1)]);
+                state = above + k <= kept
+                            ? block[address_in(from, out_of(top, part, k), above + k)]
+                            : decided_of(states[pyramid_offset(k - 1) + micro_index(parent_of(part), k - 1)]);
                 differs = differs || state != block[own];
             }
         if (!differs && !added) continue;

@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "shadow_culling/look_up.h"
 #include "base/micro_triangles.h"
+#include "shadow_culling/look_up.h"
 #include "shadow_culling/rim.h"
 
 namespace gnomon::shadow_culling {
@@ -62,6 +62,55 @@ std::uint32_t one_part(float u, float v, const Rim& rim, std::uint32_t begin, st
     return begin + micro_index_at(inner_u, inner_v, level);
 }
 
+// The same where a table says of every part whether it has a piece of finer ones: asked once more inside the part.
+std::uint32_t one_part_of_pieces(float u, float v, const Rim& rim, std::uint32_t begin, std::uint32_t level,
+                                 const std::vector<std::uint32_t>& table)
+{
+    float inner_u, inner_v;
+    if (!rim.inside(u, v, inner_u, inner_v)) return k_no_slot;
+    const std::uint32_t piece = micro_index_at(inner_u, inner_v, level);
+    const std::uint32_t below = table[begin / 4 + piece];
+    if (!(below & k_has_piece)) return below;
+    const MicroTriangle part = micro_at(piece, level);
+    const float n = static_cast<float>(1u << level);
+    float x = inner_u * n - static_cast<float>(part.i), y = inner_v * n - static_cast<float>(part.j);
+    if (part.upper) x = 1 - x, y = 1 - y;
+    return (below & ~k_has_piece) + micro_index_at(x, y, k_piece_levels);
+}
+
+TEST(LookUp, PointsInPiecesAsOne)
+{
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<std::uint32_t> table(5000);
+    for (std::uint32_t& entry : table)
+        entry = static_cast<std::uint32_t>(random() % 1000000) | (random() % 2 ? k_has_piece : 0);
+    LookUp points;
+    const std::size_t count = 4000;
+    points.resize(count);
+    std::vector<std::uint32_t> expected;
+    Rim rim{RimCodes{}};
+    std::uint32_t level = 0, begin = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        if (k % 37 == 0) {
+            const glm::vec3 corner[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+            rim = Rim(rim_of(corner, k % 2 ? 0.03f : 1e-5f));
+            level = static_cast<std::uint32_t>(random() % (k_max_level - k_piece_levels + 1));
+            begin = 4 * static_cast<std::uint32_t>(random() % 1000);
+            points.runs.push_back({static_cast<std::uint32_t>(k), begin, rim.u, rim.v, rim.per_inner,
+                                   static_cast<float>(1u << level), true});
+        }
+        float u = unit(random), v = unit(random);
+        if (k % 5 == 0) v = 1 - u;
+        if (k % 7 == 0) u = std::round(u * 64) / 64;
+        if (k % 11 == 0) u = 1, v = 0;
+        points.uv[k] = {u, v};
+        expected.push_back(one_part_of_pieces(u, v, rim, begin, level, table));
+    }
+    find_parts(points, reinterpret_cast<const std::uint8_t*>(table.data()));
+    for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(points.slot[k], expected[k]) << "point " << k;
+}
+
 TEST(LookUp, ManyPointsAsOne)
 {
     std::mt19937 random(7);
@@ -91,7 +140,7 @@ TEST(LookUp, ManyPointsAsOne)
             expected.push_back(one_part(u, v, rim, begin, level));
             found += expected.back() != k_no_slot;
         }
-        find_parts(points);
+        find_parts(points, nullptr);
         for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(points.slot[k], expected[k]) << "point " << k;
         for (std::size_t k = count; k < points.slot.size(); ++k) EXPECT_EQ(points.slot[k], k_no_slot);
         if (count > 1000) {
@@ -107,12 +156,14 @@ TEST(LookUp, FetchesStatesThroughTheMask)
     for (std::uint8_t& s : states) s = static_cast<std::uint8_t>(random());
     LookUp points;
     points.resize(100);
-    for (std::uint32_t r = 0; r < 100; r += 1 + r % 9) points.runs.push_back({r, r % 4 == 3 ? k_no_slot : 0, 0, 0, 1, 1});
+    for (std::uint32_t r = 0; r < 100; r += 1 + r % 9)
+        points.runs.push_back({r, r % 4 == 3 ? k_no_slot : 0, 0, 0, 1, 1});
     for (std::size_t k = 0; k < 100; ++k)
         points.slot[k] = k % 9 == 0 ? k_no_slot : k == 50 ? 999 : static_cast<std::uint32_t>(random() % 1000);
     for (std::size_t r = 0; r < points.runs.size(); ++r)
         if (points.runs[r].begin == k_no_slot)
-            for (std::size_t k = points.runs[r].first; k < (r + 1 < points.runs.size() ? points.runs[r + 1].first : 100); ++k)
+            for (std::size_t k = points.runs[r].first;
+                 k < (r + 1 < points.runs.size() ? points.runs[r + 1].first : 100); ++k)
                 points.slot[k] = k_no_slot;
     std::vector<std::uint8_t> out(points.slot.size(), 0xaa);
     fetch_states(points, states.data(), 0x3c, out.data());

@@ -4,27 +4,26 @@
 
 #include <gtest/gtest.h>
 
+#include "shadow_culling/look_up.h"
 #include "shadow_stage.h"
 
 namespace gnomon {
 namespace {
 
+using shadow_culling::k_lights_per_group;
+using shadow_culling::k_max_level;
 using shadow_culling::k_no_slot;
+using shadow_culling::LookUp;
 using shadow_culling::RecordId;
 using shadow_culling::RimCodes;
 using shadow_culling::ShadowMemory;
+using shadow_culling::ShadowState;
 
 constexpr std::uint32_t k_level = 2;
 
-// Room for eight pyramids of one group of lights: states and evidence.
-ShadowMemory memory_for_eight(std::size_t records = 100)
-{
-    return ShadowMemory(records, 1, 2 * 8 * pyramid_size(k_level));
-}
-
 TEST(ShadowMemory, DropsWhatWasNotSeenForLongestFirst)
 {
-    ShadowMemory memory = memory_for_eight();
+    ShadowMemory memory(100, 1, 2 * 8);   // room for eight records that nothing differs in
     const std::uint32_t seen_in[] = {5, 2, 8, 1, 7, 3, 6, 4};
     for (RecordId r = 0; r < 8; ++r) {
         ASSERT_TRUE(memory.create(r, k_level, RimCodes{}));
@@ -37,37 +36,243 @@ TEST(ShadowMemory, DropsWhatWasNotSeenForLongestFirst)
     memory.drop_unseen(9);
     EXPECT_FALSE(memory.full());
     EXPECT_EQ(memory.live_records(), 4u);   // half the room is free
-    for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.base(r) != k_no_slot, seen_in[r] > 4) << "record " << r;
+    for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), seen_in[r] > 4) << "record " << r;
 }
 
 TEST(ShadowMemory, KeepsWhatTheFrameSees)
 {
-    ShadowMemory memory = memory_for_eight();
+    ShadowMemory memory(100, 1, 2 * 8);
     for (RecordId r = 0; r < 8; ++r) {
         memory.create(r, k_level, RimCodes{});
         memory.note_seen(r, r < 2 ? 1 : 3);
     }
     memory.drop_unseen(3);
-    for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.base(r) != k_no_slot, r >= 2) << "record " << r;
+    for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), r >= 2) << "record " << r;
+}
+
+// What every part of a level says, of one group of lights.
+std::vector<std::uint8_t> parts_of(const ShadowMemory& memory, RecordId record, std::uint32_t level, int group)
+{
+    std::vector<std::uint8_t> states;
+    for (std::uint32_t i = 0; i < 1u << (2 * level); ++i)
+        states.push_back(memory.states(group)[memory.address(record, micro_at(i, level), level)]);
+    return states;
 }
 
 TEST(ShadowMemory, WhatWasDroppedLeavesNothingBehind)
 {
-    ShadowMemory memory = memory_for_eight();
-    for (RecordId r = 0; r < 8; ++r) {
-        memory.create(r, k_level, RimCodes{});
-        memory.note_seen(r, r);
-        std::fill_n(memory.states(0) + memory.base(r), pyramid_size(k_level), std::uint8_t{0xff});
-        std::fill_n(memory.evidence(0) + memory.base(r), pyramid_size(k_level), std::uint8_t{0xff});
-    }
-    memory.drop_unseen(9);
-    for (RecordId r = 50; r < 54; ++r) {
-        ASSERT_TRUE(memory.create(r, k_level, RimCodes{}));
-        for (std::uint32_t i = 0; i < pyramid_size(k_level); ++i) {
-            EXPECT_EQ(memory.states(0)[memory.base(r) + i], 0);
-            EXPECT_EQ(memory.evidence(0)[memory.base(r) + i], 0);
+    for (const std::uint32_t level : {2u, 6u}) {
+        ShadowMemory memory(100, 1, 64 << 10);
+        const auto open_all = [&](RecordId r) {
+            for (std::uint32_t k = 0; k < level; ++k)
+                for (std::uint32_t i = 0; i < 1u << (2 * k); ++i) ASSERT_TRUE(memory.open(r, micro_at(i, k), k));
+        };
+        const std::size_t before = memory.bytes();
+        for (RecordId r = 0; r < 2; ++r) {
+            ASSERT_TRUE(memory.create(r, level, RimCodes{}));
+            open_all(r);
+            for (std::uint32_t i = 0; i < 1u << (2 * level); ++i)
+                memory.states(0)[memory.address(r, micro_at(i, level), level)] = 0xff;
+            std::uint8_t* const evidence = memory.evidence(r);
+            ASSERT_NE(evidence, nullptr);
+            std::fill_n(evidence, 1u << (2 * level), std::uint8_t{0xff});
+            EXPECT_TRUE(memory.drop(r));
+            EXPECT_FALSE(memory.drop(r));
+        }
+        EXPECT_EQ(memory.bytes(), before);
+        for (RecordId r = 0; r < 2; ++r) {
+            ASSERT_TRUE(memory.create(r, level, RimCodes{}));
+            EXPECT_EQ(memory.take_evidence(r), nullptr);
+            open_all(r);
+            for (const std::uint8_t states : parts_of(memory, r, level, 0)) EXPECT_EQ(states, 0);
         }
     }
+}
+
+TEST(ShadowMemory, EvidenceIsFreedWhenItIsTaken)
+{
+    ShadowMemory memory(100, 5, 2 * 1000);
+    ASSERT_TRUE(memory.create(7, 4, RimCodes{}));
+    ASSERT_TRUE(memory.create(8, 4, RimCodes{}));
+    const std::size_t without = memory.bytes();
+    EXPECT_EQ(memory.take_evidence(7), nullptr);
+    std::uint8_t* const evidence = memory.evidence(7);
+    ASSERT_NE(evidence, nullptr);
+    for (int i = 0; i < 2 * 256; ++i) EXPECT_EQ(evidence[i], 0);   // two groups of lights
+    evidence[256 + 3] = 5;
+    EXPECT_EQ(memory.evidence(7), evidence);
+    EXPECT_EQ(memory.bytes(), without + 512);
+    EXPECT_EQ(memory.evidence(8), nullptr);   // no room left
+    const ShadowMemory::Evidence taken = memory.take_evidence(7);
+    ASSERT_NE(taken, nullptr);
+    EXPECT_EQ(taken[256 + 3], 5);
+    EXPECT_EQ(memory.take_evidence(7), nullptr);
+    EXPECT_EQ(memory.bytes(), without);
+    EXPECT_EQ(memory.most_evidence_bytes(), 512u);
+    EXPECT_NE(memory.evidence(8), nullptr);
+}
+
+// The slow twin: a whole pyramid, every part with a state of its own.
+struct WholePyramid {
+    std::uint32_t level = 0;
+    std::vector<std::uint8_t> states = {0};
+
+    std::uint8_t& at(const MicroTriangle& part, std::uint32_t k)
+    {
+        return states[pyramid_offset(k) + micro_index(part, k)];
+    }
+    void fill(const MicroTriangle& part, std::uint32_t k, int shift, ShadowState state)
+    {
+        at(part, k) =
+            static_cast<std::uint8_t>((at(part, k) & ~(3u << shift)) | (static_cast<unsigned>(state) << shift));
+        if (k == level) return;
+        MicroTriangle child[4];
+        children_of(part, child);
+        for (const MicroTriangle& c : child) fill(c, k + 1, shift, state);
+    }
+    void deepen(std::uint32_t to)
+    {
+        states.resize(pyramid_size(to));
+        for (std::uint32_t k = level + 1; k <= to; ++k)
+            for (std::uint32_t i = 0; i < 1u << (2 * k); ++i) {
+                unsigned states_above = at(parent_of(micro_at(i, k)), k - 1);
+                states_above &= ~((states_above & (states_above >> 1) & 0x55u) * 3);
+                states[pyramid_offset(k) + i] = static_cast<std::uint8_t>(states_above);
+            }
+        level = to;
+    }
+    void forget(int shift, bool but_none)
+    {
+        for (std::uint8_t& s : states)
+            if (!but_none || static_cast<ShadowState>((s >> shift) & 3) != ShadowState::none)
+                s &= static_cast<std::uint8_t>(~(3u << shift));
+    }
+};
+
+// Writes into both as judging does.
+class BothMemories {
+ public:
+    BothMemories(std::uint32_t level, int lights) : memory_(10, lights, 4 << 20), lights_(lights)
+    {
+        memory_.create(3, level, RimCodes{});
+        twin_.resize(static_cast<std::size_t>(memory_.groups()));
+        for (WholePyramid& twin : twin_) twin.level = level, twin.states.assign(pyramid_size(level), 0);
+    }
+
+    // Goes down from the whole triangle: PARTIAL on the way, and something at the end.
+    void learn(Random& random)
+    {
+        const int light = static_cast<int>(random.below(static_cast<std::uint32_t>(lights_)));
+        const int group = light / k_lights_per_group, shift = 2 * (light % k_lights_per_group);
+        WholePyramid& twin = twin_[static_cast<std::size_t>(group)];
+        const std::uint32_t end = random.below(twin.level + 1);
+        MicroTriangle part;
+        for (std::uint32_t k = 0;; ++k) {
+            const auto state = static_cast<ShadowState>((twin.at(part, k) >> shift) & 3);
+            if (state == ShadowState::none || state == ShadowState::full) return;
+            if (k == end && random.below(3) > 0) {
+                const ShadowState proven = random.below(2) ? ShadowState::none : ShadowState::full;
+                twin.fill(part, k, shift, proven);
+                fill(part, k, group, shift, proven);
+                return;
+            }
+            if (k < twin.level) {
+                ASSERT_TRUE(memory_.open(3, part, k));
+            }
+            twin.at(part, k) |= static_cast<std::uint8_t>(3u << shift);
+            memory_.states(group)[memory_.address(3, part, k)] |= static_cast<std::uint8_t>(3u << shift);
+            if (k == end || k == twin.level) return;
+            MicroTriangle child[4];
+            children_of(part, child);
+            part = child[random.below(4)];
+        }
+    }
+    void deepen(std::uint32_t level)
+    {
+        if (level > twin_[0].level) {
+            EXPECT_TRUE(memory_.deepen(3, level));
+            for (WholePyramid& twin : twin_) twin.deepen(level);
+        }
+    }
+    void forget(int light, bool but_none)
+    {
+        if (but_none)
+            memory_.reopen(3, light);
+        else
+            memory_.forget_light(light);
+        twin_[static_cast<std::size_t>(light / k_lights_per_group)].forget(2 * (light % k_lights_per_group), but_none);
+    }
+
+    void expect_equal(Random& random) const
+    {
+        const std::uint32_t level = twin_[0].level;
+        for (int g = 0; g < memory_.groups(); ++g) {
+            const std::vector<std::uint8_t>& whole = twin_[static_cast<std::size_t>(g)].states;
+            EXPECT_EQ(parts_of(memory_, 3, level, g),
+                      std::vector<std::uint8_t>(whole.begin() + pyramid_offset(level), whole.end()));
+        }
+        // The way that look-ups go.
+        LookUp points;
+        points.resize(50);
+        const ShadowMemory::Place place = memory_.place(3);
+        points.runs.push_back({0, place.begin, 0, 0, 1, static_cast<float>(1u << place.level), place.pieces});
+        for (std::size_t p = 0; p < 50; ++p) {
+            // The middle of a part, where rounding has no say.
+            const MicroTriangle part = micro_at(random.below(1u << (2 * level)), level);
+            glm::dvec2 corner[3];
+            corners_of(part, level, corner);
+            points.uv[p] = glm::vec2((corner[0] + corner[1] + corner[2]) / 3.0);
+        }
+        find_parts(points, memory_.states(0));
+        for (std::size_t p = 0; p < 50; ++p)
+            for (int g = 0; g < memory_.groups(); ++g)
+                EXPECT_EQ(memory_.states(g)[points.slot[p]],
+                          twin_[static_cast<std::size_t>(g)]
+                              .states[pyramid_offset(level) + micro_index_at(points.uv[p].x, points.uv[p].y, level)]);
+    }
+    std::size_t bytes() const { return memory_.bytes(); }
+    std::size_t whole_bytes() const { return twin_.size() * twin_[0].states.size(); }
+
+ private:
+    void fill(const MicroTriangle& part, std::uint32_t k, int group, int shift, ShadowState state)
+    {
+        std::uint8_t& byte = memory_.states(group)[memory_.address(3, part, k)];
+        byte = static_cast<std::uint8_t>((byte & ~(3u << shift)) | (static_cast<unsigned>(state) << shift));
+        if (!memory_.is_open(3, part, k)) return;
+        MicroTriangle child[4];
+        children_of(part, child);
+        for (const MicroTriangle& c : child) fill(c, k + 1, group, shift, state);
+    }
+
+    ShadowMemory memory_;
+    int lights_;
+    std::vector<WholePyramid> twin_;   // by group
+};
+
+TEST(ShadowMemory, SaysWhatAWholePyramidSays)
+{
+    Random random(5);
+    for (int round = 0; round < 60; ++round) {
+        const int lights = round % 3 == 0 ? 6 : 1;
+        BothMemories both(random.below(k_max_level - 1), lights);
+        for (int step = 0; step < 12; ++step) {
+            for (std::uint32_t n = random.below(30); n > 0; --n) both.learn(random);
+            if (step % 4 == 1)
+                both.forget(static_cast<int>(random.below(static_cast<std::uint32_t>(lights))), random.below(2) != 0);
+            if (step % 4 == 3) both.deepen(random.below(k_max_level + 1));
+            both.expect_equal(random);
+        }
+    }
+}
+
+// A shadow's edge across a large triangle costs pieces along it, not the whole pyramid.
+TEST(ShadowMemory, TakesRoomWhereItDiffers)
+{
+    Random random(6);
+    BothMemories both(k_max_level, 1);
+    for (int n = 0; n < 40; ++n) both.learn(random);
+    EXPECT_LT(both.bytes(), both.whole_bytes() / 4);
+    both.expect_equal(random);
 }
 
 // A camera that looks around in a scene that asks for far more than it may have: never more than the bound, never
