@@ -25,6 +25,14 @@ struct Polygon {
     int count = 0;
 };
 
+// How far along the view its nearest corner lies; what the light does not see of it counts, too.
+float nearest_of(const ViewProjection& view, const glm::vec3 (&corners)[3])
+{
+    float nearest = k_infinity;
+    for (const glm::vec3& p : corners) nearest = std::min(nearest, glm::dot(p - view.origin, view.forward));
+    return nearest;
+}
+
 Polygon image_of(const ViewProjection& view, const glm::vec3 (&corners)[3], double side)
 {
     const glm::dmat4 clip(view.clip_from_world);
@@ -56,6 +64,12 @@ std::uint32_t bounds_in(const glm::dvec2& low, const glm::dvec2& high, int x, in
            byte(high.y - y, k_margin) << 24;
 }
 
+// Which part of its cell a byte of bounds falls into, along one side.
+std::uint32_t part_of(std::uint32_t byte)
+{
+    return (byte & 255u) * GNOMON_BLOCK_PARTS / 256u;
+}
+
 }   // namespace
 
 CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightViews& views) : device_(device)
@@ -81,6 +95,7 @@ void CasterCells::add_triangle(std::size_t view, const ViewProjection& projectio
     const double side = side_[view];
     const Polygon polygon = image_of(projection, corners, side);
     if (polygon.count == 0) return;
+    const float nearest = nearest_of(projection, corners);
     glm::dvec2 low = polygon.at[0], high = low;
     for (int i = 1; i < polygon.count; ++i) {
         low = glm::min(low, polygon.at[static_cast<std::size_t>(i)]);
@@ -112,6 +127,7 @@ void CasterCells::add_triangle(std::size_t view, const ViewProjection& projectio
             found.cell = static_cast<std::uint32_t>(y) * side_[view] + static_cast<std::uint32_t>(x);
             found.entry = entry;
             found.entry.bounds = bounds_in(low, high, x, y);
+            found.nearest = nearest;
         }
     }
 }
@@ -156,15 +172,26 @@ void CasterCells::add_object(const Set& set, const LightViews& views, const Cast
     }
 }
 
-// What was found, by cell.
+// What was found, by cell, and the blocks over it.
 void CasterCells::sort(std::size_t view, Lists& lists)
 {
     lists.first.assign(side_[view] * side_[view] + 1, 0);
     for (const Found& found : found_[view]) ++lists.first[found.cell + 1];
     for (std::size_t c = 1; c < lists.first.size(); ++c) lists.first[c] += lists.first[c - 1];
     lists.entries.resize(found_[view].size());
+    const std::size_t blocks = (found_[view].size() + GNOMON_BLOCK_ENTRIES - 1) / GNOMON_BLOCK_ENTRIES;
+    lists.blocks.assign(blocks, {{}, k_infinity});
     std::vector<std::uint32_t> next(lists.first.begin(), lists.first.end() - 1);
-    for (const Found& found : found_[view]) lists.entries[next[found.cell]++] = found.entry;
+    for (const Found& found : found_[view]) {
+        const std::uint32_t at = next[found.cell]++;
+        lists.entries[at] = found.entry;
+        shared::CellBlock& block = lists.blocks[at / GNOMON_BLOCK_ENTRIES];
+        block.nearest = std::min(block.nearest, found.nearest);
+        const std::uint32_t bounds = found.entry.bounds, bit = 1u << (at % GNOMON_BLOCK_ENTRIES);
+        for (std::uint32_t y = part_of(bounds >> 8); y <= part_of(bounds >> 24); ++y)
+            for (std::uint32_t x = part_of(bounds); x <= part_of(bounds >> 16); ++x)
+                block.around[GNOMON_BLOCK_PARTS * y + x] |= bit;
+    }
     found_[view].clear();
 }
 
@@ -191,11 +218,14 @@ void CasterCells::send(vk::Commands& commands, Set& set, const char* name)
 {
     std::vector<std::uint32_t> first;
     std::vector<shared::CellEntry> entries;
+    std::vector<shared::CellBlock> blocks;
     first.reserve(cells_);
     for (const Lists& lists : set.views) {
         const auto before = static_cast<std::uint32_t>(entries.size());
         for (const std::uint32_t f : lists.first) first.push_back(before + f);
         entries.insert(entries.end(), lists.entries.begin(), lists.entries.end());
+        blocks.insert(blocks.end(), lists.blocks.begin(), lists.blocks.end());
+        entries.resize(blocks.size() * GNOMON_BLOCK_ENTRIES);   // each view's blocks are its own
     }
     const auto fit = [&](vk::Buffer& buffer, std::size_t bytes) {
         if (bytes > device_->limits().maxStorageBufferRange)
@@ -208,9 +238,11 @@ void CasterCells::send(vk::Commands& commands, Set& set, const char* name)
     };
     fit(set.first, first.size() * sizeof(std::uint32_t));
     fit(set.entries, entries.size() * sizeof(shared::CellEntry));
+    fit(set.blocks, blocks.size() * sizeof(shared::CellBlock));
     std::vector<vk::Upload> uploads;
     if (!first.empty()) uploads.push_back(vk::upload_of(set.first, std::span<const std::uint32_t>(first)));
     if (!entries.empty()) uploads.push_back(vk::upload_of(set.entries, std::span<const shared::CellEntry>(entries)));
+    if (!blocks.empty()) uploads.push_back(vk::upload_of(set.blocks, std::span<const shared::CellBlock>(blocks)));
     if (!uploads.empty()) commands.upload(name, uploads);
 }
 
@@ -246,8 +278,10 @@ void CasterCells::update(vk::Commands& commands, const LightViews& views, const 
 
 vk::Pass& CasterCells::declare(vk::Pass& pass) const
 {
-    for (const vk::Buffer* buffer : {&bases_, &sets_[0].first, &sets_[0].entries, &sets_[1].first, &sets_[1].entries})
-        pass.reads(*buffer, vk::Use::storage_read);
+    pass.reads(bases_, vk::Use::storage_read);
+    for (const Set& set : sets_)
+        for (const vk::Buffer* buffer : {&set.first, &set.blocks, &set.entries})
+            pass.reads(*buffer, vk::Use::storage_read);
     return pass;
 }
 
@@ -255,8 +289,10 @@ void CasterCells::bind(vk::Recorder& recorder) const
 {
     recorder.set("CellBases", bases_);
     recorder.set("StaticFirst", sets_[0].first);
+    recorder.set("StaticBlocks", sets_[0].blocks);
     recorder.set("StaticEntries", sets_[0].entries);
     recorder.set("MovingFirst", sets_[1].first);
+    recorder.set("MovingBlocks", sets_[1].blocks);
     recorder.set("MovingEntries", sets_[1].entries);
 }
 

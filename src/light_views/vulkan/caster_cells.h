@@ -6,8 +6,10 @@
 // A cell is a square of texels. Each view has two sets of lists, as it has two buffers: of what stands still, made when
 // that changes, and of what moves, made in every frame in which the view's plan does something. Lists hold every
 // triangle whose image meets the cell, and near its rim a few that do not.
+// Each 32 entries are a block, which says which of them lie around a part of their cell, and how near the light any of
+// them comes: most entries of a long list are passed over 32 at a time. A block may hold entries of several cells.
 // Lists that one buffer of the device cannot hold are a MissingError.
-// Cost of a set: its triangles, and the cells that they cover; on the CPU. Memory: 16 bytes a triangle and cell.
+// Cost of a set: its triangles, and the cells that they cover; on the CPU. Memory: 18 bytes a triangle and cell.
 
 #include "light_views/light_views.h"
 #include "light_views/vulkan/caster_geometry.h"
@@ -22,7 +24,7 @@ class CasterCells {
     void update(vk::Commands& commands, const LightViews& views, const CasterGeometry& casters,
                 const scene::SceneState& state);
 
-    /// CellBases, StaticFirst, StaticEntries, MovingFirst, MovingEntries.
+    /// CellBases, and of both sets First, Blocks and Entries (StaticFirst ... MovingEntries).
     vk::Pass& declare(vk::Pass& pass) const;
     void bind(vk::Recorder& recorder) const;
 
@@ -30,6 +32,7 @@ class CasterCells {
     struct Lists {
         std::vector<std::uint32_t> first;
         std::vector<shared::CellEntry> entries;
+        std::vector<shared::CellBlock> blocks;   // of each GNOMON_BLOCK_ENTRIES entries
     };
     const Lists& statics(std::size_t view) const { return sets_[0].views[view]; }
     const Lists& moving(std::size_t view) const { return sets_[1].views[view]; }
@@ -38,11 +41,12 @@ class CasterCells {
     struct Set {
         std::vector<Lists> views;
         std::vector<char> stale;   // by view: to be made
-        vk::Buffer first, entries;
+        vk::Buffer first, blocks, entries;
     };
     struct Found {
         std::uint32_t cell;
         shared::CellEntry entry;
+        float nearest;
     };
     void make(Set& set, bool moving, const LightViews& views, const CasterGeometry& casters,
               const scene::SceneState& state);

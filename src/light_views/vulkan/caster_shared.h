@@ -26,6 +26,15 @@ struct CellEntry {
     uint bounds;     // of its image in the cell, a byte each in 256ths of it: low x, low y, high x, high y
 };
 
+// So many entries are passed over at once; the parts of a cell, along a side, that this knows apart.
+#define GNOMON_BLOCK_ENTRIES 32u
+#define GNOMON_BLOCK_PARTS 4u
+
+struct CellBlock {
+    uint around[16];   // by part of the cell, row by row: a bit for each entry whose bounds meet it
+    float nearest;     // along the view's `forward` from its origin: no triangle of the block comes nearer the light
+};
+
 // Where an alpha-tested material's texture lies, and how it is looked up.
 struct AlphaMaterial {
     uint first_byte;   // of its alpha texels; none: no texture

@@ -3,12 +3,13 @@
 // of the cell that the point falls into (light_views/vulkan/caster_cells.h). The ray is the traced frame's, and so is
 // the test of it; so both frames have the same shadows, but for rounding.
 //
-// Cost: a comparison of bounds for each triangle of one cell, a test for those around the point, up to the first that
-// blocks.
+// Cost: a word for each block of one cell's triangles, a comparison of bounds for those around the point's part of the
+// cell, a test for those around the point, up to the first that blocks.
 
 const float k_shadow_end = 0.9999;            // a shadow ray ends this fraction short of its lamp ...
 const float k_lift_per_coordinate = 2e-6;     // ... and starts so far off its surface, as src/ray/origin.h has it
 const float k_edge_slack = 1.1920929e-7;      // as src/ray/triangle_test.h
+const float k_along_slack = 1e-5;              // of coordinates: more than that lift and the rounding of distances
 const uint k_opaque = 0xffffffffu;
 
 // The twin of ray::meets; alpha-tested triangles block where their material does.
@@ -45,6 +46,29 @@ bool is_around(uint bounds, uvec2 at)
     return at.x >= (bounds & 255u) && at.y >= (bounds >> 8u & 255u) && at.x <= (bounds >> 16u & 255u) && at.y <= bounds >> 24u;
 }
 
+// Goes through one set's list of the cell; a macro, for buffers are no arguments. `word`: entries of the block at
+// `next`'s that are still to be looked at.
+#define BLOCKED_BY(first, blocks_of, entries)                                                                          \
+    {                                                                                                                  \
+        uint next = first[cell], last = first[cell + 1u], block = next / GNOMON_BLOCK_ENTRIES, word = 0u;              \
+        uint skip = next % GNOMON_BLOCK_ENTRIES;                                                                       \
+        while (!blocked) {                                                                                             \
+            bool found = false;                                                                                        \
+            while (!found && (word != 0u || block * GNOMON_BLOCK_ENTRIES < last)) {                                    \
+                if (word == 0u) {                                                                                      \
+                    if (blocks_of[block].nearest <= far) word = blocks_of[block].around[part] & ~0u << skip;           \
+                    skip = 0u, ++block;                                                                                \
+                } else {                                                                                               \
+                    next = (block - 1u) * GNOMON_BLOCK_ENTRIES + uint(findLSB(word));                                  \
+                    word &= word - 1u;                                                                                 \
+                    found = next < last && is_around(entries[next].bounds, here);                                      \
+                }                                                                                                      \
+            }                                                                                                          \
+            if (!found) break;                                                                                         \
+            blocked = blocks(entries[next], origin, to_light, end);                                                    \
+        }                                                                                                              \
+    }
+
 float hard_visibility(uint light_number, vec3 point, vec3 normal)
 {
     LightRecord light = light_records[light_number];
@@ -67,9 +91,14 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     uvec2 here = min(uvec2(256.0 * (at * float(side) - vec2(column))), uvec2(255u));
     uint cell = cell_bases[number] + column.y * side + column.x;
     float end = perspective ? k_shadow_end : 3.0e38;
-    for (uint i = static_first[cell]; i < static_first[cell + 1u]; ++i)
-        if (is_around(static_entries[i].bounds, here) && blocks(static_entries[i], origin, to_light, end)) return 0.0;
-    for (uint i = moving_first[cell]; i < moving_first[cell + 1u]; ++i)
-        if (is_around(moving_entries[i].bounds, here) && blocks(moving_entries[i], origin, to_light, end)) return 0.0;
-    return 1.0;
+    uint part = (here.y * GNOMON_BLOCK_PARTS / 256u) * GNOMON_BLOCK_PARTS + here.x * GNOMON_BLOCK_PARTS / 256u;
+    vec3 eye = abs(view.origin);
+    float far = dot(point - view.origin, view.forward) + k_along_slack * (largest + max(max(eye.x, eye.y), eye.z));
+
+    // Each invocation goes on to its next triangle around the point, then all test theirs at once: a device that runs
+    // them in step would else test whenever one of them has to.
+    bool blocked = false;
+    BLOCKED_BY(static_first, static_blocks, static_entries)
+    BLOCKED_BY(moving_first, moving_blocks, moving_entries)
+    return blocked ? 0.0 : 1.0;
 }

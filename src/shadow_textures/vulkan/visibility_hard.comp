@@ -22,9 +22,11 @@ layout(binding = 11, scalar) readonly buffer AlphaMaterials { AlphaMaterial alph
 layout(binding = 12, scalar) readonly buffer AlphaTexels { uint alpha_texels[]; };
 layout(binding = 13, scalar) readonly buffer CellBases { uint cell_bases[]; };
 layout(binding = 14, scalar) readonly buffer StaticFirst { uint static_first[]; };
-layout(binding = 15, scalar) readonly buffer StaticEntries { CellEntry static_entries[]; };
-layout(binding = 16, scalar) readonly buffer MovingFirst { uint moving_first[]; };
-layout(binding = 17, scalar) readonly buffer MovingEntries { CellEntry moving_entries[]; };
+layout(binding = 15, scalar) readonly buffer StaticBlocks { CellBlock static_blocks[]; };
+layout(binding = 16, scalar) readonly buffer StaticEntries { CellEntry static_entries[]; };
+layout(binding = 17, scalar) readonly buffer MovingFirst { uint moving_first[]; };
+layout(binding = 18, scalar) readonly buffer MovingBlocks { CellBlock moving_blocks[]; };
+layout(binding = 19, scalar) readonly buffer MovingEntries { CellEntry moving_entries[]; };
 layout(push_constant, scalar) uniform Constants { LookupConstants lookup; };
 #include "light_views/vulkan/alpha_test.glsl"
 #include "shadow_textures/vulkan/view_of_light.glsl"
