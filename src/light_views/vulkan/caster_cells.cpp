@@ -72,12 +72,13 @@ std::uint32_t part_of(std::uint32_t byte)
 
 }   // namespace
 
-CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightViews& views) : device_(device)
+CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightViews& views)
+    : device_(device), triangles_(device)
 {
     for (const LightView& view : views.views()) {
         side_.push_back(std::max(1u, static_cast<std::uint32_t>(view.tile.size) / GNOMON_CELL_TEXELS));
-        base_.push_back(cells_);
-        cells_ += side_.back() * side_.back() + 1;
+        base_.push_back(lists_);
+        lists_ += 2 * side_.back() * side_.back() + 1;
     }
     for (Set& set : sets_) {
         set.views.resize(side_.size());
@@ -89,9 +90,11 @@ CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightV
 }
 
 // Puts a triangle into the cells that its image meets, row by row.
-void CasterCells::add_triangle(std::size_t view, const ViewProjection& projection, const glm::vec3 (&corners)[3],
-                               const shared::CellEntry& entry)
+void CasterCells::add_triangle(std::size_t view, const ViewProjection& projection,
+                               const shared::CellTriangle& triangle, std::uint32_t number)
 {
+    const glm::vec3 corners[3] = {triangle.a, triangle.b, triangle.c};
+    const std::uint32_t masked = triangle.material == scene::none ? 0 : 1;
     const double side = side_[view];
     const Polygon polygon = image_of(projection, corners, side);
     if (polygon.count == 0) return;
@@ -124,9 +127,8 @@ void CasterCells::add_triangle(std::size_t view, const ViewProjection& projectio
                   x1 = std::min(cell_of(right + k_margin), static_cast<int>(side) - 1);
         for (int x = x0; x <= x1; ++x) {
             Found& found = found_[view].emplace_back();
-            found.cell = static_cast<std::uint32_t>(y) * side_[view] + static_cast<std::uint32_t>(x);
-            found.entry = entry;
-            found.entry.bounds = bounds_in(low, high, x, y);
+            found.list = 2 * (static_cast<std::uint32_t>(y) * side_[view] + static_cast<std::uint32_t>(x)) + masked;
+            found.entry = {number, bounds_in(low, high, x, y)};
             found.nearest = nearest;
         }
     }
@@ -137,53 +139,28 @@ void CasterCells::add_object(const Set& set, const LightViews& views, const Cast
                              const scene::SceneState& state, scene::ObjectId object)
 {
     const bool moving = &set == &sets_[1];
-    const scene::Scene& scene = state.scene();
-    const scene::Mesh& mesh = scene.meshes[scene.objects[object].mesh];
-    world_.clear();
     for (std::size_t v = 0; v < side_.size(); ++v) {
         const LightView& view = views.views()[v];
         if (!set.stale[v] || !view.shown || (among_[v][object] != 0) != moving) continue;
         if (views.casters().footprint(view.projection, state, object).empty()) continue;
-        if (world_.empty()) {
-            const auto& positions = scene.objects[object].deforming ? state.deformed(object).positions : mesh.positions;
-            const glm::mat4 to_world = state.object_matrix(object);
-            for (const glm::vec3& p : positions) world_.emplace_back(to_world * glm::vec4(p, 1));
-        }
-        const auto add_part = [&](const scene::MeshPart& part, std::uint32_t first, std::uint32_t material) {
-            for (std::uint32_t t = 0; t < part.triangle_count; ++t) {
-                const auto& triangle = mesh.triangles[part.first_triangle + t];
-                const glm::vec3 corners[3] = {world_[triangle[0]], world_[triangle[1]], world_[triangle[2]]};
-                add_triangle(v, view.projection, corners, {object, first + t, material, 0});
-            }
-        };
-        // As CasterGeometry orders them.
-        std::uint32_t opaque = casters.opaque(object).first_index / 3;
-        std::size_t masked = 0;
-        for (const scene::MeshPart& part : mesh.parts) {
-            const scene::SurfaceClass surface = scene.materials[part.material].surface_class();
-            if (surface == scene::SurfaceClass::opaque) {
-                add_part(part, opaque, scene::none);
-                opaque += part.triangle_count;
-            } else if (surface == scene::SurfaceClass::masked && part.triangle_count > 0) {
-                const CasterGeometry::Part& drawn = casters.masked(object)[masked++];
-                add_part(part, drawn.first_index / 3, drawn.material);
-            }
-        }
+        const CasterTriangles::Run run = triangles_.of(casters, state, object);
+        for (std::uint32_t t = 0; t < run.triangles.size(); ++t)
+            add_triangle(v, view.projection, run.triangles[t], run.first + t);
     }
 }
 
-// What was found, by cell, and the blocks over it.
+// What was found, by list, and the blocks over it.
 void CasterCells::sort(std::size_t view, Lists& lists)
 {
-    lists.first.assign(side_[view] * side_[view] + 1, 0);
-    for (const Found& found : found_[view]) ++lists.first[found.cell + 1];
+    lists.first.assign(2 * side_[view] * side_[view] + 1, 0);
+    for (const Found& found : found_[view]) ++lists.first[found.list + 1];
     for (std::size_t c = 1; c < lists.first.size(); ++c) lists.first[c] += lists.first[c - 1];
     lists.entries.resize(found_[view].size());
     const std::size_t blocks = (found_[view].size() + GNOMON_BLOCK_ENTRIES - 1) / GNOMON_BLOCK_ENTRIES;
     lists.blocks.assign(blocks, {{}, k_infinity});
     std::vector<std::uint32_t> next(lists.first.begin(), lists.first.end() - 1);
     for (const Found& found : found_[view]) {
-        const std::uint32_t at = next[found.cell]++;
+        const std::uint32_t at = next[found.list]++;
         lists.entries[at] = found.entry;
         shared::CellBlock& block = lists.blocks[at / GNOMON_BLOCK_ENTRIES];
         block.nearest = std::min(block.nearest, found.nearest);
@@ -219,7 +196,7 @@ void CasterCells::send(vk::Commands& commands, Set& set, const char* name)
     std::vector<std::uint32_t> first;
     std::vector<shared::CellEntry> entries;
     std::vector<shared::CellBlock> blocks;
-    first.reserve(cells_);
+    first.reserve(lists_);
     for (const Lists& lists : set.views) {
         const auto before = static_cast<std::uint32_t>(entries.size());
         for (const std::uint32_t f : lists.first) first.push_back(before + f);
@@ -269,6 +246,7 @@ void CasterCells::update(vk::Commands& commands, const LightViews& views, const 
         make(set, moving, views, casters, state);
         send(commands, set, moving ? "cells of what moves" : "cells of what stands still");
     }
+    triangles_.send(commands);
     if (!sent_bases_ && !base_.empty()) {
         const vk::Upload upload = vk::upload_of(bases_, std::span<const std::uint32_t>(base_));
         commands.upload("cells of views", {&upload, 1});
@@ -278,7 +256,7 @@ void CasterCells::update(vk::Commands& commands, const LightViews& views, const 
 
 vk::Pass& CasterCells::declare(vk::Pass& pass) const
 {
-    pass.reads(bases_, vk::Use::storage_read);
+    for (const vk::Buffer* buffer : {&bases_, &triangles_.buffer()}) pass.reads(*buffer, vk::Use::storage_read);
     for (const Set& set : sets_)
         for (const vk::Buffer* buffer : {&set.first, &set.blocks, &set.entries})
             pass.reads(*buffer, vk::Use::storage_read);
@@ -288,6 +266,7 @@ vk::Pass& CasterCells::declare(vk::Pass& pass) const
 void CasterCells::bind(vk::Recorder& recorder) const
 {
     recorder.set("CellBases", bases_);
+    recorder.set("CellTriangles", triangles_.buffer());
     recorder.set("StaticFirst", sets_[0].first);
     recorder.set("StaticBlocks", sets_[0].blocks);
     recorder.set("StaticEntries", sets_[0].entries);

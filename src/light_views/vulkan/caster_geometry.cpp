@@ -167,21 +167,18 @@ void CasterGeometry::update(vk::Commands& commands, const scene::SceneState& sta
     if (!uploads.empty()) commands.upload("casters", uploads);
 }
 
-vk::Pass& CasterGeometry::declare_triangles(vk::Pass& pass) const
+vk::Pass& CasterGeometry::declare_alpha(vk::Pass& pass) const
 {
-    for (const vk::Buffer* buffer :
-         {&positions_, &texcoords_, &indices_, &offsets_, &matrices_, &alpha_materials_, &alpha_texels_})
+    for (const vk::Buffer* buffer : {&texcoords_, &indices_, &offsets_, &alpha_materials_, &alpha_texels_})
         pass.reads(*buffer, vk::Use::storage_read);
     return pass;
 }
 
-void CasterGeometry::bind_triangles(vk::Recorder& recorder) const
+void CasterGeometry::bind_alpha(vk::Recorder& recorder) const
 {
-    recorder.set("CasterPositions", positions_);
     recorder.set("CasterTexcoords", texcoords_);
     recorder.set("CasterIndices", indices_);
     recorder.set("CasterOffsets", offsets_);
-    recorder.set("Matrices", matrices_);
     recorder.set("AlphaMaterials", alpha_materials_);
     recorder.set("AlphaTexels", alpha_texels_);
 }

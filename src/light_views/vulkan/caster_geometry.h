@@ -42,10 +42,10 @@ class CasterGeometry {
     /// Vertex and index buffers, and the bindings of caster.vert; with `alpha` also those of alpha_test.glsl.
     void bind(vk::Recorder& recorder, bool alpha) const;
 
-    /// For shaders that look at single triangles: CasterPositions, CasterTexcoords, CasterIndices, CasterOffsets (first
-    /// vertex by object), Matrices, and what alpha_test.glsl needs.
-    vk::Pass& declare_triangles(vk::Pass& pass) const;
-    void bind_triangles(vk::Recorder& recorder) const;
+    /// For shaders that test the alpha of single triangles: CasterTexcoords, CasterIndices, CasterOffsets (first vertex by
+    /// object), and what alpha_test.glsl needs.
+    vk::Pass& declare_alpha(vk::Pass& pass) const;
+    void bind_alpha(vk::Recorder& recorder) const;
 
     std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }   // in the last update
 

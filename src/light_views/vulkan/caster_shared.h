@@ -20,10 +20,16 @@ struct CasterConstants {
 
 // A triangle that may lie over a cell.
 struct CellEntry {
+    uint triangle;   // of CellTriangle[]
+    uint bounds;     // of its image in the cell, a byte each in 256ths of it: low x, low y, high x, high y
+};
+
+// A caster's triangle in the world.
+struct CellTriangle {
+    vec3 a, b, c;
     uint object;
     uint triangle;   // three of the casters' indices
     uint material;   // alpha-tested: index into AlphaMaterial[]; else none
-    uint bounds;     // of its image in the cell, a byte each in 256ths of it: low x, low y, high x, high y
 };
 
 // So many entries are passed over at once; the parts of a cell, along a side, that this knows apart.

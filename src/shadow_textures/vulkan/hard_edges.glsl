@@ -10,35 +10,41 @@ const float k_shadow_end = 0.9999;            // a shadow ray ends this fraction
 const float k_lift_per_coordinate = 2e-6;     // ... and starts so far off its surface, as src/ray/origin.h has it
 const float k_edge_slack = 1.1920929e-7;      // as src/ray/triangle_test.h
 const float k_along_slack = 1e-5;              // of coordinates: more than that lift and the rounding of distances
-const uint k_opaque = 0xffffffffu;
 
-// The twin of ray::meets; alpha-tested triangles block where their material does.
-bool blocks(CellEntry entry, vec3 origin, vec3 direction, float end)
+// The twin of ray::meets. `at`: how much of b and c, where it is met.
+bool meets(CellTriangle triangle, vec3 origin, vec3 direction, float end, out vec2 at)
 {
-    int offset = caster_offsets[entry.object];
-    uvec3 corner;
-    for (uint i = 0u; i < 3u; ++i) corner[i] = uint(int(caster_indices[3u * entry.triangle + i]) + offset);
-    mat4 to_world = matrices[entry.object];
-    vec3 p[3];
-    for (uint i = 0u; i < 3u; ++i) {
-        uint v = 3u * corner[i];
-        p[i] = vec3(to_world * vec4(caster_positions[v], caster_positions[v + 1u], caster_positions[v + 2u], 1)) - origin;
-    }
-    vec3 e0 = p[2] - p[0], e1 = p[0] - p[1], e2 = p[1] - p[2];
-    float u = dot(cross(e0, p[2] + p[0]), direction);
-    float v = dot(cross(e1, p[0] + p[1]), direction);
-    float w = dot(cross(e2, p[1] + p[2]), direction);
+    vec3 p0 = triangle.a - origin, p1 = triangle.b - origin, p2 = triangle.c - origin;
+    vec3 e0 = p2 - p0, e1 = p0 - p1, e2 = p1 - p2;
+    float u = dot(cross(e0, p2 + p0), direction);
+    float v = dot(cross(e1, p0 + p1), direction);
+    float w = dot(cross(e2, p1 + p2), direction);
     float sum = u + v + w, slack = k_edge_slack * abs(sum);
+    at = vec2(u, v) / sum;
     if (!(min(min(u, v), w) >= -slack || max(max(u, v), w) <= slack)) return false;
     vec3 normal = cross(e2, e0);
     float slope = dot(normal, direction);
     if (slope == 0.0 || sum == 0.0) return false;
-    float t = dot(p[0], normal) / slope;
-    if (!(t > 0.0 && t <= end)) return false;
-    if (entry.material == k_opaque) return true;
-    u /= sum, v /= sum;
-    vec2 uv = (1.0 - u - v) * caster_texcoords[corner.x] + u * caster_texcoords[corner.y] + v * caster_texcoords[corner.z];
-    return passes_alpha_test(alpha_materials[entry.material], uv);
+    float t = dot(p0, normal) / slope;
+    return t > 0.0 && t <= end;
+}
+
+bool blocks(uint number, vec3 origin, vec3 direction, float end)
+{
+    vec2 at;
+    return meets(cell_triangles[number], origin, direction, end, at);
+}
+
+// Alpha-tested ones block where their material does.
+bool blocks_masked(uint number, vec3 origin, vec3 direction, float end)
+{
+    CellTriangle triangle = cell_triangles[number];
+    vec2 at;
+    if (!meets(triangle, origin, direction, end, at)) return false;
+    int offset = caster_offsets[triangle.object];
+    vec2 uv[3];
+    for (uint i = 0u; i < 3u; ++i) uv[i] = caster_texcoords[int(caster_indices[3u * triangle.triangle + i]) + offset];
+    return passes_alpha_test(alpha_materials[triangle.material], (1.0 - at.x - at.y) * uv[0] + at.x * uv[1] + at.y * uv[2]);
 }
 
 bool is_around(uint bounds, uvec2 at)
@@ -46,11 +52,11 @@ bool is_around(uint bounds, uvec2 at)
     return at.x >= (bounds & 255u) && at.y >= (bounds >> 8u & 255u) && at.x <= (bounds >> 16u & 255u) && at.y <= bounds >> 24u;
 }
 
-// Goes through one set's list of the cell; a macro, for buffers are no arguments. `word`: entries of the block at
+// Goes through one list; a macro, for buffers are no arguments. `word`: entries of the block at
 // `next`'s that are still to be looked at.
-#define BLOCKED_BY(first, blocks_of, entries)                                                                          \
+#define BLOCKED_BY(list, first, blocks_of, entries, test)                                                              \
     {                                                                                                                  \
-        uint next = first[cell], last = first[cell + 1u], block = next / GNOMON_BLOCK_ENTRIES, word = 0u;              \
+        uint next = first[list], last = first[list + 1u], block = next / GNOMON_BLOCK_ENTRIES, word = 0u;              \
         uint skip = next % GNOMON_BLOCK_ENTRIES;                                                                       \
         while (!blocked) {                                                                                             \
             bool found = false;                                                                                        \
@@ -65,7 +71,7 @@ bool is_around(uint bounds, uvec2 at)
                 }                                                                                                      \
             }                                                                                                          \
             if (!found) break;                                                                                         \
-            blocked = blocks(entries[next], origin, to_light, end);                                                    \
+            blocked = test(entries[next].triangle, origin, to_light, end);                                             \
         }                                                                                                              \
     }
 
@@ -89,7 +95,7 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     uint side = max(view.size / GNOMON_CELL_TEXELS, 1u);
     uvec2 column = min(uvec2(at * float(side)), uvec2(side - 1u));
     uvec2 here = min(uvec2(256.0 * (at * float(side) - vec2(column))), uvec2(255u));
-    uint cell = cell_bases[number] + column.y * side + column.x;
+    uint list = cell_bases[number] + 2u * (column.y * side + column.x);
     float end = perspective ? k_shadow_end : 3.0e38;
     uint part = (here.y * GNOMON_BLOCK_PARTS / 256u) * GNOMON_BLOCK_PARTS + here.x * GNOMON_BLOCK_PARTS / 256u;
     vec3 eye = abs(view.origin);
@@ -98,7 +104,9 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     // Each invocation goes on to its next triangle around the point, then all test theirs at once: a device that runs
     // them in step would else test whenever one of them has to.
     bool blocked = false;
-    BLOCKED_BY(static_first, static_blocks, static_entries)
-    BLOCKED_BY(moving_first, moving_blocks, moving_entries)
+    BLOCKED_BY(list, static_first, static_blocks, static_entries, blocks)
+    BLOCKED_BY(list, moving_first, moving_blocks, moving_entries, blocks)
+    BLOCKED_BY(list + 1u, static_first, static_blocks, static_entries, blocks_masked)
+    BLOCKED_BY(list + 1u, moving_first, moving_blocks, moving_entries, blocks_masked)
     return blocked ? 0.0 : 1.0;
 }

@@ -38,7 +38,7 @@ void HardVisibility::record(vk::Commands& commands, const light_views::LightView
     GNOMON_CHECK_LE(first + count, views.atlas().first_tile.size() - 1);
     vk::Pass pass = commands.pass("hard shadows");
     records_.declare_views(pass);
-    casters.declare_triangles(pass);
+    casters.declare_alpha(pass);
     cells_.declare(pass);
     for (const vk::Image* image : {picture.positions, picture.normals, picture.objects})
         pass.reads(*image, vk::Use::sampled);
@@ -48,7 +48,7 @@ void HardVisibility::record(vk::Commands& commands, const light_views::LightView
         recorder.set("normals", *picture.normals, sampler_.get());
         recorder.set("objects", *picture.objects, sampler_.get());
         records_.bind_views(recorder);
-        casters.bind_triangles(recorder);
+        casters.bind_alpha(recorder);
         cells_.bind(recorder);
         recorder.set("visibility", out);
         const glm::uvec2 size(picture.positions->width(), picture.positions->height());

@@ -13,20 +13,19 @@ layout(binding = 2) uniform usampler2D objects;     // object + 1; 0: nothing th
 layout(binding = 3, scalar) readonly buffer ViewRecords { ViewRecord view_records[]; };
 layout(binding = 4, scalar) readonly buffer LightRecords { LightRecord light_records[]; };
 layout(binding = 5, r8) writeonly uniform image2DArray visibility;
-layout(binding = 6, scalar) readonly buffer Matrices { mat4 matrices[]; };
-layout(binding = 7, scalar) readonly buffer CasterPositions { float caster_positions[]; };
-layout(binding = 8, scalar) readonly buffer CasterTexcoords { vec2 caster_texcoords[]; };
-layout(binding = 9, scalar) readonly buffer CasterIndices { uint caster_indices[]; };
-layout(binding = 10, scalar) readonly buffer CasterOffsets { int caster_offsets[]; };
-layout(binding = 11, scalar) readonly buffer AlphaMaterials { AlphaMaterial alpha_materials[]; };
-layout(binding = 12, scalar) readonly buffer AlphaTexels { uint alpha_texels[]; };
-layout(binding = 13, scalar) readonly buffer CellBases { uint cell_bases[]; };
-layout(binding = 14, scalar) readonly buffer StaticFirst { uint static_first[]; };
-layout(binding = 15, scalar) readonly buffer StaticBlocks { CellBlock static_blocks[]; };
-layout(binding = 16, scalar) readonly buffer StaticEntries { CellEntry static_entries[]; };
-layout(binding = 17, scalar) readonly buffer MovingFirst { uint moving_first[]; };
-layout(binding = 18, scalar) readonly buffer MovingBlocks { CellBlock moving_blocks[]; };
-layout(binding = 19, scalar) readonly buffer MovingEntries { CellEntry moving_entries[]; };
+layout(binding = 6, scalar) readonly buffer CellTriangles { CellTriangle cell_triangles[]; };
+layout(binding = 7, scalar) readonly buffer CasterTexcoords { vec2 caster_texcoords[]; };
+layout(binding = 8, scalar) readonly buffer CasterIndices { uint caster_indices[]; };
+layout(binding = 9, scalar) readonly buffer CasterOffsets { int caster_offsets[]; };
+layout(binding = 10, scalar) readonly buffer AlphaMaterials { AlphaMaterial alpha_materials[]; };
+layout(binding = 11, scalar) readonly buffer AlphaTexels { uint alpha_texels[]; };
+layout(binding = 12, scalar) readonly buffer CellBases { uint cell_bases[]; };
+layout(binding = 13, scalar) readonly buffer StaticFirst { uint static_first[]; };
+layout(binding = 14, scalar) readonly buffer StaticBlocks { CellBlock static_blocks[]; };
+layout(binding = 15, scalar) readonly buffer StaticEntries { CellEntry static_entries[]; };
+layout(binding = 16, scalar) readonly buffer MovingFirst { uint moving_first[]; };
+layout(binding = 17, scalar) readonly buffer MovingBlocks { CellBlock moving_blocks[]; };
+layout(binding = 18, scalar) readonly buffer MovingEntries { CellEntry moving_entries[]; };
 layout(push_constant, scalar) uniform Constants { LookupConstants lookup; };
 #include "light_views/vulkan/alpha_test.glsl"
 #include "shadow_textures/vulkan/view_of_light.glsl"
