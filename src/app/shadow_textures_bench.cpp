@@ -98,7 +98,17 @@ class Runner {
     {
     }
 
-    void frame(const scene::SceneState& state, const render::View& view, bool measured)
+    /// @return ms
+    double draw_picture(const scene::SceneState& state, const render::View& view)
+    {
+        double ignored = 0;
+        return timed(ignored, [&] {
+            picture_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_,
+                            casters_, state, clip_from_world(view), view.eye);
+        });
+    }
+
+    void frame(const scene::SceneState& state, const render::View& view, bool measured, bool with_picture)
     {
         double cpu = 0;
         // The light's depths and items.
@@ -119,11 +129,7 @@ class Runner {
             buffers_.record(commands_, views_, casters_);
             commands_.submit();
         }
-        double ignored = 0;
-        const double picture = timed(ignored, [&] {
-            picture_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_,
-                            casters_, state, clip_from_world(view), view.eye);
-        });
+        const double picture = with_picture ? draw_picture(state, view) : 0;
         if (!measured) return;
         buffers_ms_.push_back(buffers), textures_ms_.push_back(textures), shadow_ms_.push_back(buffers + textures);
         frame_ms_.push_back(buffers + textures + picture), cpu_ms_.push_back(cpu);
@@ -229,41 +235,61 @@ class Runner {
 };
 
 // All methods in one scene.
-void run_setting(const std::shared_ptr<vk::Device>& device, const ShadowTexturesBenchOptions& options, int objects,
-                 double dynamic, const std::function<void()>& before_frame, ShadowTexturesBenchResult& result)
-{
-    scene::SpheresOptions spheres;
-    spheres.objects = objects;
-    spheres.dynamic = dynamic;
-    spheres.vertices = options.vertices;
-    if (options.movers) spheres.movers = *options.movers, spheres.crowd = true;
-    const auto scene = std::make_shared<const scene::Scene>(scene::make_spheres(spheres));
-    scene::SceneState state(scene, 0);
-    std::vector<std::unique_ptr<Runner>> runners;
-    for (const TextureMethod method : options.methods)
-        runners.push_back(std::make_unique<Runner>(device, state, options, method));
-    for (int frame = 0; frame < k_warm_up + options.frames; ++frame) {
-        before_frame();
-        state.advance(frame / scene->timeline.fps);
-        const render::View view = render::make_view(state, 0, options.size);
-        for (const auto& runner : runners)
-            if (frame > 0 || runner->remembers()) runner->frame(state, view, frame >= k_warm_up);
+class Setting {
+ public:
+    Setting(const std::shared_ptr<vk::Device>& device, const ShadowTexturesBenchOptions& options, int objects,
+            double dynamic)
+        : device_(device), options_(options), scene_(make_scene(options, objects, dynamic)), state_(scene_, 0)
+    {
+        for (const TextureMethod method : options.methods)
+            runners_.push_back(std::make_unique<Runner>(device, state_, options, method));
     }
 
-    // Is everything as if it had been drawn anew?
-    Runner full(device, state, options, TextureMethod::depth);
-    full.frame(state, render::make_view(state, 0, options.size), false);
-    const Runner::Contents expected = full.contents();
-    for (const auto& runner : runners) {
-        ShadowTexturesRow row = runner->row();
-        row.objects = objects;
-        row.movers = static_cast<int>(scene->statistics().objects_dynamic);
-        row.dynamic_percent = 100.0 * row.movers / objects;
-        row.identical_to_full = runner->same(runner->contents(), full, expected);
-        result.rows.push_back(row);
+    void frame(int frame)
+    {
+        state_.advance(frame / scene_->timeline.fps);
+        for (const auto& runner : runners_)
+            if (frame > 0 || runner->remembers())
+                runner->frame(state_, view(), frame >= k_warm_up, !options_.movers.has_value());
     }
-    result.picture = runners.back()->picture();
-}
+
+    /// Is everything as if it had been drawn anew?
+    void finish(ShadowTexturesBenchResult& result)
+    {
+        Runner full(device_, state_, options_, TextureMethod::depth);
+        full.frame(state_, view(), false, false);
+        const Runner::Contents expected = full.contents();
+        for (const auto& runner : runners_) {
+            ShadowTexturesRow row = runner->row();
+            row.objects = static_cast<int>(scene_->objects.size());
+            row.movers = static_cast<int>(scene_->statistics().objects_dynamic);
+            row.dynamic_percent = 100.0 * row.movers / row.objects;
+            row.identical_to_full = runner->same(runner->contents(), full, expected);
+            if (options_.movers) row.frame_ms += runner->draw_picture(state_, view());
+            result.rows.push_back(row);
+        }
+        result.picture = runners_.back()->picture();
+    }
+
+ private:
+    static std::shared_ptr<const scene::Scene> make_scene(const ShadowTexturesBenchOptions& options, int objects,
+                                                          double dynamic)
+    {
+        scene::SpheresOptions spheres;
+        spheres.objects = objects;
+        spheres.dynamic = dynamic;
+        spheres.vertices = options.vertices;
+        if (options.movers) spheres.movers = *options.movers, spheres.crowd = true;
+        return std::make_shared<const scene::Scene>(scene::make_spheres(spheres));
+    }
+    render::View view() const { return render::make_view(state_, 0, options_.size); }
+
+    const std::shared_ptr<vk::Device>& device_;
+    const ShadowTexturesBenchOptions& options_;
+    std::shared_ptr<const scene::Scene> scene_;
+    scene::SceneState state_;
+    std::vector<std::unique_ptr<Runner>> runners_;
+};
 
 }   // namespace
 
@@ -280,8 +306,24 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     const auto before_frame = [&] {
         if (progress && !progress({"measuring", done++ / total})) throw InterruptedError("interrupted");
     };
-    for (const double dynamic : shares)
-        for (const int objects : options.objects) run_setting(device, options, objects, dynamic, before_frame, result);
+    const int frames = k_warm_up + options.frames;
+    for (const double dynamic : shares) {
+        if (!options.movers) {
+            for (const int objects : options.objects) {
+                Setting setting(device, options, objects, dynamic);
+                for (int frame = 0; frame < frames; ++frame) before_frame(), setting.frame(frame);
+                setting.finish(result);
+            }
+            continue;
+        }
+        // All crowds side by side, frame by frame: what else goes on in the machine meets all of them.
+        std::vector<std::unique_ptr<Setting>> crowds;
+        for (const int objects : options.objects)
+            crowds.push_back(std::make_unique<Setting>(device, options, objects, dynamic));
+        for (int frame = 0; frame < frames; ++frame)
+            for (const auto& crowd : crowds) before_frame(), crowd->frame(frame);
+        for (const auto& crowd : crowds) crowd->finish(result);
+    }
 
     for (const TextureMethod method : options.methods) {
         std::vector<std::pair<double, double>> points;

@@ -9,6 +9,8 @@
 // are its timestamps. A software driver's work is done by this process, and copies and compute passes have no honest
 // timestamps there: so they are process CPU time. Figure and clock are said together. After the last frame every
 // method's textures (and the light view's buffers) are compared, to the bit, with those of a full redraw.
+//
+// Of crowds the update alone is measured, all of them side by side; their picture is drawn once, at the end.
 
 #include <optional>
 #include <string>
@@ -45,7 +47,7 @@ struct ShadowTexturesRow {
     double textures_ms = 0;     // of shadow_ms: the receivers' textures, which the items could stand for
     double shadow_ms = 0;       // the shadow pass
     double shadow_cpu_ms = 0;   // planning and recording it, on one thread, without what the device does
-    double frame_ms = 0;        // shadow pass and picture
+    double frame_ms = 0;        // shadow pass and picture; of a crowd: with the one picture at the end
     // Means a frame.
     double draws = 0, copies = 0, textures_updated = 0;
     double touched = 0;   // objects and index entries looked at
