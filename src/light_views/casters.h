@@ -25,6 +25,11 @@ class Casters {
     const Box3& box(scene::ObjectId object) const;
     /// Where a visible caster falls in a view; empty for others.
     Rect footprint(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const;
+    /// How far from the light it is.
+    DistanceRange distance(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const
+    {
+        return distance_range(view, state.object_matrix(object), box(object));
+    }
 
  private:
     void measure(const scene::SceneState& state, scene::ObjectId object);

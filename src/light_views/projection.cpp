@@ -207,4 +207,21 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
     return rect.empty() ? Rect{} : rect;
 }
 
+DistanceRange distance_range(const ViewProjection& view, const glm::mat4& to_world, const Box3& box)
+{
+    constexpr float k_rounding = 0x1p-19f;   // of what is added up: 32 roundings
+    const auto size = [](const glm::vec3& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); };
+    const float fixed = size(view.origin) + (view.perspective ? 0 : view.reach);
+    DistanceRange range;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                          corner & 4 ? box.high.z : box.low.z);
+        const glm::vec3 world = transform_point(to_world, p);
+        const float along = glm::dot(world - view.origin, view.forward), error = k_rounding * (size(world) + fixed);
+        range.nearest = std::min(range.nearest, along - error);
+        range.farthest = std::max(range.farthest, along + error);
+    }
+    return range;
+}
+
 }   // namespace gnomon::light_views

@@ -51,7 +51,8 @@ struct ViewPlan {
     std::vector<Settle> settle;
     std::vector<scene::ObjectId> dynamics;
     /// Objects whose shadow textures may have changed, ascending: what is drawn in 5 and 7, and static objects whose
-    /// footprint meets that of a change, before or after [3.2]. Filled on demand (LightViewsOptions::receivers).
+    /// footprint meets that of a change, before or after, unless all of them lies nearer the light [3.2]. Filled on
+    /// demand (LightViewsOptions::receivers).
     std::vector<scene::ObjectId> receivers;
     std::vector<scene::ObjectId>
         departed;   // had a footprint and have none now; on demand too; for `incremental` alone

@@ -48,6 +48,7 @@ class ViewTracker {
     struct Drawn {
         scene::ObjectId object;
         Rect rect;
+        float nearest;   // to the light, along the view
         friend bool operator==(const Drawn&, const Drawn&) = default;
     };
     void place_dynamics(const FrameMobility& frame);

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -110,7 +111,7 @@ void CasterCells::add_triangle(std::size_t view, const ViewProjection& projectio
     for (int y = first; y <= last; ++y) {
         // The row's part of each edge.
         const double top = y - k_margin, bottom = y + 1 + k_margin;
-        double left = side, right = 0;
+        double left = std::numeric_limits<double>::infinity(), right = -left;
         for (int i = 0; i < polygon.count; ++i) {
             const glm::dvec2 &a = polygon.at[static_cast<std::size_t>(i)],
                              &b = polygon.at[static_cast<std::size_t>((i + 1) % polygon.count)];

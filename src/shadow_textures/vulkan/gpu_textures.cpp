@@ -226,7 +226,7 @@ void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews&
                 const LightView& view = views.views()[receiver.view];
                 recorder.viewport(in_page(view, view.projection.whole()));
                 recorder.scissor(in_page(view, receiver.rect));
-                const std::vector<DistanceRange>& range = ranges_[receiver.view];
+                const std::vector<light_views::DistanceRange>& range = ranges_[receiver.view];
                 const float farthest = range[receiver.object].farthest;
                 for (scene::ObjectId o = 0; o < objects_; ++o) {
                     if (!views.casters().casts(o) || !state.object_visible(o)) continue;
@@ -280,7 +280,7 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
         if (!view.shown) continue;
         ranges_[v].clear();
         for (scene::ObjectId o = 0; o < objects_; ++o)
-            ranges_[v].push_back(distance_range(view.projection, state.object_matrix(o), views.casters().box(o)));
+            ranges_[v].push_back(light_views::distance_range(view.projection, state.object_matrix(o), views.casters().box(o)));
         for (scene::ObjectId o = 0; o < objects_; ++o) {
             const Receiver receiver{v, o, views.casters().footprint(view.projection, state, o)};
             if (receiver.rect.empty()) continue;

@@ -10,7 +10,6 @@
 // receivers.
 
 #include "light_views/vulkan/gpu_light_views.h"
-#include "shadow_textures/between.h"
 #include "shadow_textures/vulkan/texture_arena.h"
 #include "shadow_textures/vulkan/textures_shared.h"
 
@@ -67,7 +66,7 @@ class GpuTextures {
     std::vector<std::uint32_t> changed_places_;
     vk::Buffer words_, places_;
     std::vector<vk::Buffer> outgrown_;
-    std::vector<std::vector<DistanceRange>> ranges_;   // per caster: by view and object
+    std::vector<std::vector<light_views::DistanceRange>> ranges_;   // per caster: by view and object
     vk::Image scratch_;                                // per caster: the depth of what lies between
     vk::Pipeline receiver_[2][2], caster_[2][2];       // perspective or not, opaque or alpha-tested
     bool places_filled_ = false;
