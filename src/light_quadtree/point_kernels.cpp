@@ -17,6 +17,7 @@ namespace gnomon::light_quadtree::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float k_tiny = 1e-30f;
+constexpr float k_least_reach = 1e-6f;   // of cosines about their mean, so that it may be divided by
 constexpr float k_second_order = 0.5f;   // largest A / (pi d^2) for which a kernel's second order helps
 constexpr float k_mixed = 0.1f;          // spread of normals above which one place cannot speak for a node
 constexpr float k_horizon = 0.1f;        // cosine at the point below which it cannot either
@@ -29,6 +30,16 @@ struct Four {
     alignas(16) float spread[4];   // of the normals: 0 where all agree
     unsigned there;                // lanes with flux, not wholly below the horizon
 };
+
+// The mean of what is above zero, of values that lie evenly within `reach` of their mean.
+template <class D>
+HWY_INLINE hn::Vec<D> rectified(D d, hn::Vec<D> mean, hn::Vec<D> reach)
+{
+    reach = hn::Max(reach, hn::Set(d, k_least_reach));
+    const auto within = hn::Max(hn::Add(hn::Min(mean, reach), reach), hn::Zero(d));
+    return hn::Add(hn::Div(hn::Mul(within, within), hn::Mul(hn::Set(d, 4.0f), reach)),
+                   hn::Max(hn::Sub(mean, reach), hn::Zero(d)));
+}
 
 HWY_INLINE void evaluate(const EmitterQuad& q, const glm::vec3& origin, const glm::vec3& normal, Four& four)
 {
@@ -47,12 +58,12 @@ HWY_INLINE void evaluate(const EmitterQuad& q, const glm::vec3& origin, const gl
     const auto width = hn::Mul(hn::LoadU(d, q.radius), inverse);
     const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, mx), hn::Mul(y, my)), hn::Mul(z, mz)), inverse);
     const auto emitter = hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, nx), hn::Mul(y, ny)), hn::Mul(z, nz)), inverse));
-    const auto r = hn::Max(receiver, zero), e = hn::Max(emitter, zero);
     const auto disk = hn::Mul(hn::Div(inverse_pi, hn::Add(hn::Add(square, area), tiny)), flux);
     const auto spread =
         hn::Max(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), zero);
     hn::StoreU(spread, d, four.spread);
-    const auto room = hn::Add(width, hn::Sqrt(spread));
+    const auto reach = hn::Sqrt(spread), room = hn::Add(width, reach);
+    const auto r = hn::Max(receiver, zero), e = rectified(d, emitter, reach);
     hn::StoreU(
         hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Max(hn::Add(emitter, room), zero), one)), disk), d,
         four.most);

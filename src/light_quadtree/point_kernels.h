@@ -7,6 +7,9 @@
 // P / (pi d^2) * e * (r + g (r (1 - 3 e^2) - m e)), g = A / (pi d^2): the mean over a disk to second order in its
 // radius. For a disk that faces the point, r = e = -m = 1, the first terms of 1 / (d^2 + A / pi). Less than nothing is
 // written as a quotient, and g beyond 1/2 only widens the distance, so that it stays finite where surfaces meet.
+// Normals of a node that differ have cosines on both sides of e, and those below 0 give no light: with their spread
+// s^2 = 1 - |mean normal|^2 in space, a third of it along any one direction, they lie about evenly in e - s ... e + s, and
+// the mean of those above 0 takes the place of e. The mean's own would be too dark: clamping is convex.
 
 #include <vector>
 
@@ -18,7 +21,7 @@ struct CutOptions {
     float error = 0.04f;        // a node that may be wrong by more than this share of all light is refined,
     float nearest = 0.6f;       // all the more if it is wider than this share of its distance
     float negligible = 1e-5f;   // shares smaller than this are left out
-    float estimate = 0.01f;     // the error of the cut from which all light is estimated first
+    float estimate = 0.003f;    // the error of the cut from which all light is estimated first
 };
 
 /// Walks the tree from its roots: a node whose light may be wrong by too much is refined [Walter et al. 2005].
