@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/indirect_points.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon::app {
@@ -65,6 +66,23 @@ void see_picture(const scene::SceneState& state, const ray::RayScene& rays, cons
                 out.points[out.index(x, y)] = seen_point(
                     state.scene(), rays, view, {hits.t[i], hits.u[i], hits.v[i], hits.object[i], hits.triangle[i]},
                     queue.direction(i), {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+    });
+    const int columns = (view.size.width + k_seen_tile - 1) / k_seen_tile;
+    const int rows = (view.size.height + k_seen_tile - 1) / k_seen_tile;
+    out.tiles.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    tasks.for_each(out.tiles.size(), [&](std::size_t t, int) {
+        SeenTile& tile = out.tiles[t];
+        tile.points.clear(), tile.pixels.clear();
+        const int x0 = static_cast<int>(t) % columns * k_seen_tile, y0 = static_cast<int>(t) / columns * k_seen_tile;
+        for (int y = y0; y < std::min(y0 + k_seen_tile, view.size.height); ++y)
+            for (int x = x0; x < std::min(x0 + k_seen_tile, view.size.width); ++x) {
+                const SeenPoint& seen = out.points[out.index(x, y)];
+                if (!seen.scatters) continue;
+                tile.pixels.push_back(out.index(x, y));
+                tile.points.push_back(seen.point);
+                tile.points.back().x = static_cast<std::int16_t>(x - x0);
+                tile.points.back().y = static_cast<std::int16_t>(y - y0);
+            }
     });
 }
 

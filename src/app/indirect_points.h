@@ -20,16 +20,25 @@ struct SeenPoint {
     bool scatters = false;                 // a surface that reflects diffusely: bounced light matters there
 };
 
+// What scatters, tile by tile, as a traced frame hands it over.
+struct SeenTile {
+    std::vector<light_quadtree::IndirectPoint> points;   // with their places in the tile
+    std::vector<std::size_t> pixels;
+};
+
 struct SeenPicture {
     Size size;
     render::View view;
     std::vector<SeenPoint> points;   // by pixel, row by row
+    std::vector<SeenTile> tiles;     // of k_seen_tile pixels a side
     render::IndirectGrid grid;       // for methods that have sparse receivers; else empty
     std::size_t index(int x, int y) const
     {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
     }
 };
+
+inline constexpr int k_seen_tile = 32;
 
 /// Primary hits through the centres of all pixels; at every `grid_step`-th pixel also as sparse receivers, if above 0.
 void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const render::View& view, int grid_step,

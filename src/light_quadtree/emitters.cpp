@@ -104,10 +104,9 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     }
     quads_.resize(end / 4);
     GNOMON_CHECK(end <= k_most_nodes);
-    for (auto* lane : {&samples_.x, &samples_.y, &samples_.z}) lane->resize(end);
+    samples_.places.resize(end);
     for (Flux* flux : {&flux_, &still_})
         for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->resize(end);
-    differs_.assign(end / 32 + 1, 0);
     children_.assign(end, k_none);
     for (const View& view : views_)
         for (int level = 1; level < view.levels; ++level)
@@ -260,7 +259,7 @@ void EmitterTree::make_view(View& view)
         quad.x[lane] = node.position.x, quad.y[lane] = node.position.y, quad.z[lane] = node.position.z;
         quad.nx[lane] = node.normal.x, quad.ny[lane] = node.normal.y, quad.nz[lane] = node.normal.z;
         quad.radius[lane] = node.radius, quad.area[lane] = node.area, quad.flux[lane] = node.flux;
-        samples_.x[id] = node.sample.x, samples_.y[id] = node.sample.y, samples_.z[id] = node.sample.z;
+        samples_.places[id] = glm::vec4(node.sample, samples_.places[id].w);   // see mark_changes()
     }
     find_movers(view);
     block_leaves(view, view.movers);
@@ -338,13 +337,10 @@ void EmitterTree::mark_changes()
 {
     for (View& view : views_) {
         for (const NodeId id : view.dirty) {
-            const std::uint32_t bit = 1u << (id % 32);
-            std::uint32_t& word = differs_[id / 32];
-            differing_ -= (word & bit) != 0;
-            word &= ~bit;
-            if (flux_.at(id) == still_.at(id)) continue;
-            word |= bit;
-            ++differing_;
+            float& mark = samples_.places[id].w;
+            differing_ -= mark != 0;
+            mark = flux_.at(id) == still_.at(id) ? 0.0f : 1.0f;
+            differing_ += mark != 0;
         }
         view.dirty.clear();
     }
@@ -494,8 +490,7 @@ float EmitterTree::leaf_spacing() const
 
 std::size_t EmitterTree::bytes() const
 {
-    return quads_.size() * sizeof(EmitterQuad) + children_.size() * (9 * sizeof(float) + sizeof(NodeId)) +
-           differs_.size() * sizeof(std::uint32_t);
+    return quads_.size() * sizeof(EmitterQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
 }
 
 }   // namespace gnomon::light_quadtree

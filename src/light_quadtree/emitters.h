@@ -73,16 +73,16 @@ class EmitterTree {
     const Flux& flux() const { return flux_; }
     /// As if nothing that moves stood in the light.
     const Flux& still_flux() const { return still_; }
-    /// A bit by node: the two differ.
-    const std::uint32_t* differs() const { return differs_.data(); }
+    bool differs(NodeId id) const { return samples_.places[id].w != 0; }
     bool any_differs() const { return differing_ > 0; }
     const std::vector<MoverEmitter>& movers() const { return movers_; }
     /// Of an object that moves: its rigid group, or it alone.
     std::uint32_t owner_of(scene::ObjectId object) const;
-    /// By node: a place on the leaf nearest to the mean, lifted: where visibility is asked.
+    /// By node: a place on the leaf nearest to the mean, lifted: where visibility is asked. Beside it, w: 1 if present
+    /// flux differs from still flux, else 0: who asks which ways cross what moves wants both.
     struct Samples {
-        std::vector<float> x, y, z;
-        glm::vec3 at(NodeId id) const { return {x[id], y[id], z[id]}; }
+        std::vector<glm::vec4> places;
+        glm::vec3 at(NodeId id) const { return glm::vec3(places[id]); }
     };
     const Samples& samples() const { return samples_; }
     /// Quads below the tops of the views' pyramids, of those that have any flux.
@@ -142,7 +142,6 @@ class EmitterTree {
     std::vector<EmitterQuad> quads_;
     Samples samples_;
     Flux flux_, still_;
-    std::vector<std::uint32_t> differs_;
     std::size_t differing_ = 0;
     std::vector<MoverEmitter> movers_;
     const scene::SceneState* state_;

@@ -194,7 +194,7 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
-    const EmitterTree::Samples& samples = tree.samples();
+    const float* const places = &tree.samples().places.data()->x;
     const EmitterTree::Flux& flux = tree.still_flux();
     auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
@@ -203,9 +203,10 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
         const auto code = hn::And(packed, hn::Set(du, (1u << k_weight_bits) - 1));
         auto weight = hn::BitCast(d, hn::Add(hn::ShiftLeft<k_weight_shift>(code), hn::Set(du, k_weight_bias)));
         weight = hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(packed, hn::Zero(du))), weight);
-        const auto x = hn::Sub(hn::GatherIndex(d, samples.x.data(), id), ox);
-        const auto y = hn::Sub(hn::GatherIndex(d, samples.y.data(), id), oy);
-        const auto z = hn::Sub(hn::GatherIndex(d, samples.z.data(), id), oz);
+        const auto at = hn::ShiftLeft<2>(id);
+        const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
+        const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
+        const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
         const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
         weight = hn::Div(weight, hn::Sqrt(square));
         const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), id), weight);
@@ -222,34 +223,29 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
 }
 
 void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                     const MovingSpheres& movers, std::vector<std::uint32_t>& changed)
+                     const MovingSpheres& movers, std::vector<ChangedNode>& changed)
 {
     const hn::CappedTag<float, k_seen_step> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), tiny = hn::Set(d, k_tiny);
-    const EmitterTree::Samples& samples = tree.samples();
+    const float* const places = &tree.samples().places.data()->x;
     const bool differs = tree.any_differs();
-    const auto* words = reinterpret_cast<const std::int32_t*>(tree.differs());
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto node = hn::ShiftRight<k_weight_bits>(hn::LoadU(du, seen + k));
-        const auto id = hn::BitCast(di, node);
-        auto found = hn::Lt(one, zero);
-        if (differs) {
-            const auto word = hn::BitCast(du, hn::GatherIndex(di, words, hn::BitCast(di, hn::ShiftRight<5>(node))));
-            const auto bit = hn::Shl(hn::Set(du, 1), hn::And(node, hn::Set(du, 31)));
-            found = hn::RebindMask(d, hn::Ne(hn::And(word, bit), hn::Zero(du)));
-        }
+        const auto at = hn::BitCast(di, hn::ShiftLeft<2>(node));
+        auto found = hn::Lt(one, zero), crossed = found;
+        if (differs) found = hn::Gt(hn::GatherIndex(d, places + 3, at), zero);
         if (!movers.each.empty()) {
-            const auto x = hn::Sub(hn::GatherIndex(d, samples.x.data(), id), ox);
-            const auto y = hn::Sub(hn::GatherIndex(d, samples.y.data(), id), oy);
-            const auto z = hn::Sub(hn::GatherIndex(d, samples.z.data(), id), oz);
+            const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
+            const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
+            const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
             const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
             const auto inverse = hn::Div(one, square);
             const auto meets = [&](const Sphere& sphere) HWY_ATTR {
-                const glm::vec3 at = sphere.centre - origin;
-                const auto ax = hn::Set(d, at.x), ay = hn::Set(d, at.y), az = hn::Set(d, at.z);
+                const glm::vec3 centre = sphere.centre - origin;
+                const auto ax = hn::Set(d, centre.x), ay = hn::Set(d, centre.y), az = hn::Set(d, centre.z);
                 const auto along = hn::Min(
                     hn::Max(hn::Mul(hn::Add(hn::Add(hn::Mul(ax, x), hn::Mul(ay, y)), hn::Mul(az, z)), inverse), zero),
                     one);
@@ -260,16 +256,27 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
             };
             for (const MovingSpheres::Together& group : movers.together) {
                 const auto near = meets(group.sphere);
+                if (group.end - group.first == 1) {   // it encloses the same
+                    crossed = hn::Or(crossed, near);
+                    continue;
+                }
                 if (hn::AllFalse(d, near)) continue;
                 for (std::uint32_t m = group.first; m < group.end; ++m)
-                    found = hn::Or(found, hn::And(near, meets(movers.each[m])));
+                    crossed = hn::Or(crossed, hn::And(near, meets(movers.each[m])));
             }
+            found = hn::Or(found, crossed);
         }
         if (hn::AllFalse(d, found)) continue;
-        std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, found, bits);
-        for (std::uint32_t lane = 0; lane < hn::Lanes(d) && k + lane < count; ++lane)
-            if ((bits[lane / 8] >> (lane % 8)) & 1) changed.push_back(k + lane);
+        const auto bits_of = [&](auto mask) HWY_ATTR {
+            std::uint8_t bytes[8] = {};
+            hn::StoreMaskBits(d, mask, bytes);
+            return static_cast<std::uint32_t>(bytes[0]) | (static_cast<std::uint32_t>(bytes[1]) << 8);
+        };
+        const std::uint32_t crossing = bits_of(crossed);
+        for (std::uint32_t left = bits_of(found); left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::uint32_t>(__builtin_ctz(left));
+            if (k + lane < count) changed.push_back({k + lane, ((crossing >> lane) & 1) != 0});
+        }
     }
 }
 
@@ -314,7 +321,7 @@ void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count
 }
 
 void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                  const MovingSpheres& movers, std::vector<std::uint32_t>& changed)
+                  const MovingSpheres& movers, std::vector<ChangedNode>& changed)
 {
     HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, movers, changed);
 }

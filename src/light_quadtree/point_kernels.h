@@ -65,9 +65,13 @@ struct MovingSpheres {
 
 /// Which seen nodes may bring other light now: their flux differs from still flux, or their way to the point passes one
 /// of these spheres.
+struct ChangedNode {
+    std::uint32_t place;   // in the list
+    bool crossed;          // its way passes a sphere; else its flux alone differs
+};
 /// @param count    without what fills the last step
-/// @param changed  out: places in the list, rising
+/// @param changed  out: by place, rising
 void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                  const MovingSpheres& movers, std::vector<std::uint32_t>& changed);
+                  const MovingSpheres& movers, std::vector<ChangedNode>& changed);
 
 }   // namespace gnomon::light_quadtree

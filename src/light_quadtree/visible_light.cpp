@@ -146,8 +146,9 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
     batch.wanted.clear();
     batch.parts.clear();
     batch.moving.resize(points.size());
+    const std::vector<scene::Object>& objects = state_->scene().objects;
     for (std::size_t i = 0; i < points.size(); ++i)
-        batch.moving[i] = state_->scene().objects[points[i].object].dynamic || !(points[i].width > 0);
+        batch.moving[i] = objects[points[i].object].dynamic || !(points[i].width > 0);
     batch.pixels.choose(points, batch.moving);
     for (const std::uint32_t i : batch.pixels.reckoned()) {
         irradiance[i] = glm::vec3(0);
@@ -686,12 +687,17 @@ void VisibleLight::sum(Batch& batch)
         if (movers_.each.empty() && !emitters_.any_differs()) continue;
         batch.changed.clear();
         find_changed(emitters_, point.seen.get(), point.count, point.origin, movers_, batch.changed);
-        for (const std::uint32_t k : batch.changed) {
-            const NodeId node = seen_node(point.seen[k]);
+        for (const ChangedNode& changed : batch.changed) {
+            const SeenNode seen = point.seen[changed.place];
+            const NodeId node = seen_node(seen);
             const glm::vec3 to = samples.at(node) - point.origin;
-            const glm::vec3 direction = to * (seen_weight(point.seen[k]) / glm::length(to));
-            add_light(point, -still.at(node), direction);
+            const glm::vec3 direction = to * (seen_weight(seen) / glm::length(to));
             const glm::vec3 now = flux.at(node);
+            if (!changed.crossed) {
+                add_light(point, now - still.at(node), direction);
+                continue;
+            }
+            add_light(point, -still.at(node), direction);
             if (now == glm::vec3(0)) continue;
             // It is added again once it is known to arrive.
             batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);

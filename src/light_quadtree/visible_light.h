@@ -37,7 +37,7 @@ struct VisibleOptions {
     float pixels_per_leaf = 16;   // of small triangles that no lattice fits: foliage, rods
     CutOptions cut;
     // In place of cut.error and cut.estimate for points that move, since they are made anew every frame.
-    float moving_error = 0.1f, moving_estimate = 0.05f;
+    float moving_error = 0.2f, moving_estimate = 0.05f;
     // Near light (near_light.h): from within so many leaves of the light map, where far points lie no further apart
     // than so many of its radii.
     float near_radius = 1, near_spacing = 4;
@@ -132,6 +132,7 @@ class VisibleLight {
     SkyLight sky_;
     NearLight near_;
     std::unique_ptr<NearHints> hints_;   // null: no near light
+    float near_width_ = 0;               // of pixels: from here on there is none
     light_views::Casters casters_;
     struct Together {   // what moves together
         std::uint32_t owner;
@@ -211,7 +212,7 @@ class VisibleLight::Batch {
     std::vector<RememberedPoint*> placed;   // new lattice points
     std::vector<NodeId> cut, entries;
     std::vector<float> cut_weight, entry_weight;
-    std::vector<std::uint32_t> changed;
+    std::vector<ChangedNode> changed;
     std::vector<NodeId> stack;
     std::vector<Fresh> fresh;
     std::vector<Share> shares, bounces;

@@ -23,22 +23,22 @@ void VisibleLight::follow_radius(bool first)
     if (hints_ && radius == near_.options().radius) return;
     near_ = NearLight({radius, options_.near_rays});
     hints_ = std::make_unique<NearHints>(state_->scene(), *rays_, NearHintOptions{.radius = radius});
+    // Their widest lattice has one of near_at()'s spacings, which are powers of two.
+    near_width_ = 2 * spacing_of(detail_of(options_.near_spacing * radius).level) / options_.widest;
 }
 
-// Leaves in `near_points` those with other surfaces close by.
+// Leaves in `near_points` those with other surfaces close by. `moving` says what moves.
 void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> points)
 {
     batch.near_points.clear();
     batch.asked_cells.clear();
     batch.awaited_cells.clear();
-    const std::vector<scene::Object>& objects = state_->scene().objects;
     scene::ObjectId object = scene::none;
     std::uint32_t triangle = 0;
     glm::vec3 winding(0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const IndirectPoint& point = points[i];
-        if (!(point.width > 0) || objects[point.object].dynamic) continue;
-        if (!near_at(spacing_of(detail_of(options_.widest * point.width).level))) continue;
+        if (!(point.width < near_width_) || batch.moving[i]) continue;
         if (point.object != object || point.triangle != triangle) {
             object = point.object, triangle = point.triangle;
             glm::vec3 p[3];

@@ -133,7 +133,7 @@ TEST(PointKernels, FindsWhatMoversMayChange)
                 movers.each.push_back({middle + 0.1f * glm::vec3(number(), number(), number()), 0.05f});
             movers.together.push_back({{middle, 0.25f}, first, static_cast<std::uint32_t>(movers.each.size())});
         }
-        std::vector<std::uint32_t> changed;
+        std::vector<ChangedNode> changed;
         find_changed(world.tree, seen.data(), count, origin, movers, changed);
         std::size_t next = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
@@ -146,7 +146,10 @@ TEST(PointKernels, FindsWhatMoversMayChange)
                 margin = std::min(margin, glm::length(at - along * to) - static_cast<double>(sphere.radius));
             }
             const bool differs = world.tree.flux().at(node) != world.tree.still_flux().at(node);
-            const bool listed = next < changed.size() && changed[next] == k;
+            const bool listed = next < changed.size() && changed[next].place == k;
+            if (listed && std::abs(margin) > 1e-4) {
+                EXPECT_EQ(changed[next].crossed, margin < 0);
+            }
             if (listed) ++next;
             ++asked;
             found += listed;
