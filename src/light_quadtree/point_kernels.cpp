@@ -237,7 +237,7 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
         const auto at = hn::BitCast(di, hn::ShiftLeft<2>(node));
         auto found = hn::Lt(one, zero), crossed = found;
         if (differs) found = hn::Gt(hn::GatherIndex(d, places + 3, at), zero);
-        if (!movers.each.empty()) {
+        if (!movers.empty()) {
             const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
             const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
             const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
@@ -254,15 +254,11 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
                 const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
                 return hn::Le(off, hn::Set(d, sphere.radius * sphere.radius));
             };
-            for (const MovingSpheres::Together& group : movers.together) {
-                const auto near = meets(group.sphere);
-                if (group.end - group.first == 1) {   // it encloses the same
-                    crossed = hn::Or(crossed, near);
-                    continue;
-                }
-                if (hn::AllFalse(d, near)) continue;
-                for (std::uint32_t m = group.first; m < group.end; ++m)
-                    crossed = hn::Or(crossed, hn::And(near, meets(movers.each[m])));
+            const std::vector<MovingSpheres::Node>& nodes = movers.nodes();
+            for (std::uint32_t m = 0; m < nodes.size();) {
+                const auto near = meets(nodes[m].sphere);
+                if (nodes[m].single) crossed = hn::Or(crossed, near);
+                m = hn::AllFalse(d, near) ? nodes[m].next : m + 1;
             }
             found = hn::Or(found, crossed);
         }

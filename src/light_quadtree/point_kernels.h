@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "light_quadtree/emitters.h"
+#include "light_quadtree/moving_spheres.h"
 
 namespace gnomon::light_quadtree {
 
@@ -47,21 +48,6 @@ inline constexpr std::uint32_t k_seen_step = 16;
 /// Sums still flux times weight times direction over seen nodes, by colour.
 void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
               glm::vec3 (&light)[3]);
-
-struct Sphere {
-    glm::vec3 centre{0};
-    float radius = 0;
-};
-
-/// What moves, enclosed: things that move together in one sphere, and each by itself in it.
-struct MovingSpheres {
-    struct Together {
-        Sphere sphere;
-        std::uint32_t first, end;   // of `each`
-    };
-    std::vector<Together> together;
-    std::vector<Sphere> each;
-};
 
 /// Which seen nodes may bring other light now: their flux differs from still flux, or their way to the point passes one
 /// of these spheres.

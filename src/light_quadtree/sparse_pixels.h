@@ -17,8 +17,8 @@ namespace gnomon::light_quadtree {
 class SparsePixels {
  public:
     static constexpr int k_side = 32;   // of a tile, in pixels
-    static constexpr int k_step = 8;    // between the corners of a block, or, where that is not of one plane,
-    static constexpr int k_least_step = 4;
+    static constexpr int k_step = 4;    // between the corners of a block, or, where that is not of one plane,
+    static constexpr int k_least_step = 2;
     /// Points in any order. Those without a place in a tile, and those of which a tile has two, are all reckoned.
     /// @param exempt  by point: not to be interpolated
     void choose(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt);

@@ -99,11 +99,9 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
         return;
     // Enclose what moves.
     ++movers_version_;
-    movers_.together.clear();
-    movers_.each.clear();
+    movers_.clear();
     for (const Together& together : together_) {
-        const auto begin = static_cast<std::uint32_t>(movers_.each.size());
-        Box3 all;
+        std::vector<Sphere> spheres;
         for (const scene::ObjectId o : together.objects) {
             if (!state.object_visible(o)) continue;
             const Box3& box = casters_.box(o);
@@ -114,15 +112,9 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
                 world.add(transform_point(
                     m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                  corner & 4 ? box.high.z : box.low.z)));
-            movers_.each.push_back({world.centre(), 0.5f * world.diagonal() * k_grown});
-            all.add(world);
+            spheres.push_back({world.centre(), 0.5f * world.diagonal() * k_grown});
         }
-        const auto end = static_cast<std::uint32_t>(movers_.each.size());
-        if (end == begin) continue;
-        float radius = 0;
-        for (std::uint32_t m = begin; m < end; ++m)
-            radius = std::max(radius, glm::length(movers_.each[m].centre - all.centre()) + movers_.each[m].radius);
-        movers_.together.push_back({{all.centre(), radius * k_grown}, begin, end});
+        movers_.add(std::move(spheres));
     }
 }
 
@@ -656,12 +648,16 @@ void VisibleLight::see_sky(Batch& batch)
 void VisibleLight::shade_sky(Batch& batch, RememberedPoint& point)
 {
     SkyMask hidden;
-    for (const MovingSpheres::Together& group : movers_.together) {
-        const SkyMask near = sky_.towards(group.sphere.centre - point.origin, group.sphere.radius) & point.sky;
-        if (!near.any()) continue;
-        for (std::uint32_t m = group.first; m < group.end; ++m)
-            hidden |= sky_.towards(movers_.each[m].centre - point.origin, movers_.each[m].radius) & near;
-    }
+    SkyMask near;
+    movers_.any(
+        [&](const Sphere& sphere) {
+            near = sky_.towards(sphere.centre - point.origin, sphere.radius) & point.sky;
+            return near.any();
+        },
+        [&](const Sphere&) {
+            hidden |= near;
+            return false;
+        });
     hidden.for_each([&](std::size_t i) {
         add_light(point, -sky_.light(i), sky_.direction(i));
         batch.rays.push(point.origin, 0, sky_.direction(i), k_infinity);
@@ -684,7 +680,7 @@ void VisibleLight::sum(Batch& batch)
         ++batch.counters.summed_points;
         point.movers_version = movers_version_;
         std::copy(point.still, point.still + 3, point.light);
-        if (movers_.each.empty() && !emitters_.any_differs()) continue;
+        if (movers_.empty() && !emitters_.any_differs()) continue;
         batch.changed.clear();
         find_changed(emitters_, point.seen.get(), point.count, point.origin, movers_, batch.changed);
         for (const ChangedNode& changed : batch.changed) {

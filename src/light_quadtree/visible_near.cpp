@@ -148,7 +148,7 @@ void VisibleLight::see_near(Batch& batch)
 // Whether something that moves may come between near surfaces and the point, or between them and a light.
 bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
 {
-    if (movers_.each.empty()) return false;
+    if (movers_.empty()) return false;
     if (point.still[0] == glm::vec3(0) && point.still[1] == glm::vec3(0) && point.still[2] == glm::vec3(0))
         return false;
     const float radius = near_.options().radius;
@@ -169,11 +169,9 @@ bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
         if (!at.visible || light.of_environment) continue;
         const bool endless = light.type == scene::LightType::directional;
         const glm::vec3 way = endless ? -at.direction : at.position - point.origin;
-        for (const MovingSpheres::Together& group : movers_.together) {
-            if (!meets(group.sphere, way, endless)) continue;
-            for (std::uint32_t m = group.first; m < group.end; ++m)
-                if (meets(movers_.each[m], way, endless)) return true;
-        }
+        if (movers_.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
+                        [](const Sphere&) { return true; }))
+            return true;
     }
     return false;
 }

@@ -126,12 +126,14 @@ TEST(PointKernels, FindsWhatMoversMayChange)
         const auto count = static_cast<std::uint32_t>(random() % 100);
         const std::vector<SeenNode> seen = world.some(count, static_cast<unsigned>(round));
         MovingSpheres movers;
+        std::vector<Sphere> each;
         for (std::uint32_t group = 0; group < 3; ++group) {
-            const auto first = static_cast<std::uint32_t>(movers.each.size());
+            std::vector<Sphere> together;
             const glm::vec3 middle(number(), number(), number());
             for (int m = 0; m < 4; ++m)
-                movers.each.push_back({middle + 0.1f * glm::vec3(number(), number(), number()), 0.05f});
-            movers.together.push_back({{middle, 0.25f}, first, static_cast<std::uint32_t>(movers.each.size())});
+                together.push_back({middle + 0.1f * glm::vec3(number(), number(), number()), 0.05f});
+            each.insert(each.end(), together.begin(), together.end());
+            movers.add(std::move(together));
         }
         std::vector<ChangedNode> changed;
         find_changed(world.tree, seen.data(), count, origin, movers, changed);
@@ -140,7 +142,7 @@ TEST(PointKernels, FindsWhatMoversMayChange)
             const NodeId node = seen_node(seen[k]);
             const glm::dvec3 to(world.tree.samples().at(node) - origin);
             double margin = 1;   // how clearly it passes
-            for (const Sphere& sphere : movers.each) {
+            for (const Sphere& sphere : each) {
                 const glm::dvec3 at(sphere.centre - origin);
                 const double along = std::clamp(glm::dot(at, to) / glm::dot(to, to), 0.0, 1.0);
                 margin = std::min(margin, glm::length(at - along * to) - static_cast<double>(sphere.radius));

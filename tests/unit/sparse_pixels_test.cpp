@@ -17,6 +17,7 @@ std::vector<IndirectPoint> tile_of(float step_at)
             IndirectPoint p;
             p.position = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(x) < step_at ? 0.0f : 5.0f};
             p.geometric_normal = p.normal = {0, 0, 1};
+            p.object = 0, p.triangle = static_cast<float>(x) < step_at ? 0 : 1;
             p.width = 1;
             p.x = static_cast<std::int16_t>(x), p.y = static_cast<std::int16_t>(y);
             points.push_back(p);
@@ -46,7 +47,7 @@ TEST(SparsePixels, LinearLightOfAPlaneComesBack)
     const auto points = tile_of(100);
     SparsePixels pixels;
     const auto light = light_of(points, pixels, {});
-    EXPECT_EQ(pixels.reckoned().size(), 25u);
+    EXPECT_EQ(pixels.reckoned().size(), 81u);
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
