@@ -15,32 +15,14 @@ namespace gnomon::app {
 
 namespace {
 
-constexpr int k_tile = 32;
 constexpr double k_widest = 2;   // disk: wherever its middle, it covers the light map
-
-// Hands out the pixels of each tile that scatter, and the thread's number.
-template <class Work>
-void for_each_tile(const SeenPicture& picture, Tasks& tasks, const Work& work)
-{
-    const int columns = (picture.size.width + k_tile - 1) / k_tile;
-    const int rows = (picture.size.height + k_tile - 1) / k_tile;
-    std::vector<std::vector<std::size_t>> pixels(static_cast<std::size_t>(tasks.threads()));
-    tasks.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t t, int w) {
-        auto& own = pixels[static_cast<std::size_t>(w)];
-        own.clear();
-        const int x0 = static_cast<int>(t) % columns * k_tile, y0 = static_cast<int>(t) / columns * k_tile;
-        for (int y = y0; y < std::min(y0 + k_tile, picture.size.height); ++y)
-            for (int x = x0; x < std::min(x0 + k_tile, picture.size.width); ++x)
-                if (picture.points[picture.index(x, y)].scatters) own.push_back(picture.index(x, y));
-        work(own, static_cast<std::size_t>(w));
-    });
-}
 
 // Remembered visibility: points are handed over tile by tile, as the traced frame does.
 class VisibleMethod final : public IndirectMethod {
  public:
-    VisibleMethod(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
-        : visible_(state, rays, {}, tasks), scratch_(static_cast<std::size_t>(tasks.threads()))
+    VisibleMethod(const IndirectSettings& settings, const scene::SceneState& state, const ray::RayScene& rays,
+                  Tasks& tasks)
+        : visible_(state, rays, options_of(settings), tasks), light_(static_cast<std::size_t>(tasks.threads()))
     {
     }
 
@@ -48,23 +30,18 @@ class VisibleMethod final : public IndirectMethod {
     {
         visible_.begin_frame(state, rays, tasks);
         batches_.clear();
-        for (std::size_t t = 0; t < scratch_.size(); ++t) batches_.push_back(visible_.make_batch());
+        for (std::size_t t = 0; t < light_.size(); ++t) batches_.push_back(visible_.make_batch());
     }
 
     void light(const SeenPicture& picture, Tasks& tasks, glm::vec3* irradiance) override
     {
-        for_each_tile(picture, tasks, [&](const std::vector<std::size_t>& pixels, std::size_t w) {
-            Scratch& own = scratch_[w];
-            own.points.clear();
-            for (const std::size_t pixel : pixels) {
-                const auto width = static_cast<std::size_t>(picture.size.width);
-                light_quadtree::IndirectPoint& point = own.points.emplace_back(picture.points[pixel].point);
-                point.x = static_cast<std::int16_t>(pixel % width % k_tile);
-                point.y = static_cast<std::int16_t>(pixel / width % k_tile);
-            }
-            own.light.resize(pixels.size());
-            visible_.shade(*batches_[w], own.points, own.light.data());
-            for (std::size_t i = 0; i < pixels.size(); ++i) irradiance[pixels[i]] = own.light[i];
+        tasks.for_each(picture.tiles.size(), [&](std::size_t t, int worker) {
+            const SeenTile& tile = picture.tiles[t];
+            const auto w = static_cast<std::size_t>(worker);
+            std::vector<glm::vec3>& own = light_[w];
+            own.resize(tile.points.size());
+            visible_.shade(*batches_[w], tile.points, own.data());
+            for (std::size_t i = 0; i < own.size(); ++i) irradiance[tile.pixels[i]] = own[i];
         });
     }
 
@@ -84,13 +61,15 @@ class VisibleMethod final : public IndirectMethod {
     }
 
  private:
-    struct Scratch {
-        std::vector<light_quadtree::IndirectPoint> points;
-        std::vector<glm::vec3> light;
-    };
+    static light_quadtree::VisibleOptions options_of(const IndirectSettings& settings)
+    {
+        light_quadtree::VisibleOptions options;
+        options.memory = settings.memory;
+        return options;
+    }
     light_quadtree::VisibleLight visible_;
     std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches_;
-    std::vector<Scratch> scratch_;
+    std::vector<std::vector<glm::vec3>> light_;   // by thread
 };
 
 // Light maps without visibility: the quad-tree as published, and the sampling that it is compared with.
@@ -115,7 +94,9 @@ class MapMethod final : public IndirectMethod {
     {
         if (const int step = grid_step(picture.size); step > 0)
             map_.set_grid(picture.grid.receivers, picture.grid.columns, step, tasks);
-        for_each_tile(picture, tasks, [&](const std::vector<std::size_t>& pixels, std::size_t w) {
+        tasks.for_each(picture.tiles.size(), [&](std::size_t t, int worker) {
+            const std::vector<std::size_t>& pixels = picture.tiles[t].pixels;
+            const auto w = static_cast<std::size_t>(worker);
             Scratch& own = scratch_[w];
             own.points.clear();
             for (const std::size_t pixel : pixels) own.points.push_back(receiver_of(picture.points[pixel]));
@@ -183,8 +164,10 @@ struct Row {
 };
 constexpr Row k_methods[] = {
     {"visible", "", "remembered visibility", 0, 0, false, true, true,
-     [](const IndirectMethodInfo&, const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
-         -> std::unique_ptr<IndirectMethod> { return std::make_unique<VisibleMethod>(state, rays, tasks); }},
+     [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
+        Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
+         return std::make_unique<VisibleMethod>(info.settings, state, rays, tasks);
+     }},
     {"quadtree", ":LEVEL", "quad-tree, limit level {}", 4, 6, false, false, true,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
@@ -211,7 +194,8 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
         const bool numbered = row.most > 0;
         known += fmt::format("{}{}{}", known.empty() ? "" : ", ", row.name, row.form);
         if (name.substr(0, colon) != row.name || numbered != (colon != std::string::npos)) continue;
-        IndirectMethodInfo info{name, "", settings, row.make, 0, settings.vulkan && !row.visible, row.visible, row.walks};
+        IndirectMethodInfo info{name,        "",       settings, row.make, 0, settings.vulkan && !row.visible,
+                                row.visible, row.walks};
         if (numbered) {
             const char* const end = name.data() + name.size();
             std::from_chars_result at = std::from_chars(name.data() + colon + 1, end, info.number);

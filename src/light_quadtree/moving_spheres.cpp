@@ -14,9 +14,11 @@ void MovingSpheres::enclose(std::span<Sphere> spheres)
     if (spheres.size() > 1) {
         constexpr float k_grown = 1.0001f;   // against rounding
         glm::vec3 low = spheres[0].centre, high = low;
-        for (const Sphere& s : spheres) low = glm::min(low, s.centre - s.radius), high = glm::max(high, s.centre + s.radius);
+        for (const Sphere& s : spheres)
+            low = glm::min(low, s.centre - s.radius), high = glm::max(high, s.centre + s.radius);
         Sphere all{0.5f * (low + high), 0};
-        for (const Sphere& s : spheres) all.radius = std::max(all.radius, glm::length(s.centre - all.centre) + s.radius);
+        for (const Sphere& s : spheres)
+            all.radius = std::max(all.radius, glm::length(s.centre - all.centre) + s.radius);
         all.radius *= k_grown;
         nodes_[at].sphere = all;
         const glm::vec3 size = high - low;

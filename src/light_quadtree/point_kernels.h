@@ -8,8 +8,8 @@
 // radius. For a disk that faces the point, r = e = -m = 1, the first terms of 1 / (d^2 + A / pi). Less than nothing is
 // written as a quotient, and g beyond 1/2 only widens the distance, so that it stays finite where surfaces meet.
 // Normals of a node that differ have cosines on both sides of e, and those below 0 give no light: with their spread
-// s^2 = 1 - |mean normal|^2 in space, a third of it along any one direction, they lie about evenly in e - s ... e + s, and
-// the mean of those above 0 takes the place of e. The mean's own would be too dark: clamping is convex.
+// s^2 = 1 - |mean normal|^2 in space, a third of it along any one direction, they lie about evenly in e - s ... e + s,
+// and the mean of those above 0 takes the place of e. The mean's own would be too dark: clamping is convex.
 
 #include <vector>
 

@@ -64,8 +64,8 @@ void SparsePixels::number_planes(std::span<const IndirectPoint> points, const st
     for (std::size_t row = 0; row < plane_.size(); row += k_side) {
         run_[row + k_side - 1] = 1;
         for (std::size_t place = row + k_side - 1; place-- > row;)
-            run_[place] = plane_[place] == plane_[place + 1] ? static_cast<std::int16_t>(run_[place + 1] + 1)
-                                                             : std::int16_t{1};
+            run_[place] =
+                plane_[place] == plane_[place + 1] ? static_cast<std::int16_t>(run_[place + 1] + 1) : std::int16_t{1};
     }
 }
 

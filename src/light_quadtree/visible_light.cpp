@@ -433,7 +433,8 @@ void VisibleLight::place(Batch& batch)
             batch.rays.push(line.from, search.from, line.direction, 1);
         }
         batch.hits.resize(batch.rays.size());
-        rays_->closest(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::front, ray::Against::static_only);
+        rays_->closest_alone(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::front,
+                             ray::Against::static_only);
         std::size_t kept = 0;
         for (std::size_t s = 0; s < batch.searching.size(); ++s) {
             Batch::Search search = batch.searching[s];
@@ -500,7 +501,7 @@ void VisibleLight::open_ways(Batch& batch)
         }
     }
     batch.hits.resize(batch.rays.size());
-    rays_->closest(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::both, ray::Against::static_only);
+    rays_->closest_alone(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::both, ray::Against::static_only);
     std::size_t r = 0;
     for (RememberedPoint* point : batch.placed) {
         if (!point->exists) continue;

@@ -93,6 +93,33 @@ TEST(VisibleLight, NearLightNeitherAddsNorTakes)
     EXPECT_NEAR(parted / all, 1, 0.03);
 }
 
+// Too little memory costs time; no picture shows it, and no more than half as much again as a frame shows is held.
+TEST(VisibleLight, LittleMemoryChangesNoPicture)
+{
+    const auto walk = [](std::size_t memory, std::size_t& most) {
+        World world("kinetic", 1, 2);
+        VisibleOptions visible_options;
+        visible_options.memory = memory;
+        VisibleLight visible(world.state, world.rays, visible_options, world.tasks);
+        render::Remembered remembered;
+        remembered.visible = &visible;
+        render::TracedOptions options;
+        options.layers = true;
+        render::FrameBuffers buffers;
+        for (const int frame : {1, 30, 60, 90, 31}) {
+            world.go(frame);
+            render::trace_frame(world.state, world.rays, render::make_view(world.state, 0, {64, 64}), options,
+                                world.tasks, buffers, remembered);
+            most = std::max(most, visible.points());
+        }
+        return buffers.indirect.data;
+    };
+    std::size_t few = 0, all = 0;
+    const auto small = walk(1, few), large = walk(std::size_t{1} << 30, all);
+    EXPECT_TRUE(same_bits(small, large));
+    EXPECT_LT(few, all);
+}
+
 // With a limit of rays a frame lacks points; asked again and again it ends in the picture that has none.
 TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
 {
