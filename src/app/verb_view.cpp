@@ -32,6 +32,8 @@ int run_view(const CommandLine& line, Output& output)
                    {"loads", summary.loads},
                    {"files", summary.files},
                    {"options_set", summary.options_set},
+                   {"frozen", summary.frozen},
+                   {"moved", summary.moved},
                    {"peak_memory_bytes", peak_memory_bytes()}});
     return 0;
 #else

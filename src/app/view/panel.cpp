@@ -232,16 +232,17 @@ void Panel::object(HandList& hands, const ViewPicture& picture)
     HandMoved* hand = hands.find(picked->node);
     bool held = hand != nullptr;
     if (ImGui::Checkbox("freeze", &held)) {
-        if (held)
+        if (held) {
             hands.hands.push_back({picked->node, true, glm::vec3(0)});
-        else
+            frozen.insert(picked->name);
+        } else
             std::erase_if(hands.hands, [&](const HandMoved& h) { return h.node == picked->node; });
     }
     tooltip("keeps it where it is now, whatever its track says; then it can be moved by hand");
     hand = hands.find(picked->node);
     if (!hand) return;
     const float step = 0.002f * glm::length(picture.eye.eye - picked->position);
-    ImGui::DragFloat3("move", &hand->offset.x, step, 0, 0, "%.3f");
+    if (ImGui::DragFloat3("move", &hand->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
 }
 
 void Panel::keys()

@@ -62,8 +62,9 @@ class Panel {
 
     bool shown = true, help = false;
     std::optional<Picked> picked;
-    std::string message;                 // what went wrong last, or was done
-    std::set<std::string> options_set;   // by hand, at least once
+    std::string message;                   // what went wrong last, or was done
+    std::set<std::string> options_set;     // by hand, at least once
+    std::set<std::string> frozen, moved;   // objects, by hand, at least once
 
  private:
     void options(ViewSettings& settings, PanelEvents& events);

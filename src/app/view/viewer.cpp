@@ -14,6 +14,7 @@
 #include <cmath>
 
 #include "app/signals.h"
+#include "app/view/input_queue.h"
 #include "app/view/orbit_camera.h"
 #include "app/view/panel.h"
 #include "app/view/recorder.h"
@@ -71,13 +72,13 @@ class GlWindow {
         ImGui::StyleColorsDark();
         ImGui::GetStyle().WindowRounding = 4;
     }
-    // After our own callbacks were set: ImGui's call them in turn.
+    // Input reaches it through InputQueue.
     void start_ui()
     {
         float scale = 1, unused = 1;
         glfwGetWindowContentScale(handle, &scale, &unused);
         ImGui::GetIO().FontGlobalScale = std::max(scale, 1.0f);
-        ImGui_ImplGlfw_InitForOpenGL(handle, true);
+        ImGui_ImplGlfw_InitForOpenGL(handle, false);
         ImGui_ImplOpenGL3_Init("#version 150");
         ui_ = true;
     }
@@ -143,6 +144,7 @@ struct Viewer::Inside {
     std::string what;
     ViewSession session;
     GlWindow window;
+    std::optional<InputQueue> input;
     Panel panel;
     Playback playback;
     HandList hands;
@@ -285,7 +287,7 @@ void Viewer::Inside::fly(double seconds)
 {
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantCaptureKeyboard || io.KeyCtrl || !scene) return;
-    const auto down = [&](int key) { return glfwGetKey(window.handle, key) == GLFW_PRESS ? 1.0f : 0.0f; };
+    const auto down = [&](int key) { return io.KeysDown[key] ? 1.0f : 0.0f; };
     const float forward = down(GLFW_KEY_W) - down(GLFW_KEY_S), right = down(GLFW_KEY_D) - down(GLFW_KEY_A),
                 up = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
     if (forward == 0 && right == 0 && up == 0) return;
@@ -301,7 +303,11 @@ void Viewer::Inside::key(int which)
     const Option* const overlay = find_option(Verb::view, "overlay");
     switch (which) {
         case GLFW_KEY_ESCAPE:
-            glfwSetWindowShouldClose(window.handle, GLFW_TRUE);
+            // An open list is left before the window is.
+            if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup))
+                ImGui::SetWindowFocus(nullptr);
+            else
+                glfwSetWindowShouldClose(window.handle, GLFW_TRUE);
             break;
         case GLFW_KEY_SPACE:
             playback.playing = !playback.playing;
@@ -437,14 +443,11 @@ Viewer::Viewer(ViewSettings settings, std::string what, int threads)
 {
     Inside& in = *inside_;
     glfwSetWindowUserPointer(in.window.handle, &in);
-    glfwSetKeyCallback(in.window.handle, [](GLFWwindow* window, int key, int, int action, int) {
-        if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
-        static_cast<Inside*>(glfwGetWindowUserPointer(window))->key(key);
-    });
     glfwSetDropCallback(in.window.handle, [](GLFWwindow* window, int count, const char** files) {
         if (count > 0) static_cast<Inside*>(glfwGetWindowUserPointer(window))->open(files[0]);
     });
     in.window.start_ui();
+    in.input.emplace(in.window.handle, [&in](int key) { in.key(key); });
 }
 
 Viewer::~Viewer() = default;
@@ -455,7 +458,8 @@ ViewSummary Viewer::run()
     in.open(in.what);
     Clock::time_point last = Clock::now();
     while (!glfwWindowShouldClose(in.window.handle) && !interrupted()) {
-        const bool calm = !in.playback.playing && !in.session.busy() && !in.session.load_state().loading;
+        const bool calm =
+            !in.playback.playing && !in.session.busy() && !in.session.load_state().loading && in.input->empty();
         if (calm)
             glfwWaitEventsTimeout(k_idle_seconds);
         else
@@ -472,6 +476,7 @@ ViewSummary Viewer::run()
         if (!in.recorder.recording()) in.playback.advance(seconds);
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
+        in.input->feed();
         ImGui::NewFrame();
         in.follow_mouse();
         in.fly(seconds);
@@ -500,6 +505,8 @@ ViewSummary Viewer::run()
     if (in.recorder.recording()) in.toggle_recording();
     in.recorder.finish();
     in.summary.options_set = in.panel.options_set;
+    in.summary.frozen = in.panel.frozen;
+    in.summary.moved = in.panel.moved;
     in.summary.loads = in.session.load_state().loads;
     if (!in.picture_ms.empty()) {
         const auto middle = in.picture_ms.begin() + static_cast<std::ptrdiff_t>(in.picture_ms.size() / 2);

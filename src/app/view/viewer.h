@@ -16,8 +16,9 @@ struct ViewSummary {
     std::uint64_t window_frames = 0, pictures = 0, loads = 0;
     double longest_ms = 0;   // of a window frame, waiting left out
     double median_picture_ms = 0;
-    std::vector<std::string> files;      // written
-    std::set<std::string> options_set;   // in the panel
+    std::vector<std::string> files;        // written
+    std::set<std::string> options_set;     // in the panel
+    std::set<std::string> frozen, moved;   // objects, by hand
 };
 
 class Viewer {
