@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A report page in a browser: Chromium, headless and without a network, must open it without a complaint and draw all
-// of it.
+// of it, and its comparisons must follow mouse and keyboard (look_at_page.py).
+#include <cstdio>
+
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -17,90 +19,42 @@ std::size_t times(const std::string& text, const std::string& word)
     return count;
 }
 
-// Listens from the start, looks when all is drawn, and leaves what it found in an element of its own.
-constexpr const char* k_listen = R"(<script>
-window.faults = [];
-window.addEventListener('error', event => faults.push(event.message));
-console.error = console.warn = (...words) => faults.push(words.join(' '));
-</script>)";
-constexpr const char* k_look = R"(<script>
-const found = {faults: window.faults, charts: [], pictures: [], downloads: []};
-for (const canvas of document.querySelectorAll('canvas')) {
-  const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-  const colors = new Set();
-  let drawn = 0;
-  for (let i = 0; i < data.length; i += 4) {
-    if (data[i + 3] === 0) continue;
-    ++drawn;
-    if (data[i + 3] === 255) colors.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
-  }
-  const chart = Chart.getChart(canvas);
-  found.charts.push({drawn, width: canvas.width, colors: colors.size, title: chart.options.plugins.title.text,
-    lines: chart.data.datasets.length, points: chart.data.datasets[0].data.length,
-    tick: chart.scales.y.ticks[0].label});
-}
-for (const figure of document.querySelectorAll('figure.pictures')) {
-  const range = figure.querySelector('input[type=range]');
-  range.value = 25;
-  range.dispatchEvent(new Event('input'));
-  const box = figure.querySelector('.show-difference');
-  box.click();
-  found.pictures.push({clip: figure.querySelector('.left').style.clipPath,
-    sizes: [...figure.querySelectorAll('img')].map(image => image.naturalWidth),
-    different: getComputedStyle(figure.querySelector('img.difference')).display});
-}
-for (const data of document.querySelectorAll('script.attachment')) {
-  const link = document.getElementById(data.dataset.link);
-  found.downloads.push({name: link.download, blob: link.href.startsWith('blob:'), text: data.textContent});
-}
-const result = document.createElement('pre');
-result.id = 'found';
-result.textContent = 'FOUND' + btoa(unescape(encodeURIComponent(JSON.stringify(found)))) + 'END';
-document.body.append(result);
-</script>)";
-
-std::string from_base64(const std::string& text)
-{
-    std::string bytes;
-    std::uint32_t bits = 0;
-    int count = 0;
-    const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (const char c : text) {
-        const std::size_t value = letters.find(c);
-        if (value == std::string::npos) break;
-        bits = bits << 6 | static_cast<std::uint32_t>(value);
-        if ((count += 6) >= 8) bytes += static_cast<char>(bits >> (count -= 8) & 255);
-    }
-    return bytes;
-}
-
-// Opens a page with eyes in it; what they saw, and in `complaints` what the browser had to say.
-nlohmann::json look_at(const std::filesystem::path& page, std::string& complaints)
+// What a page shows and does, by look_at_page.py.
+nlohmann::json look_at(const std::filesystem::path& page)
 {
     const ScratchFolder folder;
-    std::string html = bytes_of(page);
-    const std::string head = "<head>";
-    html.insert(html.find(head) + head.size(), k_listen);
-    html.insert(html.rfind("</body>"), k_look);
-    std::ofstream(folder / "page.html", std::ios::binary) << html;
-    const std::string dom = folder / "dom", err = folder / "err";
-    const std::string command =
-        "timeout 120 chromium --headless --no-sandbox --disable-gpu --no-first-run --window-size=1100,900 "
-        "--host-resolver-rules='MAP * ~NOTFOUND' --virtual-time-budget=10000 --enable-logging=stderr "
-        "--user-data-dir='" +
-        (folder / "profile").string() + "' --dump-dom 'file://" + (folder / "page.html").string() + "' >'" + dom +
-        "' 2>'" + err + "'";
+    const std::string out = folder / "out", err = folder / "err";
+    const std::string command = "PYTHONDONTWRITEBYTECODE=1 timeout 240 python3 " + std::string(GNOMON_SOURCE_DIR) +
+                                "/tests/cli/look_at_page.py '" + page.string() + "' >'" + out + "' 2>'" + err + "'";
     EXPECT_EQ(std::system(command.c_str()), 0) << bytes_of(err);
-    std::istringstream lines(bytes_of(err));
-    for (std::string line; std::getline(lines, line);)
-        if (line.find("CONSOLE") != std::string::npos) complaints += line + "\n";
-    const std::string text = bytes_of(dom);
-    const std::size_t begin = text.find("FOUND", text.find("id=\"found\"")), end = text.find("END", begin);
-    if (begin == std::string::npos || end == std::string::npos) {
-        ADD_FAILURE() << "the page's scripts did not run to their end: " << bytes_of(err);
-        return {};
-    }
-    return nlohmann::json::parse(from_base64(text.substr(begin + 5, end - begin - 5)));
+    return nlohmann::json::parse(bytes_of(out), nullptr, false);
+}
+
+// A comparison shows its left picture up to where the slider is: dragged there by mouse, a step further by a key, then
+// where the mouse was dragged over the pictures; and the difference after a click.
+void expect_comparison_moves(const nlohmann::json& seen, int width)
+{
+    SCOPED_TRACE(seen.dump());
+    const auto expect_at = [&](const char* when, double low, double high) {
+        const nlohmann::json& now = seen[when];
+        const double value = now["value"];
+        EXPECT_GE(value, low) << when;
+        EXPECT_LE(value, high) << when;
+        double hidden = -1, handle = -1;
+        EXPECT_EQ(std::sscanf(now["clip"].get<std::string>().c_str(), "inset(0px %lf%% 0px 0px)", &hidden), 1);
+        EXPECT_EQ(std::sscanf(now["handle"].get<std::string>().c_str(), "%lf%%", &handle), 1);
+        EXPECT_NEAR(100 - hidden, value, 0.3) << when;   // the slider has whole steps, the pictures have not
+        EXPECT_NEAR(handle, value, 0.3) << when;
+        return value;
+    };
+    expect_at("start", 50, 50);
+    const double dragged = expect_at("dragged", 20, 30);
+    EXPECT_EQ(seen["dragged"]["focused"], true);
+    expect_at("key", dragged + 0.1, dragged + 2);
+    expect_at("picture", 79, 81);
+    EXPECT_EQ(seen["picture"]["difference"], "none");
+    EXPECT_EQ(seen["difference"]["difference"], "block");
+    EXPECT_EQ(seen["start"]["sizes"], (nlohmann::json{width, width, width}));
 }
 
 TEST(Report, OfCullingOpensInABrowser)
@@ -111,9 +65,7 @@ TEST(Report, OfCullingOpensInABrowser)
                                  "--report", folder / "new/report"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(names_in(folder / "new/report"), std::vector<std::string>{"index.html"});
-    std::string complaints;
-    const nlohmann::json found = look_at(folder / "new/report/index.html", complaints);
-    EXPECT_EQ(complaints, "");
+    const nlohmann::json found = look_at(folder / "new/report/index.html");
     ASSERT_TRUE(found.is_object());
     EXPECT_EQ(found["faults"], nlohmann::json::array());
 
@@ -130,9 +82,7 @@ TEST(Report, OfCullingOpensInABrowser)
         EXPECT_FALSE(chart["tick"].get<std::string>().empty());
     }
     ASSERT_EQ(found["pictures"].size(), 1u);
-    EXPECT_EQ(found["pictures"][0]["clip"], "inset(0px 75% 0px 0px)");
-    EXPECT_EQ(found["pictures"][0]["sizes"], (nlohmann::json{64, 64, 64}));
-    EXPECT_EQ(found["pictures"][0]["different"], "block");
+    expect_comparison_moves(found["pictures"][0], 64);
     ASSERT_EQ(found["downloads"].size(), 1u);
     EXPECT_EQ(found["downloads"][0]["blob"], true);
     EXPECT_EQ(nlohmann::json::parse(found["downloads"][0]["text"].get<std::string>()), outcome.json());
@@ -163,19 +113,13 @@ TEST(Report, OfEverythingOpensInABrowser)
                                 {{"GNOMON_SCENES", folder / "none"}});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("1 of 6: "), std::string::npos) << "says what it is doing";
-    std::string complaints;
-    const nlohmann::json found = look_at(folder / "page/index.html", complaints);
-    EXPECT_EQ(complaints, "");
+    const nlohmann::json found = look_at(folder / "page/index.html");
     ASSERT_TRUE(found.is_object());
     EXPECT_EQ(found["faults"], nlohmann::json::array());
     EXPECT_GE(found["charts"].size(), 12u);
     for (const nlohmann::json& chart : found["charts"]) EXPECT_GT(chart["drawn"].get<int>(), 5000) << chart;
     ASSERT_EQ(found["pictures"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
-    for (const nlohmann::json& picture : found["pictures"]) {
-        EXPECT_EQ(picture["clip"], "inset(0px 75% 0px 0px)");
-        EXPECT_EQ(picture["sizes"], (nlohmann::json{256, 256, 256}));
-        EXPECT_EQ(picture["different"], "block");
-    }
+    for (const nlohmann::json& picture : found["pictures"]) expect_comparison_moves(picture, 256);
 
     const nlohmann::json document = outcome.json();
     EXPECT_EQ(document["quick"], true);

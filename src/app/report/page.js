@@ -55,6 +55,7 @@ function wake_comparisons() {
     };
     range.addEventListener('input', () => show(Number(range.value)));
     area.addEventListener('pointerdown', event => { area.setPointerCapture(event.pointerId); follow(event); });
+    area.addEventListener('dragstart', event => event.preventDefault());   // else the picture itself is dragged away
     area.addEventListener('pointermove', event => { if (event.buttons) follow(event); });
     const box = figure.querySelector('.show-difference');
     if (box) box.addEventListener('change', () => area.classList.toggle('different', box.checked));
