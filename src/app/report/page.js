@@ -20,8 +20,12 @@ function draw_charts() {
   Chart.defaults.interaction.intersect = false;
   for (const data of document.querySelectorAll('script.chart-data')) {
     const config = JSON.parse(data.textContent);
-    config.options.scales.x.ticks = {precision: 0};
+    const whole = config.data.datasets.every(set => set.data.every(point => Number.isInteger(point.x)));
+    config.options.scales.x.ticks = whole ? {precision: 0} : {callback: short_number};
     config.options.scales.y.ticks = {callback: short_number};
+    for (const axis of Object.values(config.options.scales))
+      if (axis.type === 'logarithmic') axis.ticks = {callback: value => /^[13]/.test(value.toExponential())
+        ? short_number(value) : null};
     config.options.plugins.title.font = {size: 15};
     // The legend shows what is drawn: lines, dashed where they are, marks; of areas their colour.
     const areas = config.options.scales.y.stacked;
