@@ -34,6 +34,7 @@ struct FrameRecord {
     double time = 0;
     std::filesystem::path file;
     double milliseconds = 0;   // 0 if kept from an earlier run
+    FrameTimes times;
     bool kept = false;
     FrameCounters counters;
     double noise = 0;   // of a reference, see Picture

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "gnomon/frame_times.h"
 #include "gnomon/types.h"
 
 namespace gnomon {
@@ -25,6 +26,7 @@ struct Picture {
     FrameCounters counters;
     double noise = 0;          // of a reference: its standard error, root mean square, over the picture's mean
     double milliseconds = 0;   // of the frame, without loading and writing
+    FrameTimes times;          // of that, by stage
     double time = 0;           // scene time in seconds
     int frame = 1;
 

@@ -88,6 +88,14 @@ Json indirect_of(const FrameRecord& record, const RenderOptions& options)
     return json;
 }
 
+Json stages_of(const FrameTimes& times)
+{
+    Json json = Json::object();
+    for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
+        json[FrameTimes::k_names[stage]] = times.ms[stage];
+    return json;
+}
+
 Json document_of(const CommandLine& line, const FilmResult& result, const RenderOptions& options,
                  const std::string& device)
 {
@@ -103,6 +111,7 @@ Json document_of(const CommandLine& line, const FilmResult& result, const Render
                           {"time", record.time},
                           {"file", record.file.string()},
                           {"ms", record.milliseconds},
+                          {"stages", stages_of(record.times)},
                           {"shadow", std::move(shadow)},
                           {"indirect", indirect_of(record, options)},
                           {"draws", counters.draws}});

@@ -142,6 +142,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
                     renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
                 picture.write(record.file);
                 record.milliseconds = picture.milliseconds;
+                record.times = picture.times;
                 record.counters = picture.counters;
                 record.noise = picture.noise;
             }

@@ -15,6 +15,7 @@
 #include "render/rasterizer.h"
 #include "render/reference.h"
 #include "render/state_overlay.h"
+#include "render/stopwatch.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
 #include "shadow_culling/certified_culling.h"
@@ -250,8 +251,11 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     const scene::CameraId camera = find_camera(*scene.inside(), options.camera);
     picture_size(scene, options);   // refuses what cannot be shown
     const auto start = Clock::now();
+    FrameTimes own;   // beside the tracer's
+    render::Stopwatch watch(own);
     const double time = scene.time_of(frame);
     in.follow(scene.inside(), time);
+    watch.end(FrameTimes::scene);
 
     const Size size = traced_size(scene, options);
     render::View view = render::make_view(*in.state, camera, size);
@@ -315,6 +319,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
                                    work(ray::RayClass::refraction), work(ray::RayClass::shadow),
                                    work(ray::RayClass::indirect)};
     }
+    watch.restart();
     if (reference) picture.noise = noise_of(in.buffers);
     picture.time = time;
     picture.frame = frame;
@@ -357,6 +362,12 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         if (!lights.empty()) give("shadow", std::move(lights), in.buffers.shadow);
     }
     picture.size = size;
+    watch.end(FrameTimes::picture);
+    if (!in.raster) {
+        picture.times = in.buffers.times;
+        picture.times.ms[FrameTimes::scene] = own.ms[FrameTimes::scene];
+        picture.times.ms[FrameTimes::picture] = own.ms[FrameTimes::picture];
+    }
     picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     return picture;
 }

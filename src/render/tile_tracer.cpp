@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "render/stopwatch.h"
+
 namespace gnomon::render {
 
 namespace {
@@ -75,16 +77,20 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
     }
 
     for (int sample = 0; sample < options_.samples; ++sample) {
+        Stopwatch watch(times_);
         queue_primary(tile, sample);
         points_.clear();
         shadow_points_.clear();
         shading_normals_.clear();
         trace_queue(primary_);
+        watch.end(FrameTimes::rays);
         if (paper_ && sample == 0) note_primary_hits(tile);
         shade_hits(primary_, true, sample);
-        light_points(true, tile, states_ && sample == 0);
+        watch.end(FrameTimes::surfaces);
+        light_points(true, tile, states_ && sample == 0, watch);
         bounce_light(true, tile);
         add_reference(tile, true);
+        watch.end(FrameTimes::indirect);
 
         for (int depth = 0; depth < options_.max_depth; ++depth) {
             queue_continuations();
@@ -96,11 +102,14 @@ void TileTracer::trace(const TileRect& tile, FrameBuffers& out)
             shading_normals_.clear();
             for (const PathQueue* queue : {&reflected_, &refracted_}) {
                 trace_queue(*queue);
+                watch.end(FrameTimes::rays);
                 shade_hits(*queue, false, sample);
+                watch.end(FrameTimes::surfaces);
             }
-            light_points(false, tile, false);
+            light_points(false, tile, false, watch);
             bounce_light(false, tile);
             add_reference(tile, false);
+            watch.end(FrameTimes::indirect_mirrored);
         }
     }
     store(tile, out);
@@ -204,10 +213,11 @@ void TileTracer::note_primary_hits(const TileRect& tile)
 }
 
 // Per light: find the points it reaches, by rays or by memory, and add its light there.
-void TileTracer::light_points(bool primary, const TileRect& tile, bool show_states)
+void TileTracer::light_points(bool primary, const TileRect& tile, bool show_states, Stopwatch& watch)
 {
     const std::size_t lights = scene_.lights.size();
     if (culling_) culling_->classify(*batch_, shadow_points_);
+    watch.end(FrameTimes::shadows);
     for (std::size_t l = 0; l < lights; ++l) {
         const scene::Light& light = scene_.lights[l];
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
@@ -221,6 +231,7 @@ void TileTracer::light_points(bool primary, const TileRect& tile, bool show_stat
             find_lit_by_paper(l);
         else
             find_lit_by_rays(l);
+        watch.end(FrameTimes::shadows);
         if (states_) check_lit(l, primary, tile);
         for (const std::uint32_t p : lit_) {
             const Point& point = points_[p];
@@ -233,6 +244,7 @@ void TileTracer::light_points(bool primary, const TileRect& tile, bool show_stat
                 shadow_[point.pixel * lights + l] += 1;
             }
         }
+        watch.end(FrameTimes::surfaces);
     }
 }
 

@@ -13,6 +13,8 @@
 
 namespace gnomon::render {
 
+class Stopwatch;
+
 struct TileRect {
     int x = 0, y = 0, width = 0, height = 0;
 };
@@ -26,6 +28,8 @@ class TileTracer {
 
     void trace(const TileRect& tile, FrameBuffers& out);
     const FrameCounters& counters() const { return counters_; }
+    /// Milliseconds of this thread.
+    const FrameTimes& times() const { return times_; }
     ReferenceCounters reference_counters() const { return paths_ ? paths_->counters() : ReferenceCounters{}; }
     /// What its rays saw, for the culling's end of frame; null without culling.
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
@@ -62,7 +66,7 @@ class TileTracer {
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
     void note_primary_hits(const TileRect& tile);
-    void light_points(bool primary, const TileRect& tile, bool show_states);
+    void light_points(bool primary, const TileRect& tile, bool show_states, Stopwatch& watch);
     void queue_shadow_rays(std::size_t light);
     void find_lit_by_rays(std::size_t light);
     void find_lit_by_memory(std::size_t light);
@@ -94,6 +98,7 @@ class TileTracer {
     StateMap* states_;
     TraceLog* log_;
     FrameCounters counters_;
+    FrameTimes times_;
 
     PathQueue primary_, reflected_, refracted_, next_reflected_, next_refracted_;
     ray::Hits hits_;

@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "render/indirect_grid.h"
 #include "render/state_map.h"
+#include "render/stopwatch.h"
 #include "render/tile_tracer.h"
 
 namespace gnomon::render {
@@ -40,6 +41,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     shadow_culling::CertifiedCulling* const culling = remembered.certified;
     shadow_culling::PaperCulling* const paper = remembered.paper;
     GNOMON_CHECK(!culling || !paper);
+    out.times = {};
+    Stopwatch watch(out.times);
     GNOMON_CHECK(!log || (tasks.threads() == 1 && !culling && !paper && !remembered.states));
     if (culling) culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
     if (paper) paper->begin_frame(state, rays);
@@ -52,6 +55,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
             remembered.map->set_grid(grid.receivers, grid.columns, step, tasks);
         }
     }
+    watch.end(FrameTimes::light_maps);
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     const Size size = view.size;
     resize(out.color, size, 3);
@@ -99,7 +103,10 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         if (!worker) continue;
         add(counters, worker->counters());
         counters.indirect.rays += worker->reference_counters().rays;
+        for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
+            out.times.ms[stage] += worker->times().ms[stage] / tasks.threads();
     }
+    watch.restart();   // the tiles told their own
     if (culling) {
         std::vector<std::unique_ptr<shadow_culling::CertifiedCulling::Batch>> batches;
         for (const auto& worker : workers)
@@ -111,6 +118,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.shadow.rays_skipped = culled.skipped;
         counters.shadow.rays_dynamic_only = culled.dynamic_only;
     }
+    watch.end(FrameTimes::proofs);
     if (remembered.visible) {
         std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches;
         for (const auto& worker : workers)
@@ -128,6 +136,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.indirect.rays = remembered.map->map().work().cast;
         counters.indirect.clusters = remembered.map->counters().lights;
     }
+    watch.end(FrameTimes::indirect);
     if (paper) {
         std::vector<shadow_culling::PaperCulling::Notes> notes;
         for (const auto& worker : workers)

@@ -16,6 +16,7 @@
 
 #include "base/image.h"
 #include "base/tasks.h"
+#include "gnomon/frame_times.h"
 #include "gnomon/types.h"
 #include "ray/ray_scene.h"
 #include "render/view.h"
@@ -55,6 +56,7 @@ struct FrameBuffers {
     ImageF variance;              // of color
     ImageF irradiance;            // by bounces, at primary hits of surfaces that scatter light
     ImageF irradiance_variance;   // of that
+    FrameTimes times;             // of the frame; stages `scene` and `picture` are not its own
 };
 
 /// Every bulk trace of a frame, in order: the rays alone can then be traced again, for comparison (bench trace).
