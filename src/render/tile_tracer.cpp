@@ -329,8 +329,11 @@ void TileTracer::bounce_light(bool primary, const TileRect& tile)
         const shadow_culling::ShadowPoint& here = shadow_points_[p];
         const int pixel = static_cast<int>(points_[p].pixel);
         if (visible_) {
+            // Chrome and glass show everything small and from places of their own, so that its points would be many
+            // and new in every frame.
+            const float width = s.cone.width * (primary ? 1 : options_.mirrored_spacing);
             indirect_points_.push_back(
-                {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, s.cone.width});
+                {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, width});
             if (primary) {
                 indirect_points_.back().x = static_cast<std::int16_t>(pixel % options_.tile);
                 indirect_points_.back().y = static_cast<std::int16_t>(pixel / options_.tile);
