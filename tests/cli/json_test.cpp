@@ -35,12 +35,16 @@ TEST(Json, Render)
     ASSERT_EQ(document["frames"].size(), 3u);
     for (int i = 0; i < 3; ++i) {
         const json& frame = document["frames"][static_cast<std::size_t>(i)];
-        EXPECT_EQ(keys_of(frame), (Keys{"draws", "file", "frame", "indirect", "ms", "shadow", "time"}));
+        EXPECT_EQ(keys_of(frame), (Keys{"draws", "file", "frame", "indirect", "ms", "shadow", "stages", "time"}));
         EXPECT_EQ(keys_of(frame["shadow"]), (Keys{"rays", "rays_dynamic_only", "rays_skipped"}));
         EXPECT_EQ(keys_of(frame["indirect"]), (Keys{"clusters", "rays"}));
         EXPECT_EQ(frame["frame"], i + 2);
         EXPECT_NEAR(frame["time"].get<double>(), (i + 1) / 24.0, 1e-9);
         EXPECT_GT(frame["ms"].get<double>(), 0);
+        double stages = 0;
+        for (const auto& [name, ms] : frame["stages"].items()) stages += ms.get<double>();
+        EXPECT_GT(frame["stages"]["rays"].get<double>(), 0);
+        EXPECT_LE(stages, 1.001 * frame["ms"].get<double>());
         EXPECT_GT(frame["shadow"]["rays"].get<int>(), 0);
         EXPECT_TRUE(std::filesystem::exists(frame["file"].get<std::string>()));
     }
@@ -53,7 +57,7 @@ TEST(Json, RenderOnTheTreeThatCounts)
                                  "--accelerator", "kdtree", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json frame = outcome.json()["frames"][0];
-    EXPECT_EQ(keys_of(frame), (Keys{"draws", "file", "frame", "indirect", "kdtree", "ms", "shadow", "time"}));
+    EXPECT_EQ(keys_of(frame), (Keys{"draws", "file", "frame", "indirect", "kdtree", "ms", "shadow", "stages", "time"}));
     EXPECT_EQ(keys_of(frame["kdtree"]), (Keys{"indirect", "primary", "reflection", "refraction", "shadow"}));
     for (const json& work : frame["kdtree"]) EXPECT_EQ(keys_of(work), (Keys{"nodes", "tests"}));
     EXPECT_GT(frame["kdtree"]["shadow"]["nodes"].get<int>(), frame["shadow"]["rays"].get<int>());

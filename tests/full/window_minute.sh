@@ -5,6 +5,9 @@
 #
 #     window_minute.sh PROGRAM DROP_FILE [FOLDER]
 #
+# Leaks are looked for at the end, by the leak sanitizer: of a build with the address sanitizer it is a part, to any other
+# it is loaded, where gcc has it. window_leaks.txt names what libraries keep for good.
+#
 # Fails if the program does, if Vulkan's validation has a message, if a sanitizer does, if one option could not be set, or
 # if a window frame took more than LONGEST_MS (250; not asked of a build with a sanitizer, for which PACE makes pauses
 # longer). Prints the figures; leaves screenshots in FOLDER if one is given. Exits with 77 where Xvfb or xdotool is missing.
@@ -73,9 +76,16 @@ step "drop second.obj"; pause 2; step "shot second.png"; click 600 600
 pause 0.5; step "key f"; drag 1 600 500 660 520; pause 0.5; step "key p"; step "await gnomon-0001.png"
 step "key Escape"
 
+# Loaded into the program alone, or it would look for leaks of Xvfb, too.
+run=("$program")
+leaks="suppressions=$here/window_leaks.txt:print_suppressions=0"
+export LSAN_OPTIONS=$leaks
+library=$(gcc -print-file-name=liblsan.so 2>/dev/null || true)
+if ! grep -q __lsan_init "$program" && [[ $library == /* ]]; then run=(env "LD_PRELOAD=$library" "$program"); fi
+
 began=$(date +%s.%N)
 code=0
-printf '%s\n' "${steps[@]}" | "$here/../cli/drive_window.sh" "$folder" "$program" view builtin:cornell --size 850x950 \
+printf '%s\n' "${steps[@]}" | "$here/../cli/drive_window.sh" "$folder" "${run[@]}" view builtin:cornell --size 850x950 \
     --json=seen.json >"$folder/out" 2>"$folder/err" || code=$?
 ended=$(date +%s.%N)
 [[ $code -eq 0 ]] || { echo "exit code $code"; cat "$folder/err"; exit 1; }
