@@ -228,7 +228,6 @@ struct Counts {
     std::size_t rotations, translations, scales, names, uses;
     std::uint64_t flat;
     std::size_t nesting, files, textures, lights;
-    friend bool operator==(const Counts&, const Counts&) = default;
 };
 
 void check_counts(const Bart& bart, const Counts& expected)

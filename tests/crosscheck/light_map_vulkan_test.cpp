@@ -160,7 +160,7 @@ Sums compare_sums(const std::shared_ptr<vk::Device>& device, const std::string& 
         commands.pass("to image")
             .reads(*from, vk::Use::copy_source)
             .writes(*to, vk::Use::copy_target)
-            .copy([&](vk::Recorder& r) {
+            .copy([from = from, to = to](vk::Recorder& r) {
                 VkBufferImageCopy all{};
                 all.imageSubresource = {to->aspect(), 0, 0, 1};
                 all.imageExtent = {to->width(), 1, 1};
