@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "shadow_culling/look_up.h"
 
@@ -94,15 +95,24 @@ void find_parts_of(LookUp& points, const std::uint8_t* tables)
             if (!run.pieces) {
                 slot = hn::Add(begin, slot);
             } else {
-                // What was found is a piece, or one part without.
-                const auto entry = hn::BitCast(integer, hn::Add(begin, hn::ShiftLeft<2>(slot)));
-                const auto below = hn::BitCast(
-                    address, hn::GatherOffset(integer, reinterpret_cast<const std::int32_t*>(tables), entry));
-                slot = hn::AndNot(has_piece, below);
-                const auto cut = hn::RebindMask(real, hn::Ne(slot, below));
-                if (!hn::AllFalse(real, cut)) {
-                    // The same once more, inside the piece.
-                    const auto parts = hn::IfThenElse(cut, in_piece, one);
+                // What was found is a piece, or one part without; mostly the same for all points.
+                const std::uint32_t first = hn::GetLane(slot);
+                const auto others = hn::And(hn::Ne(slot, hn::Set(address, first)), hn::FirstN(address, end - k));
+                if (hn::AllFalse(address, others)) {
+                    std::uint32_t below;
+                    std::memcpy(&below, tables + run.begin + sizeof below * first, sizeof below);
+                    slot = hn::Set(address, below & ~k_has_piece);
+                    if (below & k_has_piece) {
+                        x = hn::Mul(x, in_piece);
+                        y = hn::Mul(y, in_piece);
+                        slot = hn::Add(slot, part_of(x, y, in_piece));
+                    }
+                } else {
+                    const auto entry = hn::BitCast(integer, hn::Add(begin, hn::ShiftLeft<2>(slot)));
+                    const auto below = hn::BitCast(
+                        address, hn::GatherOffset(integer, reinterpret_cast<const std::int32_t*>(tables), entry));
+                    slot = hn::AndNot(has_piece, below);
+                    const auto parts = hn::IfThenElse(hn::RebindMask(real, hn::Ne(slot, below)), in_piece, one);
                     x = hn::Mul(x, parts);
                     y = hn::Mul(y, parts);
                     slot = hn::Add(slot, part_of(x, y, parts));

@@ -35,9 +35,19 @@ ShadowMemory::ShadowMemory(std::size_t records, int lights, std::size_t budget)
     }
 }
 
+ShadowMemory::~ShadowMemory()
+{
+    for (const RecordId id : with_states_) take_evidence(id);
+}
+
 std::uint32_t ShadowMemory::allocate(std::uint32_t size_class)
 {
     const std::lock_guard lock(mutex_);
+    return allocate_under_lock(size_class);
+}
+
+std::uint32_t ShadowMemory::allocate_under_lock(std::uint32_t size_class)
+{
     const std::uint32_t size = size_of_class(size_class);
     if (free_[size_class].empty()) {
         if (size <= capacity_ - end_) {
@@ -75,17 +85,15 @@ void ShadowMemory::release(std::uint32_t base, std::uint32_t size_class)
 bool ShadowMemory::create(RecordId id, std::uint32_t level, const RimCodes& rim)
 {
     GNOMON_CHECK_LT(id, record_count_);
-    Shard& shard = evidence_[id % k_shards];
-    const std::lock_guard lock(shard.mutex);
+    const std::lock_guard lock(mutex_);
     Record& record = records_[id];
     if (record.begin.load(std::memory_order_relaxed) != k_no_slot) return false;
-    const std::uint32_t base = allocate(0);
+    const std::uint32_t base = allocate_under_lock(0);
     if (base == k_no_slot) return false;
     record.level = static_cast<std::uint8_t>(std::min(level, k_max_level)) & 0x7f;
     record.open = false;
     record.rim = rim;
     record.begin.store(base, std::memory_order_release);
-    const std::lock_guard room(mutex_);
     with_states_.push_back(id);
     ++live_;
     return true;
@@ -93,33 +101,22 @@ bool ShadowMemory::create(RecordId id, std::uint32_t level, const RimCodes& rim)
 
 std::uint8_t* ShadowMemory::evidence(RecordId id)
 {
-    Shard& shard = evidence_[id % k_shards];
-    const std::lock_guard lock(shard.mutex);
-    Evidence& evidence = shard.of[id];
-    if (evidence) return evidence.get();
+    if (std::uint8_t* const there = evidence_[id].load(std::memory_order_acquire)) return there;
+    const std::lock_guard lock(mutex_);
+    if (std::uint8_t* const there = evidence_[id].load(std::memory_order_relaxed)) return there;
     const std::size_t size = evidence_size(level(id));
-    const std::size_t bytes = evidence_bytes_.fetch_add(size) + size;
-    if (bytes > evidence_room_) {
-        evidence_bytes_ -= size;
-        shard.of.erase(id);
-        return nullptr;
-    }
-    std::size_t most = most_evidence_.load();
-    while (bytes > most && !most_evidence_.compare_exchange_weak(most, bytes)) {
-    }
-    evidence = std::make_unique<std::uint8_t[]>(size);
-    return evidence.get();
+    if (evidence_bytes_ + size > evidence_room_) return nullptr;
+    evidence_bytes_ += size;
+    most_evidence_ = std::max(most_evidence_, evidence_bytes_.load());
+    std::uint8_t* const made = new std::uint8_t[size]();
+    evidence_[id].store(made, std::memory_order_release);
+    return made;
 }
 
 ShadowMemory::Evidence ShadowMemory::take_evidence(RecordId id)
 {
-    Shard& shard = evidence_[id % k_shards];
-    const std::lock_guard lock(shard.mutex);
-    const auto found = shard.of.find(id);
-    if (found == shard.of.end()) return nullptr;
-    Evidence taken = std::move(found->second);
-    shard.of.erase(found);
-    evidence_bytes_ -= evidence_size(level(id));
+    Evidence taken(evidence_[id].exchange(nullptr, std::memory_order_acquire));
+    if (taken) evidence_bytes_ -= evidence_size(level(id));
     return taken;
 }
 
@@ -155,8 +152,8 @@ void ShadowMemory::forget_light(int light)
         if (has(id)) forget_in(shape_of(id), light, false);
     const std::size_t group = static_cast<std::size_t>(light / k_lights_per_group);
     const auto keep = static_cast<std::uint8_t>(~(3 << (2 * (light % k_lights_per_group))));
-    for (Shard& shard : evidence_)
-        for (auto& [id, evidence] : shard.of) {
+    for (const RecordId id : with_states_)
+        if (std::uint8_t* const evidence = evidence_[id].load()) {
             const std::size_t parts = std::size_t{1} << (2 * level(id));
             for (std::size_t i = group * parts; i < (group + 1) * parts; ++i) evidence[i] &= keep;
         }
@@ -169,7 +166,8 @@ void ShadowMemory::reopen(RecordId id, int light)
 
 std::size_t ShadowMemory::bytes() const
 {
-    return used_ * states_.size() + evidence_bytes_.load() + live_ * (sizeof(Record) + sizeof(RecordId));
+    return used_ * states_.size() + evidence_bytes_.load() +
+           live_ * (sizeof(Record) + sizeof(std::uint8_t*) + sizeof(RecordId));
 }
 
 }   // namespace gnomon::shadow_culling

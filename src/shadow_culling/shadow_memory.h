@@ -22,13 +22,11 @@
 // records and evidence at once; opening is for the one task that judges a record; deepening and dropping happen between
 // frames.
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 #include <vector>
 
 #include "base/micro_triangles.h"
@@ -62,6 +60,9 @@ class ShadowMemory {
     /// @param records  how many there may be: twice the static triangles
     /// @param budget   bytes of states and evidence over all groups
     ShadowMemory(std::size_t records, int lights, std::size_t budget);
+    ~ShadowMemory();
+    ShadowMemory(const ShadowMemory&) = delete;
+    ShadowMemory& operator=(const ShadowMemory&) = delete;
 
     int groups() const { return static_cast<int>(states_.size()); }
 
@@ -138,7 +139,7 @@ class ShadowMemory {
     /// States and evidence in use, and the record table's live entries.
     std::size_t bytes() const;
     /// The most evidence there was at once.
-    std::size_t most_evidence_bytes() const { return most_evidence_.load(); }
+    std::size_t most_evidence_bytes() const { return most_evidence_; }
 
  private:
     struct Record {
@@ -161,15 +162,10 @@ class ShadowMemory {
         void operator()(std::uint8_t* p) const { std::free(p); }
     };
     using Block = std::unique_ptr<std::uint8_t, Free>;
-    struct Shard {
-        std::mutex mutex;
-        std::unordered_map<RecordId, Evidence> of;
-    };
-    static constexpr std::size_t k_shards = 64;
-
     Shape shape_of(RecordId record) const;
     std::uint32_t address_in(const Shape& shape, const MicroTriangle& part, std::uint32_t at_level) const;
     std::uint32_t allocate(std::uint32_t size_class);
+    std::uint32_t allocate_under_lock(std::uint32_t size_class);
     void release(std::uint32_t base, std::uint32_t size_class);
     void release(const Shape& shape);
     std::uint32_t entry(const Shape& shape, std::uint32_t piece) const;
@@ -188,10 +184,11 @@ class ShadowMemory {
     std::uint32_t capacity_ = 0, end_ = 0;
     std::size_t used_ = 0, live_ = 0;
     std::vector<std::uint32_t> free_[k_max_level + 1];
-    std::vector<RecordId> with_states_;      // and some that were dropped since
-    std::array<Shard, k_shards> evidence_;   // of records with news
+    std::vector<RecordId> with_states_;                        // and some that were dropped since
+    std::unique_ptr<std::atomic<std::uint8_t*>[]> evidence_;   // by record; null: none
     std::size_t evidence_room_ = 0;
-    std::atomic<std::size_t> evidence_bytes_ = 0, most_evidence_ = 0;
+    std::atomic<std::size_t> evidence_bytes_ = 0;
+    std::size_t most_evidence_ = 0;
     std::atomic<bool> full_ = false;
     std::mutex mutex_;   // of the room
 };
