@@ -23,7 +23,10 @@ constexpr std::uint32_t size_of_class(std::uint32_t level)
 }   // namespace
 
 ShadowMemory::ShadowMemory(std::size_t records, int lights, std::size_t budget)
-    : records_(std::make_unique<Record[]>(records)), record_count_(records), evidence_room_(budget / 2)
+    : records_(std::make_unique<Record[]>(records)),
+      record_count_(records),
+      evidence_(std::make_unique<std::atomic<std::uint8_t*>[]>(records)),
+      evidence_room_(budget / 2)
 {
     const int groups = (lights + k_lights_per_group - 1) / k_lights_per_group;
     const std::size_t each = groups > 0 ? budget / (2 * static_cast<std::size_t>(groups)) : 0;
