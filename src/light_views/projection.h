@@ -63,8 +63,8 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
 /// @param to_world  from the box's space to the world
 Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3& box);
 
-/// How far along a view's `forward` from its origin something lies. Where one's `nearest` is beyond another's `farthest`,
-/// no rounding of either, drawn, lets it hide the other.
+/// How far along a view's `forward` from its origin something lies. Where one's `nearest` is beyond another's
+/// `farthest`, no rounding of either, drawn, lets it hide the other.
 struct DistanceRange {
     float nearest = k_infinity, farthest = -k_infinity;
 };

@@ -27,8 +27,8 @@ void join_if_larger(std::vector<Rect>& rects, const Rect& whole)
 }
 
 // Something changed in this rectangle, so far from the light at the nearest.
-// DEVIATION(Oh and Shin 2004, 3.2): the texture of an object that lies nearer stays as it is; by footprints alone nearly
-// twice as many are made anew in a scene as dense as the paper's.
+// DEVIATION(Oh and Shin 2004, 3.2): the texture of an object that lies nearer stays as it is; by footprints alone
+// nearly twice as many are made anew in a scene as dense as the paper's.
 struct Change {
     Rect rect;
     float nearest;
@@ -183,8 +183,7 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
     if (receivers) {
         for (const Rect& rect : plan.rebuild) dirty.push_back({rect, -k_infinity});
         for (const ViewPlan::Settle& settle : plan.settle)
-            dirty.push_back(
-                {settle.rect, frame.casters.distance(projection_, frame.state, settle.object).nearest});
+            dirty.push_back({settle.rect, frame.casters.distance(projection_, frame.state, settle.object).nearest});
         const auto changes = [&](const Drawn& d) {
             if (holds(frame.changed, d.object)) dirty.push_back({d.rect, d.nearest});
         };

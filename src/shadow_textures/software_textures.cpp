@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shadow_textures/software_textures.h"
 
-
 namespace gnomon::shadow_textures {
 
 using light_views::Casters;
@@ -62,7 +61,8 @@ ReceiverTexture texture_by_casters(const ViewProjection& view, const Casters& ca
     SoftwareBuffer own(view.size);
     draw_object(own, view, state, receiver, rect);
     SoftwareBuffer shadowed = own;
-    const light_views::DistanceRange mine = light_views::distance_range(view, state.object_matrix(receiver), casters.box(receiver));
+    const light_views::DistanceRange mine =
+        light_views::distance_range(view, state.object_matrix(receiver), casters.box(receiver));
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
         if (o == receiver || !casters.casts(o) || !state.object_visible(o)) continue;
         if (light_views::distance_range(view, state.object_matrix(o), casters.box(o)).nearest > mine.farthest) continue;

@@ -91,8 +91,8 @@ CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightV
 }
 
 // Puts a triangle into the cells that its image meets, row by row.
-void CasterCells::add_triangle(std::size_t view, const ViewProjection& projection,
-                               const shared::CellTriangle& triangle, std::uint32_t number)
+void CasterCells::add_triangle(std::size_t view, const ViewProjection& projection, const shared::CellTriangle& triangle,
+                               std::uint32_t number)
 {
     const glm::vec3 corners[3] = {triangle.a, triangle.b, triangle.c};
     const std::uint32_t masked = triangle.material == scene::none ? 0 : 1;

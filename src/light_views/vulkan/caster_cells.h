@@ -5,12 +5,12 @@
 //
 // A cell is a square of texels. Each view has two sets of lists, as it has two buffers: of what stands still, made when
 // that changes, and of what moves, made in every frame in which the view's plan does something. Lists hold every
-// triangle whose image meets the cell, and near its rim a few that do not; a cell has one of opaque triangles and one of
-// alpha-tested ones, which cost more to ask.
-// Each 32 entries are a block, which says which of them lie around a part of their cell, and how near the light any of
-// them comes: most entries of a long list are passed over 32 at a time. A block may hold entries of several cells.
-// Lists that one buffer of the device cannot hold are a MissingError.
-// Cost of a set: its triangles, and the cells that they cover; on the CPU. Memory: 10 bytes a triangle and cell, and CasterTriangles.
+// triangle whose image meets the cell, and near its rim a few that do not; a cell has one of opaque triangles and one
+// of alpha-tested ones, which cost more to ask. Each 32 entries are a block, which says which of them lie around a part
+// of their cell, and how near the light any of them comes: most entries of a long list are passed over 32 at a time. A
+// block may hold entries of several cells. Lists that one buffer of the device cannot hold are a MissingError. Cost of
+// a set: its triangles, and the cells that they cover; on the CPU. Memory: 10 bytes a triangle and cell, and
+// CasterTriangles.
 
 #include "light_views/light_views.h"
 #include "light_views/vulkan/caster_triangles.h"

@@ -42,8 +42,8 @@ class CasterGeometry {
     /// Vertex and index buffers, and the bindings of caster.vert; with `alpha` also those of alpha_test.glsl.
     void bind(vk::Recorder& recorder, bool alpha) const;
 
-    /// For shaders that test the alpha of single triangles: CasterTexcoords, CasterIndices, CasterOffsets (first vertex by
-    /// object), and what alpha_test.glsl needs.
+    /// For shaders that test the alpha of single triangles: CasterTexcoords, CasterIndices, CasterOffsets (first vertex
+    /// by object), and what alpha_test.glsl needs.
     vk::Pass& declare_alpha(vk::Pass& pass) const;
     void bind_alpha(vk::Recorder& recorder) const;
 

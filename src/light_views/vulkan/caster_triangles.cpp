@@ -27,9 +27,10 @@ void CasterTriangles::number(const scene::Scene& scene)
     written_at_.assign(scene.objects.size(), k_not_written);
     const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(shared::CellTriangle);
     if (bytes > device_->limits().maxStorageBufferRange)
-        throw MissingError(fmt::format("Vulkan: the triangles for hard shadows need {} MB, and the device's buffers "
-                                       "hold {}; --shadow-filter 1 needs none",
-                                       bytes >> 20, device_->limits().maxStorageBufferRange >> 20));
+        throw MissingError(
+            fmt::format("Vulkan: the triangles for hard shadows need {} MB, and the device's buffers "
+                        "hold {}; --shadow-filter 1 needs none",
+                        bytes >> 20, device_->limits().maxStorageBufferRange >> 20));
     buffer_ = vk::Buffer(device_, "caster triangles", bytes);
 }
 
@@ -85,8 +86,7 @@ void CasterTriangles::send(vk::Commands& commands)
         const std::span<const shared::CellTriangle> run =
             std::span(written_).subspan(written_at_[object], first_[object + 1] - first_[object]);
         written_at_[object] = k_not_written;
-        if (!run.empty())
-            uploads.push_back(vk::upload_of(buffer_, run, first_[object] * sizeof(shared::CellTriangle)));
+        if (!run.empty()) uploads.push_back(vk::upload_of(buffer_, run, first_[object] * sizeof(shared::CellTriangle)));
     }
     if (!uploads.empty()) commands.upload("caster triangles", uploads);
     to_send_.clear();

@@ -280,7 +280,8 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
         if (!view.shown) continue;
         ranges_[v].clear();
         for (scene::ObjectId o = 0; o < objects_; ++o)
-            ranges_[v].push_back(light_views::distance_range(view.projection, state.object_matrix(o), views.casters().box(o)));
+            ranges_[v].push_back(
+                light_views::distance_range(view.projection, state.object_matrix(o), views.casters().box(o)));
         for (scene::ObjectId o = 0; o < objects_; ++o) {
             const Receiver receiver{v, o, views.casters().footprint(view.projection, state, o)};
             if (receiver.rect.empty()) continue;

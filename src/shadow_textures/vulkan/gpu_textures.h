@@ -67,8 +67,8 @@ class GpuTextures {
     vk::Buffer words_, places_;
     std::vector<vk::Buffer> outgrown_;
     std::vector<std::vector<light_views::DistanceRange>> ranges_;   // per caster: by view and object
-    vk::Image scratch_;                                // per caster: the depth of what lies between
-    vk::Pipeline receiver_[2][2], caster_[2][2];       // perspective or not, opaque or alpha-tested
+    vk::Image scratch_;                                             // per caster: the depth of what lies between
+    vk::Pipeline receiver_[2][2], caster_[2][2];                    // perspective or not, opaque or alpha-tested
     bool places_filled_ = false;
     TextureCounts counts_;
 };
