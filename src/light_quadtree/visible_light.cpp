@@ -33,6 +33,14 @@ float luminance(const glm::vec3& c)
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
+// Each ray in a packet of its own: where surfaces tie, what a ray meets may depend on its company, and which points are
+// asked together is chance.
+void closest_alone(const ray::RayScene& rays, const ray::RayQueue& queue, ray::Hits& hits, ray::Sides sides)
+{
+    for (std::size_t i = 0; i < queue.size(); ++i)
+        rays.closest(queue, i, i + 1, hits, sides, ray::Against::static_only);
+}
+
 float smoothstep(float t)
 {
     return t * t * (3 - 2 * t);
@@ -433,8 +441,7 @@ void VisibleLight::place(Batch& batch)
             batch.rays.push(line.from, search.from, line.direction, 1);
         }
         batch.hits.resize(batch.rays.size());
-        rays_->closest_alone(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::front,
-                             ray::Against::static_only);
+        closest_alone(*rays_, batch.rays, batch.hits, ray::Sides::front);
         std::size_t kept = 0;
         for (std::size_t s = 0; s < batch.searching.size(); ++s) {
             Batch::Search search = batch.searching[s];
@@ -501,7 +508,7 @@ void VisibleLight::open_ways(Batch& batch)
         }
     }
     batch.hits.resize(batch.rays.size());
-    rays_->closest_alone(batch.rays, 0, batch.rays.size(), batch.hits, ray::Sides::both, ray::Against::static_only);
+    closest_alone(*rays_, batch.rays, batch.hits, ray::Sides::both);
     std::size_t r = 0;
     for (RememberedPoint* point : batch.placed) {
         if (!point->exists) continue;

@@ -93,34 +93,6 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
     }
 }
 
-void RayScene::closest_alone(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
-                             Against against) const
-{
-    const Inside& in = *inside_;
-    if (in.kdtree) return in.closest_on_kdtree(rays, begin, end, hits, sides, against);
-    TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
-    for (std::size_t at = begin; at < end; ++at) {
-        hits.object[at] = scene::none;
-        const glm::vec3 origin(rays.ox[at], rays.oy[at], rays.oz[at]), direction = rays.direction(at);
-        float end_of_ray = rays.tfar[at];
-        if (!traceable(origin.x, origin.y, origin.z, rays.tnear[at], direction.x, direction.y, direction.z, end_of_ray))
-            continue;
-        for (const bool in_moving : {false, true}) {
-            if (in_moving ? in.solids.empty() || against == Against::static_only : against == Against::dynamic_only)
-                continue;
-            RTCRayHit ray{};
-            ray.ray = make_ray(origin, rays.tnear[at], direction, end_of_ray, k_mask_seen);
-            ray.hit.geomID = ray.hit.instID[0] = k_nothing;
-            rtcIntersect1((in_moving ? in.moving : in.still).get(), &context.embree, &ray);
-            if (ray.hit.geomID == k_nothing) continue;
-            const Met met = in.met(ray.hit.geomID, ray.hit.instID[0], ray.hit.primID, in_moving);
-            end_of_ray = ray.ray.tfar;
-            hits.object[at] = met.object, hits.triangle[at] = met.triangle;
-            hits.t[at] = end_of_ray, hits.u[at] = ray.hit.u, hits.v[at] = ray.hit.v;
-        }
-    }
-}
-
 void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
                        Against against) const
 {

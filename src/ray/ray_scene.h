@@ -79,10 +79,6 @@ class RayScene {
     /// @param against  all but `one_tree`
     void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                  Against against = Against::everything) const;
-    /// The same, but every ray by itself: where surfaces tie, what a ray meets does not depend on which rays are asked
-    /// together, as it may in a packet. For those whose company is chance. Cost: up to twice as much.
-    void closest_alone(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
-                       Against against = Against::everything) const;
     /// blocked[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.
     /// Thread-safe.
     void blocked(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
