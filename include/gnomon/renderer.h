@@ -43,13 +43,14 @@ struct RenderOptions {
     ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
     int shadow_filter = 1;   // width of the edges of its shadows, in texels of the light's view, 0 (hard) to 64
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
-    int rsm_samples = 256;           // Indirect::rsm: 1 to 65536
-    int indirect_level = 5;          // Indirect::quadtree: where refinement ends; 6 (coarse), 5 or 4
+    int rsm_samples = 256;                              // Indirect::rsm: 1 to 65536
+    int indirect_level = 5;                             // Indirect::quadtree: where refinement ends; 6 (coarse), 5 or 4
     double depth_threshold = 0.05;   // Indirect::quadtree: parts that differ more are not one cluster; fraction of the
                                      // light view's depth range
     double normal_threshold = 0.9;   // Indirect::quadtree: nor those whose normals' cosine is not above this
     bool indirect_at_every_pixel =
-        false;   // Indirect::rsm, quadtree: else at 64 a side, interpolated where that is fair
+        false;                  // Indirect::rsm, quadtree: else at 64 a side, interpolated where that is fair
+    int indirect_memory = 16;   // Indirect::visible: MB of remembered points, 1 to 65536; changes time, not pictures
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, indirect, shadow; more of a reference

@@ -20,8 +20,9 @@ constexpr double k_widest = 2;   // disk: wherever its middle, it covers the lig
 // Remembered visibility: points are handed over tile by tile, as the traced frame does.
 class VisibleMethod final : public IndirectMethod {
  public:
-    VisibleMethod(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
-        : visible_(state, rays, {}, tasks), light_(static_cast<std::size_t>(tasks.threads()))
+    VisibleMethod(const IndirectSettings& settings, const scene::SceneState& state, const ray::RayScene& rays,
+                  Tasks& tasks)
+        : visible_(state, rays, options_of(settings), tasks), light_(static_cast<std::size_t>(tasks.threads()))
     {
     }
 
@@ -60,6 +61,12 @@ class VisibleMethod final : public IndirectMethod {
     }
 
  private:
+    static light_quadtree::VisibleOptions options_of(const IndirectSettings& settings)
+    {
+        light_quadtree::VisibleOptions options;
+        options.memory = settings.memory;
+        return options;
+    }
     light_quadtree::VisibleLight visible_;
     std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches_;
     std::vector<std::vector<glm::vec3>> light_;   // by thread
@@ -157,8 +164,10 @@ struct Row {
 };
 constexpr Row k_methods[] = {
     {"visible", "", "remembered visibility", 0, 0, false, true, true,
-     [](const IndirectMethodInfo&, const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
-         -> std::unique_ptr<IndirectMethod> { return std::make_unique<VisibleMethod>(state, rays, tasks); }},
+     [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
+        Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
+         return std::make_unique<VisibleMethod>(info.settings, state, rays, tasks);
+     }},
     {"quadtree", ":LEVEL", "quad-tree, limit level {}", 4, 6, false, false, true,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {

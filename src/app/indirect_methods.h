@@ -50,11 +50,12 @@ class IndirectMethod {
 
 /// What is not in a method's name.
 struct IndirectSettings {
-    double depth_threshold = 0.05;   // of quadtree; a fraction of the light view's depth range
-    double normal_threshold = 0.9;   // of quadtree; least cosine
-    bool full = false;               // rsm, quadtree: every pixel gathers
-    bool vulkan = false;             // rsm, quadtree: on a Vulkan device
-    double radius = 0.3;             // of rsm's disk, in sides of the light map; rsm:SAMPLES:RADIUS says another
+    double depth_threshold = 0.05;    // of quadtree; a fraction of the light view's depth range
+    double normal_threshold = 0.9;    // of quadtree; least cosine
+    bool full = false;                // rsm, quadtree: every pixel gathers
+    bool vulkan = false;              // rsm, quadtree: on a Vulkan device
+    std::size_t memory = 16u << 20;   // visible: of remembered points, in bytes
+    double radius = 0.3;              // of rsm's disk, in sides of the light map; rsm:SAMPLES:RADIUS says another
 };
 
 struct IndirectMethodInfo {

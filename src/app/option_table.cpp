@@ -155,6 +155,10 @@ constexpr Option k_options[] = {
      .verbs = k_pictures, .group = k_indirect,
      .help = "one-bounce light. visible: with shadows, without noise; quadtree: clusters of lit surface parts, as published "
              "in 2007; rsm: samples of them; both without shadows"},
+    {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .low = 1, .high = 65536,
+     .verbs = k_pictures | bit(bench_indirect), .group = k_indirect,
+     .help = "visible: for remembered points, or half as much again as a frame shows; the longest unseen are forgotten "
+             "first; changes time, not pictures"},
     {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = 65536,
      .verbs = k_pictures, .group = k_indirect, .help = "rsm: of the reflective shadow map"},
     {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6,

@@ -53,6 +53,7 @@ RenderOptions read_picture_options(const OptionValues& values)
     options.max_depth = values.integer("max-depth");
     options.shadow_culling = culling_of(values.text("shadow-culling"));
     options.indirect = indirect_of(values.text("indirect"));
+    options.indirect_memory = values.integer("indirect-memory");
     options.rsm_samples = values.integer("rsm-samples");
     options.indirect_level = values.integer("indirect-level");
     options.depth_threshold = values.number("depth-threshold");

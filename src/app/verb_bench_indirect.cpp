@@ -77,7 +77,8 @@ IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
     std::vector<std::string> methods = values.all("method");
     if (methods.empty() && !options.pictures) methods = {"visible"};
     const IndirectSettings settings{values.number("depth-threshold"), values.number("normal-threshold"),
-                                    values.text("receivers") == "full", values.text("renderer") == "raster"};
+                                    values.text("receivers") == "full", values.text("renderer") == "raster",
+                                    static_cast<std::size_t>(values.integer("indirect-memory")) << 20};
     if (options.pictures) options.methods = indirect_methods_of_paper(settings);
     for (const std::string& name : methods) {
         const auto same = [&](const IndirectMethodInfo& m) { return m.name == name; };

@@ -6,6 +6,13 @@
 
 namespace gnomon::render {
 
+light_quadtree::VisibleOptions visible_light_options(const RenderOptions& options)
+{
+    light_quadtree::VisibleOptions visible;
+    visible.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
+    return visible;
+}
+
 light_quadtree::MapLightOptions map_light_options(const RenderOptions& options)
 {
     light_quadtree::MapLightOptions map;

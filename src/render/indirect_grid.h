@@ -5,6 +5,7 @@
 
 #include "gnomon/renderer.h"
 #include "light_quadtree/map_light.h"
+#include "light_quadtree/visible_light.h"
 #include "render/view.h"
 
 namespace gnomon::render {
@@ -16,6 +17,8 @@ struct IndirectGrid {
 
 /// Of Indirect::rsm and Indirect::quadtree.
 light_quadtree::MapLightOptions map_light_options(const RenderOptions& options);
+/// Of Indirect::visible.
+light_quadtree::VisibleOptions visible_light_options(const RenderOptions& options);
 
 /// Casts one ray at every step-th pixel, and one beyond the picture's last in each row and column.
 IndirectGrid cast_indirect_grid(const scene::Scene& scene, const ray::RayScene& rays, const View& view, int step,

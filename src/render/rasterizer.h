@@ -8,6 +8,7 @@
 #include "base/tasks.h"
 #include "gnomon/renderer.h"
 #include "light_quadtree/map_light.h"
+#include "light_quadtree/visible_light.h"
 #include "render/traced_frame.h"
 
 namespace gnomon::render {
@@ -23,6 +24,7 @@ struct RasterSettings {
     bool redrawn_stays = false;
     Indirect indirect = Indirect::off;
     light_quadtree::MapLightOptions map{};   // of Indirect::rsm, quadtree
+    light_quadtree::VisibleOptions visible{};
     // Of Indirect::visible: follows the state before every update() and render(); both outlive the rasterizer.
     const ray::RayScene* rays = nullptr;
     Tasks* tasks = nullptr;

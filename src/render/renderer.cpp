@@ -61,6 +61,8 @@ void check_options(const RenderOptions& o)
         if (o.reference->bounces < 0 || o.reference->bounces > k_most_bounces)
             throw UsageError(fmt::format("bounces are out of range: 0 to {}", k_most_bounces));
     }
+    if (o.indirect_memory < 1 || o.indirect_memory > 65536)
+        throw UsageError("memory of indirect light is out of range: 1 to 65536 MB");
     if (o.rsm_samples < 1 || o.rsm_samples > 65536) throw UsageError("RSM samples are out of range: 1 to 65536");
     if (o.indirect_level < 4 || o.indirect_level > 6) throw UsageError("indirect level is out of range: 4 to 6");
     if (!(o.depth_threshold >= 0 && o.depth_threshold <= 1))
@@ -180,6 +182,7 @@ struct Renderer::Inside {
                                                           .redrawn = options.overlay == Overlay::redrawn,
                                                           .indirect = options.indirect,
                                                           .map = render::map_light_options(options),
+                                                          .visible = render::visible_light_options(options),
                                                           .rays = rays.get(),
                                                           .tasks = &tasks});
                 scene = wanted;
@@ -191,7 +194,7 @@ struct Renderer::Inside {
             follow_paper();
             if (options.indirect == Indirect::visible && !options.reference)
                 visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
-                                                                         light_quadtree::VisibleOptions{}, tasks);
+                                                                         render::visible_light_options(options), tasks);
             if ((options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree) && !options.reference)
                 map = std::make_unique<light_quadtree::MapLight>(*state, *rays, render::map_light_options(options),
                                                                  tasks);

@@ -47,7 +47,7 @@ bool shows_clusters(const RenderOptions& options)
 auto of_bounce(const RenderOptions& o)
 {
     return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
-                      o.indirect_at_every_pixel);
+                      o.indirect_at_every_pixel, o.indirect_memory);
 }
 
 scene::CameraId camera_of(const scene::Scene& scene, const std::string& wanted)
@@ -150,8 +150,8 @@ struct ViewSession::Kept {
         if (options.shadow_culling == ShadowCulling::paper && !paper)
             paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
         if (options.indirect == Indirect::visible && !visible)
-            visible =
-                std::make_unique<light_quadtree::VisibleLight>(*state, *rays, light_quadtree::VisibleOptions{}, tasks);
+            visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
+                                                                     render::visible_light_options(options), tasks);
         if (visible) visible->limit_rays(k_indirect_rays);
     }
 
@@ -172,6 +172,7 @@ struct ViewSession::Kept {
                                                   .redrawn_stays = true,
                                                   .indirect = options.indirect,
                                                   .map = render::map_light_options(options),
+                                                  .visible = render::visible_light_options(options),
                                                   .rays = rays.get(),
                                                   .tasks = &tasks});
         raster_shadows = options.shadow_textures;

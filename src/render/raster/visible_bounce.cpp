@@ -26,11 +26,11 @@ glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
 }   // namespace
 
 VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-                             const ray::RayScene& rays, Tasks& tasks)
+                             const ray::RayScene& rays, const light_quadtree::VisibleOptions& options, Tasks& tasks)
     : device_(device),
       rays_(rays),
       tasks_(tasks),
-      light_(state, rays, light_quadtree::VisibleOptions{}, tasks),
+      light_(state, rays, options, tasks),
       scratch_(static_cast<std::size_t>(tasks.threads()))
 {
 }

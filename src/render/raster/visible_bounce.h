@@ -16,7 +16,7 @@ class VisibleBounce final : public BouncedLight {
  public:
     /// @param rays   follows the state before every frame; like `tasks`, must outlive this
     VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
-                  Tasks& tasks);
+                  const light_quadtree::VisibleOptions& options, Tasks& tasks);
 
     void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, const View& view, const vk::Image& irradiance) override;
