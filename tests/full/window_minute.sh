@@ -10,7 +10,8 @@
 # told from what is lost, and Vulkan's validation, which loses some by itself, stays off.
 #
 # Fails if the program does, if Vulkan's validation has a message, if a sanitizer does, if one option could not be set, or
-# if a window frame took more than LONGEST_MS (250; not asked of a sanitizer, for which PACE makes pauses longer). Prints the figures; leaves screenshots in FOLDER if one is given. Exits with 77 where Xvfb or xdotool is missing.
+# if a window frame took more than LONGEST_MS (250; not asked of a sanitizer, for which PACE makes pauses longer). Prints
+# the figures; leaves screenshots in FOLDER if one is given. Exits with 77 where Xvfb or xdotool is missing.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 program=$(realpath "$1")
