@@ -242,6 +242,39 @@ TEST_F(RasterCrosscheck, HardShadowsOfKitchen)
     for (const int frame : {1, 60, 200}) expect_same_shadows(scene, frame, {320, 240}, ShadowTextures::coherent);
 }
 
+// Balls of a chessboard of holes over a floor, or the same without holes.
+Scene balls_over_floor(bool holes)
+{
+    scene::Scene scene;
+    test::add_materials(scene);
+    for (const scene::MaterialId material : {test::two_sided, holes ? test::cut_out : test::two_sided})
+        scene.meshes.push_back(test::ball(material, 12, 18));
+    test::add_object(scene, 0, scene::none,
+                     test::translation(0, -1, 0) * glm::scale(glm::dmat4(1), glm::dvec3(8, 0.1, 8)));
+    for (const glm::dvec3& at : {glm::dvec3(-2, 1, -1), glm::dvec3(2, 1.5, 0), glm::dvec3(0, 2, 2)})
+        test::add_object(scene, 1, scene::none, test::translation(at.x, at.y, at.z));
+    scene::Scene whole = *test::finished(scene);
+    scene::add_default_camera(whole);
+    return Scene(std::make_shared<const scene::Scene>(std::move(whole)))
+        .with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"});
+}
+
+// Alpha-tested casters, apart: light falls through their holes, and there alone.
+TEST_F(RasterCrosscheck, HardShadowsOfCutOuts)
+{
+    const Size size{240, 180};
+    expect_same_shadows(balls_over_floor(true), 1, size, ShadowTextures::coherent);
+    const RenderOptions options = options_of(RenderMethod::raster, size);
+    const Picture holes = Renderer(options).render(balls_over_floor(true), 1),
+                  whole = Renderer(options).render(balls_over_floor(false), 1);
+    const auto &a = layer(holes, "shadow").data, &b = layer(whole, "shadow").data;
+    const std::size_t lights = a.size() / layer(holes, "depth").data.size();
+    std::size_t through = 0;   // lit behind the holes alone, of the same surface
+    for (std::size_t i = 0; i < a.size(); ++i)
+        through += layer(holes, "depth").data[i / lights] == layer(whole, "depth").data[i / lights] && a[i] > b[i];
+    EXPECT_GT(through, 200u);
+}
+
 // What is remembered changes nothing: a film's frames are those of fresh renderers, by all three methods.
 TEST_F(RasterCrosscheck, FilmIsItsFrames)
 {
