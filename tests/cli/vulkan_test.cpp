@@ -109,6 +109,46 @@ TEST(VulkanProgram, RasterWithoutADriverIsMissing)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
+#ifdef GNOMON_FAILING_VULKAN
+
+// Six frames through a loader that fails where `fault` says (failing_vulkan.cpp); "" fails nowhere.
+Outcome film(const ScratchFolder& folder, const std::string& fault)
+{
+    return run({"render", "builtin:cornell", "-o", folder / "{frame:04}.png", "--renderer", "raster", "--size", "48x48",
+                "--frames", "1-6"},
+               {{"LD_LIBRARY_PATH", GNOMON_FAILING_VULKAN}, {"GNOMON_TEST_VULKAN_FAULT", fault}});
+}
+
+TEST(VulkanProgram, FaultsAreCodeFourOneLineAndWholeFrames)
+{
+    const ScratchFolder undisturbed;
+    const Outcome whole = film(undisturbed, "");
+    ASSERT_EQ(whole.code, 0) << whole.err;
+    ASSERT_EQ(names_in(undisturbed.path()).size(), 6u);
+
+    struct Fault {
+        const char *name, *about;
+        bool begins;   // so late that there are frames
+    };
+    for (const Fault& fault :
+         {Fault{"lost:1", "lost", false}, Fault{"lost:20", "lost", true},
+          Fault{"waiting:1", "waiting for the device failed", false},
+          Fault{"waiting:18", "waiting for the device failed", true}, Fault{"memory:1", "out of device memory", false},
+          Fault{"memory:4", "out of device memory", false}, Fault{"feature", "multiDrawIndirect", false},
+          Fault{"extension", "VK_KHR_push_descriptor", false}}) {
+        SCOPED_TRACE(fault.name);
+        const ScratchFolder folder;
+        expect_failure(film(folder, fault.name), 4, fault.about);
+        const std::vector<std::string> frames = names_in(folder.path());
+        EXPECT_EQ(!frames.empty(), fault.begins);
+        EXPECT_LT(frames.size(), 6u);
+        for (const std::string& frame : frames)
+            EXPECT_EQ(bytes_of(folder / frame), bytes_of(undisturbed / frame)) << frame;
+    }
+}
+
+#endif
+
 TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
 {
     const ScratchFolder folder;
