@@ -88,9 +88,9 @@ class CertifiedCulling {
         judge(tasks);
     }
     /// The two halves of it, for who shows the picture in between: what was seen is gathered, and judged as long as
-    /// `go_on` says so (asked once in a while, from any thread), or without it as far as the frame can afford certificates
-    /// by the rays it saved; the rest waits for the next call, in whatever frame.
-    /// Pictures never depend on how much was judged. @return whether nothing is left
+    /// `go_on` says so (asked once in a while, from any thread), or without it as far as the frame can afford
+    /// certificates by the rays it saved; the rest waits for the next call, in whatever frame. Pictures never depend on
+    /// how much was judged. @return whether nothing is left
     void note_news(std::span<const std::unique_ptr<Batch>> batches);
     bool judge(Tasks& tasks, const std::function<bool()>& go_on = {});
     /// Sums since begin_frame; valid after end_frame.

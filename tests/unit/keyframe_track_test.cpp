@@ -89,7 +89,7 @@ TEST(KeyframeTrack, ChangingLeavesOutWhatStandsStill)
 
 TEST(KeyframeTrack, OutsideOfChangingTheValueIsTheSameToTheBit)
 {
-    const glm::dquat zero(0, 0, 0, 0), turned = about_z(33.3);
+    const glm::dquat turned = about_z(33.3);
     const KeyframeTrack track(
         {}, Vectors{KeyInterpolation::linear, {0, 1, 2}, {{0.1, 0.2, 0.3}, {0.7, 0.1, 1e9}, {0.7, 0.1, 1e9}}},
         Rotations{KeyInterpolation::linear, {0, 1, 2}, {about_z(1), turned, turned}},
