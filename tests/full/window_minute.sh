@@ -80,9 +80,10 @@ step "key Escape"
 # Loaded into the program alone: else it would look for leaks of Xvfb, too.
 run=("$program")
 if [[ -n ${LEAKS:-} ]]; then
-    echo 'int dlclose(void* library) { return library == 0; }' | gcc -shared -fPIC -x c -o "$folder/keep.so" -
+    # Without libraries of its own: a sanitizer's runtime in the program has to come before them.
+    echo 'int dlclose(void* library) { return library == 0; }' | gcc -shared -fPIC -nostdlib -x c -o "$folder/keep.so" -
     preload=$folder/keep.so
-    grep -q __lsan_init "$program" || preload="$(gcc -print-file-name=liblsan.so) $preload"
+    grep -q __asan_init "$program" || preload="$(gcc -print-file-name=liblsan.so) $preload"
     run=(env "LD_PRELOAD=$preload" ASAN_OPTIONS=verify_asan_link_order=0 GNOMON_VULKAN_VALIDATION=0 "$program")
 fi
 
