@@ -35,8 +35,9 @@ float luminance(const glm::vec3& c)
 
 // Each ray in a packet of its own: where surfaces tie, what a ray meets may depend on its company, and which points are
 // asked together is chance.
-void closest_alone(const ray::RayScene& rays, const ray::RayQueue& queue, ray::Hits& hits, ray::Sides sides)
+void closest_alone(const ray::RayScene& rays, ray::RayQueue& queue, ray::Hits& hits, ray::Sides sides)
 {
+    queue.reserve(queue.size());   // packets are loaded whole, from the last ray on too
     for (std::size_t i = 0; i < queue.size(); ++i)
         rays.closest(queue, i, i + 1, hits, sides, ray::Against::static_only);
 }
