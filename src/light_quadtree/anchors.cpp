@@ -16,7 +16,6 @@ constexpr int k_bias = 1 << 17;
 constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
 constexpr int k_level_bias = 32;
 // Part: bit 62: front | bit 61: near light | level (4 bits) | triangle (28) | index (16).
-constexpr std::uint32_t k_part_levels = 8;
 
 // The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line
 // in the very plane of a wall would find nothing but rounding.
@@ -121,11 +120,13 @@ bool is_lattice(AnchorKey key)
     return (key >> 63) != 0;
 }
 
-AnchorKey part_key(std::uint32_t scene_triangle, bool front, float triangle_area, float u, float v, float spacing)
+float part_halvings(float triangle_area, float spacing)
 {
-    const float parts = triangle_area / (spacing * spacing);
-    const float halvings = parts > 1 ? std::ceil(0.5f * std::log2(parts)) : 0.0f;
-    const auto level = static_cast<std::uint32_t>(std::min(halvings, static_cast<float>(k_part_levels)));
+    return 0.5f * std::log2(triangle_area / (spacing * spacing));
+}
+
+AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v)
+{
     const std::uint64_t index = micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level);
     return (static_cast<std::uint64_t>(front) << 62) | (static_cast<std::uint64_t>(level) << 44) |
            (static_cast<std::uint64_t>(scene_triangle) << 16) | index;

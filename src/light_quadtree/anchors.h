@@ -78,8 +78,11 @@ struct Part {
     bool front = true;            // by world winding
     std::uint32_t level = 0, index = 0;
 };
-/// @param spacing  wanted size of a part
-AnchorKey part_key(std::uint32_t scene_triangle, bool front, float triangle_area, float u, float v, float spacing);
+/// How often a triangle is halved both ways until a part of it is as small as `spacing`; below 0 where it is smaller.
+float part_halvings(float triangle_area, float spacing);
+inline constexpr std::uint32_t k_part_levels = 8;
+/// @param level  up to k_part_levels
+AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v);
 Part part_of(AnchorKey key);
 /// The same place for near light (near_light.h), which is remembered apart.
 inline constexpr AnchorKey k_near_anchor = 1ull << 61;

@@ -12,7 +12,6 @@ void MovingSpheres::enclose(std::span<Sphere> spheres)
     const auto at = nodes_.size();
     nodes_.push_back({spheres[0], 0, spheres.size() == 1});
     if (spheres.size() > 1) {
-        constexpr float k_grown = 1.0001f;   // against rounding
         glm::vec3 low = spheres[0].centre, high = low;
         for (const Sphere& s : spheres)
             low = glm::min(low, s.centre - s.radius), high = glm::max(high, s.centre + s.radius);

@@ -18,6 +18,8 @@ struct Sphere {
     float radius = 0;
 };
 
+inline constexpr float k_grown = 1.0001f;   // spheres around what moves, against rounding
+
 class MovingSpheres {
  public:
     struct Node {

@@ -111,25 +111,36 @@ void SparsePixels::reckon_all(int x0, int y0)
                 direct_[static_cast<std::size_t>(i)] = 1;
 }
 
-void SparsePixels::fill(glm::vec3* irradiance) const
+template <class Value>
+void SparsePixels::fill_blocks(Value* values) const
 {
     const auto point = [&](int x, int y) {
         return static_cast<std::size_t>(at_[static_cast<std::size_t>(y * k_side + x)]);
     };
     for (const Block& b : blocks_) {
-        const glm::vec3 low0 = irradiance[point(b.x0, b.y0)], low1 = irradiance[point(b.x1, b.y0)],
-                        high0 = irradiance[point(b.x0, b.y1)], high1 = irradiance[point(b.x1, b.y1)];
+        const Value low0 = values[point(b.x0, b.y0)], low1 = values[point(b.x1, b.y0)],
+                    high0 = values[point(b.x0, b.y1)], high1 = values[point(b.x1, b.y1)];
         const float per_x = 1 / static_cast<float>(b.x1 - b.x0), per_y = 1 / static_cast<float>(b.y1 - b.y0);
         for (int y = b.y0; y <= b.y1; ++y) {
             const float v = static_cast<float>(y - b.y0) * per_y;
-            const glm::vec3 left = low0 + v * (high0 - low0), right = low1 + v * (high1 - low1);
+            const Value left = low0 + v * (high0 - low0), right = low1 + v * (high1 - low1);
             for (int x = b.x0; x <= b.x1; ++x) {
                 const std::size_t i = point(x, y);
                 if (direct_[i]) continue;
-                irradiance[i] = left + static_cast<float>(x - b.x0) * per_x * (right - left);
+                values[i] = left + static_cast<float>(x - b.x0) * per_x * (right - left);
             }
         }
     }
+}
+
+void SparsePixels::fill(glm::vec3* values) const
+{
+    fill_blocks(values);
+}
+
+void SparsePixels::fill(float* values) const
+{
+    fill_blocks(values);
 }
 
 }   // namespace gnomon::light_quadtree

@@ -25,13 +25,16 @@ class SparsePixels {
     /// Points to reckon, rising.
     const std::vector<std::uint32_t>& reckoned() const { return reckoned_; }
     /// Fills in the others.
-    void fill(glm::vec3* irradiance) const;
+    void fill(glm::vec3* values) const;
+    void fill(float* values) const;
 
  private:
     struct Block {
         std::int32_t x0, y0, x1, y1;   // its corners' pixels
     };
     void number_planes(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt);
+    template <class Value>
+    void fill_blocks(Value* values) const;
     bool take(int x0, int y0, int step);
     void reckon_all(int x0, int y0);
 

@@ -25,9 +25,6 @@ constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
 // Shares of a point's light that may be taken from a level that is a little too coarse.
 constexpr float k_least_rest = 0.02f;
 
-// Spheres around what moves: grown against rounding.
-constexpr float k_grown = 1.0001f;
-
 float luminance(const glm::vec3& c)
 {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
@@ -35,9 +32,8 @@ float luminance(const glm::vec3& c)
 
 // Each ray in a packet of its own: where surfaces tie, what a ray meets may depend on its company, and which points are
 // asked together is chance.
-void closest_alone(const ray::RayScene& rays, ray::RayQueue& queue, ray::Hits& hits, ray::Sides sides)
+void closest_alone(const ray::RayScene& rays, const ray::RayQueue& queue, ray::Hits& hits, ray::Sides sides)
 {
-    queue.reserve(queue.size());   // packets are loaded whole, from the last ray on too
     for (std::size_t i = 0; i < queue.size(); ++i)
         rays.closest(queue, i, i + 1, hits, sides, ray::Against::static_only);
 }
@@ -45,6 +41,12 @@ void closest_alone(const ray::RayScene& rays, ray::RayQueue& queue, ray::Hits& h
 float smoothstep(float t)
 {
     return t * t * (3 - 2 * t);
+}
+
+std::uint32_t part_level(float halvings)
+{
+    if (!(halvings > 0)) return 0;   // NaN, too
+    return static_cast<std::uint32_t>(std::min(std::ceil(halvings), static_cast<float>(k_part_levels)));
 }
 
 }   // namespace
@@ -151,10 +153,11 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
     for (std::size_t i = 0; i < points.size(); ++i)
         batch.moving[i] = objects[points[i].object].dynamic || !(points[i].width > 0);
     batch.pixels.choose(points, batch.moving);
+    batch.near_share.assign(points.size(), 1);
     for (const std::uint32_t i : batch.pixels.reckoned()) {
         irradiance[i] = glm::vec3(0);
         if (batch.moving[i])
-            batch.parts.push_back({i, 1, nullptr, glm::vec3(0)});   // anchored to itself
+            batch.parts.push_back({i, 1, 0, nullptr, glm::vec3(0)});   // anchored to itself
         else
             batch.wanted.push_back({i, detail_of(options_.widest * points[i].width).level, 0, 1});
     }
@@ -167,6 +170,7 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
     }
     shade_parts(batch, points, irradiance);
     batch.pixels.fill(irradiance);
+    if (hints_) batch.pixels.fill(batch.near_share.data());
     add_near_light(batch, points, irradiance);
     if (most_rays_ == 0) return;
     for (std::size_t i = 0; i < points.size(); ++i) batch.light_sum += irradiance[i];
@@ -188,17 +192,18 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
         const IndirectPoint& point = points[wanted.point];
         const glm::vec3 between(light.r[k], light.g[k], light.b[k]);
         const float spacing = spacing_of(wanted.level);
-        // The widest level fades in.
-        const float spare = options_.widest * point.width / spacing - 1;
-        float share = spare >= options_.level_blend ? 1.0f : smoothstep(spare / options_.level_blend);
+        // The widest level fades in, the finest one out.
+        float share = faded(options_.widest * point.width / spacing - 1) *
+                      faded(2 * spacing / (options_.narrowest * point.width) - 1);
         share *= std::clamp((light.weight[k] - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
-        irradiance[wanted.point] += wanted.rest * share * between;
-        wanted.rest *= 1 - share;
-        if (!(wanted.rest > k_least_rest)) {
-            // What is missing would not be seen; the sum of all shares is 1 all the same.
-            irradiance[wanted.point] += wanted.rest * between;
-            continue;
-        }
+        share = wanted.rest * share;
+        // If no more than this is missing, it would not be seen; the sum of all shares is 1 all the same.
+        if (const float rest = wanted.rest - share; rest < 2 * k_least_rest)
+            share = std::min(wanted.rest, wanted.rest - 2 * std::max(rest - k_least_rest, 0.0f));
+        irradiance[wanted.point] += share * between;
+        if (!near_at(spacing)) batch.near_share[wanted.point] -= share;
+        wanted.rest -= share;
+        if (!(wanted.rest > 0)) continue;
         if (spacing > options_.narrowest * point.width) {
             --wanted.level;
             batch.wanted[kept++] = wanted;
@@ -211,20 +216,29 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
                              batch.lattice, k, 1, batch.around);
             around = {batch.around.r[k], batch.around.g[k], batch.around.b[k]};
         }
-        batch.parts.push_back({wanted.point, wanted.rest, nullptr, around});
+        batch.parts.push_back({wanted.point, wanted.rest, 0, nullptr, around});
     }
     batch.wanted.resize(kept);
 }
 
-// What has no lattice point to be interpolated from gets a part of its triangle.
+// What has no lattice point to be interpolated from gets parts of its triangle, or of those around.
 void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
+    batch.whole_parts.swap(batch.parts);
+    batch.parts.clear();
+    for (const Batch::Part& part : batch.whole_parts) {
+        const IndirectPoint& point = points[part.point];
+        // Near light is not asked for where pixels are wide.
+        if (!batch.moving[part.point]) batch.near_share[part.point] -= part.rest * faded(point.width / near_width_ - 1);
+        const PartAnchors anchors = far_parts(point);
+        for (int i = 0; i < anchors.count; ++i)
+            batch.parts.push_back({part.point, part.rest * anchors.share[i], anchors.key[i], nullptr, part.around});
+    }
     for (const bool last : {false, true}) {
         if (batch.parts.empty()) return;
         batch.claimed.clear();
         batch.awaited.clear();
-        for (Batch::Part& part : batch.parts)
-            part.part = want(batch, last ? own_anchor(points[part.point]) : far_part(points[part.point]));
+        for (Batch::Part& part : batch.parts) part.part = want(batch, last ? own_anchor(points[part.point]) : part.key);
         serve(batch);
         std::size_t kept = 0;
         for (const Batch::Part& part : batch.parts) {
@@ -242,6 +256,12 @@ void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> poin
     }
 }
 
+// How far a level of detail has faded in: 0 where it begins, 1 `level_blend` beyond.
+float VisibleLight::faded(float beyond) const
+{
+    return beyond >= options_.level_blend ? 1.0f : smoothstep(std::max(beyond, 0.0f) / options_.level_blend);
+}
+
 // The part of its triangle that is about the pixel itself.
 AnchorKey VisibleLight::own_anchor(const IndirectPoint& point) const
 {
@@ -249,41 +269,73 @@ AnchorKey VisibleLight::own_anchor(const IndirectPoint& point) const
     rays_->geometry(point.object).corners(point.triangle, corner);
     const glm::vec3 cross = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     return part_key(first_triangle_[point.object] + point.triangle, glm::dot(cross, point.geometric_normal) > 0,
-                    0.5f * glm::length(cross), point.u, point.v, point.width);
+                    part_level(part_halvings(0.5f * glm::length(cross), point.width)), point.u, point.v);
 }
 
-AnchorKey VisibleLight::far_part(const IndirectPoint& point)
+VisibleLight::PartAnchors VisibleLight::far_parts(const IndirectPoint& point)
 {
     if (state_->scene().objects[point.object].dynamic)
-        return part_anchor(point, options_.pixels_per_part * point.width, options_.pixels_per_part * point.width);
-    return part_anchor(point, options_.narrowest * point.width, options_.pixels_per_leaf * point.width);
+        return part_anchors(point, options_.pixels_per_part * point.width, options_.pixels_per_part * point.width);
+    return part_anchors(point, options_.narrowest * point.width, options_.pixels_per_leaf * point.width);
 }
 
-// A part of a large triangle; or the triangle that stands for the small ones around.
-AnchorKey VisibleLight::part_anchor(const IndirectPoint& point, float spacing, float leaf_spacing)
+void VisibleLight::PartAnchors::add(AnchorKey k, float s)
+{
+    if (!(s > 0)) return;
+    const auto* const at = std::find(key, key + count, k);
+    if (at != key + count) {
+        share[at - key] += s;
+        return;
+    }
+    key[count] = k, share[count] = s;
+    ++count;
+}
+
+// Parts of a large triangle; or triangles that stand for the small ones around. One level of detail fades into the
+// other, so that no light jumps as the view comes near; but of what moves, whose points live for a frame.
+VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point, float spacing, float leaf_spacing)
 {
     const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
+    const scene::Object& object = state_->scene().objects[point.object];
+    const std::uint32_t first = first_triangle_[point.object];
     glm::vec3 corner[3];
     const auto cross_of = [&](std::uint32_t triangle) {
         geometry.corners(triangle, corner);
         return glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     };
-    std::uint32_t triangle = point.triangle;
-    glm::vec3 cross = cross_of(triangle);
-    float u = point.u, v = point.v;
-    if (glm::length(cross) < spacing * spacing) {
-        spacing = leaf_spacing;
-        const scene::Object& object = state_->scene().objects[point.object];
-        const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
-        const float own = scale > 0 ? spacing / scale : spacing;
-        if (own > 0 && std::isfinite(own)) {
-            triangle = clusters_.representatives(object.mesh, *geometry.mesh, detail_of(own).level)[triangle];
-            cross = cross_of(triangle);
-            u = v = 1 / 3.0f;
-        }
+    const glm::vec3 own = cross_of(point.triangle);
+    const bool front = glm::dot(own, point.geometric_normal) > 0;
+    const float twice_area = glm::length(own);
+    PartAnchors parts;
+    if (!(twice_area < spacing * spacing)) {
+        const float halvings = part_halvings(0.5f * twice_area, spacing);
+        const std::uint32_t level = part_level(halvings);
+        const float finer = object.dynamic || level == 0 ? 1.0f : faded(halvings - static_cast<float>(level) + 1);
+        parts.add(part_key(first + point.triangle, front, level, point.u, point.v), finer);
+        if (finer < 1) parts.add(part_key(first + point.triangle, front, level - 1, point.u, point.v), 1 - finer);
+        return parts;
     }
-    return part_key(first_triangle_[point.object] + triangle, glm::dot(cross, point.geometric_normal) > 0,
-                    0.5f * glm::length(cross), u, v, spacing);
+    const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
+    const float in_mesh = scale > 0 ? leaf_spacing / scale : leaf_spacing;
+    const bool clusters = in_mesh > 0 && std::isfinite(in_mesh);
+    const float together = !clusters                           ? 0.0f
+                           : object.dynamic || twice_area == 0 ? 1.0f
+                                                               : faded(spacing / std::sqrt(twice_area) - 1);
+    parts.add(part_key(first + point.triangle, front, 0, point.u, point.v), 1 - together);
+    const auto add_cluster = [&](int level, float share) {
+        if (!(share > 0)) return;
+        const std::uint32_t triangle = clusters_.representatives(object.mesh, *geometry.mesh, level)[point.triangle];
+        const glm::vec3 cross = cross_of(triangle);
+        parts.add(part_key(first + triangle, glm::dot(cross, point.geometric_normal) > 0,
+                           part_level(part_halvings(0.5f * glm::length(cross), leaf_spacing)), 1 / 3.0f, 1 / 3.0f),
+                  share);
+    };
+    if (!(together > 0)) return parts;
+    const Detail detail = detail_of(in_mesh);
+    const float wider = object.dynamic ? 1.0f : faded(detail.fraction);
+    add_cluster(detail.level, together * wider);
+    add_cluster(detail.level - 1, together * (1 - wider));
+    return parts;
 }
 
 // Puts what is wanted in the order of its cells, so that a cell is looked up once and its points stand side by side.
@@ -301,7 +353,7 @@ void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> point
     for (Batch::Wanted wanted : batch.wanted) {
         const LatticeCursor::Step step = cursor.go(points[wanted.point], wanted.level);
         if (step == LatticeCursor::Step::outside) {
-            batch.parts.push_back({wanted.point, wanted.rest, nullptr, glm::vec3(0)});
+            batch.parts.push_back({wanted.point, wanted.rest, 0, nullptr, glm::vec3(0)});
             continue;
         }
         const LatticeCell& cell = cursor.cell();

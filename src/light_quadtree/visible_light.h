@@ -32,7 +32,7 @@ struct VisibleOptions {
     // Spacing of anchors on the screen, in pixels: as wide as the first where neighbours can be interpolated, down to
     // the second where they lie behind corners.
     float widest = 24, narrowest = 12;
-    float level_blend = 0.3f;     // share of a level of detail over which it fades into the next
+    float level_blend = 0.3f;     // share of a level of detail over which one fades into another
     float pixels_per_part = 6;    // of what moves
     float pixels_per_leaf = 16;   // of small triangles that no lattice fits: foliage, rods
     CutOptions cut;
@@ -89,9 +89,17 @@ class VisibleLight {
     std::size_t points() const { return points_.size(); }
 
  private:
-    AnchorKey part_anchor(const IndirectPoint& point, float spacing, float leaf_spacing);
-    AnchorKey far_part(const IndirectPoint& point);
+    // The parts of triangles that speak for a point, with their shares.
+    struct PartAnchors {
+        AnchorKey key[4];
+        float share[4];
+        int count = 0;
+        void add(AnchorKey k, float s);
+    };
+    PartAnchors part_anchors(const IndirectPoint& point, float spacing, float leaf_spacing);
+    PartAnchors far_parts(const IndirectPoint& point);
     AnchorKey own_anchor(const IndirectPoint& point) const;
+    float faded(float beyond) const;
     void find_cells(Batch& batch, std::span<const IndirectPoint> points);
     std::uint32_t cell_of(Batch& batch, const LatticeCell& cell, int level);
     void blend_level(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
@@ -132,7 +140,7 @@ class VisibleLight {
     SkyLight sky_;
     NearLight near_;
     std::unique_ptr<NearHints> hints_;   // null: no near light
-    float near_width_ = 0;               // of pixels: from here on there is none
+    float near_width_ = 0;               // of pixels: from here on it fades, from twice as wide on there is none
     light_views::Casters casters_;
     struct Together {   // what moves together
         std::uint32_t owner;
@@ -175,6 +183,7 @@ class VisibleLight::Batch {
     struct Part {
         std::uint32_t point;
         float rest;
+        AnchorKey key;
         RememberedPoint* part;
         glm::vec3 around;   // what the lattice says, such as it is
     };
@@ -206,7 +215,8 @@ class VisibleLight::Batch {
     std::vector<Cell> cells;
     LatticePoints lattice;   // of `wanted`
     LatticeLight light, around;
-    std::vector<Part> parts;
+    std::vector<Part> parts, whole_parts;
+    std::vector<float> near_share;   // by point: of its light, where near light comes by rays of its own
     std::vector<RememberedPoint*> claimed, awaited, put_off;
     std::vector<Search> searching;
     std::vector<RememberedPoint*> placed;   // new lattice points
@@ -223,9 +233,14 @@ class VisibleLight::Batch {
     struct NearPoint {
         std::uint32_t point;
         NearHints::Cell cell;
-        RememberedPoint* near;
     };
     std::vector<NearPoint> near_points;
+    struct NearPart {
+        std::uint32_t point;
+        float share;
+        RememberedPoint* part;
+    };
+    std::vector<NearPart> near_parts;
     std::vector<NearHints::Cell> awaited_cells;
     std::vector<NearHints::Asked> asked_cells;
     NearHints::Scratch hints;

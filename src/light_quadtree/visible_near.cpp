@@ -8,6 +8,13 @@
 
 namespace gnomon::light_quadtree {
 
+namespace {
+
+// Points that take no more of their light from where near light is apart are not asked for it.
+constexpr float k_least_share = 0.02f;
+
+}   // namespace
+
 // The radius follows the lights, in steps: from it on, leaves can tell surfaces apart.
 void VisibleLight::follow_radius(bool first)
 {
@@ -38,7 +45,7 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
     glm::vec3 winding(0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const IndirectPoint& point = points[i];
-        if (!(point.width < near_width_) || batch.moving[i]) continue;
+        if (!(batch.near_share[i] > k_least_share) || !(point.width < 2 * near_width_) || batch.moving[i]) continue;
         if (point.object != object || point.triangle != triangle) {
             object = point.object, triangle = point.triangle;
             glm::vec3 p[3];
@@ -67,7 +74,7 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
                     batch.awaited_cells.push_back(cell);
                 break;
         }
-        batch.near_points.push_back({static_cast<std::uint32_t>(i), cell, nullptr});
+        batch.near_points.push_back({static_cast<std::uint32_t>(i), cell});
     }
     if (!batch.asked_cells.empty()) hints_->answer(*rays_, batch.asked_cells, batch.hints);
     batch.counters.rays += batch.hints.cast;
@@ -86,15 +93,19 @@ void VisibleLight::add_near_light(Batch& batch, std::span<const IndirectPoint> p
     if (batch.near_points.empty()) return;
     batch.claimed.clear();
     batch.awaited.clear();
-    for (Batch::NearPoint& near : batch.near_points) {
+    batch.near_parts.clear();
+    for (const Batch::NearPoint& near : batch.near_points) {
         const IndirectPoint& point = points[near.point];
-        near.near = want(batch, part_anchor(point, options_.pixels_per_near * point.width,
-                                            options_.pixels_per_near_cluster * point.width) |
-                                    k_near_anchor);
+        const float share = (batch.near_share[near.point] - k_least_share) / (1 - k_least_share);
+        const PartAnchors anchors =
+            part_anchors(point, options_.pixels_per_near * point.width, options_.pixels_per_near_cluster * point.width);
+        for (int i = 0; i < anchors.count; ++i)
+            batch.near_parts.push_back(
+                {near.point, share * anchors.share[i], want(batch, anchors.key[i] | k_near_anchor)});
     }
     serve(batch);
-    for (const Batch::NearPoint& near : batch.near_points)
-        irradiance[near.point] += at_part(*near.near, points[near.point].normal);
+    for (const Batch::NearPart& near : batch.near_parts)
+        irradiance[near.point] += near.share * at_part(*near.part, points[near.point].normal);
 }
 
 // Asks new points for near light from what stands still; and those that movers may touch for what is left of it.

@@ -35,7 +35,8 @@ struct RayQueue {
     /// Direction need not be unit: distances are in its lengths.
     void push(const glm::vec3& origin, float near_distance, const glm::vec3& direction, float far_distance)
     {
-        if (count_ >= ox.size()) reserve(2 * count_ + k_packet_pad);
+        // Packets are loaded whole, from the last ray on too.
+        if (count_ + k_packet_pad >= ox.size()) reserve(2 * count_ + k_packet_pad);
         ox[count_] = origin.x, oy[count_] = origin.y, oz[count_] = origin.z, tnear[count_] = near_distance;
         dx[count_] = direction.x, dy[count_] = direction.y, dz[count_] = direction.z, tfar[count_] = far_distance;
         ++count_;

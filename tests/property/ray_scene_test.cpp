@@ -17,6 +17,20 @@ namespace {
 
 using scene::SceneState;
 
+TEST(RayQueue, HasRoomForAWholePacketFromAnyRayOn)
+{
+    for (const std::size_t reserved : {0, 1, 15, 16, 17, 100}) {
+        ray::RayQueue queue;
+        queue.reserve(reserved);
+        for (std::size_t last = 0; last < 200; ++last) {
+            queue.push(glm::vec3(0), 0, glm::vec3(0, 0, 1), 1);
+            for (const auto* a : {&queue.ox, &queue.oy, &queue.oz, &queue.tnear, &queue.dx, &queue.dy, &queue.dz,
+                                  &queue.tfar})
+                ASSERT_GE(a->size(), last + ray::k_packet_pad);
+        }
+    }
+}
+
 TEST(RayScene, PacketsAnswerAsSingleRaysDo)
 {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
