@@ -2,6 +2,7 @@
 #include "render/tile_tracer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/stopwatch.h"
 
@@ -330,8 +331,10 @@ void TileTracer::bounce_light(bool primary, const TileRect& tile)
         const int pixel = static_cast<int>(points_[p].pixel);
         if (visible_) {
             // Chrome and glass show everything small and from places of their own, so that its points would be many
-            // and new in every frame.
-            const float width = s.cone.width * (primary ? 1 : options_.mirrored_spacing);
+            // and new in every frame; and what brings less of a pixel may be coarser.
+            const float wider =
+                primary ? 1.0f : options_.mirrored_spacing / std::sqrt(std::min(largest_share(points_[p].share), 1.0f));
+            const float width = s.cone.width * wider;
             indirect_points_.push_back(
                 {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, width});
             if (primary) {

@@ -40,7 +40,9 @@ struct TracedOptions {
     bool layers = false;                         // fill all of FrameBuffers, not `color` alone
     const ReferenceLight* reference = nullptr;   // path-traced indirect light; then without ambient light
     float min_share = 1 / 300.f;                 // a ray that would bring less than this share of a pixel is not traced
-    float mirrored_spacing = 4;   // points of bounced light: so many times further apart in mirrors and behind glass
+    // Points of bounced light: so many times further apart in mirrors and behind glass, and there the more, the less
+    // (by the square root) they bring of a pixel.
+    float mirrored_spacing = 4;
     int tile = 32;                // pixels a side; a power of two
 };
 
