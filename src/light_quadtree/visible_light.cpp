@@ -159,7 +159,7 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
         if (batch.moving[i])
             batch.parts.push_back({i, 1, 0, nullptr, glm::vec3(0)});   // anchored to itself
         else
-            batch.wanted.push_back({i, detail_of(options_.widest * points[i].width).level, 0, 1});
+            batch.wanted.push_back({i, detail_of(options_.widest * points[i].width).level, 0, 1, glm::vec3(0)});
     }
     // From coarse to fine, as far as each point needs.
     while (!batch.wanted.empty()) {
@@ -193,8 +193,8 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
         const glm::vec3 between(light.r[k], light.g[k], light.b[k]);
         const float spacing = spacing_of(wanted.level);
         // The widest level fades in, the finest one out.
-        float share = faded(options_.widest * point.width / spacing - 1) *
-                      faded(2 * spacing / (options_.narrowest * point.width) - 1);
+        const float narrowest = options_.narrowest * point.width, finest = faded(2 * spacing / narrowest - 1);
+        float share = faded(options_.widest * point.width / spacing - 1) * finest;
         share *= std::clamp((light.weight[k] - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
         share = wanted.rest * share;
         // If no more than this is missing, it would not be seen; the sum of all shares is 1 all the same.
@@ -204,21 +204,27 @@ void VisibleLight::blend_level(Batch& batch, std::span<const IndirectPoint> poin
         if (!near_at(spacing)) batch.near_share[wanted.point] -= share;
         wanted.rest -= share;
         if (!(wanted.rest > 0)) continue;
-        if (spacing > options_.narrowest * point.width) {
+        if (spacing > narrowest) {
+            if (faded(spacing / narrowest - 1) < 1) wanted.around = around(batch, k);
             --wanted.level;
             batch.wanted[kept++] = wanted;
             continue;
         }
-        // At the foot of a wall few anchors say little, but the others stand inside it.
-        glm::vec3 around = between;
-        if (around == glm::vec3(0)) {
-            interpolate_cell(batch.cells[wanted.cell].anchors, {k_plane_around * spacing, k_facing, false},
-                             batch.lattice, k, 1, batch.around);
-            around = {batch.around.r[k], batch.around.g[k], batch.around.b[k]};
-        }
-        batch.parts.push_back({wanted.point, wanted.rest, 0, nullptr, around});
+        batch.parts.push_back({wanted.point, finest * wanted.rest, 0, nullptr, around(batch, k)});
+        if (finest < 1) batch.parts.push_back({wanted.point, (1 - finest) * wanted.rest, 0, nullptr, wanted.around});
     }
     batch.wanted.resize(kept);
+}
+
+// What a level says where it cannot say much: at the foot of a wall few anchors do, and the others stand inside it.
+glm::vec3 VisibleLight::around(Batch& batch, std::size_t k) const
+{
+    const glm::vec3 between(batch.light.r[k], batch.light.g[k], batch.light.b[k]);
+    if (between != glm::vec3(0)) return between;
+    const Batch::Wanted& wanted = batch.wanted[k];
+    interpolate_cell(batch.cells[wanted.cell].anchors, {k_plane_around * spacing_of(wanted.level), k_facing, false},
+                     batch.lattice, k, 1, batch.around);
+    return {batch.around.r[k], batch.around.g[k], batch.around.b[k]};
 }
 
 // What has no lattice point to be interpolated from gets parts of its triangle, or of those around.
@@ -238,21 +244,26 @@ void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> poin
         if (batch.parts.empty()) return;
         batch.claimed.clear();
         batch.awaited.clear();
-        for (Batch::Part& part : batch.parts) part.part = want(batch, last ? own_anchor(points[part.point]) : part.key);
+        for (Batch::Part& part : batch.parts) part.part = want(batch, part.key);
         serve(batch);
-        std::size_t kept = 0;
+        batch.whole_parts.clear();
         for (const Batch::Part& part : batch.parts) {
-            glm::vec3 light = at_part(*part.part, points[part.point].normal);
+            const IndirectPoint& point = points[part.point];
+            glm::vec3 light = at_part(*part.part, point.normal);
             // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, and
             // where there is none, once more from close by, than a black dot.
             if (light == glm::vec3(0)) light = part.around;
             if (light == glm::vec3(0) && part.part->version == 0) light = average_;   // put off
-            if (light == glm::vec3(0) && !last)
-                batch.parts[kept++] = part;
-            else
+            if (light != glm::vec3(0) || last) {
                 irradiance[part.point] += part.rest * light;
+                continue;
+            }
+            const PartAnchors anchors = own_parts(point);
+            for (int i = 0; i < anchors.count; ++i)
+                batch.whole_parts.push_back(
+                    {part.point, part.rest * anchors.share[i], anchors.key[i], nullptr, glm::vec3(0)});
         }
-        batch.parts.resize(kept);
+        batch.parts.swap(batch.whole_parts);
     }
 }
 
@@ -262,14 +273,31 @@ float VisibleLight::faded(float beyond) const
     return beyond >= options_.level_blend ? 1.0f : smoothstep(std::max(beyond, 0.0f) / options_.level_blend);
 }
 
-// The part of its triangle that is about the pixel itself.
-AnchorKey VisibleLight::own_anchor(const IndirectPoint& point) const
+// The parts of its triangle that are about the pixel itself.
+VisibleLight::PartAnchors VisibleLight::own_parts(const IndirectPoint& point) const
 {
     glm::vec3 corner[3];
     rays_->geometry(point.object).corners(point.triangle, corner);
-    const glm::vec3 cross = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-    return part_key(first_triangle_[point.object] + point.triangle, glm::dot(cross, point.geometric_normal) > 0,
-                    part_level(part_halvings(0.5f * glm::length(cross), point.width)), point.u, point.v);
+    PartAnchors parts;
+    add_parts(parts, point, glm::cross(corner[1] - corner[0], corner[2] - corner[0]), point.width);
+    return parts;
+}
+
+// Parts of a point's own triangle, about as large as `spacing`. One level of detail fades into the other; but of what
+// moves, whose points live for a frame.
+// @param cross  of the triangle's sides
+void VisibleLight::add_parts(PartAnchors& parts, const IndirectPoint& point, const glm::vec3& cross,
+                             float spacing) const
+{
+    const std::uint32_t triangle = first_triangle_[point.object] + point.triangle;
+    const bool front = glm::dot(cross, point.geometric_normal) > 0;
+    const float halvings = part_halvings(0.5f * glm::length(cross), spacing);
+    const std::uint32_t level = part_level(halvings);
+    const float finer = state_->scene().objects[point.object].dynamic || level == 0
+                            ? 1.0f
+                            : faded(halvings - static_cast<float>(level) + 1);
+    parts.add(part_key(triangle, front, level, point.u, point.v), finer);
+    if (finer < 1) parts.add(part_key(triangle, front, level - 1, point.u, point.v), 1 - finer);
 }
 
 VisibleLight::PartAnchors VisibleLight::far_parts(const IndirectPoint& point)
@@ -291,8 +319,7 @@ void VisibleLight::PartAnchors::add(AnchorKey k, float s)
     ++count;
 }
 
-// Parts of a large triangle; or triangles that stand for the small ones around. One level of detail fades into the
-// other, so that no light jumps as the view comes near; but of what moves, whose points live for a frame.
+// Parts of a large triangle; or triangles that stand for the small ones around, faded as parts are.
 VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point, float spacing, float leaf_spacing)
 {
     const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
@@ -304,15 +331,10 @@ VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point,
         return glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     };
     const glm::vec3 own = cross_of(point.triangle);
-    const bool front = glm::dot(own, point.geometric_normal) > 0;
     const float twice_area = glm::length(own);
     PartAnchors parts;
     if (!(twice_area < spacing * spacing)) {
-        const float halvings = part_halvings(0.5f * twice_area, spacing);
-        const std::uint32_t level = part_level(halvings);
-        const float finer = object.dynamic || level == 0 ? 1.0f : faded(halvings - static_cast<float>(level) + 1);
-        parts.add(part_key(first + point.triangle, front, level, point.u, point.v), finer);
-        if (finer < 1) parts.add(part_key(first + point.triangle, front, level - 1, point.u, point.v), 1 - finer);
+        add_parts(parts, point, own, spacing);
         return parts;
     }
     const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
@@ -321,7 +343,8 @@ VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point,
     const float together = !clusters                           ? 0.0f
                            : object.dynamic || twice_area == 0 ? 1.0f
                                                                : faded(spacing / std::sqrt(twice_area) - 1);
-    parts.add(part_key(first + point.triangle, front, 0, point.u, point.v), 1 - together);
+    parts.add(part_key(first + point.triangle, glm::dot(own, point.geometric_normal) > 0, 0, point.u, point.v),
+              1 - together);
     const auto add_cluster = [&](int level, float share) {
         if (!(share > 0)) return;
         const std::uint32_t triangle = clusters_.representatives(object.mesh, *geometry.mesh, level)[point.triangle];

@@ -98,7 +98,9 @@ class VisibleLight {
     };
     PartAnchors part_anchors(const IndirectPoint& point, float spacing, float leaf_spacing);
     PartAnchors far_parts(const IndirectPoint& point);
-    AnchorKey own_anchor(const IndirectPoint& point) const;
+    PartAnchors own_parts(const IndirectPoint& point) const;
+    void add_parts(PartAnchors& parts, const IndirectPoint& point, const glm::vec3& cross, float spacing) const;
+    glm::vec3 around(Batch& batch, std::size_t wanted) const;
     float faded(float beyond) const;
     void find_cells(Batch& batch, std::span<const IndirectPoint> points);
     std::uint32_t cell_of(Batch& batch, const LatticeCell& cell, int level);
@@ -178,7 +180,8 @@ class VisibleLight::Batch {
         std::uint32_t point;   // which
         int level;
         std::uint32_t cell;
-        float rest;   // share of its light that finer levels bring
+        float rest;         // share of its light that finer levels bring
+        glm::vec3 around;   // what the level before says, such as it is; if this one has only begun to fade in
     };
     struct Part {
         std::uint32_t point;

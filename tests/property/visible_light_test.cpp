@@ -145,6 +145,67 @@ TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
     EXPECT_TRUE(same_bits(buffers.indirect.data, indirect_of("cornell", {3}, 1, k_size, with_near_light())));
 }
 
+// What a camera sees, at every few pixels, with shading as flat as the triangles.
+std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int side)
+{
+    const render::View view = render::make_view(world.state, 0, {side, side});
+    ray::RayQueue queue;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            glm::vec3 origin, direction;
+            float tnear, tfar;
+            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
+            queue.push(origin, tnear, direction, tfar);
+        }
+    ray::Hits hits;
+    hits.resize(queue.size());
+    world.rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
+    std::vector<light_quadtree::IndirectPoint> points;
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        if (hits.object[i] == scene::none || world.scene->objects[hits.object[i]].dynamic) continue;
+        glm::vec3 p[3];
+        world.rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
+        glm::vec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+        if (glm::dot(normal, queue.direction(i)) > 0) normal = -normal;
+        const float u = hits.u[i], v = hits.v[i];
+        points.push_back(
+            {(1 - u - v) * p[0] + u * p[1] + v * p[2], normal, normal, hits.object[i], hits.triangle[i], u, v, 0});
+    }
+    return points;
+}
+
+// One level of detail fades into the next, of points on lattices, of parts of triangles and of those that stand for
+// small ones, and of near light: as the view comes near, no light jumps.
+TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
+{
+    constexpr float k_step = 1.01f;   // 3 % of a fade, which changes light by 5 % of what the two levels differ by
+    for (const char* name : {"cornell", "kinetic"}) {
+        World world(name, 1, 2);
+        VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
+        visible.begin_frame(world.state, world.rays, world.tasks);
+        std::vector<light_quadtree::IndirectPoint> points = seen_points(world, 24);
+        ASSERT_GT(points.size(), 200u) << name;
+        const auto batch = visible.make_batch();
+        std::vector<glm::vec3> light(points.size()), before;
+        double sum = 0, largest = 0;
+        for (float width = 0.0005f * world.rays.bounds().diagonal(), end = 16 * width; width < end; width *= k_step) {
+            for (auto& point : points) point.width = width;
+            visible.shade(*batch, points, light.data());
+            if (before.empty()) {
+                for (const glm::vec3& l : light) sum += static_cast<double>(l.y);
+            }
+            for (std::size_t i = 0; i < before.size(); ++i) {
+                const double by = std::abs(static_cast<double>(light[i].y - before[i].y));
+                largest = std::max(largest, by);
+            }
+            before = light;
+        }
+        const double mean = sum / static_cast<double>(points.size());
+        ASSERT_GT(mean, 0) << name;
+        EXPECT_LT(largest / mean, 0.15) << name;
+    }
+}
+
 TEST(VisibleLight, RepairedTreeEqualsANewOne)
 {
     World world("cornell", 1, 2);
