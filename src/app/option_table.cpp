@@ -157,7 +157,7 @@ constexpr Option k_options[] = {
              "in 2007; rsm: samples of them; both without shadows"},
     {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .low = 1, .high = 65536,
      .verbs = k_pictures | bit(bench_indirect), .group = k_indirect,
-     .help = "visible: for remembered points, or half as much again as a frame shows; the longest unseen are forgotten "
+     .help = "visible: for remembered points, or twice what a frame shows; the longest unseen are forgotten "
              "first; changes time, not pictures"},
     {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = 65536,
      .verbs = k_pictures, .group = k_indirect, .help = "rsm: of the reflective shadow map"},

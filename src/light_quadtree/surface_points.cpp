@@ -59,7 +59,7 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget)
     for (const Shard& shard : shards_)
         for (const auto& p : shard.points) size[age_of(*p)] += bytes_of(*p);
     // Large pictures need room for more than their own points, too.
-    budget = std::max(budget, size[0] + size[0] / 2);
+    budget = std::max(budget, 2 * size[0]);
     if (all <= budget) return;
     std::uint32_t oldest = k_ages - 1;
     for (std::size_t left = all; oldest > 0; --oldest) {

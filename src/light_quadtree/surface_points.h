@@ -51,7 +51,7 @@ class SurfacePoints {
         seen_bytes_.fetch_add((after - before) * sizeof(SeenNode), std::memory_order_relaxed);
     }
     /// Between frames: if the points take more than `budget` bytes, drops the longest unseen until a quarter of it is
-    /// free; what was seen in `frame` stays, and half as much beside it.
+    /// free; what was seen in `frame` stays, and half as much to as much beside it.
     void drop_unseen(std::uint32_t frame, std::size_t budget);
     std::size_t size() const;
     std::size_t bytes() const;

@@ -279,7 +279,8 @@ VisibleLight::PartAnchors VisibleLight::own_parts(const IndirectPoint& point) co
     glm::vec3 corner[3];
     rays_->geometry(point.object).corners(point.triangle, corner);
     PartAnchors parts;
-    add_parts(parts, point, glm::cross(corner[1] - corner[0], corner[2] - corner[0]), point.width);
+    add_parts(parts, point, glm::cross(corner[1] - corner[0], corner[2] - corner[0]),
+              options_.pixels_per_own * point.width);
     return parts;
 }
 

@@ -35,6 +35,7 @@ struct VisibleOptions {
     float level_blend = 0.3f;     // share of a level of detail over which one fades into another
     float pixels_per_part = 6;    // of what moves
     float pixels_per_leaf = 16;   // of small triangles that no lattice fits: foliage, rods
+    float pixels_per_own = 2;     // of parts that are about the pixel itself, where all else is dark
     CutOptions cut;
     // In place of cut.error and cut.estimate for points that move, since they are made anew every frame.
     float moving_error = 0.2f, moving_estimate = 0.05f;
@@ -45,7 +46,7 @@ struct VisibleOptions {
     float pixels_per_near_cluster = 4;   // and of those that stand for smaller triangles
     int near_rays = 64;
     float unasked = 0.02f;   // share of a point's light: less than this comes from a mover unshadowed
-    // Bytes of remembered points, or half as much again as the last frame shows; the longest unseen go first.
+    // Bytes of remembered points, or twice what the last frame shows; the longest unseen go first.
     std::size_t memory = 16u << 20;
 };
 

@@ -93,7 +93,7 @@ TEST(VisibleLight, NearLightNeitherAddsNorTakes)
     EXPECT_NEAR(parted / all, 1, 0.03);
 }
 
-// Too little memory costs time; no picture shows it, and no more than half as much again as a frame shows is held.
+// Too little memory costs time; no picture shows it, and no more than twice what a frame shows is held.
 TEST(VisibleLight, LittleMemoryChangesNoPicture)
 {
     const auto walk = [](std::size_t memory, std::size_t& most) {
