@@ -120,9 +120,14 @@ bool is_lattice(AnchorKey key)
     return (key >> 63) != 0;
 }
 
-float part_halvings(float triangle_area, float spacing)
+PartDetail part_detail(float triangle_area, float spacing)
 {
-    return 0.5f * std::log2(triangle_area / (spacing * spacing));
+    const float size = std::sqrt(triangle_area) / spacing;
+    if (!(size > 1)) return {0, 1};   // NaN, too
+    const Detail detail = detail_of(size);
+    if (detail.level >= static_cast<int>(k_part_levels)) return {k_part_levels, 1};
+    if (detail.fraction == 0) return {static_cast<std::uint32_t>(detail.level), 1};
+    return {static_cast<std::uint32_t>(detail.level) + 1, detail.fraction};
 }
 
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v)

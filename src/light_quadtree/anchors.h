@@ -78,10 +78,13 @@ struct Part {
     bool front = true;            // by world winding
     std::uint32_t level = 0, index = 0;
 };
-/// How often a triangle is halved both ways until a part of it is as small as `spacing`; below 0 where it is smaller.
-float part_halvings(float triangle_area, float spacing);
+/// How often a triangle is halved both ways until a part of it is no larger than `spacing`.
+struct PartDetail {
+    std::uint32_t level;   // up to k_part_levels
+    float fraction;        // how far beyond the level before, 0 to 1; 1 where there is no other
+};
 inline constexpr std::uint32_t k_part_levels = 8;
-/// @param level  up to k_part_levels
+PartDetail part_detail(float triangle_area, float spacing);
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v);
 Part part_of(AnchorKey key);
 /// The same place for near light (near_light.h), which is remembered apart.

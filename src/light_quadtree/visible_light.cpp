@@ -43,12 +43,6 @@ float smoothstep(float t)
     return t * t * (3 - 2 * t);
 }
 
-std::uint32_t part_level(float halvings)
-{
-    if (!(halvings > 0)) return 0;   // NaN, too
-    return static_cast<std::uint32_t>(std::min(std::ceil(halvings), static_cast<float>(k_part_levels)));
-}
-
 }   // namespace
 
 void VisibleCounters::add(const VisibleCounters& o)
@@ -292,13 +286,10 @@ void VisibleLight::add_parts(PartAnchors& parts, const IndirectPoint& point, con
 {
     const std::uint32_t triangle = first_triangle_[point.object] + point.triangle;
     const bool front = glm::dot(cross, point.geometric_normal) > 0;
-    const float halvings = part_halvings(0.5f * glm::length(cross), spacing);
-    const std::uint32_t level = part_level(halvings);
-    const float finer = state_->scene().objects[point.object].dynamic || level == 0
-                            ? 1.0f
-                            : faded(halvings - static_cast<float>(level) + 1);
-    parts.add(part_key(triangle, front, level, point.u, point.v), finer);
-    if (finer < 1) parts.add(part_key(triangle, front, level - 1, point.u, point.v), 1 - finer);
+    const PartDetail detail = part_detail(0.5f * glm::length(cross), spacing);
+    const float finer = state_->scene().objects[point.object].dynamic ? 1.0f : faded(detail.fraction);
+    parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
+    if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
 }
 
 VisibleLight::PartAnchors VisibleLight::far_parts(const IndirectPoint& point)
@@ -351,7 +342,7 @@ VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point,
         const std::uint32_t triangle = clusters_.representatives(object.mesh, *geometry.mesh, level)[point.triangle];
         const glm::vec3 cross = cross_of(triangle);
         parts.add(part_key(first + triangle, glm::dot(cross, point.geometric_normal) > 0,
-                           part_level(part_halvings(0.5f * glm::length(cross), leaf_spacing)), 1 / 3.0f, 1 / 3.0f),
+                           part_detail(0.5f * glm::length(cross), leaf_spacing).level, 1 / 3.0f, 1 / 3.0f),
                   share);
     };
     if (!(together > 0)) return parts;
