@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keys of surface points: which part of a triangle speaks for a point, at which level of detail.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "light_quadtree/anchors.h"
+
+namespace gnomon::light_quadtree {
+namespace {
+
+TEST(Anchors, PartsAreNoLargerThanWanted)
+{
+    for (std::uint32_t level = 0; level <= 6; ++level) {
+        const float spacing = 3 / static_cast<float>(1u << level);
+        const PartDetail exact = part_detail(9, spacing), finer = part_detail(9, 0.99f * spacing);
+        EXPECT_EQ(exact.level, level);
+        EXPECT_EQ(exact.fraction, 1);
+        EXPECT_EQ(finer.level, level + 1);
+        EXPECT_NEAR(finer.fraction, 0.01f, 0.001f) << "it has just begun";
+        EXPECT_EQ(part_detail(9, 1.01f * spacing).level, level);
+    }
+    for (const float spacing : {1e-6f, 0.0f}) EXPECT_EQ(part_detail(9, spacing).level, k_part_levels);
+    EXPECT_EQ(part_detail(0, 1).level, 0u);
+    EXPECT_EQ(part_detail(0, 0).level, 0u);
+    EXPECT_EQ(part_detail(std::numeric_limits<float>::quiet_NaN(), 1).level, 0u);
+}
+
+TEST(Anchors, AKeyTellsItsPart)
+{
+    for (const std::uint32_t level : {0u, 1u, 5u, k_part_levels}) {
+        const Part part = part_of(part_key(123456, false, level, 0.2f, 0.3f));
+        EXPECT_EQ(part.triangle, 123456u);
+        EXPECT_FALSE(part.front);
+        EXPECT_EQ(part.level, level);
+        EXPECT_FALSE(is_lattice(part_key(123456, true, level, 0.2f, 0.3f)));
+    }
+    EXPECT_NE(part_key(1, true, 3, 0.1f, 0.1f), part_key(1, true, 3, 0.8f, 0.1f));
+    EXPECT_EQ(part_key(1, true, 0, 0.1f, 0.1f), part_key(1, true, 0, 0.8f, 0.1f));
+}
+
+}   // namespace
+}   // namespace gnomon::light_quadtree
