@@ -144,8 +144,11 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
     batch.parts.clear();
     batch.moving.resize(points.size());
     const std::vector<scene::Object>& objects = state_->scene().objects;
-    for (std::size_t i = 0; i < points.size(); ++i)
+    bool near = false;   // some point is near enough to the viewer for near light
+    for (std::size_t i = 0; i < points.size(); ++i) {
         batch.moving[i] = objects[points[i].object].dynamic || !(points[i].width > 0);
+        near = near || (!batch.moving[i] && points[i].width < 2 * near_width_);
+    }
     batch.pixels.choose(points, batch.moving);
     batch.near_share.assign(points.size(), 1);
     for (const std::uint32_t i : batch.pixels.reckoned()) {
@@ -164,8 +167,10 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
     }
     shade_parts(batch, points, irradiance);
     batch.pixels.fill(irradiance);
-    if (hints_) batch.pixels.fill(batch.near_share.data());
-    add_near_light(batch, points, irradiance);
+    if (near && hints_) {
+        batch.pixels.fill(batch.near_share.data());
+        add_near_light(batch, points, irradiance);
+    }
     if (most_rays_ == 0) return;
     for (std::size_t i = 0; i < points.size(); ++i) batch.light_sum += irradiance[i];
     batch.light_count += points.size();

@@ -88,7 +88,6 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
 
 void VisibleLight::add_near_light(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
-    if (!hints_) return;
     find_hints(batch, points);
     if (batch.near_points.empty()) return;
     batch.claimed.clear();
