@@ -70,6 +70,16 @@ void RayScene::Inside::build(const scene::SceneState& state)
                n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles;
     };
 
+    // How far does everything static reach?
+    std::vector<Box3> mesh_box(scene->meshes.size());
+    for (const scene::Object& object : scene->objects) {
+        if (object.dynamic) continue;
+        Box3& box = mesh_box[object.mesh];
+        if (box.empty()) box = scene->meshes[object.mesh].bounds();
+        const float reach = reach_of(box, glm::mat4(state.world(object.node)));
+        if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
+    }
+
     // Flattened objects first: their geometry ids are the records' indices.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (!scene->objects[o].dynamic && !instanced(scene->objects[o])) add_still(state, o);
@@ -82,6 +92,11 @@ void RayScene::Inside::build(const scene::SceneState& state)
     for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    const float reach = present_reach();
+    for (std::uint32_t s = 0; s < solids.size(); ++s) {
+        solids[s].margin = margin_of(reach, solids[s].to_world);
+        finish(s, state);
+    }
     device.commit(moving.get());
     device.check();
 }
@@ -139,6 +154,14 @@ void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene:
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
         attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
+        // One tree for all: what the most shrunken of them needs, with room for rays from where movers go.
+        constexpr float k_room = 4;
+        shared->box = box_of(shared->vertices.front().positions, mesh);
+        for (const scene::Object& other : scene->objects)
+            if (!other.dynamic && other.mesh == object.mesh)
+                shared->margin =
+                    std::max(shared->margin, margin_of(k_room * still_reach, glm::mat4(state.world(other.node))));
+        shared->attach_margin(device.get());
         device.commit(shared->tree.get());
     }
     const glm::dmat4& world = state.world(object.node);
@@ -176,10 +199,11 @@ void RayScene::Inside::add_group(const scene::SceneState& state, scene::GroupId 
         bake(vertices, mesh, relative);
         attach_object(device.get(), solid.tree.get(), *scene, o, vertices, mirrors(relative), solid.records);
         describe(o, vertices, &solid, mirrors(relative));
+        solid.box.add(box_of(vertices.positions, mesh));
         solid.objects.push_back(o);
     }
-    device.commit(solid.tree.get());
-    add_to_moving(solid, state);
+    solid.to_world = glm::mat4(state.world(solid.anchor));
+    measure(solid, state);
 }
 
 // Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the frame in which
@@ -200,17 +224,30 @@ void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId
                   object.deforming ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
     describe(o, vertices, &solid, false);
     solid.objects.push_back(o);
-    device.commit(solid.tree.get());
-    if (solid.deforming) refit(solid, state);
-    add_to_moving(solid, state);
+    solid.box = box_of(object.deforming ? state.deformed(o).positions : vertices.positions, mesh);
+    solid.to_world = solid.anchor == scene::none ? glm::mat4(1) : glm::mat4(state.world(solid.anchor));
+    measure(solid, state);
 }
 
-void RayScene::Inside::add_to_moving(Solid& solid, const scene::SceneState& state)
+// What others' margins depend on.
+void RayScene::Inside::measure(Solid& solid, const scene::SceneState& state)
 {
+    solid.visible = state.object_visible(solid.objects.front());
+    solid.has_volume = has_volume(solid.to_world);
+    solid.reach = reach_of(solid.box, solid.to_world);
+}
+
+// Builds a solid's tree, whose box depends on how far everything reaches, and places it.
+void RayScene::Inside::finish(std::uint32_t s, const scene::SceneState& state)
+{
+    Solid& solid = solids[s];
+    solid.attach_margin(device.get());
+    device.commit(solid.tree.get());
+    if (solid.deforming) refit(solid, state);
     solid.instance = GeometryHandle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
     rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
-    rtcAttachGeometryByID(moving.get(), solid.instance.get(), static_cast<unsigned>(solids.size() - 1));
+    rtcAttachGeometryByID(moving.get(), solid.instance.get(), s);
     place(solid, state);
     show(solid, state.object_visible(solid.objects.front()));
 }

@@ -30,6 +30,17 @@ struct Solid {
     scene::NodeId anchor = scene::none;   // whose world matrix places it; none: a skin, already in the world
     bool deforming = false;
 
+    // Around its triangles, in the tree's space; and what makes that larger (margin.cpp).
+    Box3 box;
+    float reach = 0;                             // largest coordinate of anything of it in the world
+    float margin = 0;                            // in the tree's space
+    std::array<glm::vec3, 4> margin_corners{};   // two, padded
+    GeometryHandle margin_geometry;
+    /// After all others. @pre box and margin
+    void attach_margin(RTCDevice device);
+    /// The tree and its instance are to be committed afterwards.
+    void set_margin(float wanted);
+
     glm::mat4 to_world{1};
     glm::mat3 normal_to_world{1};
     bool mirrored = false;          // by to_world
@@ -38,6 +49,15 @@ struct Solid {
     bool enabled = true;            // in the tree: visible and with volume
     std::uint64_t touched_at = 0;   // the update that last touched it
 };
+
+/// Largest coordinate of a placed box, and of its place.
+float reach_of(const Box3& box, const glm::mat4& to_world);
+/// How much larger the box of what is placed must be, in its own space, where coordinates reach so far.
+float margin_of(float reach, const glm::mat4& to_world);
+/// Around all that can be met.
+Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
+/// Whether all vertices are where Embree takes them.
+bool can_be_met(const std::vector<glm::vec3>& positions);
 
 /// A static object that is an instance of a shared mesh.
 struct Placed {
@@ -66,6 +86,8 @@ struct RayScene::Inside {
     std::deque<Placed> still_instances;   // by geometry id - first_instance
     unsigned first_instance = 0;
     std::vector<std::vector<unsigned>> still_ids;   // by object: its geometry ids in `still`
+
+    float still_reach = 0;   // largest coordinate
 
     // What moves.
     SceneHandle moving;
@@ -99,11 +121,17 @@ struct RayScene::Inside {
     void add_group(const scene::SceneState& state, scene::GroupId group);
     /// A deforming object, or one that somebody took out of its surroundings by hand.
     void add_alone(const scene::SceneState& state, scene::ObjectId object);
-    void add_to_moving(Solid& solid, const scene::SceneState& state);
+    static void measure(Solid& solid, const scene::SceneState& state);
+    void finish(std::uint32_t solid, const scene::SceneState& state);
     void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
     void bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix);
     void build_one_tree();
     SceneHandle new_scene(RTCBuildQuality quality, unsigned flags) const;
+
+    // margin.cpp
+    float present_reach() const;
+    /// Before the movers' top level is built again.
+    void follow_margins();
 
     // ray_scene.cpp
     Met met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const;

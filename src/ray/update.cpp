@@ -39,6 +39,7 @@ void RayScene::Inside::update(const scene::SceneState& state)
         if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), true);
 
     // Rebuild the movers' small top level, and nothing else.
+    if (statistics.touched > 0 || regrouped) follow_margins();
     if (statistics.touched > 0) device.commit(moving.get());
     if (one.get() && regrouped)
         build_one_tree();
@@ -60,6 +61,14 @@ void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
         rtcUpdateGeometryBuffer(part, RTC_BUFFER_TYPE_VERTEX, 0);
         rtcCommitGeometry(part);
     }
+    solid.box = box_of(shape.positions, *geometry[solid.objects.front()].mesh);
+    solid.reach = reach_of(solid.box, solid.to_world);
+    solid.set_margin(solid.margin);
+    // A refitted tree with vertices that are no numbers has a box that is none: it must not be sorted among others.
+    if (can_be_met(shape.positions))
+        rtcEnableGeometry(solid.margin_geometry.get());
+    else
+        rtcDisableGeometry(solid.margin_geometry.get());
     device.commit(solid.tree.get());
     if (solid.instance.get()) rtcCommitGeometry(solid.instance.get());
 }
@@ -72,6 +81,7 @@ void RayScene::Inside::place(Solid& solid, const scene::SceneState& state)
         solid.mirrored = mirrored;
         for (const scene::ObjectId o : solid.objects) geometry[o].mirrored = !geometry[o].mirrored;
     }
+    solid.reach = reach_of(solid.box, solid.to_world);
     solid.has_volume = has_volume(solid.to_world);
     if (solid.has_volume)
         rtcSetGeometryTransform(solid.instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &solid.to_world);
@@ -134,6 +144,7 @@ bool RayScene::Inside::lift_out(const scene::SceneState& state, const std::vecto
             continue;
         }
         add_alone(state, o);
+        finish(solid_of_object[o], state);
         any = true;
     }
     if (still_changed) device.commit(still.get());

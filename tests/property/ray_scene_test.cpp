@@ -24,8 +24,8 @@ TEST(RayQueue, HasRoomForAWholePacketFromAnyRayOn)
         queue.reserve(reserved);
         for (std::size_t last = 0; last < 200; ++last) {
             queue.push(glm::vec3(0), 0, glm::vec3(0, 0, 1), 1);
-            for (const auto* a : {&queue.ox, &queue.oy, &queue.oz, &queue.tnear, &queue.dx, &queue.dy, &queue.dz,
-                                  &queue.tfar})
+            for (const auto* a :
+                 {&queue.ox, &queue.oy, &queue.oz, &queue.tnear, &queue.dx, &queue.dy, &queue.dz, &queue.tfar})
                 ASSERT_GE(a->size(), last + ray::k_packet_pad);
         }
     }
@@ -42,6 +42,61 @@ TEST(RayScene, PacketsAnswerAsSingleRaysDo)
         EXPECT_EQ(differences(ask(rays, queue), single), 0u) << "seed " << seed;
         EXPECT_EQ(differences(ask(rays, queue, 37), single), 0u) << "in pieces, seed " << seed;
     }
+}
+
+// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is blocked does not depend on which
+// others share its packet. Rays pass the rims of flat things in the planes of the axes, which are all box.
+TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
+{
+    for (const double away : {0.0, 1e3, 1e5, 1e6})
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+            Random random(seed);
+            scene::Scene scene = scene_with_balls();
+            scene::Mesh flat;
+            flat.positions = {{-1, 0, -.4f}, {1, 0, -.4f}, {1, 0, .4f}, {-1, 0, .4f}};
+            flat.triangles = {{0, 1, 2}, {0, 2, 3}};
+            flat.parts = scene.meshes.front().parts;
+            flat.parts.resize(1);
+            flat.parts.front().first_triangle = 0, flat.parts.front().triangle_count = 2;
+            scene.meshes.push_back(flat);
+            const glm::dvec3 place = away * glm::dvec3(1, 0.1, -1);
+            std::vector<glm::vec3> centres;
+            for (int i = 0; i < 6; ++i) {
+                const glm::dvec3 at = place + glm::dvec3(3 * i, random.uniform(-1, 1), random.uniform(-2, 2));
+                // Some stand in far coordinates of their own, and are taken there by little.
+                glm::dmat4 m = i % 3 == 0 ? glm::dmat4(1) : random_placement(random, 0);
+                if (seed % 2 == 0) m = glm::scale(m, glm::dvec3(0.3 + i));
+                m[3] = glm::dvec4(at, 1);
+                const scene::NodeId node =
+                    add_object(scene, i % 2 ? 0 : static_cast<scene::MeshId>(scene.meshes.size() - 1));
+                scene.nodes[node].transform = std::make_shared<JumpTrack>(100, m, m);
+                centres.emplace_back(at);
+            }
+            const SceneState state(finished(scene), 0);
+            const ray::RayScene rays(state);
+            ray::RayQueue queue;
+            std::size_t i = 0;
+            while (queue.size() < 40000) {
+                const glm::vec3& centre = centres[i++ % centres.size()];
+                const glm::vec3 from =
+                    centre + glm::vec3(random.uniform(-4, 4), random.uniform(1, 4), random.uniform(-4, 4));
+                const glm::vec3 to = centre + glm::vec3(random.uniform(-1.1f, 1.1f), 0, random.uniform(-.5f, .5f));
+                queue.push(from, 0, 1.5f * (to - from), 0.9999f);
+            }
+            std::vector<std::uint8_t> together(queue.size() + ray::k_packet_pad),
+                alone(queue.size() + ray::k_packet_pad);
+            rays.blocked(queue, 0, queue.size(), together.data());
+            std::size_t blocked = 0, differ = 0, single = 0;
+            for (std::size_t r = 0; r < queue.size(); ++r) {
+                rays.blocked(queue, r, r + 1, alone.data());
+                blocked += together[r];
+                differ += together[r] != alone[0];
+                single += together[r] != rays.blocked_single(queue.origin(r), 0, queue.direction(r), queue.tfar[r]);
+            }
+            EXPECT_GT(blocked, 5000u);
+            EXPECT_EQ(differ, 0u) << away << " away, seed " << seed;
+            EXPECT_EQ(single, 0u) << away << " away, seed " << seed;
+        }
 }
 
 TEST(RayScene, AnsweringFromManyThreadsChangesNothing)
