@@ -49,6 +49,8 @@ class GpuLightMap {
         std::uint64_t texels = 0, nodes = 0;
     };
     const Work& work() const { return work_; }
+    /// Of the last record, by view: where texels changed.
+    std::span<const light_views::Rect> dirty() const { return dirty_; }
     std::size_t bytes() const;
 
     // On the device.

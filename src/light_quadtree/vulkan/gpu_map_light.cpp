@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "light_quadtree/vulkan/gpu_map_light.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/check.h"
+#include "gnomon/error.h"
 
 namespace gnomon::light_quadtree {
 
 namespace {
 
 using shared::GatherPush;
-using shared::GpuSample;
 using vk::Use;
 
 constexpr std::uint32_t k_clusters_comp[] =
@@ -18,6 +20,9 @@ constexpr std::uint32_t k_clusters_comp[] =
     ;
 constexpr std::uint32_t k_samples_comp[] =
 #include "light_quadtree/vulkan/gather_samples.comp.inc"
+    ;
+constexpr std::uint32_t k_image_comp[] =
+#include "light_quadtree/vulkan/map_image.comp.inc"
     ;
 constexpr VkFormat k_wide_format = VK_FORMAT_R32G32B32A32_SFLOAT;
 
@@ -45,10 +50,26 @@ GpuMapLight::GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene:
     else
         desc.code = {"gather_clusters.comp", k_clusters_comp};
     desc.blocks = {{"", sizeof(GatherPush), {{"total", offsetof(GatherPush, total)}}}};
-    if (samples) desc.blocks.push_back({"nodes", sizeof(shared::GpuNode), {}});
+    if (samples) desc.blocks.push_back({"views", sizeof(shared::GpuMapView), {}});
     pipeline_ = vk::Pipeline(device, desc);
-    pattern_ =
-        vk::Buffer(device, "sampling pattern", static_cast<std::size_t>(options.rsm.samples) * sizeof(GpuSample));
+    if (samples) {
+        copy_pipeline_ = vk::Pipeline(device, vk::ComputeDesc{.name = "light map's texels to an image",
+                                                              .code = {"map_image.comp", k_image_comp},
+                                                              .blocks = {{"", sizeof(shared::MapImagePush), {}},
+                                                                         {"views", sizeof(shared::GpuMapView), {}},
+                                                                         {"nodes", sizeof(shared::GpuNode), {}}}});
+        const auto rows = (static_cast<std::uint32_t>(options.rsm.samples) - 1) / GNOMON_SAMPLES_A_ROW + 1;
+        pattern_ = vk::Buffer(device, "sampling pattern", sizeof(glm::vec4) * rows * GNOMON_SAMPLES_A_ROW);
+        pattern_image_ = grid_image(device, "sampling pattern", {GNOMON_SAMPLES_A_ROW, rows});
+        const auto views = static_cast<std::uint32_t>(map_.views().size());
+        const auto side = static_cast<std::uint32_t>(views == 0 ? 1 : map_.views().front().side());
+        const std::uint32_t most = device->limits().maxImageDimension2D;
+        if (3 * side > most || views * side > most)
+            throw MissingError(
+                fmt::format("Vulkan: light maps of {} x {} texels, and the device's images have {} at most", 3 * side,
+                            views * side, most));
+        texels_ = grid_image(device, "light map's texels", {3 * side, std::max(views, 1u) * side});
+    }
     for (vk::Image* image : {&grid_position_, &grid_normal_, &grid_light_, &none_})
         *image = grid_image(device, "no grid", {1, 1});
 }
@@ -112,29 +133,25 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
     if (samples) {
         push.samples = static_cast<std::uint32_t>(
             std::max(1, options_.rsm.samples / static_cast<int>(std::max(map_.views_on(), 1u))));
-        const int side = map_.views().empty() ? 1 : map_.views().front().side();
-        const RsmPattern pattern = make_rsm_pattern(static_cast<int>(push.samples), options_.rsm.radius, side);
-        std::vector<GpuSample> sent;
-        for (std::size_t i = 0; i < pattern.x.size(); ++i)
-            sent.push_back({pattern.x[i], pattern.y[i], pattern.weight[i]});
-        const vk::Upload upload = vk::upload_of(pattern_, std::span<const GpuSample>(sent));
-        commands.upload("send sampling pattern", {&upload, 1});
+        send_pattern(commands, push.samples);
+        copy_texels(commands);
     }
 
     vk::Pass pass = commands.pass(grid ? "bounced light of receivers" : "bounced light");
-    std::vector<std::pair<const char*, const vk::Buffer*>> lights;
+    std::vector<std::pair<const char*, const vk::Image*>> lights;
     if (samples)
-        lights = {{"views", &map_.view_buffer()}, {"nodes", &map_.nodes()}, {"pattern", &pattern_}};
+        lights = {{"texels", &texels_}, {"pattern", &pattern_image_}};
     else
-        lights = {{"counts", &map_.counts()}};
-    if (!samples) pass.reads(map_.cluster_image(), Use::storage_read);
-    for (const auto& [name, buffer] : lights) pass.reads(*buffer, Use::storage_read);
+        lights = {{"clusters", &map_.cluster_image()}};
+    const vk::Buffer& counted = samples ? map_.view_buffer() : map_.counts();
+    pass.reads(counted, Use::storage_read);
+    for (const auto& [name, image] : lights) pass.reads(*image, Use::storage_read);
     pass.reads(*surfaces.position, Use::sampled).reads(*surfaces.normal, Use::sampled);
     pass.writes(grid_position_).writes(grid_normal_).writes(grid_light_).writes(irradiance);
     pass.compute([&](vk::Recorder& r) {
         r.bind(pipeline_);
-        for (const auto& [name, buffer] : lights) r.set(name, *buffer);
-        if (!samples) r.set("clusters", map_.cluster_image());
+        r.set(samples ? "views" : "counts", counted);
+        for (const auto& [name, image] : lights) r.set(name, *image);
         r.set("positions", *surfaces.position);
         r.set("normals", *surfaces.normal);
         r.set("grid_position", grid_position_);
@@ -142,15 +159,63 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
         r.set("grid_light", grid_light_);
         r.set("irradiance", irradiance);
         r.push(push);
-        const glm::uvec2 together = samples ? glm::uvec2(1) : glm::uvec2(GNOMON_CLUSTERS_ACROSS, GNOMON_CLUSTERS_DOWN);
+        const glm::uvec2 together = samples ? glm::uvec2(GNOMON_SAMPLES_ACROSS, GNOMON_SAMPLES_DOWN)
+                                            : glm::uvec2(GNOMON_CLUSTERS_ACROSS, GNOMON_CLUSTERS_DOWN);
         const glm::uvec2 groups = (points + together - 1u) / together;
         r.dispatch_over(groups.x, groups.y);
     });
 }
 
+// Kept while the number of samples stays.
+void GpuMapLight::send_pattern(vk::Commands& commands, std::uint32_t samples)
+{
+    if (pattern_samples_ == samples) return;
+    pattern_samples_ = samples;
+    const int side = map_.views().empty() ? 1 : map_.views().front().side();
+    const RsmPattern pattern = make_rsm_pattern(static_cast<int>(samples), options_.rsm.radius, side);
+    std::vector<glm::vec4> sent(pattern_.bytes() / sizeof(glm::vec4));
+    for (std::size_t i = 0; i < pattern.x.size(); ++i) sent[i] = {pattern.x[i], pattern.y[i], pattern.weight[i], 0};
+    const vk::Upload upload = vk::upload_of(pattern_, std::span<const glm::vec4>(sent));
+    commands.upload("send sampling pattern", {&upload, 1});
+    commands.pass("sampling pattern to texels")
+        .reads(pattern_, Use::copy_source)
+        .writes(pattern_image_, Use::copy_target)
+        .copy([&](vk::Recorder& r) {
+            VkBufferImageCopy all{};
+            all.imageSubresource = {pattern_image_.aspect(), 0, 0, 1};
+            all.imageExtent = {pattern_image_.width(), pattern_image_.height(), 1};
+            r.copy(pattern_, pattern_image_, {&all, 1});
+        });
+}
+
+// What changed since the last copy; all of it if that was longer ago than the map's last change.
+void GpuMapLight::copy_texels(vk::Commands& commands)
+{
+    if (copied_ == map_.version()) return;
+    const bool all = copied_ + 1 != map_.version() || copied_ == 0;
+    copied_ = map_.version();
+    glm::uvec2 size(0);
+    for (const light_views::Rect& rect : map_.dirty())
+        if (!rect.empty()) size = glm::max(size, glm::uvec2(rect.x1 - rect.x0, rect.y1 - rect.y0));
+    if (all) size = glm::uvec2(map_.views().front().side());
+    commands.pass("light map's texels to an image")
+        .reads(map_.view_buffer(), Use::storage_read)
+        .reads(map_.nodes(), Use::storage_read)
+        .writes(texels_)
+        .compute([&](vk::Recorder& r) {
+            r.bind(copy_pipeline_);
+            r.set("views", map_.view_buffer());
+            r.set("nodes", map_.nodes());
+            r.set("texels", texels_);
+            r.push(shared::MapImagePush{all ? 1u : 0u});
+            r.dispatch_over(size.x, size.y, static_cast<std::uint32_t>(map_.views().size()));
+        });
+}
+
 std::size_t GpuMapLight::bytes() const
 {
-    return map_.bytes() + pattern_.bytes() + std::size_t{48} * grid_light_.width() * grid_light_.height();
+    return map_.bytes() + pattern_.bytes() + std::size_t{16} * texels_.width() * texels_.height() +
+           std::size_t{48} * grid_light_.width() * grid_light_.height();
 }
 
 }   // namespace gnomon::light_quadtree

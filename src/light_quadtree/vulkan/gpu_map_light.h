@@ -46,12 +46,19 @@ class GpuMapLight {
  private:
     void record(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance, bool grid,
                 bool listed);
+    void send_pattern(vk::Commands& commands, std::uint32_t samples);
+    void copy_texels(vk::Commands& commands);
 
     std::shared_ptr<vk::Device> device_;
     MapLightOptions options_;
     GpuLightMap map_;
     vk::Pipeline pipeline_;
-    vk::Buffer pattern_;   // of sampling
+    // Of sampling: the pattern, and the map's texels.
+    vk::Pipeline copy_pipeline_;
+    vk::Buffer pattern_;
+    vk::Image pattern_image_, texels_;
+    std::uint32_t pattern_samples_ = 0;   // in it
+    std::uint32_t copied_ = 0;            // version of the map
     vk::Image grid_position_, grid_normal_, grid_light_, none_;
 };
 

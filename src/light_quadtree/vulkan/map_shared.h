@@ -43,11 +43,6 @@ struct GpuCluster {
     uint node, grid;
 };
 
-/// One sample of the pattern.
-struct GpuSample {
-    float x, y, weight;
-};
-
 /// Of drawing a view's ids.
 struct MapDrawPush {
     mat4 clip_from_world;
@@ -78,14 +73,26 @@ struct CutPush {
 #define GNOMON_CLUSTERS_ACROSS 4
 #define GNOMON_CLUSTERS_DOWN 2
 
+// Samples a row of the pattern's image.
+#define GNOMON_SAMPLES_A_ROW 1024u
+
+// Pixels of one invocation that samples.
+#define GNOMON_SAMPLES_ACROSS 4
+#define GNOMON_SAMPLES_DOWN 2
+
+/// Of copying the map's texels to an image.
+struct MapImagePush {
+    uint all;   // else what is dirty
+};
+
 /// Of gathering.
 struct GatherPush {
     vec3 eye;
     float pixel_width, pixel_spread;
-    uint width, height;   // of the picture
+    uint width, height;         // of the picture
     uint step, columns, rows;   // of the grid; step 0: none
-    uint fill_grid;   // else light points
-    uint listed;      // points are a list, and position.w is a point's pixel, from 1; else they are the picture
+    uint fill_grid;             // else light points
+    uint listed;   // points are a list, and position.w is a point's pixel, from 1; else they are the picture
     float grid_normals, grid_off_plane;
     uint grid_neighbours;
     uint views, samples;   // of sampling: a view
