@@ -3,6 +3,7 @@
 // which bindings: GNOMON_OBJECTS ... (see below).
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"
+#include "gpu_scene/footprint_shared.h"
 
 layout(binding = GNOMON_OBJECTS, scalar) readonly buffer Objects { GpuObject at[]; } objects;
 layout(binding = GNOMON_DRAWS, scalar) readonly buffer Draws { GpuDraw at[]; } draws;
@@ -14,12 +15,18 @@ layout(binding = GNOMON_COLORS, scalar) readonly buffer Colors { vec4 at[]; } co
 
 const uint k_repeat = 0u, k_mirror = 1u;   // scene::Wrap; else clamp
 const uint k_nearest = 0u;                 // scene::Filter
+const float k_no_sample_more = 1e-3, k_one_level = 0.25, k_far = 1e5;   // as src/scene/footprint.cpp
+
+// Without the offset: of a difference of two coordinates.
+vec2 apply_to_step(GpuTextureUse use, vec2 uv)
+{
+    const vec2 s = uv * use.scale;
+    return vec2(use.rotation_cos * s.x + use.rotation_sin * s.y, use.rotation_cos * s.y - use.rotation_sin * s.x);
+}
 
 vec2 apply(GpuTextureUse use, vec2 uv)
 {
-    const vec2 s = uv * use.scale;
-    return vec2(use.rotation_cos * s.x + use.rotation_sin * s.y, use.rotation_cos * s.y - use.rotation_sin * s.x) +
-           use.offset;
+    return apply_to_step(use, uv) + use.offset;
 }
 
 // Brings a coordinate into one period before it becomes a texel.
@@ -85,6 +92,54 @@ vec4 texture_sample(uint texture_id, vec2 uv, float footprint)
     const vec4 a = level_sample(texture_id, fine, uv, minify);
     if (blend == 0 || fine + 1 >= levels) return a;
     return a * (1 - blend) + level_sample(texture_id, fine + 1, uv, minify) * blend;
+}
+
+vec4 row_sample(uint texture_id, int level, vec2 uv, vec2 diameter, int count, uint filtering)
+{
+    const vec2 by = diameter / float(count);
+    const vec2 first = uv - 0.5 * float(count - 1) * by;
+    vec4 sum = vec4(0);
+    for (int i = 0; i < count; ++i)
+        sum += level_sample(texture_id, level, reduced(texture_id, first + float(i) * by), filtering);
+    return sum / float(count);
+}
+
+/// Over an ellipse of two conjugate diameters, in uv units, as scene::sample_ellipse.
+vec4 sample_ellipse(uint texture_id, vec2 uv, vec2 diameter, vec2 other)
+{
+    const vec2 size = vec2(textures.at[texture_id].width, textures.at[texture_id].height);
+    const vec2 along = diameter * size, across = other * size;
+    const float area = abs(along.x * across.y - along.y * across.x);
+    float square = dot(along, along);
+    if (dot(across, across) > square) {
+        square = dot(across, across);
+        diameter = other;
+    }
+    if (!(abs(uv.x) + abs(uv.y) < k_far && square < k_far * k_far)) return texture_sample(texture_id, uv, sqrt(square));
+    const float k_longest = GNOMON_FOOTPRINT_STRETCH * GNOMON_FOOTPRINT_STRETCH;
+    const float most = float(GNOMON_FOOTPRINT_SAMPLES);
+    const int levels = int(textures.at[texture_id].levels);
+    float footprint = square;
+    int count = 1;
+    if (square > 1 && levels > 1) {
+        footprint = area;
+        if (square > k_longest * area) {
+            footprint = max(k_longest * area * area, square * square / (most * most)) / square;
+            const float wanted = sqrt(square / max(1, footprint));
+            count = int(clamp(ceil(wanted - k_no_sample_more), 1, most));
+        }
+    }
+    const uint filtering = footprint > 1 ? textures.at[texture_id].minify : textures.at[texture_id].magnify;
+    if (filtering == k_nearest) return texture_sample(texture_id, uv, sqrt(footprint));
+    const float lod = footprint > 1 ? min(0.5 * log2(footprint), float(levels - 1)) : 0;
+    const int fine = int(lod);
+    const float beyond = lod - float(fine);
+    const float blend = clamp((beyond - k_one_level) / (1 - 2 * k_one_level), 0, 1);
+    vec4 sum = vec4(0);
+    if (blend < 1) sum = row_sample(texture_id, fine, uv, diameter, count, filtering);
+    if (!(blend > 0)) return sum;
+    const int needed = int(ceil(0.5 * (1 + beyond) * float(count) - k_no_sample_more));
+    return sum * (1 - blend) + row_sample(texture_id, fine + 1, uv, diameter, needed, filtering) * blend;
 }
 
 /// Alpha of the finest level: what decides on the holes of masked surfaces.

@@ -4,10 +4,14 @@
 #include <algorithm>
 
 #include "ray/origin.h"
+#include "scene/footprint.h"
 
 namespace gnomon::render {
 
 namespace {
+
+constexpr float k_least_sine = 1e-4f;     // from which on a ray has a direction along the surface
+constexpr float k_least_cosine = 0.02f;   // of a ray with the surface: what is seen edge-on is not endlessly long
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
 {
@@ -21,8 +25,8 @@ struct TextureFrame {
     const scene::Mesh& mesh;
     glm::uvec3 index;
     float u, v;
-    float width;         // of the cone on the surface, scene units
-    float double_area;   // of the triangle in space
+    // What the pixel covers, two diameters of an ellipse, each as steps in u and v.
+    glm::vec2 along{0}, across{0};
 
     glm::vec2 texcoord(int set) const
     {
@@ -35,14 +39,39 @@ struct TextureFrame {
     {
         const scene::Texture& texture = scene.textures[use.texture];
         const auto& t = mesh.texcoords[use.texcoord];
-        const glm::vec2 a = (t[index[1]] - t[index[0]]) * use.scale, b = (t[index[2]] - t[index[0]]) * use.scale;
-        const float double_area_uv = std::abs(a.x * b.y - a.y * b.x);
-        const float texels =
-            double_area_uv * static_cast<float>(texture.width()) * static_cast<float>(texture.height());
-        const float footprint = double_area > 0 ? width * std::sqrt(texels / double_area) : 0.0f;
-        return texture.sample(use.apply(texcoord(use.texcoord)), footprint);
+        const glm::vec2 a = t[index[1]] - t[index[0]], b = t[index[2]] - t[index[0]];
+        return scene::sample_ellipse(texture, use.apply(texcoord(use.texcoord)),
+                                     scene::apply_to_step(use, along.x * a + along.y * b),
+                                     scene::apply_to_step(use, across.x * a + across.y * b));
     }
 };
+
+bool is_textured(const scene::Material& m)
+{
+    return m.base_color_texture.used() || m.normal_texture.used() || m.metallic_roughness_texture.used() ||
+           m.emissive_texture.used() || m.occlusion_texture.used();
+}
+
+// Where a cone of some width meets the triangle: an ellipse as wide as the cone, and longer along the ray's direction.
+void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3& normal, const glm::vec3& direction,
+                    float width, TextureFrame& frame)
+{
+    if (!(double_area > 0)) return;
+    const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
+    // Two axes of one length; what of `forward` points along the normal does not count.
+    glm::vec3 forward = direction, sideward = glm::cross(normal, direction);
+    float square = glm::dot(sideward, sideward);
+    if (square < k_least_sine * k_least_sine) {
+        forward = e1, sideward = glm::cross(normal, e1);   // any will do: the ellipse is round
+        square = glm::dot(sideward, sideward);
+        if (!(square > 0)) return;
+    }
+    const float across = width / (double_area * std::sqrt(square));
+    const float along = across / std::max(std::abs(glm::dot(normal, direction)), k_least_cosine);
+    // u and v are linear on the triangle. By their gradients, which lie across the opposite edges:
+    frame.along = along * glm::vec2(glm::dot(e2, sideward), -glm::dot(e1, sideward));
+    frame.across = across * glm::vec2(-glm::dot(e2, forward), glm::dot(e1, forward));
+}
 
 // Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle.
 glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
@@ -160,8 +189,8 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
 
     s.cone.width = cone.width + distance * cone.spread;
     s.cone.spread = cone.spread;
-    const float cosine = std::max(std::abs(glm::dot(s.geometric_normal, direction)), 0.02f);
-    const TextureFrame frame{scene, mesh, index, u, v, s.cone.width / std::sqrt(cosine), double_area};
+    TextureFrame frame{scene, mesh, index, u, v};
+    if (is_textured(material)) find_footprint(p, double_area, s.geometric_normal, direction, s.cone.width, frame);
     if (frame.has(material.normal_texture)) s.normal = mapped_normal(material, frame, p, s.normal);
 
     // Bend a shading normal that looks away from the viewer back to the horizon.

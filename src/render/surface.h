@@ -2,8 +2,8 @@
 #pragma once
 // A hit made into a point to shade: position, normals, and the material with its textures looked up.
 //
-// Texture footprints follow ray cones [Akenine-Moller et al. 2019]: the cone's width at the hit, made an area on the
-// surface. Cost: one vertex fetch per corner and one trilinear look-up per texture the material uses.
+// Texture footprints follow ray cones [Akenine-Moller et al. 2021]: the ellipse in which the cone meets the surface.
+// Cost: a vertex fetch per corner; per texture one trilinear look-up, or up to six where it is seen at a slant.
 
 #include "ray/ray_scene.h"
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "floor_scene.h"
 #include "gnomon/gnomon.h"
 #include "scene_helpers.h"
 #include "support.h"
@@ -206,6 +207,12 @@ TEST_F(RasterCrosscheck, LightOfRandomScenes)
                               .with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"});
         expect_same_light(lit, 1, 0.5);
     }
+}
+
+// Footprints a hundred times as long as wide, of a texture that is turned.
+TEST_F(RasterCrosscheck, LightOfAFloorToTheHorizon)
+{
+    expect_same_light(test::floor_to_the_horizon(), 1, 0.98);
 }
 
 TEST_F(RasterCrosscheck, LightOfFiles)

@@ -21,8 +21,7 @@ struct Triangle {
     uvec3 corner;   // vertices, in the mesh's own numbers
     vec3 p[3];
     float u, v;
-    float width;         // of the ray's cone on the surface
-    float double_area;
+    vec2 along, across;   // what the pixel covers, as steps in u and v
 };
 
 vec3 fetch3(uint which, uint vertex)   // 0: position, 1: normal
@@ -48,11 +47,31 @@ vec4 look_up(Triangle t, GpuTextureUse use)
     const uint first = objects.at[t.object].texcoords[use.texcoord];
     const vec2 t0 = texcoords.at[first + t.corner.x], t1 = texcoords.at[first + t.corner.y],
                t2 = texcoords.at[first + t.corner.z];
-    const vec2 a = (t1 - t0) * use.scale, b = (t2 - t0) * use.scale;
-    const float texel_area =
-        abs(a.x * b.y - a.y * b.x) * float(textures.at[use.texture].width) * float(textures.at[use.texture].height);
-    const float footprint = t.double_area > 0 ? t.width * sqrt(texel_area / t.double_area) : 0;
-    return texture_sample(use.texture, apply(use, (1 - t.u - t.v) * t0 + t.u * t1 + t.v * t2), footprint);
+    const vec2 a = t1 - t0, b = t2 - t0;
+    return sample_ellipse(use.texture, apply(use, (1 - t.u - t.v) * t0 + t.u * t1 + t.v * t2),
+                          apply_to_step(use, t.along.x * a + t.along.y * b),
+                          apply_to_step(use, t.across.x * a + t.across.y * b));
+}
+
+// As find_footprint in src/render/surface.cpp.
+void find_footprint(inout Triangle t, float double_area, vec3 normal, vec3 direction, float width)
+{
+    const float k_least_sine = 1e-4, k_least_cosine = 0.02;
+    t.along = t.across = vec2(0);
+    if (!(double_area > 0)) return;
+    const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
+    vec3 forward = direction, sideward = cross(normal, direction);
+    float square = dot(sideward, sideward);
+    if (square < k_least_sine * k_least_sine) {
+        forward = e1;
+        sideward = cross(normal, e1);
+        square = dot(sideward, sideward);
+        if (!(square > 0)) return;
+    }
+    const float across = width / (double_area * sqrt(square));
+    const float along = across / max(abs(dot(normal, direction)), k_least_cosine);
+    t.along = along * vec2(dot(e2, sideward), -dot(e1, sideward));
+    t.across = across * vec2(-dot(e2, forward), dot(e1, forward));
 }
 
 vec3 mapped_normal(Triangle t, GpuTextureUse use, float scale, vec3 normal)
@@ -167,8 +186,8 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
 
     // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
     const vec3 normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
-    t.double_area = sqrt(dot(normal, normal));
-    vec3 outward = t.double_area > 0 ? normal / t.double_area : -direction;
+    const float double_area = sqrt(dot(normal, normal));
+    vec3 outward = double_area > 0 ? normal / double_area : -direction;
     if (objects.at[object].mirrored != 0) outward = -outward;
     s.front = dot(outward, direction) < 0;
     s.geometric_normal = s.front ? outward : -outward;
@@ -185,8 +204,7 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
         s.normal = unit_or(s.front ? turned : -turned, s.geometric_normal);
     }
 
-    const float cosine = max(abs(dot(s.geometric_normal, direction)), 0.02);
-    t.width = (cone_width + s.distance * cone_spread) / sqrt(cosine);
+    find_footprint(t, double_area, s.geometric_normal, direction, cone_width + s.distance * cone_spread);
     const GpuMaterial material = materials.at[draws.at[draw].material];
     if (has(t, material.normal_texture))
         s.normal = mapped_normal(t, material.normal_texture, material.normal_scale, s.normal);

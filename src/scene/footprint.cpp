@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/footprint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gnomon::scene {
+
+namespace {
+
+constexpr float k_no_sample_more = 1e-3f;   // of a sample: rounding does not ask for one more
+constexpr float k_one_level = 0.25f;        // so near to a level's texel size, in halvings, that level does
+constexpr float k_far = 1e5f;               // periods, or texels: from where on there are too few bits left for steps
+
+using Four = float __attribute__((vector_size(16)));   // a colour in a register
+
+// A texel's four bytes, each as a colour of its own: their sum is the texel, without moving numbers between registers.
+struct Decoder {
+    std::array<std::array<Four, 256>, 4> byte{};
+
+    explicit Decoder(bool srgb)
+    {
+        for (std::size_t i = 0; i < 256; ++i) {
+            const float share = static_cast<float>(i) * (1.0f / 255.0f), light = srgb ? linear_from_srgb8()[i] : share;
+            byte[0][i] = Four{light, 0, 0, 0}, byte[1][i] = Four{0, light, 0, 0}, byte[2][i] = Four{0, 0, light, 0};
+            byte[3][i] = Four{0, 0, 0, share};
+        }
+    }
+    [[gnu::always_inline]] Four operator()(const std::uint8_t* p) const
+    {
+        return (byte[0][p[0]] + byte[1][p[1]]) + (byte[2][p[2]] + byte[3][p[3]]);
+    }
+};
+
+const Decoder& decoder(bool srgb)
+{
+    static const Decoder encoded(true), plain(false);
+    return srgb ? encoded : plain;
+}
+
+// A coordinate's two texels of `size`, and the share of the second: of the first, 1 less that. Finite, and not so large
+// that it has no fraction.
+struct Between {
+    int first, second;
+    float share;
+};
+
+// As std::floor, without a call. |x| is far below what fits.
+[[gnu::always_inline]] inline int whole_below(float x)
+{
+    const int i = static_cast<int>(x);
+    return i - (static_cast<float>(i) > x);
+}
+
+[[gnu::always_inline]] inline Between between(float x, int size, Wrap wrap)
+{
+    if (wrap == Wrap::clamp) x = std::clamp(x, -1.0f, 2.0f);
+    if (wrap == Wrap::repeat) x -= static_cast<float>(whole_below(x));
+    if (wrap == Wrap::mirror) x -= static_cast<float>(2 * whole_below(0.5f * x));
+    const float at = x * static_cast<float>(size) - 0.5f;
+    const int low = whole_below(at);
+    int i = low, j = i + 1;
+    if (wrap == Wrap::repeat) {
+        i = i < 0 ? i + size : std::min(i, size - 1);
+        j = j >= size ? j - size : j;
+    } else {
+        const auto inside = [size, wrap](int k) {
+            if (wrap == Wrap::mirror && k >= size) k = 2 * size - 1 - k;
+            if (wrap == Wrap::mirror && k < 0) k = -1 - k;
+            return std::clamp(k, 0, size - 1);
+        };
+        i = inside(i), j = inside(j);
+    }
+    return {i, std::min(j, size - 1), at - static_cast<float>(low)};
+}
+
+// The mean of so many bilinear look-ups in one level, evenly spread along the diameter.
+Four mean_of_row(const Texture& texture, std::size_t level, glm::vec2 uv, const glm::vec2& diameter, int count)
+{
+    const Image8& image = texture.levels()[level];
+    const Sampler& sampler = texture.sampler();
+    const Decoder& decode = decoder(texture.srgb());
+    glm::vec2 step(0);
+    float share = 1;
+    if (count > 1) {
+        share = 1.0f / static_cast<float>(count);
+        step = diameter * share;
+        uv -= 0.5f * static_cast<float>(count - 1) * step;
+    }
+    Four sum{};
+    for (int i = 0; i < count; ++i, uv += step) {
+        const Between x = between(uv.x, image.width, sampler.wrap_u), y = between(uv.y, image.height, sampler.wrap_v);
+        const std::uint8_t *const upper = image.pixel(0, y.first), *const lower = image.pixel(0, y.second);
+        const auto texel = [&](const std::uint8_t* row, int at) {
+            return decode(row + 4 * static_cast<std::ptrdiff_t>(at));
+        };
+        const Four top = texel(upper, x.first) * (1 - x.share) + texel(upper, x.second) * x.share;
+        const Four bottom = texel(lower, x.first) * (1 - x.share) + texel(lower, x.second) * x.share;
+        sum += top * (1 - y.share) + bottom * y.share;
+    }
+    return sum * share;
+}
+
+}   // namespace
+
+glm::vec4 sample_ellipse(const Texture& texture, glm::vec2 uv, glm::vec2 diameter, glm::vec2 other)
+{
+    // Measure the ellipse in texels of the finest level.
+    const glm::vec2 size(texture.width(), texture.height());
+    const glm::vec2 along = diameter * size, across = other * size;
+    const float area = std::abs(along.x * across.y - along.y * across.x);
+    float square = glm::dot(along, along);
+    if (const float of_other = glm::dot(across, across); of_other > square) {
+        square = of_other;
+        diameter = other;
+    }
+    const float far = std::abs(uv.x) + std::abs(uv.y);
+    if (!(far < k_far && square < k_far * k_far)) return texture.sample(uv, std::sqrt(square));   // NaN, too
+
+    // Give each sample a footprint, and take as many as reach from end to end. All lengths here are squares.
+    constexpr float k_longest = k_stretch * k_stretch;
+    float footprint = square;
+    int count = 1;
+    if (square > 1 && texture.levels().size() > 1) {
+        footprint = area;
+        if (square > k_longest * area) {
+            footprint = std::max(k_longest * area * area, square * square / (k_most_samples * k_most_samples)) / square;
+            const float wanted = std::sqrt(square / std::max(1.0f, footprint));
+            count = static_cast<int>(
+                std::clamp(std::ceil(wanted - k_no_sample_more), 1.0f, static_cast<float>(k_most_samples)));
+        }
+    }
+    const Filter filter = footprint > 1 ? texture.sampler().minify : texture.sampler().magnify;
+    if (filter == Filter::nearest) return texture.sample(uv, std::sqrt(footprint));
+
+    // Blend the two levels between whose texel sizes the footprint lies, unless it is nearly that of one of them. In
+    // the coarser, samples as far apart as its texels do: half as many, or all if those are the footprint's size.
+    const float coarsest = static_cast<float>(texture.levels().size() - 1);
+    const float lod = footprint > 1 ? std::min(0.5f * std::log2(footprint), coarsest) : 0.0f;
+    const auto fine = static_cast<std::size_t>(lod);
+    const float beyond = lod - static_cast<float>(fine);
+    const float blend = std::clamp((beyond - k_one_level) / (1 - 2 * k_one_level), 0.0f, 1.0f);
+    Four sum{};
+    if (blend < 1) sum = mean_of_row(texture, fine, uv, diameter, count);
+    if (blend > 0) {
+        const float needed = std::ceil(0.5f * (1 + beyond) * static_cast<float>(count) - k_no_sample_more);
+        const Four coarse = mean_of_row(texture, fine + 1, uv, diameter, static_cast<int>(needed));
+        sum = sum * (1 - blend) + coarse * blend;
+    }
+    return {sum[0], sum[1], sum[2], sum[3]};
+}
+
+}   // namespace gnomon::scene
