@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The chapter of the whole frame: its time with every shadow ray traced and with certified culling, with and without
-// indirect light, and what the pictures have to do with each other.
+// indirect light, by stage; how much of the work was not done; and what the pictures have to do with each other.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/bench_chapter.h"
 #include "app/command_line.h"
 #include "app/picture_figures.h"
+#include "app/stage_figures.h"
 #include "gnomon/renderer.h"
 
 namespace gnomon::app {
@@ -25,21 +25,16 @@ struct Way {
     Indirect indirect;
     int threads;
     std::string color;
-    std::vector<double> ms{};   // by frame
-    double skipped = 0;         // per cent of the shadow rays, from the second frame on
+    std::vector<FrameWork> frames{};
+
+    std::string full_name() const { return fmt::format("{}, {} thread{}", name, threads, threads == 1 ? "" : "s"); }
+    WayWork work() const { return {full_name(), frames}; }
 };
 
-double median(std::vector<double> values)
-{
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
-
 // What stays from frame to frame is there from the second frame on.
-double steady_median(const Way& way)
+double steady_ms(const Way& way)
 {
-    return median({way.ms.begin() + (way.ms.size() > 1 ? 1 : 0), way.ms.end()});
+    return steady_median(way.work(), [](const FrameWork& frame) { return frame.ms; });
 }
 
 class FrameChapter : public BenchChapter {
@@ -71,7 +66,7 @@ class FrameChapter : public BenchChapter {
     {
         if (!measured_) return {};
         return {{{"whole frame, one thread: times as fast with remembered shadows", "none", "",
-                  fmt::format("{:.2f} x", steady_median(ways_[0]) / steady_median(ways_[1]))},
+                  fmt::format("{:.2f} x", steady_ms(ways_[0]) / steady_ms(ways_[1]))},
                  false}};
     }
 
@@ -85,24 +80,37 @@ class FrameChapter : public BenchChapter {
                         "medians from the second frame on, when there is something to remember.",
                         scene_name_, frames_.first, frames_.last, settings_.size().width, settings_.size().height));
         ReportTable table;
-        table.caption = "Time of whole frames, by wall clock, and the share of the shadow rays that were not traced.";
-        table.columns = {"", "threads", "ms a frame", "shadow rays left out, %"};
-        for (const Way& way : ways_)
-            table.rows.push_back({{way.name, fmt::format("{}", way.threads), fmt::format("{:.1f}", steady_median(way)),
-                                   fmt::format("{:.1f}", way.skipped)},
-                                  false});
+        table.caption =
+            "Time of whole frames, by wall clock, and the share of the work that was not done: shadow rays that memory "
+            "answered, those that were asked of what moves alone, and how many rays of bounced light fewer than in the "
+            "first frame, which had nothing to remember.";
+        table.columns = {"",
+                         "threads",
+                         "ms a frame",
+                         "shadow rays left out, %",
+                         "asked of movers alone, %",
+                         "rays of bounced light left out, %"};
+        for (const Way& way : ways_) {
+            const SavedWork saved = saved_of(way.work());
+            table.rows.push_back(
+                {{way.name, fmt::format("{}", way.threads), fmt::format("{:.1f}", steady_ms(way)),
+                  fmt::format("{:.1f}", saved.shadow_skipped), fmt::format("{:.1f}", saved.shadow_dynamic_only),
+                  way.indirect == Indirect::off ? "" : fmt::format("{:.1f}", saved.indirect)},
+                 false});
+        }
         page.table(table);
         Chart chart{"Time of whole frames", "frame", "ms", {}, {}, {}, {}, {}};
         for (const Way& way : ways_) {
-            ChartSeries series{fmt::format("{}, {} thread{}", way.name, way.threads, way.threads == 1 ? "" : "s"),
+            ChartSeries series{way.full_name(),
                                {},
                                way.color,
                                way.threads == 1 ? ChartSeries::Style::line : ChartSeries::Style::dashed};
-            for (std::size_t i = 0; i < way.ms.size(); ++i)
-                series.points.emplace_back(frames_.first + static_cast<double>(i), way.ms[i]);
+            for (std::size_t i = 0; i < way.frames.size(); ++i)
+                series.points.emplace_back(frames_.first + static_cast<double>(i), way.frames[i].ms);
             chart.series.push_back(std::move(series));
         }
         page.chart(chart, "The same, frame by frame.");
+        write_stages(page);
         for (const PictureComparison& figure : figures_) page.comparison(figure);
         page.attach("frames.json", json());
     }
@@ -117,12 +125,27 @@ class FrameChapter : public BenchChapter {
                             {"indirect", way.indirect == Indirect::off ? "off" : "visible"},
                             {"threads", way.threads},
                             {"first_frame", frames_.first},
-                            {"ms", way.ms},
-                            {"rays_skipped_percent", way.skipped}});
+                            {"not_done_percent",
+                             {{"shadow_rays_skipped", saved_of(way.work()).shadow_skipped},
+                              {"shadow_rays_dynamic_only", saved_of(way.work()).shadow_dynamic_only},
+                              {"indirect_rays", saved_of(way.work()).indirect}}},
+                            {"frames", work_json(way.frames, frames_.first)}});
         return list;
     }
 
  private:
+    // Where the time goes, and what of the work memory saves: of the last way, which has all of it.
+    void write_stages(ReportPage& page) const
+    {
+        std::vector<WayWork> ways;
+        for (const Way& way : ways_) ways.push_back(way.work());
+        page.table(stage_table(ways));
+        page.chart(stage_chart(ways.back(), frames_.first),
+                   "Where the time goes, from the second frame on; stages as the JSON of render names them.");
+        page.chart(saved_chart(ways.back(), frames_.first),
+                   "The share of the work that was not done, from the second frame on.");
+    }
+
     std::string command() const
     {
         return fmt::format(
@@ -142,7 +165,6 @@ class FrameChapter : public BenchChapter {
                                                  .shadow_culling = way.culling,
                                                  .indirect = way.indirect,
                                                  .threads = way.threads});
-        std::vector<FrameCounters::Shadow> sums(ways_.size());
         for (int frame = frames_.first; frame <= frames_.last; ++frame) {
             for (std::size_t i = 0; i < ways_.size(); ++i) {
                 const double done =
@@ -150,18 +172,10 @@ class FrameChapter : public BenchChapter {
                     frames_.count();
                 if (progress && !progress({"measuring", done})) throw InterruptedError("interrupted");
                 Picture picture = renderers[i].render(scene, frame);
-                ways_[i].ms.push_back(picture.milliseconds);
-                if (frame > frames_.first) {
-                    sums[i].rays += picture.counters.shadow.rays;
-                    sums[i].rays_skipped += picture.counters.shadow.rays_skipped;
-                }
+                ways_[i].frames.push_back(work_of(picture));
                 if (frame == frames_.last) last_.push_back(std::move(picture));
             }
         }
-        for (std::size_t i = 0; i < ways_.size(); ++i)
-            if (sums[i].rays > 0)
-                ways_[i].skipped =
-                    100.0 * static_cast<double>(sums[i].rays_skipped) / static_cast<double>(sums[i].rays);
         make_figures();
         measured_ = true;
     }

@@ -10,6 +10,7 @@
 #include "app/machine.h"
 #include "app/picture_options.h"
 #include "app/progress_line.h"
+#include "app/stage_figures.h"
 #include "app/verbs.h"
 #include "gnomon/gnomon.h"
 
@@ -88,14 +89,6 @@ Json indirect_of(const FrameRecord& record, const RenderOptions& options)
     return json;
 }
 
-Json stages_of(const FrameTimes& times)
-{
-    Json json = Json::object();
-    for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
-        json[FrameTimes::k_names[stage]] = times.ms[stage];
-    return json;
-}
-
 Json document_of(const CommandLine& line, const FilmResult& result, const RenderOptions& options,
                  const std::string& device)
 {
@@ -111,7 +104,7 @@ Json document_of(const CommandLine& line, const FilmResult& result, const Render
                           {"time", record.time},
                           {"file", record.file.string()},
                           {"ms", record.milliseconds},
-                          {"stages", stages_of(record.times)},
+                          {"stages", stages_json(record.times)},
                           {"shadow", std::move(shadow)},
                           {"indirect", indirect_of(record, options)},
                           {"draws", counters.draws}});

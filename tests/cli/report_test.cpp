@@ -2,6 +2,7 @@
 // A report page in a browser: Chromium, headless and without a network, must open it without a complaint and draw all
 // of it, and its comparisons must follow mouse and keyboard (look_at_page.py).
 #include <cstdio>
+#include <map>
 
 #include "run_program.h"
 
@@ -104,6 +105,38 @@ TEST(Report, ShowsThePapersValuesAndTheCommand)
     EXPECT_EQ(times(html, "<figure "), times(html, command)) << "a name with a blank is quoted";
 }
 
+// Every way's frames say where their time went; the last way's are two charts, times on top of each other and shares
+// of work.
+void expect_frames_by_stage(const nlohmann::json& ways, const nlohmann::json& charts)
+{
+    ASSERT_EQ(ways.size(), 5u);
+    for (const nlohmann::json& way : ways) {
+        SCOPED_TRACE(way.dump());
+        ASSERT_EQ(way["frames"].size(), 6u);
+        for (const nlohmann::json& frame : way["frames"]) {
+            EXPECT_EQ(frame["stages"].size(), 9u);
+            double sum = 0;
+            for (const auto& [name, ms] : frame["stages"].items()) sum += ms.get<double>();
+            EXPECT_GT(frame["stages"]["rays"].get<double>(), 0);
+            EXPECT_LE(sum, 1.001 * frame["ms"].get<double>());
+        }
+        const bool certified = way["shadow_culling"] == "certified", bounced = way["indirect"] == "visible";
+        EXPECT_EQ(way["not_done_percent"]["shadow_rays_skipped"].get<double>() > 50, certified);
+        EXPECT_EQ(way["not_done_percent"]["indirect_rays"].get<double>() > 50, bounced);
+        EXPECT_EQ(way["frames"][1]["stages"]["indirect"].get<double>() > 1, bounced);
+    }
+    std::map<std::string, nlohmann::json> by_title;
+    for (const nlohmann::json& chart : charts) by_title[chart["title"]] = chart;
+    const std::string way = ": certified shadows, indirect light, 2 threads";
+    ASSERT_TRUE(by_title.count("Time by stage" + way)) << charts;
+    ASSERT_TRUE(by_title.count("Work that was not done" + way)) << charts;
+    EXPECT_GE(by_title["Time by stage" + way]["lines"], 7);
+    EXPECT_GE(by_title["Time by stage" + way]["colors"], 8);
+    EXPECT_EQ(by_title["Time by stage" + way]["points"], 5) << "the first frame has nothing to remember";
+    EXPECT_EQ(by_title["Work that was not done" + way]["lines"], 3);
+    EXPECT_EQ(by_title["Work that was not done" + way]["points"], 5);
+}
+
 // Without the papers' scenes a built-in one stands in, and the page says so.
 TEST(Report, OfEverythingOpensInABrowser)
 {
@@ -124,7 +157,7 @@ TEST(Report, OfEverythingOpensInABrowser)
     const nlohmann::json document = outcome.json();
     EXPECT_EQ(document["quick"], true);
     EXPECT_EQ(document["culling"][0]["summary"]["certified"]["wrong_total"], 0);
-    EXPECT_EQ(document["frames"].size(), 5u);
+    expect_frames_by_stage(document["frames"], found["charts"]);
     EXPECT_EQ(nlohmann::json::parse(found["downloads"].back()["text"].get<std::string>()), document);
     const std::string html = bytes_of(folder / "page/index.html");
     EXPECT_EQ(times(html, "BART's Kitchen is not there"), 1u);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/stage_figures.h"
 #include "gnomon/error.h"
 #include "support.h"
 
@@ -36,6 +37,55 @@ TEST(Chart, IsLinesOverNumbers)
     EXPECT_EQ(json["data"]["datasets"][0]["data"][0], (Json{{"x", 3.0}, {"y", 1.5}}));
     EXPECT_EQ(json["data"]["datasets"][0]["showLine"], true);
     EXPECT_EQ(json["data"]["datasets"][1]["showLine"], false);
+}
+
+// Two frames after a first one that had nothing to remember.
+WayWork three_frames()
+{
+    WayWork way{"w", std::vector<FrameWork>(3)};
+    for (std::size_t i = 0; i < 3; ++i) {
+        FrameWork& frame = way.frames[i];
+        frame.ms = i == 0 ? 100 : 10;
+        frame.times.ms[FrameTimes::rays] = i == 0 ? 70 : 3;
+        frame.times.ms[FrameTimes::indirect_mirrored] = i == 2 ? 4 : 0;
+        frame.shadow = {1000, i == 0 ? 0u : 750u, i == 2 ? 100u : 0u, {}};
+        frame.indirect.rays = i == 0 ? 400 : i == 1 ? 100 : 500;
+    }
+    return way;
+}
+
+TEST(StageFigures, TellWhereTheTimeGoes)
+{
+    const ReportTable table = stage_table({three_frames()});
+    EXPECT_EQ(table.columns, (std::vector<std::string>{"", "w"}));
+    ASSERT_EQ(table.rows.size(), 3u) << "stages without time are left out";
+    EXPECT_EQ(table.rows[0].cells, (std::vector<std::string>{"rays", "3.0"}));
+    EXPECT_EQ(table.rows[1].cells, (std::vector<std::string>{"indirect mirrored", "4.0"}));
+    EXPECT_EQ(table.rows[2].cells, (std::vector<std::string>{"whole frame", "10.0"}));
+    const Chart chart = stage_chart(three_frames(), 7);
+    EXPECT_TRUE(chart.stacked);
+    ASSERT_EQ(chart.series.size(), 2u);
+    EXPECT_EQ(chart.series[1].name, "indirect mirrored");
+    EXPECT_EQ(chart.series[1].points, (std::vector<std::pair<double, double>>{{8, 0}, {9, 4}}));
+    const Json json = work_json(three_frames().frames, 7);
+    EXPECT_EQ(json[2]["frame"], 9);
+    EXPECT_EQ(json[2]["stages"]["indirect_mirrored"], 4.0);
+    EXPECT_EQ(json[2]["shadow"], (Json{{"rays", 1000}, {"rays_skipped", 750}, {"rays_dynamic_only", 100}}));
+}
+
+TEST(StageFigures, TellWhatWasNotDone)
+{
+    const WayWork way = three_frames();
+    const SavedWork saved = saved_of(way);
+    EXPECT_EQ(saved.shadow_skipped, 75);
+    EXPECT_EQ(saved.shadow_dynamic_only, 5);
+    EXPECT_EQ(saved.indirect, 25) << "600 rays in two frames, where the first cast 400";
+    EXPECT_EQ(saved_of(way.frames[1], way.frames[0]).indirect, 75);
+    EXPECT_EQ(saved_of(way.frames[2], way.frames[0]).indirect, 0) << "more than the first: nothing saved";
+    EXPECT_EQ(saved_of(FrameWork{}, FrameWork{}).shadow_skipped, 0) << "nothing asked, nothing saved";
+    const Chart chart = saved_chart(way, 7);
+    ASSERT_EQ(chart.series.size(), 3u);
+    EXPECT_EQ(chart.series[1].points, (std::vector<std::pair<double, double>>{{8, 0}, {9, 10}}));
 }
 
 TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
