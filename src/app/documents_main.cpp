@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes what is installed beside the program: documents FOLDER gives gnomon.1, gnomon.bash, _gnomon, gnomon.fish.
+// Writes what is installed beside the program: documents FOLDER gives gnomon.1, gnomon.bash, _gnomon, gnomon.fish;
+// and docs/guide/options.md.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -17,7 +18,8 @@ int main(int argc, char** argv)
     const std::pair<const char*, std::string> files[] = {{"gnomon.1", manual_page()},
                                                          {"gnomon.bash", bash_completion()},
                                                          {"_gnomon", zsh_completion()},
-                                                         {"gnomon.fish", fish_completion()}};
+                                                         {"gnomon.fish", fish_completion()},
+                                                         {"options.md", options_page()}};
     for (const auto& [name, text] : files) {
         std::ofstream out(folder / name, std::ios::binary);
         out << text;

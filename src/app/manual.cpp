@@ -145,6 +145,44 @@ std::string manual_page()
     return text;
 }
 
+// Like the manual page, but of everything that can be built, so that it is the same wherever it is made.
+std::string options_page()
+{
+    std::string text =
+        "# Options\n\nEvery option of every verb, from the table that `gnomon VERB --help`, the manual page, the "
+        "shells' "
+        "completions and the viewer's\npanel are made from. Defaults stand in brackets. [Choosing options](README.md) "
+        "says "
+        "which to take for what.\n";
+    const auto add_row = [&](const Option& option) {
+        std::string name = fmt::format("--{}", option.name);
+        if (option.letter) name = fmt::format("-{}, {}", option.letter, name);
+        const std::string_view argument = option.kind == Kind::choice ? option.choices : option.argument;
+        if (!argument.empty())
+            name += option.kind == Kind::optional_file ? fmt::format("[={}]", argument) : fmt::format(" {}", argument);
+        std::string help(option.help);
+        if (!option.fallback.empty()) help += fmt::format(" ({})", option.fallback);
+        const auto cell = [](const std::string& words) { return replaced(words, "|", "\\|"); };
+        text += fmt::format("| `{}` | {} |\n", cell(name), replaced(cell(help), "*", "\\*"));
+    };
+    constexpr std::string_view k_table = "\n| | |\n|---|---|\n";
+    for (const VerbInfo& verb : verbs()) {
+        text += fmt::format("\n## gnomon {}{}{}\n\nTo {}.\n", verb.name, verb.arguments.empty() ? "" : " ",
+                            verb.arguments, verb.summary);
+        std::string_view group;
+        for (const Option& option : options()) {
+            if (!(option.verbs & bit(verb.verb)) || option.group == "Everywhere") continue;
+            if (option.group != group) text += fmt::format("\n**{}**\n{}", option.group, k_table);
+            group = option.group;
+            add_row(option);
+        }
+    }
+    text += fmt::format("\n## Everywhere\n{}", k_table);
+    for (const Option& option : options())
+        if ((option.verbs & bit(Verb::info)) && option.group == "Everywhere") add_row(option);
+    return text;
+}
+
 std::string bash_completion()
 {
     std::string text =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The manual page and the shells' completions, made from the tables of verbs and options.
+// The manual page, the guide's page of options and the shells' completions, made from the tables of verbs and options.
 
 #include <string>
 
@@ -8,6 +8,9 @@ namespace gnomon::app {
 
 /// gnomon(1), as man takes it. What is not built is not in it.
 std::string manual_page();
+
+/// docs/guide/options.md, which a test holds against it.
+std::string options_page();
 
 /// Scripts that complete verbs, options and their choices; everything else as files.
 std::string bash_completion();

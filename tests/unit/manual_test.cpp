@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is written about options is all of them, and as the table has them.
+#include "app/manual.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "app/option_table.h"
+
+namespace gnomon::app {
+namespace {
+
+TEST(Manual, EveryOptionIsWhereAPersonLooks)
+{
+    const std::string manual = manual_page(), bash = bash_completion(), zsh = zsh_completion(),
+                      fish = fish_completion();
+    for (const Option& option : options()) {
+        if (!option.built) continue;
+        const std::string name(option.name);
+        std::string escaped;
+        for (const char c : "--" + name) escaped += c == '-' ? "\\-" : std::string(1, c);
+        const std::string bold = option.letter ? "\\fB" : ".B ";   // after its letter
+        EXPECT_NE(manual.find(bold + escaped), std::string::npos) << name;
+        EXPECT_NE(bash.find("--" + name), std::string::npos) << name;
+        EXPECT_NE(zsh.find("--" + name), std::string::npos) << name;
+        EXPECT_NE(fish.find(" -l " + name + " "), std::string::npos) << name;
+    }
+}
+
+// `gnomon_documents FOLDER` makes it anew.
+TEST(Manual, TheGuidesPageOfOptionsIsTheTable)
+{
+    std::ostringstream page;
+    page << std::ifstream(std::string(GNOMON_SOURCE_DIR) + "/docs/guide/options.md").rdbuf();
+    EXPECT_EQ(page.str(), options_page()) << "build gnomon_documents, and let it write options.md";
+}
+
+}   // namespace
+}   // namespace gnomon::app
