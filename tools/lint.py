@@ -23,8 +23,9 @@ import check_text  # noqa: E402
 
 k_folders = ("src", "include", "tests", "bench", "examples", "fuzz")
 k_include = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
-# Words that codespell takes for misspelt: a level of detail, a misspelling that a test is about, a material statement, GLSL, d-dimensional.
-k_words = "lod,sise,fo,nd,inout"
+# Words that codespell takes for misspelt: a level of detail, a misspelling that a test is about, a material statement,
+# GLSL, d-dimensional, radiometry, what stands still.
+k_words = "lod,sise,fo,nd,inout,exitance,statics"
 
 
 def run(*command, **more) -> subprocess.CompletedProcess:

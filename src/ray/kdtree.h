@@ -11,8 +11,8 @@
 // its own box and a tree of its own. The static one is kept between frames; the other is rebuilt in frames in which
 // something moved. Rays against dynamic objects alone stop at the static child.
 //
-// DEVIATION(Nah 2009, 2.4): there nodes are marked as free of dynamic primitives, and such traversal stops at them; with
-// trees apart it stops at one child of the root.
+// DEVIATION(Nah 2009, 2.4): there nodes are marked as free of dynamic primitives, and such traversal stops at them;
+// with trees apart it stops at one child of the root.
 //
 // DEVIATION(Hunt 2007, 4): nothing is built lazily: the static tree is built once, and the movers' tree is small.
 //

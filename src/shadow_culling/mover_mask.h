@@ -15,8 +15,8 @@
 // is kept while the light stands still. A nearer point is clear of it.
 //
 // Drawn in blocks of texels about a pixel wide, where that is cheaper than the rays it may spare: by the edges of
-// the movers there, and by who asks now and asked in the frame before. Kept while nothing moves. What a block holds, and
-// whether it is asked, does not depend on threads, nor do counts.
+// the movers there, and by who asks now and asked in the frame before. Kept while nothing moves. What a block holds,
+// and whether it is asked, does not depend on threads, nor do counts.
 //
 // Cost a frame: for each light asked, a box for every mover, the outlines of those in the blocks asked, and the blocks.
 
