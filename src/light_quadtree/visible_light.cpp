@@ -3,7 +3,6 @@
 #include "light_quadtree/visible_light.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "base/micro_triangles.h"
 #include "ray/origin.h"
@@ -92,6 +91,8 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
     counters_ = {};
     spent_rays_ = 0;
     lacking_ = false;
+    failing_ = failed_ = false;
+    failure_ = nullptr;
     const bool first = frame_++ == 0;
     const scene::FrameChanges& changes = state.changes();
     if (!first) {
@@ -139,6 +140,19 @@ RememberedPoint* VisibleLight::want(Batch& batch, AnchorKey key)
 }
 
 void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+{
+    try {
+        shade_points(batch, points, irradiance);
+    } catch (...) {
+        if (!failing_.exchange(true)) {
+            failure_ = std::current_exception();
+            failed_.store(true, std::memory_order_release);
+        }
+        throw;
+    }
+}
+
+void VisibleLight::shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
     batch.wanted.clear();
     batch.parts.clear();
@@ -468,7 +482,7 @@ void VisibleLight::serve(Batch& batch)
     }
     // Nobody waits before having published what it claimed.
     for (const RememberedPoint* point : batch.awaited)
-        while (point->ready.load(std::memory_order_acquire) != frame_) std::this_thread::yield();
+        await([&] { return point->ready.load(std::memory_order_acquire) == frame_; });
 }
 
 // Takes from the claimed points those that must wait for a later frame. What moves never waits.

@@ -14,8 +14,10 @@
 
 #include <array>
 #include <atomic>
+#include <exception>
 #include <memory>
 #include <span>
+#include <thread>
 
 #include "base/tasks.h"
 #include "light_quadtree/lattice_kernels.h"
@@ -109,6 +111,9 @@ class VisibleLight {
     void shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     RememberedPoint* want(Batch& batch, AnchorKey key);
     void serve(Batch& batch);
+    void shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    template <class Done>
+    void await(const Done& done) const;
     bool out_of_rays() const { return most_rays_ > 0 && spent_rays_.load(std::memory_order_relaxed) >= most_rays_; }
     void put_off(Batch& batch);
     void place(Batch& batch);
@@ -156,9 +161,22 @@ class VisibleLight {
     std::uint64_t most_rays_ = 0;   // a frame; 0: no limit
     std::atomic<std::uint64_t> spent_rays_ = 0;
     std::atomic<bool> lacking_ = false;
-    glm::vec3 average_{0};   // irradiance in the last frame, if rays are limited
+    // A thread that fails, for want of memory, leaves points unfinished that others wait for: they fail as it did.
+    std::atomic<bool> failing_ = false, failed_ = false;
+    std::exception_ptr failure_;   // once failed_
+    glm::vec3 average_{0};         // irradiance in the last frame, if rays are limited
     VisibleCounters counters_;
 };
+
+// Waits for what another thread does.
+template <class Done>
+void VisibleLight::await(const Done& done) const
+{
+    while (!done()) {
+        if (failed_.load(std::memory_order_acquire)) std::rethrow_exception(failure_);
+        std::this_thread::yield();
+    }
+}
 
 class VisibleLight::Batch {
  public:

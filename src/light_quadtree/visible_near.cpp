@@ -2,7 +2,6 @@
 // Near light in the visible scheme: where it is wanted, where it is remembered, and what movers change of it.
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "light_quadtree/visible_light.h"
 
@@ -81,7 +80,7 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
     batch.hints.cast = 0;
     // Nobody waits before having published what it claimed.
     for (const NearHints::Cell cell : batch.awaited_cells)
-        while (hints_->state(cell) == NearHints::State::asked) std::this_thread::yield();
+        await([&] { return hints_->state(cell) != NearHints::State::asked; });
     std::erase_if(batch.near_points,
                   [&](const Batch::NearPoint& p) { return hints_->state(p.cell) != NearHints::State::near; });
 }

@@ -254,6 +254,15 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     FrameTimes own;   // beside the tracer's
     render::Stopwatch watch(own);
     const double time = scene.time_of(frame);
+    // What failed halfway, for want of memory, is not gone on from: the next frame begins with nothing.
+    struct Attempt {
+        Inside& in;
+        bool whole = false;
+        ~Attempt()
+        {
+            if (!whole) in.scene.reset();
+        }
+    } attempt{in};
     in.follow(scene.inside(), time);
     watch.end(FrameTimes::scene);
 
@@ -268,6 +277,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
 
     if (options.overlay == Overlay::clusters) {
         in.map->begin_frame(*in.state, *in.rays, in.tasks);
+        attempt.whole = true;
         Picture picture;
         give_overlay(render::paint_clusters(*scene.inside(), *in.rays, view, *in.map, in.tasks), picture);
         picture.counters.indirect.clusters = in.map->counters().lights;
@@ -304,12 +314,13 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         picture.counters = in.raster ? in.raster->render(*in.state, view, in.buffers, progress)
                                      : render::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers,
                                                            remembered, nullptr, progress);
-    } catch (...) {
-        if (in.raster) in.scene.reset();    // half a frame was recorded
-        in.paper.reset();                   // half a frame would be remembered
-        if (in.visible) in.scene.reset();   // so would points that were claimed and not evaluated
+    } catch (const InterruptedError&) {
+        in.paper.reset();   // half a frame would be remembered
+        // Half a frame was recorded, and points were claimed that nobody evaluated.
+        attempt.whole = !in.raster && !in.visible;
         throw;
     }
+    attempt.whole = true;
     if (options.accelerator == Accelerator::kdtree && in.rays && !in.raster) {
         const auto work = [&](ray::RayClass purpose) {
             const ray::KdCounts counts = in.rays->kdtree_work(purpose);

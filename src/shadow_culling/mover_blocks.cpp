@@ -18,8 +18,8 @@ std::size_t hash_of(BlockKey key)
 
 constexpr int k_side = static_cast<int>(k_block_side);
 
-// Whether a block is drawn.
-constexpr int k_not_drawn = 0, k_being_drawn = 1, k_drawn = 2;
+// Whether a block is drawn. Lost: there was no memory for it, and rays are cast instead.
+constexpr int k_not_drawn = 0, k_being_drawn = 1, k_drawn = 2, k_lost = 3;
 
 // Where a block is on the light's plane.
 struct Place {
@@ -84,9 +84,18 @@ MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key, std::uint32
             block->expected = before != mask.asked_before.end() ? before->second : 0;
             mask.table[slot].store(block, std::memory_order_release);
             lock.unlock();
-            find_prints(mask, *block);
-            block->ready.store(true, std::memory_order_release);
-            block->ready.notify_all();
+            const auto publish = [&] {
+                block->ready.store(true, std::memory_order_release);
+                block->ready.notify_all();
+            };
+            try {
+                find_prints(mask, *block);
+            } catch (...) {
+                block->drawn.store(k_lost, std::memory_order_relaxed);
+                publish();   // others wait for it, in later frames too
+                throw;
+            }
+            publish();
         }
     }
     block->ready.wait(false, std::memory_order_acquire);
@@ -97,13 +106,21 @@ MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key, std::uint32
     // The first who needs it draws it; others wait.
     int drawn = block->drawn.load(std::memory_order_acquire);
     if (drawn == k_not_drawn && block->drawn.compare_exchange_strong(drawn, k_being_drawn)) {
-        draw(mask, *block);
-        block->drawn.store(k_drawn, std::memory_order_release);
-        block->drawn.notify_all();
+        const auto publish = [&](int as) {
+            block->drawn.store(as, std::memory_order_release);
+            block->drawn.notify_all();
+        };
+        try {
+            draw(mask, *block);
+        } catch (...) {
+            publish(k_lost);
+            throw;
+        }
+        publish(k_drawn);
         return block;
     }
     block->drawn.wait(k_being_drawn, std::memory_order_acquire);
-    return block;
+    return block->drawn.load(std::memory_order_acquire) == k_drawn ? block : nullptr;
 }
 
 // Gathers who may be in a block, by a bin.

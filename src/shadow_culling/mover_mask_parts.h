@@ -40,7 +40,7 @@ struct MoverMask::Print {
 struct MoverMask::Block {
     BlockKey key = 0;
     std::atomic<bool> ready = false;   // who may be here is known
-    std::atomic<int> drawn = 0;        // 2: it is; 1: someone draws it
+    std::atomic<int> drawn = 0;        // 1: someone draws it; 2: it is; 3: it cannot be
     bool empty = true;
     std::uint32_t edges = 0;               // of those who may be here
     std::uint32_t expected = 0;            // rays of the points that asked in the frame before

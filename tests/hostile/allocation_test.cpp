@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory that is refused while a file is read: every allocation in turn, by a failing operator new. What comes out is
-// std::bad_alloc (the program says "out of memory", exit code 4), nothing leaks (under AddressSanitizer), and the next
-// reading is whole.
+// Memory that is refused while a file is read, or a frame rendered: every allocation in turn, by a failing operator
+// new. What comes out is std::bad_alloc (the program says "out of memory", exit code 4), nothing leaks (under
+// AddressSanitizer), no thread waits for another that gave up, and the next reading or frame is whole.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #include "app/program.h"
 #include "app/signals.h"
 #include "fuzz/targets.h"
+#include "gnomon/error.h"
+#include "gnomon/renderer.h"
 
 namespace {
 // Allocations until one fails; 0 and below: none does.
@@ -145,6 +149,80 @@ TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
 
 INSTANTIATE_TEST_SUITE_P(Each, Allocations, testing::ValuesIn(targets().begin(), targets().end()),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
+
+// A frame of what moves, remembered shadows, bounced light; by more threads than one, which wait for each other's work.
+class Frames {
+ public:
+    Frames() : whole_(Renderer(k_options).render(scene_, k_frame).layers[0].data) {}
+
+    /// @return how many allocations there were until one failed, or until the frame was done
+    long render_with_allocations(long left, Shared& shared)
+    {
+        Renderer renderer(k_options);
+        renderer.render(scene_, k_frame - 1);
+        bool thrown = true;
+        g_allocations_left = left;
+        try {
+            renderer.render(scene_, k_frame);
+            thrown = false;
+        } catch (const std::bad_alloc&) {
+        } catch (const MissingError&) {   // Embree's
+        } catch (const std::exception& error) {
+            g_allocations_left = 0;
+            std::snprintf(shared.fault, sizeof shared.fault, "%s", error.what());
+        }
+        const long unused = g_allocations_left.exchange(0);
+        if (unused <= 0) ++(thrown ? shared.out_of_memory : shared.spared);
+        if (renderer.render(scene_, k_frame).layers[0].data != whole_)
+            std::snprintf(shared.fault, sizeof shared.fault, "the next frame is another");
+        return left - std::max(unused, 0L);
+    }
+
+ private:
+    static constexpr int k_frame = 12;
+    inline static const RenderOptions k_options{.size = {64, 48}, .threads = 3};
+    Scene scene_ = load("builtin:cornell");
+    std::vector<float> whole_;
+};
+
+TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
+{
+    constexpr int k_tries = 60, k_seconds = 120;
+    void* memory = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    ASSERT_NE(memory, MAP_FAILED);
+    Shared& shared = *new (memory) Shared;
+    long ended = 0;
+    while (!shared.done) {
+        std::fflush(nullptr);
+        const pid_t child = ::fork();
+        if (child == 0) {
+            app::install_terminate_handler();
+            ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
+            Frames frames;
+            const long all = frames.render_with_allocations(std::numeric_limits<long>::max(), shared);
+            const long step = std::max(all / k_tries, 1L);
+            while (shared.at < all && !shared.fault[0]) {
+                shared.at += step;
+                ::alarm(k_seconds);   // one that waits for ever is ended by a signal
+                frames.render_with_allocations(shared.at, shared);
+            }
+            shared.done = true;
+            ::_exit(0);
+        }
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        ASSERT_STREQ(shared.fault, "") << "allocation " << shared.at;
+        ASSERT_TRUE(WIFEXITED(status)) << "allocation " << shared.at << ": signal " << WTERMSIG(status);
+        if (WEXITSTATUS(status) == 0) continue;
+        ASSERT_EQ(WEXITSTATUS(status), app::k_exit_missing) << "allocation " << shared.at;
+        ++ended;
+    }
+    EXPECT_GT(shared.out_of_memory, k_tries / 4);
+    std::printf(
+        "%ld allocations failed and were out of memory, %ld of them in a destructor; %ld could be done without\n",
+        shared.out_of_memory + ended, ended, shared.spared);
+    ::munmap(memory, sizeof(Shared));
+}
 
 }   // namespace
 }   // namespace gnomon::fuzz
