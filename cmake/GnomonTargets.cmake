@@ -30,6 +30,11 @@ endif()
 if(GNOMON_SANITIZE)
     target_compile_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer
         -fno-sanitize-recover=all)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+        # gcc warns of what its own instrumentation makes of the standard library.
+        target_compile_options(gnomon_flags INTERFACE
+            -Wno-stringop-overflow -Wno-array-bounds -Wno-maybe-uninitialized)
+    endif()
     target_link_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE})
 endif()
 

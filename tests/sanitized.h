@@ -2,6 +2,15 @@
 // Whether a sanitizer watches: it reserves terabytes of address space, which then cannot be limited, and is slow.
 #pragma once
 
+// ThreadSanitizer, by either compiler.
+#if defined(__SANITIZE_THREAD__)
+#define GNOMON_SANITIZED_THREAD
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define GNOMON_SANITIZED_THREAD
+#endif
+#endif
+
 namespace gnomon::test {
 
 #if defined(GNOMON_SANITIZED)
