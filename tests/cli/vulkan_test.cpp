@@ -111,11 +111,12 @@ TEST(VulkanProgram, RasterWithoutADriverIsMissing)
 
 #ifdef GNOMON_FAILING_VULKAN
 
-// Six frames through a loader that fails where `fault` says (failing_vulkan.cpp); "" fails nowhere.
+// Six frames through a loader that fails where `fault` says (failing_vulkan.cpp); "" fails nowhere. Quiet: on a busy
+// machine there would be progress to tell.
 Outcome film(const ScratchFolder& folder, const std::string& fault)
 {
     return run({"render", "builtin:cornell", "-o", folder / "{frame:04}.png", "--renderer", "raster", "--size", "48x48",
-                "--frames", "1-6"},
+                "--frames", "1-6", "--quiet"},
                {{"LD_LIBRARY_PATH", GNOMON_FAILING_VULKAN}, {"GNOMON_TEST_VULKAN_FAULT", fault}});
 }
 
