@@ -46,4 +46,4 @@ class ScratchFolder {
 #define GNOMON_NEED_SCENE(variable, relative)                                     \
     const std::filesystem::path variable = ::gnomon::test::scenes() / (relative); \
     if (!std::filesystem::exists(variable))                                       \
-    GTEST_SKIP() << "no " << variable << ": set GNOMON_SCENES to the folder of test scenes"
+    GTEST_SKIP() << "no " << (variable) << ": set GNOMON_SCENES to the folder of test scenes"

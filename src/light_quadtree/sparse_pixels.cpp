@@ -22,6 +22,12 @@ bool in_plane(const IndirectPoint& a, const IndirectPoint& b)
            std::abs(glm::dot(b.position - a.position, a.geometric_normal)) < k_off_plane * a.width;
 }
 
+// In the tile.
+constexpr std::size_t place_of(int x, int y)
+{
+    return static_cast<std::size_t>(y) * SparsePixels::k_side + static_cast<std::size_t>(x);
+}
+
 }   // namespace
 
 // Pixels that follow each other in a row or a column and lie in one plane get its number.
@@ -34,15 +40,18 @@ void SparsePixels::number_planes(std::span<const IndirectPoint> points, const st
     // These lie side by side in memory.
     static_assert(offsetof(IndirectPoint, triangle) + sizeof(IndirectPoint::triangle) ==
                   offsetof(IndirectPoint, geometric_normal) + k_plane_bytes);
+    const auto plane_bytes = [](const IndirectPoint& p) {
+        return reinterpret_cast<const unsigned char*>(&p) + offsetof(IndirectPoint, geometric_normal);
+    };
     const auto same = [&](std::int16_t plane, const IndirectPoint& p) {
         if (plane < 0) return false;
         const IndirectPoint& first = points[first_of_plane_[static_cast<std::size_t>(plane)]];
-        return std::memcmp(&first.geometric_normal, &p.geometric_normal, k_plane_bytes) == 0 || in_plane(first, p);
+        return std::memcmp(plane_bytes(first), plane_bytes(p), k_plane_bytes) == 0 || in_plane(first, p);
     };
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const IndirectPoint& p = points[i];
         const bool inside = p.x >= 0 && p.y >= 0 && p.x < k_side && p.y < k_side;
-        const auto place = static_cast<std::size_t>(p.y * k_side + p.x);
+        const auto place = place_of(p.x, p.y);
         if (!inside || at_[place] >= 0) {
             direct_[i] = 1;
             continue;
@@ -73,16 +82,15 @@ void SparsePixels::number_planes(std::span<const IndirectPoint> points, const st
 bool SparsePixels::take(int x0, int y0, int step)
 {
     const Block b{x0, y0, std::min(x0 + step, k_side - 1), std::min(y0 + step, k_side - 1)};
-    const auto first = static_cast<std::size_t>(y0 * k_side + x0);
+    const auto first = place_of(x0, y0);
     if (plane_[first] < 0) return false;
     for (int y = y0; y <= b.y1; ++y) {
-        const auto row = static_cast<std::size_t>(y * k_side + x0);
+        const auto row = place_of(x0, y);
         if (plane_[row] != plane_[first] || run_[row] < b.x1 - x0 + 1) return false;
     }
     blocks_.push_back(b);
     for (const int y : {y0, b.y1})
-        for (const int x : {x0, b.x1})
-            direct_[static_cast<std::size_t>(at_[static_cast<std::size_t>(y * k_side + x)])] = 1;
+        for (const int x : {x0, b.x1}) direct_[static_cast<std::size_t>(at_[place_of(x, y)])] = 1;
     return true;
 }
 
@@ -107,16 +115,13 @@ void SparsePixels::reckon_all(int x0, int y0)
 {
     for (int y = y0; y < y0 + k_least_step; ++y)
         for (int x = x0; x < x0 + k_least_step; ++x)
-            if (const std::int32_t i = at_[static_cast<std::size_t>(y * k_side + x)]; i >= 0)
-                direct_[static_cast<std::size_t>(i)] = 1;
+            if (const std::int32_t i = at_[place_of(x, y)]; i >= 0) direct_[static_cast<std::size_t>(i)] = 1;
 }
 
 template <class Value>
 void SparsePixels::fill_blocks(Value* values) const
 {
-    const auto point = [&](int x, int y) {
-        return static_cast<std::size_t>(at_[static_cast<std::size_t>(y * k_side + x)]);
-    };
+    const auto point = [&](int x, int y) { return static_cast<std::size_t>(at_[place_of(x, y)]); };
     for (const Block& b : blocks_) {
         const Value low0 = values[point(b.x0, b.y0)], low1 = values[point(b.x1, b.y0)],
                     high0 = values[point(b.x0, b.y1)], high1 = values[point(b.x1, b.y1)];
