@@ -166,7 +166,7 @@ def use(browser, number):
 
 def main():
     page, folder = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else None
-    with tempfile.TemporaryDirectory() as profile:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:   # a process of its may still write
         browser = Browser(profile)
         try:
             browser.open(page)
