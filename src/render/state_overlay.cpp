@@ -158,6 +158,7 @@ std::vector<Line> lines_of(const std::vector<Entry>& entries, int width, int dot
 
 Rgb8 state_color(StateMark mark)
 {
+    GNOMON_CHECK_LT(static_cast<int>(mark), k_state_marks);   // a byte has room for one more
     return k_colors[static_cast<std::size_t>(mark)];
 }
 

@@ -42,11 +42,19 @@ TEST(StateOverlay, WrongOverrulesEverything)
 {
     for (int byte = 0; byte < 64; ++byte) {
         const StateCell cell = StateCell::of(static_cast<std::uint8_t>(byte));
+        if (static_cast<int>(cell.mark) >= render::k_state_marks) continue;
         const Rgb8 color = cell_color(cell, 40);
         EXPECT_EQ(color == render::k_wrong_color, (byte & StateCell::k_wrong) != 0);
         EXPECT_EQ(color == render::k_wrong_behind_color, (byte & 48) == 32);
     }
     EXPECT_NE(cell_color({StateMark::none, true, false, false}, 255), cell_color({StateMark::none}, 255));
+}
+
+// Three bits hold eight marks, of which there are seven.
+TEST(StateOverlay, AMarkThatIsNoneIsAnInternalError)
+{
+    EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
+    EXPECT_THROW(render::state_color(static_cast<StateMark>(render::k_state_marks)), InternalError);
 }
 
 TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
