@@ -257,6 +257,13 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
     for (float& weight : weights) weight *= lack;
 }
 
+// By node, four floats each; null where there are no nodes.
+HWY_INLINE const float* places_of(const EmitterTree& tree)
+{
+    const std::vector<glm::vec4>& places = tree.samples().places;
+    return places.empty() ? nullptr : &places.front().x;
+}
+
 // Bits of a weight: the leading ones of a float between 2^-64 and 2^64.
 constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
 
@@ -268,7 +275,7 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
-    const float* const places = &tree.samples().places.data()->x;
+    const float* const places = places_of(tree);
     const EmitterTree::Flux& flux = tree.still_flux();
     auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
@@ -304,7 +311,7 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), tiny = hn::Set(d, k_tiny);
-    const float* const places = &tree.samples().places.data()->x;
+    const float* const places = places_of(tree);
     const bool differs = tree.any_differs();
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto node = hn::ShiftRight<k_weight_bits>(hn::LoadU(du, seen + k));
