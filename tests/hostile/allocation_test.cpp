@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <new>
 
@@ -110,16 +111,24 @@ void fail_each(const Target& target, const Bytes& seed, Shared& shared)
     if (!again.empty()) std::snprintf(shared.fault, sizeof shared.fault, "afterwards: %s", again.c_str());
 }
 
-class Allocations : public testing::TestWithParam<Target> {};
+// Lets children refuse allocations, one child after the other: one refused in a destructor ends its child.
+class Children {
+ public:
+    Children() : memory_(::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
+    {
+        if (memory_ == MAP_FAILED) throw std::bad_alloc();
+        new (memory_) Shared;
+    }
+    ~Children() { ::munmap(memory_, sizeof(Shared)); }
+    Children(const Children&) = delete;
+    Children& operator=(const Children&) = delete;
 
-// In a child, since some libraries take memory in destructors: then the program ends, with that same code and line.
-TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
-{
-    void* memory = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    ASSERT_NE(memory, MAP_FAILED);
-    Shared& shared = *new (memory) Shared;
-    long ended = 0;
-    for (const Bytes& seed : GetParam().seeds()) {
+    Shared& shared() const { return *static_cast<Shared*>(memory_); }
+    /// @param work  in the child, until it is done; goes on from the present allocation
+    /// @param next  the allocation that the next child begins with, after that which ended one
+    void run(const std::function<void()>& work, const std::function<long(long)>& next)
+    {
+        Shared& shared = this->shared();
         shared.at = 1, shared.done = false;
         while (!shared.done) {
             std::fflush(nullptr);
@@ -127,7 +136,7 @@ TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
             if (child == 0) {
                 app::install_terminate_handler();
                 ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
-                fail_each(GetParam(), seed, shared);
+                work();
                 ::_exit(0);
             }
             int status = 0;
@@ -136,15 +145,34 @@ TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
             ASSERT_TRUE(WIFEXITED(status)) << "allocation " << shared.at << ": signal " << WTERMSIG(status);
             if (WEXITSTATUS(status) == 0) continue;
             ASSERT_EQ(WEXITSTATUS(status), app::k_exit_missing) << "allocation " << shared.at;
-            ++ended;
-            shared.at = after(shared.at);
+            ++ended_;
+            shared.at = next(shared.at);
         }
     }
-    EXPECT_GT(shared.out_of_memory, 3);
-    std::printf(
-        "%ld allocations failed and were out of memory, %ld of them in a destructor; %ld could be done without\n",
-        shared.out_of_memory + ended, ended, shared.spared);
-    ::munmap(memory, sizeof(Shared));
+    void tell() const
+    {
+        std::printf(
+            "%ld allocations failed and were out of memory, %ld of them in a destructor; %ld could be done without\n",
+            shared().out_of_memory + ended_, ended_, shared().spared);
+    }
+
+ private:
+    void* memory_;
+    long ended_ = 0;
+};
+
+class Allocations : public testing::TestWithParam<Target> {};
+
+// In a child, since some libraries take memory in destructors: then the program ends, with that same code and line.
+TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
+{
+    Children children;
+    for (const Bytes& seed : GetParam().seeds()) {
+        children.run([&] { fail_each(GetParam(), seed, children.shared()); }, after);
+        if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(children.shared().out_of_memory, 3);
+    children.tell();
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, Allocations, testing::ValuesIn(targets().begin(), targets().end()),
@@ -188,16 +216,10 @@ class Frames {
 TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
 {
     constexpr int k_tries = 60, k_seconds = 120;
-    void* memory = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    ASSERT_NE(memory, MAP_FAILED);
-    Shared& shared = *new (memory) Shared;
-    long ended = 0;
-    while (!shared.done) {
-        std::fflush(nullptr);
-        const pid_t child = ::fork();
-        if (child == 0) {
-            app::install_terminate_handler();
-            ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
+    Children children;
+    Shared& shared = children.shared();
+    children.run(
+        [&] {
             Frames frames;
             const long all = frames.render_with_allocations(std::numeric_limits<long>::max(), shared);
             const long step = std::max(all / k_tries, 1L);
@@ -207,21 +229,11 @@ TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
                 frames.render_with_allocations(shared.at, shared);
             }
             shared.done = true;
-            ::_exit(0);
-        }
-        int status = 0;
-        ::waitpid(child, &status, 0);
-        ASSERT_STREQ(shared.fault, "") << "allocation " << shared.at;
-        ASSERT_TRUE(WIFEXITED(status)) << "allocation " << shared.at << ": signal " << WTERMSIG(status);
-        if (WEXITSTATUS(status) == 0) continue;
-        ASSERT_EQ(WEXITSTATUS(status), app::k_exit_missing) << "allocation " << shared.at;
-        ++ended;
-    }
+        },
+        [](long at) { return at; });
+    if (HasFatalFailure()) return;
     EXPECT_GT(shared.out_of_memory, k_tries / 4);
-    std::printf(
-        "%ld allocations failed and were out of memory, %ld of them in a destructor; %ld could be done without\n",
-        shared.out_of_memory + ended, ended, shared.spared);
-    ::munmap(memory, sizeof(Shared));
+    children.tell();
 }
 
 }   // namespace
