@@ -51,6 +51,7 @@ struct RenderOptions {
     bool indirect_at_every_pixel =
         false;                  // Indirect::rsm, quadtree: else at 64 a side, interpolated where that is fair
     int indirect_memory = 16;   // Indirect::visible: MB of remembered points, 1 to 65536; changes time, not pictures
+    IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;       // 0: all
     bool layers = false;   // also fill depth, normal, albedo, direct, indirect, shadow; more of a reference

@@ -35,6 +35,8 @@ enum class ShadowCulling { off, paper, certified };
 /// others let light pass through everything: `quadtree` gathers clusters of lit surface parts, as Ki and Oh published
 /// it in 2007; `rsm` samples these parts, after Dachsbacher and Stamminger 2005.
 enum class Indirect { off, rsm, quadtree, visible };
+/// Who cuts, traces and sums for Indirect::visible with RenderMethod::raster. automatic: the device, if it is hardware.
+enum class IndirectOn { automatic, cpu, vulkan };
 
 /// What finds a ray's hit: Embree, or a kd-tree that counts its work, far slower and the same up to edges.
 enum class Accelerator { embree, kdtree };
@@ -59,6 +61,8 @@ struct FrameCounters {
     struct Indirect {
         std::uint64_t clusters = 0;
         std::uint64_t rays = 0;
+        bool gathered_by_vulkan = false;   // Indirect::visible: cuts and sums are the device's
+        bool traced_by_vulkan = false;     // and so are its rays to what is in a cut, to the sky, and past what moves
     } indirect;
     /// Work of Accelerator::kdtree by what the rays were for. What an overlay asks to check answers is not in it.
     struct KdTree {

@@ -159,6 +159,10 @@ constexpr Option k_options[] = {
      .verbs = k_pictures | bit(bench_indirect), .group = k_indirect,
      .help = "visible: for remembered points, or twice what a frame shows; the longest unseen are forgotten "
              "first; changes time, not pictures"},
+    {.name = "indirect-on", .argument = "WHERE", .kind = Kind::choice, .fallback = "auto", .choices = "auto|cpu|vulkan",
+     .verbs = k_pictures, .group = k_indirect,
+     .help = "visible with --renderer raster: who cuts the light's tree, traces and sums. vulkan: the device; its rays, if it "
+             "has ray-tracing pipelines; auto: the device, unless it is software; the same picture up to rounding"},
     {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = 65536,
      .verbs = k_pictures, .group = k_indirect, .help = "rsm: of the reflective shadow map"},
     {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6,

@@ -54,6 +54,8 @@ RenderOptions read_picture_options(const OptionValues& values)
     options.shadow_culling = culling_of(values.text("shadow-culling"));
     options.indirect = indirect_of(values.text("indirect"));
     options.indirect_memory = values.integer("indirect-memory");
+    if (const std::string on = values.text("indirect-on"); on != "auto")
+        options.indirect_on = on == "cpu" ? IndirectOn::cpu : IndirectOn::vulkan;
     options.rsm_samples = values.integer("rsm-samples");
     options.indirect_level = values.integer("indirect-level");
     options.depth_threshold = values.number("depth-threshold");

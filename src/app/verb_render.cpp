@@ -71,11 +71,15 @@ FilmJob film_job(const OptionValues& values, const Scene& scene)
 }
 
 // Where the parts of a rasterised frame's bounced light run; of a traced one all of them are the processor's.
-void say_where(const RenderOptions& options, Json& json)
+void say_where(const FrameCounters::Indirect& counters, const RenderOptions& options, Json& json)
 {
     if (options.renderer != RenderMethod::raster || options.indirect == Indirect::off) return;
+    const char* const gather = counters.gathered_by_vulkan ? "vulkan" : "cpu";
     if (options.indirect == Indirect::visible)
-        json.update({{"visibility", "cpu"}, {"gather", "cpu"}, {"shading", "vulkan"}});
+        json.update({{"cut", gather},
+                     {"visibility", counters.traced_by_vulkan ? "vulkan" : "cpu"},
+                     {"gather", gather},
+                     {"shading", "vulkan"}});
     else
         json.update({{"light_map", "vulkan"}, {"tree", "vulkan"}, {"gather", "vulkan"}, {"shading", "vulkan"}});
 }
@@ -85,7 +89,7 @@ Json indirect_of(const FrameRecord& record, const RenderOptions& options)
     const FrameCounters::Indirect& counters = record.counters.indirect;
     Json json = {{"clusters", counters.clusters}, {"rays", counters.rays}};
     if (options.reference) json["noise"] = record.noise;
-    say_where(options, json);
+    say_where(counters, options, json);
     return json;
 }
 

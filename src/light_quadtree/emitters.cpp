@@ -335,7 +335,9 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
 // Notes which nodes have another flux than when nothing that moves stands in the light.
 void EmitterTree::mark_changes()
 {
+    changed_.clear();
     for (View& view : views_) {
+        changed_.insert(changed_.end(), view.dirty.begin(), view.dirty.end());
         for (const NodeId id : view.dirty) {
             float& mark = samples_.places[id].w;
             differing_ -= mark != 0;
@@ -440,6 +442,7 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     state_ = &state;
     rays_ = &rays;
     casters_.update(state);
+    changed_.clear();
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
     geometry_changed_ = !changes.lights_moved.empty();

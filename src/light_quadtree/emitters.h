@@ -12,6 +12,7 @@
 // bit.
 
 #include <atomic>
+#include <span>
 #include <vector>
 
 #include "base/tasks.h"
@@ -62,8 +63,12 @@ class EmitterTree {
 
     /// Nodes 4 q ... 4 q + 3.
     const EmitterQuad& quad(NodeId q) const { return quads_[q]; }
+    /// All of them: four nodes each.
+    std::span<const EmitterQuad> quads() const { return quads_; }
     /// The quad of a node's children; none for leaves.
     NodeId children(NodeId id) const { return children_[id]; }
+    /// The same by node.
+    std::span<const NodeId> children() const { return children_; }
     /// Present flux by node: radiant exitance times area, pi times the radiance of a diffuse surface times its area.
     struct Flux {
         std::vector<float> r, g, b;
@@ -75,6 +80,8 @@ class EmitterTree {
     const Flux& still_flux() const { return still_; }
     bool differs(NodeId id) const { return samples_.places[id].w != 0; }
     bool any_differs() const { return differing_ > 0; }
+    /// Nodes that the last update asked anew, or all that may have changed: their flux and their mark; some twice.
+    const std::vector<NodeId>& changed() const { return changed_; }
     const std::vector<MoverEmitter>& movers() const { return movers_; }
     /// Of an object that moves: its rigid group, or it alone.
     std::uint32_t owner_of(scene::ObjectId object) const;
@@ -148,6 +155,7 @@ class EmitterTree {
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
+    std::vector<NodeId> changed_;   // by the last update
     std::vector<scene::ObjectId> dynamics_;
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;

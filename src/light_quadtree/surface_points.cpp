@@ -48,7 +48,8 @@ RememberedPoint& SurfacePoints::at(AnchorKey key)
     return *point;
 }
 
-void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget)
+void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget,
+                                const std::function<void(const RememberedPoint&)>& dropped)
 {
     const std::size_t all = bytes();
     if (all <= budget) return;
@@ -71,6 +72,7 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget)
         std::erase_if(shard.points, [&](const auto& p) {
             if (age_of(*p) < oldest) return false;
             resized(p->count, 0);
+            if (dropped) dropped(*p);
             return true;
         });
         std::fill(shard.slots.begin(), shard.slots.end(), nullptr);

@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -24,6 +25,7 @@ inline constexpr std::uint32_t k_no_owner = scene::none - 1;
 struct RememberedPoint {
     AnchorKey key = 0;
     bool exists = false;                // the anchor meets a surface
+    bool waits = false;                 // for its light, from a PointEngine
     glm::vec3 position{0}, origin{0};   // on the surface; where rays start
     glm::vec3 normal{0};                // unit, shading
     glm::vec3 geometric_normal{0};
@@ -33,8 +35,9 @@ struct RememberedPoint {
     std::uint32_t owner = k_no_owner;   // of what moves: EmitterTree::owner_of()
     std::uint32_t version = 0;          // of the emitters' geometry that `seen` belongs to; 0: never asked
     std::uint32_t movers_version = 0;   // that `light` belongs to
-    // What it sees of the emitters past everything static; padded to k_seen_step.
+    // What it sees of the emitters past everything static; padded to k_seen_step. With a PointEngine, that has it.
     std::uint32_t count = 0;
+    std::uint32_t kept = 0;   // the engine's name for it, if count > 0
     std::unique_ptr<SeenNode[]> seen;
     SkyMask sky;                                       // directions that it sees past everything static
     std::atomic<std::uint32_t> claimed{0}, ready{0};   // frames
@@ -52,7 +55,9 @@ class SurfacePoints {
     }
     /// Between frames: if the points take more than `budget` bytes, drops the longest unseen until a quarter of it is
     /// free; what was seen in `frame` stays, and half as much to as much beside it.
-    void drop_unseen(std::uint32_t frame, std::size_t budget);
+    /// @param dropped  called for each, if there is one
+    void drop_unseen(std::uint32_t frame, std::size_t budget,
+                     const std::function<void(const RememberedPoint&)>& dropped = {});
     std::size_t size() const;
     std::size_t bytes() const;
 

@@ -94,10 +94,15 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
         emitters_.update(state, rays, tasks);
     }
     follow_radius(first);
-    if (!first && changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() &&
-        changes.vanished.empty())
-        return;
-    // Enclose what moves.
+    if (first || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
+        !changes.vanished.empty())
+        enclose_movers();
+    if (engine_) engine_->begin_frame(emitters_, movers_);
+}
+
+void VisibleLight::enclose_movers()
+{
+    const scene::SceneState& state = *state_;
     ++movers_version_;
     movers_.clear();
     for (const Together& together : together_) {
@@ -133,10 +138,10 @@ RememberedPoint* VisibleLight::want(Batch& batch, AnchorKey key)
     return &point;
 }
 
-void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+bool VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
     try {
-        shade_points(batch, points, irradiance);
+        return shade_points(batch, points, irradiance);
     } catch (...) {
         if (!failing_.exchange(true)) {
             failure_ = std::current_exception();
@@ -146,8 +151,9 @@ void VisibleLight::shade(Batch& batch, std::span<const IndirectPoint> points, gl
     }
 }
 
-void VisibleLight::shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+bool VisibleLight::shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
+    batch.pending = false;
     batch.wanted.clear();
     batch.parts.clear();
     batch.moving.resize(points.size());
@@ -174,14 +180,16 @@ void VisibleLight::shade_points(Batch& batch, std::span<const IndirectPoint> poi
         blend_level(batch, points, irradiance);
     }
     shade_parts(batch, points, irradiance);
+    if (batch.pending) return false;
     batch.pixels.fill(irradiance);
     if (near && hints_) {
         batch.pixels.fill(batch.near_share.data());
         add_near_light(batch, points, irradiance);
     }
-    if (most_rays_ == 0) return;
+    if (most_rays_ == 0) return true;
     for (std::size_t i = 0; i < points.size(); ++i) batch.light_sum += irradiance[i];
     batch.light_count += points.size();
+    return true;
 }
 
 // Takes from the present cells what they can tell, and leaves in `wanted` what needs finer ones.
@@ -306,6 +314,7 @@ void VisibleLight::fill_cells(Batch& batch) const
         const int b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
         for (int i = 0; i < 4; ++i) {
             const RememberedPoint& from = *made.point[i];
+            batch.pending = batch.pending || from.waits;
             const glm::vec3 p = from.position, n = from.normal;
             // No plane goes through what is not there.
             cell.x[i] = from.exists ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
@@ -329,8 +338,12 @@ void VisibleLight::serve(Batch& batch)
         const std::uint64_t before = batch.counters.rays;
         put_off(batch);
         place(batch);
-        see(batch);
-        sum(batch);
+        if (engine_) {
+            wait(batch);
+        } else {
+            see(batch);
+            sum(batch);
+        }
         for (const auto* points : {&batch.claimed, &batch.put_off})
             for (RememberedPoint* point : *points) point->ready.store(frame_, std::memory_order_release);
         spent_rays_ += batch.counters.rays - before;
@@ -462,13 +475,51 @@ void VisibleLight::open_ways(Batch& batch)
     }
 }
 
-// Asks for new points what they see past everything static (and moving, for points that move).
+// What moves is cut anew in every frame, and less finely.
+CutOptions VisibleLight::cut_options(const RememberedPoint& point) const
+{
+    CutOptions options = options_.cut;
+    if (point.owner != k_no_owner) options.error = options_.moving_error, options.estimate = options_.moving_estimate;
+    return options;
+}
+
+// The rays that ask which nodes of its cut a point sees, and what a unit of flux of each brings.
+void VisibleLight::push_ways(Batch& batch, const RememberedPoint& point, std::span<const NodeId> cut,
+                             std::span<const float> weight) const
+{
+    const bool parted = point.owner == k_no_owner && (!is_lattice(point.key) || near_at(lattice_spacing(point.key)));
+    for (std::size_t k = 0; k < cut.size(); ++k) {
+        const glm::vec3 to = emitters_.samples().at(cut[k]) - point.origin;
+        const float distance = glm::length(to);
+        const float cosine = glm::dot(to, point.normal) / distance;
+        if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
+        // At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
+        constexpr float k_least_cosine = 0.1f;
+        // Near light comes to static points by rays of its own.
+        const float share = parted ? far_share(distance, near_.options().radius) : 1;
+        if (!(share > 0)) continue;
+        batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
+        batch.entries.push_back(cut[k]);
+        batch.entry_weight.push_back(share * weight[k] / std::max(cosine, k_least_cosine));
+    }
+}
+
+// Leaves in `blocked` which rays do not arrive.
+void VisibleLight::ask(Batch& batch, const ray::RayQueue& rays, ray::Against against) const
+{
+    const std::size_t count = rays.size();
+    batch.blocked.resize(count + ray::k_packet_pad);
+    if (engine_ && engine_->traces())
+        engine_->blocked(rays, batch.blocked.data(), against);
+    else
+        rays_->blocked(rays, 0, count, batch.blocked.data(), against);
+    batch.counters.rays += count;
+}
+
+// Asks for new points what they see past everything static.
 void VisibleLight::see(Batch& batch)
 {
     const std::uint32_t version = emitters_.geometry_version();
-    CutOptions moving_cut = options_.cut;
-    moving_cut.error = options_.moving_error;
-    moving_cut.estimate = options_.moving_estimate;
     std::size_t begin = 0;
     while (begin < batch.claimed.size()) {
         // Some points at a time: their rays fill packets and stay in the cache.
@@ -481,32 +532,14 @@ void VisibleLight::see(Batch& batch)
         for (; next < batch.claimed.size() && batch.rays.size() < k_rays; ++next) {
             RememberedPoint& point = *batch.claimed[next];
             if (!point.exists || point.version == version || is_near(point.key)) continue;
-            const CutOptions& options = point.owner == k_no_owner ? options_.cut : moving_cut;
-            cut_tree(emitters_, options, point.origin, point.normal, batch.cut, batch.cut_weight, batch.stack);
+            cut_tree(emitters_, cut_options(point), point.origin, point.normal, batch.cut, batch.cut_weight,
+                     batch.stack);
             batch.fresh.push_back({&point, batch.entries.size()});
-            const bool parted =
-                point.owner == k_no_owner && (!is_lattice(point.key) || near_at(lattice_spacing(point.key)));
-            for (std::size_t k = 0; k < batch.cut.size(); ++k) {
-                const NodeId node = batch.cut[k];
-                const glm::vec3 to = emitters_.samples().at(node) - point.origin;
-                const float distance = glm::length(to);
-                const float cosine = glm::dot(to, point.normal) / distance;
-                if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
-                // At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
-                constexpr float k_least_cosine = 0.1f;
-                // Near light comes to static points by rays of its own.
-                const float share = parted ? far_share(distance, near_.options().radius) : 1;
-                if (!(share > 0)) continue;
-                batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
-                batch.entries.push_back(batch.cut[k]);
-                batch.entry_weight.push_back(share * batch.cut_weight[k] / std::max(cosine, k_least_cosine));
-            }
+            push_ways(batch, point, batch.cut, batch.cut_weight);
         }
         begin = next;
         const std::size_t count = batch.rays.size();
-        batch.blocked.resize(count + ray::k_packet_pad);
-        rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::static_only);
-        batch.counters.rays += count;
+        ask(batch, batch.rays, ray::Against::static_only);
         for (std::size_t f = 0; f < batch.fresh.size(); ++f) {
             RememberedPoint& point = *batch.fresh[f].point;
             const std::size_t first = batch.fresh[f].first;
@@ -544,10 +577,7 @@ void VisibleLight::see_sky(Batch& batch)
     for (const Batch::Fresh& fresh : batch.fresh)
         for (std::size_t i = 0; i < k_sky_directions; ++i)
             if (faces(*fresh.point, i)) batch.rays.push(fresh.point->origin, 0, sky_.direction(i), k_infinity);
-    const std::size_t count = batch.rays.size();
-    batch.blocked.resize(count + ray::k_packet_pad);
-    rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::static_only);
-    batch.counters.rays += count;
+    ask(batch, batch.rays, ray::Against::static_only);
     std::size_t r = 0;
     for (const Batch::Fresh& fresh : batch.fresh) {
         RememberedPoint& point = *fresh.point;
@@ -655,9 +685,7 @@ void VisibleLight::add_what_arrives(Batch& batch, ray::RayQueue& rays, const std
 {
     const std::size_t count = rays.size();
     if (count == 0) return;
-    batch.blocked.resize(count + ray::k_packet_pad);
-    rays_->blocked(rays, 0, count, batch.blocked.data(), against);
-    batch.counters.rays += count;
+    ask(batch, rays, against);
     batch.counters.rays_dynamic += count;
     for (std::size_t r = 0; r < count; ++r)
         if (!batch.blocked[r]) add_light(*shares[r].point, shares[r].flux, shares[r].direction);
@@ -676,7 +704,12 @@ void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
         for (auto& recent : batch->recent) recent = {};
     }
     average_ = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
-    points_.drop_unseen(frame_, options_.memory);
+    if (engine_)
+        points_.drop_unseen(frame_, options_.memory, [this](const RememberedPoint& point) {
+            if (point.count > 0) engine_->forget({point.kept, point.count});
+        });
+    else
+        points_.drop_unseen(frame_, options_.memory);
 }
 
 }   // namespace gnomon::light_quadtree

@@ -23,6 +23,7 @@
 #include "light_quadtree/lattice_kernels.h"
 #include "light_quadtree/near_hints.h"
 #include "light_quadtree/near_light.h"
+#include "light_quadtree/point_engine.h"
 #include "light_quadtree/sparse_pixels.h"
 #include "light_quadtree/surface_points.h"
 #include "light_quadtree/triangle_clusters.h"
@@ -67,6 +68,9 @@ class VisibleLight {
                  Tasks& tasks);
     ~VisibleLight();
 
+    /// From the next frame on, cuts and sums of points are the engine's; before the first frame. See shade().
+    void set_engine(std::unique_ptr<PointEngine> engine);
+
     /// After the state advanced and the ray scene followed.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
@@ -74,7 +78,12 @@ class VisibleLight {
     class Batch;
     std::unique_ptr<Batch> make_batch() const;
     /// Irradiance that arrives at points by one diffuse bounce, by point. From any thread.
-    void shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    /// @return  always true without an engine. With one, false where remembered points wait for it, and there is no
+    /// light yet: once all that is wanted was asked for so, light_waiting(), and ask again.
+    bool shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    /// Has the engine bring all points that wait up to this frame.
+    /// @param batches  one a thread of `tasks`
+    void light_waiting(std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks);
 
     /// Gathers the batches' counters; drops points if they take too much.
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
@@ -111,7 +120,17 @@ class VisibleLight {
     void shade_parts(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     RememberedPoint* want(Batch& batch, AnchorKey key);
     void serve(Batch& batch);
-    void shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    bool shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    void enclose_movers();
+    void wait(Batch& batch);
+    void light_some(std::span<RememberedPoint* const> points, std::span<const std::unique_ptr<Batch>> batches,
+                    Tasks& tasks);
+    void see_waiting(std::span<RememberedPoint* const> points, std::span<const std::unique_ptr<Batch>> batches,
+                     Tasks& tasks);
+    void push_ways(Batch& batch, const RememberedPoint& point, std::span<const NodeId> cut,
+                   std::span<const float> weight) const;
+    void ask(Batch& batch, const ray::RayQueue& rays, ray::Against against) const;
+    CutOptions cut_options(const RememberedPoint& point) const;
     template <class Done>
     void await(const Done& done) const;
     bool out_of_rays() const { return most_rays_ > 0 && spent_rays_.load(std::memory_order_relaxed) >= most_rays_; }
@@ -143,6 +162,7 @@ class VisibleLight {
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     EmitterTree emitters_;
+    std::unique_ptr<PointEngine> engine_;   // null: the threads that claim points do all themselves
     SurfacePoints points_;
     TriangleClusters clusters_;
     SkyLight sky_;
@@ -240,6 +260,8 @@ class VisibleLight::Batch {
     std::vector<Part> parts, whole_parts;
     std::vector<float> near_share;   // by point: of its light, where near light comes by rays of its own
     std::vector<RememberedPoint*> claimed, awaited, put_off;
+    std::vector<RememberedPoint*> waiting;   // for the engine
+    bool pending = false;                    // some of what these points want waits
     std::vector<Search> searching;
     std::vector<RememberedPoint*> placed;   // new lattice points
     std::vector<NodeId> cut, entries;

@@ -187,7 +187,8 @@ bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
 
 std::size_t VisibleLight::bytes() const
 {
-    return emitters_.bytes() + points_.bytes() + clusters_.bytes() + (hints_ ? hints_->bytes() : 0);
+    return emitters_.bytes() + points_.bytes() + clusters_.bytes() + (hints_ ? hints_->bytes() : 0) +
+           (engine_ ? engine_->bytes() : 0);
 }
 
 }   // namespace gnomon::light_quadtree

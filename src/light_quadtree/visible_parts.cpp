@@ -41,6 +41,10 @@ void VisibleLight::shade_parts(Batch& batch, std::span<const IndirectPoint> poin
         batch.whole_parts.clear();
         for (const Batch::Part& part : batch.parts) {
             const IndirectPoint& point = points[part.point];
+            if (part.part->waits) {
+                batch.pending = true;
+                continue;
+            }
             glm::vec3 light = at_part(*part.part, point.normal);
             // The middle of a part may lie where other geometry covers it: then rather the light around, as it is, and
             // where there is none, once more from close by, than a black dot.

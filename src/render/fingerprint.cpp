@@ -102,7 +102,7 @@ std::uint64_t fingerprint_of(const Scene& shown, const RenderOptions& options)
     print.add(options.accelerator);
     // Certified culling and none give the same pixels; what the published one gives depends on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);
-    print.add(options.indirect);
+    print.add(options.indirect), print.add(options.indirect_on);
     print.add(options.renderer), print.add(options.shadow_textures), print.add(options.shadow_filter);
     print.add(options.rsm_samples), print.add(options.indirect_level), print.add(options.indirect_at_every_pixel);
     print.add(options.depth_threshold), print.add(options.normal_threshold);

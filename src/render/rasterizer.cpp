@@ -30,8 +30,11 @@ class VulkanRasterizer final : public Rasterizer {
         redrawn_stays_ = settings.redrawn_stays;
         if (settings.indirect == Indirect::visible) {
             GNOMON_CHECK(settings.rays && settings.tasks);
-            auto bounce =
-                std::make_unique<VisibleBounce>(device_, state, *settings.rays, settings.visible, *settings.tasks);
+            const bool software = device_->info().kind == "software";
+            const bool on_device = settings.indirect_on == IndirectOn::vulkan ||
+                                   (settings.indirect_on == IndirectOn::automatic && !software);
+            auto bounce = std::make_unique<VisibleBounce>(device_, state, *settings.rays, settings.visible, on_device,
+                                                          *settings.tasks);
             visible_ = &bounce->light();
             frame_.set_bounced(std::move(bounce));
         } else if (settings.indirect != Indirect::off) {

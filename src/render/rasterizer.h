@@ -25,6 +25,7 @@ struct RasterSettings {
     Indirect indirect = Indirect::off;
     light_quadtree::MapLightOptions map{};   // of Indirect::rsm, quadtree
     light_quadtree::VisibleOptions visible{};
+    IndirectOn indirect_on = IndirectOn::automatic;
     // Of Indirect::visible: follows the state before every update() and render(); both outlive the rasterizer.
     const ray::RayScene* rays = nullptr;
     Tasks* tasks = nullptr;

@@ -183,6 +183,7 @@ struct Renderer::Inside {
                                                           .indirect = options.indirect,
                                                           .map = render::map_light_options(options),
                                                           .visible = render::visible_light_options(options),
+                                                          .indirect_on = options.indirect_on,
                                                           .rays = rays.get(),
                                                           .tasks = &tasks});
                 scene = wanted;

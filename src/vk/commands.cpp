@@ -118,11 +118,13 @@ void Commands::upload(const std::string& name, std::span<const Upload> uploads)
     });
 }
 
-Buffer Commands::read_back(const Buffer& from)
+Buffer Commands::read_back(const Buffer& from, VkDeviceSize bytes)
 {
-    Buffer to(device_, from.name() + " (read back)", from.bytes(), Access::readback);
+    if (bytes == VK_WHOLE_SIZE) bytes = from.bytes();
+    GNOMON_CHECK_LE(bytes, from.bytes());
+    Buffer to(device_, from.name() + " (read back)", bytes, Access::readback);
     pass("read back " + from.name()).reads(from, Use::copy_source).writes(to, Use::copy_target).copy([&](Recorder& r) {
-        const VkBufferCopy all{0, 0, from.bytes()};
+        const VkBufferCopy all{0, 0, bytes};
         r.copy(from, to, {&all, 1});
     });
     barriers({{&to, nullptr, Use::host_read}}, Recorder::Kind::copy);

@@ -202,7 +202,8 @@ class Commands {
     /// Copies the bytes at once and records their way to the buffers, as one pass.
     void upload(const std::string& name, std::span<const Upload> uploads);
     /// Records a copy to the host; what it holds is there after submit().
-    Buffer read_back(const Buffer& from);
+    /// @param bytes  from the start; all of them otherwise
+    Buffer read_back(const Buffer& from, VkDeviceSize bytes = VK_WHOLE_SIZE);
     Buffer read_back(const Image& from, std::uint32_t layer = 0);
 
     /// Sends all that was recorded and waits for it.

@@ -47,7 +47,7 @@ bool shows_clusters(const RenderOptions& options)
 auto of_bounce(const RenderOptions& o)
 {
     return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
-                      o.indirect_at_every_pixel, o.indirect_memory);
+                      o.indirect_at_every_pixel, o.indirect_memory, o.indirect_on);
 }
 
 scene::CameraId camera_of(const scene::Scene& scene, const std::string& wanted)

@@ -2,8 +2,10 @@
 #include "render/raster/visible_bounce.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/check.h"
+#include "light_quadtree/vulkan/gpu_points.h"
 
 namespace gnomon::render {
 
@@ -26,13 +28,16 @@ glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
 }   // namespace
 
 VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-                             const ray::RayScene& rays, const light_quadtree::VisibleOptions& options, Tasks& tasks)
+                             const ray::RayScene& rays, const light_quadtree::VisibleOptions& options, bool on_device,
+                             Tasks& tasks)
     : device_(device),
       rays_(rays),
       tasks_(tasks),
       light_(state, rays, options, tasks),
+      on_device_(on_device),
       scratch_(static_cast<std::size_t>(tasks.threads()))
 {
+    if (on_device) light_.set_engine(std::make_unique<light_quadtree::GpuPoints>(device));
 }
 
 void VisibleBounce::update(vk::Commands&, const gpu_scene::GpuScene&, const scene::SceneState& state)
@@ -57,10 +62,12 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
                                      faces = geometric.as<glm::vec4>(), colors = diffuse.as<glm::vec4>();
     const std::span<const glm::uvec2> id = ids.as<glm::uvec2>();
     const int columns = (width + k_tile - 1) / k_tile, rows = (height + k_tile - 1) / k_tile;
-    tasks_.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t tile, int w) {
+    std::vector<int> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    std::iota(tiles.begin(), tiles.end(), 0);
+    const auto light_tile = [&](int tile, int w) {
         Scratch& own = scratch_[static_cast<std::size_t>(w)];
         own.points.clear(), own.pixels.clear();
-        const int x0 = static_cast<int>(tile) % columns * k_tile, y0 = static_cast<int>(tile) / columns * k_tile;
+        const int x0 = tile % columns * k_tile, y0 = tile / columns * k_tile;
         for (int y = y0; y < std::min(y0 + k_tile, height); ++y)
             for (int x = x0; x < std::min(x0 + k_tile, width); ++x) {
                 const std::size_t i =
@@ -82,9 +89,20 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
                 own.pixels.push_back(static_cast<std::uint32_t>(i));
             }
         own.light.resize(own.points.size());
-        light_.shade(*batches_[static_cast<std::size_t>(w)], own.points, own.light.data());
+        if (!light_.shade(*batches_[static_cast<std::size_t>(w)], own.points, own.light.data())) return false;
         for (std::size_t k = 0; k < own.pixels.size(); ++k) arrives_[own.pixels[k]] = glm::vec4(own.light[k], 0);
-    });
+        return true;
+    };
+    // With an engine, tiles want points first, and have light once it made theirs.
+    while (!tiles.empty()) {
+        std::vector<std::uint8_t> done(tiles.size());
+        tasks_.for_each(tiles.size(), [&](std::size_t k, int w) { done[k] = light_tile(tiles[k], w) ? 1 : 0; });
+        std::size_t left = 0;
+        for (std::size_t k = 0; k < tiles.size(); ++k)
+            if (!done[k]) tiles[left++] = tiles[k];
+        tiles.resize(left);
+        if (left > 0) light_.light_waiting(batches_, tasks_);
+    }
 
     // Send what arrives.
     if (sent_.bytes() != pixels * sizeof(glm::vec4))
@@ -105,7 +123,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
 FrameCounters::Indirect VisibleBounce::end_frame()
 {
     light_.end_frame(batches_);
-    return {light_.counters().nodes, light_.counters().rays};
+    return {light_.counters().nodes, light_.counters().rays, on_device_, false};
 }
 
 }   // namespace gnomon::render

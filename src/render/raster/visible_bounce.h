@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Bounced light with shadows in the rasterised frame: the surfaces are the device's, the light is that of the traced
-// frame's remembered points (light_quadtree/visible_light.h), found on the processor.
+// frame's remembered points (light_quadtree/visible_light.h). The processor finds which points speak for a pixel; cuts
+// and sums of points are its own or the device's.
 //
 // Each layer's surfaces are read back, lit, and what arrives is sent to the device: a wait for the device a layer, 72
 // bytes a pixel down and 16 up. A pixel's light is that of the traced frame wherever both see the same surface.
@@ -14,9 +15,11 @@ namespace gnomon::render {
 
 class VisibleBounce final : public BouncedLight {
  public:
-    /// @param rays   follows the state before every frame; like `tasks`, must outlive this
+    /// @param rays       follows the state before every frame; like `tasks`, must outlive this
+    /// @param on_device  cuts and sums are the device's (light_quadtree/vulkan/gpu_points.h)
+    /// @throws MissingError  too little device memory
     VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
-                  const light_quadtree::VisibleOptions& options, Tasks& tasks);
+                  const light_quadtree::VisibleOptions& options, bool on_device, Tasks& tasks);
 
     void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, const View& view, const vk::Image& irradiance) override;
@@ -34,6 +37,7 @@ class VisibleBounce final : public BouncedLight {
     const ray::RayScene& rays_;
     Tasks& tasks_;
     light_quadtree::VisibleLight light_;
+    bool on_device_;
     std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches_;   // by thread
     std::vector<Scratch> scratch_;
     std::vector<glm::vec4> arrives_;   // by pixel
