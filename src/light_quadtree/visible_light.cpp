@@ -13,6 +13,8 @@ namespace {
 // What a point may be interpolated from: no further from the pixel's plane than this share of the spacing, and facing
 // the same way.
 constexpr float k_plane = 0.35f, k_facing = 0.7f;
+// Light that is taken away again leaves rounding behind, not darkness: less than this share of what there was is none.
+constexpr float k_rounding = 1e-5f;
 // Where nothing else is left: this far.
 constexpr float k_plane_around = 2.0f;
 // The way to it may end this share of the spacing short: less than a pixel, or the foot of a wall takes light from the
@@ -620,9 +622,11 @@ void VisibleLight::sum(Batch& batch)
     batch.shares.clear();
     batch.bounce_rays.clear();
     batch.bounces.clear();
+    batch.summed.clear();
     for (RememberedPoint* p : batch.claimed) {
         RememberedPoint& point = *p;
         if (!point.exists || point.movers_version == movers_version_ || is_near(point.key)) continue;
+        batch.summed.push_back(p);
         ++batch.counters.summed_points;
         point.movers_version = movers_version_;
         std::copy(point.still, point.still + 3, point.light);
@@ -650,6 +654,17 @@ void VisibleLight::sum(Batch& batch)
     }
     add_what_arrives(batch, batch.rays, batch.shares, ray::Against::dynamic_only);
     add_what_arrives(batch, batch.bounce_rays, batch.bounces, ray::Against::everything);
+    for (RememberedPoint* point : batch.summed) end_sum(*point);
+}
+
+// What movers keep off to the last is nothing, or a point in the dark would pass for one with light.
+void VisibleLight::end_sum(RememberedPoint& point)
+{
+    for (int colour = 0; colour < 3; ++colour) {
+        glm::vec3& light = point.light[colour];
+        const glm::vec3& still = point.still[colour];
+        if (glm::dot(light, light) < k_rounding * k_rounding * glm::dot(still, still)) light = glm::vec3(0);
+    }
 }
 
 void VisibleLight::add_light(RememberedPoint& point, const glm::vec3& flux, const glm::vec3& direction)

@@ -148,6 +148,7 @@ class VisibleLight {
     void see_sky(Batch& batch);
     void shade_sky(Batch& batch, RememberedPoint& point);
     void sum(Batch& batch);
+    static void end_sum(RememberedPoint& point);
     static void add_light(RememberedPoint& point, const glm::vec3& flux, const glm::vec3& direction);
     void bounce_off_movers(Batch& batch, RememberedPoint& point);
     struct Share {   // light that arrives if nothing stands between
@@ -259,7 +260,7 @@ class VisibleLight::Batch {
     LatticeLight light, around;
     std::vector<Part> parts, whole_parts;
     std::vector<float> near_share;   // by point: of its light, where near light comes by rays of its own
-    std::vector<RememberedPoint*> claimed, awaited, put_off;
+    std::vector<RememberedPoint*> claimed, awaited, put_off, summed;
     std::vector<RememberedPoint*> waiting;   // for the engine
     bool pending = false;                    // some of what these points want waits
     std::vector<Search> searching;

@@ -9,7 +9,7 @@ namespace gnomon::light_quadtree {
 
 namespace {
 
-constexpr std::size_t k_together = 4096;   // points that go to the engine at a time: bounds what it holds for them
+constexpr std::size_t k_together = 2048;   // points that go to the engine at a time: bounds what it holds for them
 constexpr std::size_t k_piece = 64;        // and of these, that a thread takes at a time
 constexpr std::uint64_t k_reckoned = 64;   // rays of a new point, before it is known how many
 
@@ -113,6 +113,7 @@ void VisibleLight::light_some(std::span<RememberedPoint* const> points, std::spa
         }
         add_what_arrives(batch, batch.rays, batch.shares, ray::Against::dynamic_only);
         add_what_arrives(batch, batch.bounce_rays, batch.bounces, ray::Against::everything);
+        for (std::size_t p = begin; p < end; ++p) end_sum(*some[p]);
     });
 }
 

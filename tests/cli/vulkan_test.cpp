@@ -57,13 +57,19 @@ TEST(VulkanProgram, RendersByRaster)
 TEST(VulkanProgram, SaysWhereBouncedLightIsMade)
 {
     const ScratchFolder folder;
-    const auto indirect = [&](const char* how) {
+    const auto indirect = [&](const char* how, const char* on = "auto") {
         return run({"render", "builtin:cornell", "-o", folder / "a.png", "--renderer", "raster", "--size", "64x64",
-                    "--frame", "1", "--indirect", how, "--json"})
+                    "--frame", "1", "--indirect", how, "--indirect-on", on, "--json"})
             .json()["frames"][0]["indirect"];
     };
+    const auto by_device = indirect("visible", "vulkan"), by_processor = indirect("visible", "cpu");
+    EXPECT_EQ(by_device["cut"], "vulkan");
+    EXPECT_EQ(by_device["gather"], "vulkan");
+    EXPECT_EQ(by_processor["cut"], "cpu");
+    EXPECT_EQ(by_processor["visibility"], "cpu");
+    EXPECT_EQ(by_processor["gather"], "cpu");
     const auto visible = indirect("visible"), quadtree = indirect("quadtree"), rsm = indirect("rsm");
-    EXPECT_EQ(visible["visibility"], "cpu");
+    EXPECT_EQ(visible["gather"] == "vulkan", visible["cut"] == "vulkan");
     EXPECT_GT(visible["rays"].get<int>(), 0);
     EXPECT_EQ(quadtree["light_map"], "vulkan");
     EXPECT_EQ(quadtree["gather"], "vulkan");

@@ -10,7 +10,7 @@ GNOMON_SHARED_BEGIN(light_quadtree)
 // Invocations that work on one point together: those of eight quads.
 #define GNOMON_POINT_LANES 32
 // Nodes of a cut that there is room for; longer ones are the processor's.
-#define GNOMON_CUT_ROOM 512
+#define GNOMON_CUT_ROOM 1024
 // As point_kernels.h.
 #define GNOMON_WEIGHT_BITS 14
 #define GNOMON_WEIGHT_SHIFT 16

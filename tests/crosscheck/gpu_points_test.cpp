@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cuts and sums of surface points on the device against the processor's, and the light of whole pictures by both.
+#include "vk_helpers.h"
+
+#ifdef GNOMON_VULKAN
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <random>
+
+#include "gnomon/gnomon.h"
+#include "light_quadtree/visible_light.h"
+#include "light_quadtree/vulkan/gpu_points.h"
+#include "render/view.h"
+#include "scene_helpers.h"
+#include "support.h"
+#include "world.h"
+
+namespace gnomon {
+namespace {
+
+using namespace light_quadtree;
+using test::World;
+
+class GpuPointsTest : public test::VulkanTest {};
+
+constexpr double k_nodes_that_differ = 1e-3;   // share of cuts' nodes: on the edge of being refined
+constexpr double k_weight_tolerance = 1e-4;    // of weights, over themselves; more where the kernel cancels
+constexpr double k_sum_tolerance = 1e-5;       // over the sum of all lengths
+constexpr double k_light_tolerance = 1e-4;     // of a picture's light, over its mean
+
+// What a camera sees, at every pixel, with shading as flat as the triangles.
+std::vector<IndirectPoint> seen_points(const World& world, int side)
+{
+    const render::View view = render::make_view(world.state, 0, {side, side});
+    ray::RayQueue queue;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            glm::vec3 origin, direction;
+            float tnear, tfar;
+            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
+            queue.push(origin, tnear, direction, tfar);
+        }
+    ray::Hits hits;
+    hits.resize(queue.size());
+    world.rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
+    std::vector<IndirectPoint> points;
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        if (hits.object[i] == scene::none) continue;
+        glm::vec3 p[3];
+        world.rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
+        glm::vec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+        if (glm::dot(normal, queue.direction(i)) > 0) normal = -normal;
+        const float u = hits.u[i], v = hits.v[i];
+        const glm::vec3 at = (1 - u - v) * p[0] + u * p[1] + v * p[2];
+        points.push_back({at, normal, normal, hits.object[i], hits.triangle[i], u, v,
+                          view.pixel_width + glm::length(at - view.eye) * view.pixel_spread});
+    }
+    return points;
+}
+
+std::vector<CutRequest> some_requests(const World& world, std::size_t count)
+{
+    std::vector<IndirectPoint> points = seen_points(world, 64);
+    std::shuffle(points.begin(), points.end(), std::mt19937(5));
+    const CutOptions options;
+    std::vector<CutRequest> requests;
+    for (std::size_t i = 0; i < std::min(count, points.size()); ++i)
+        requests.push_back({points[i].position + 1e-3f * points[i].normal, i % 3 ? options.error : 0.2f,
+                            points[i].normal, i % 3 ? options.estimate : 0.05f});
+    return requests;
+}
+
+TEST_F(GpuPointsTest, CutsAreTheProcessors)
+{
+    for (const char* name : {"cornell", "kinetic"}) {
+        World world(name, 30, 2);
+        EmitterTree tree(world.state, world.rays, {}, world.tasks);
+        GpuPoints device(device_);
+        device.begin_frame(tree, {});
+        const std::vector<CutRequest> requests = some_requests(world, 400);
+        PointCuts cuts;
+        device.cut(requests, {}, cuts);
+        std::size_t all = 0, differ = 0, far = 0;
+        std::vector<NodeId> nodes, stack;
+        std::vector<float> weights;
+        for (std::size_t p = 0; p < requests.size(); ++p) {
+            CutOptions options;
+            options.error = requests[p].error, options.estimate = requests[p].estimate;
+            cut_tree(tree, options, requests[p].origin, requests[p].normal, nodes, weights, stack);
+            std::map<NodeId, float> weight_of;
+            for (std::size_t k = 0; k < nodes.size(); ++k) weight_of[nodes[k]] = weights[k];
+            all += nodes.size();
+            std::size_t common = 0;
+            for (std::uint32_t k = cuts.first[p]; k < cuts.first[p + 1]; ++k) {
+                const auto found = weight_of.find(cuts.node[k]);
+                if (found == weight_of.end()) continue;
+                ++common;
+                const double w = static_cast<double>(found->second);
+                far += std::abs(static_cast<double>(cuts.weight[k]) - w) > k_weight_tolerance * w;
+            }
+            differ += nodes.size() - common + (cuts.first[p + 1] - cuts.first[p] - common);
+        }
+        EXPECT_GT(all, 10 * requests.size()) << name;
+        EXPECT_LE(static_cast<double>(differ), k_nodes_that_differ * static_cast<double>(all)) << name;
+        EXPECT_LE(static_cast<double>(far), k_nodes_that_differ * static_cast<double>(all)) << name;
+        EXPECT_EQ(device.long_cuts(), 0u) << name;
+    }
+}
+
+TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
+{
+    World world("cornell", 3, 2);
+    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    GpuPoints device(device_);
+    device.begin_frame(tree, {});
+    std::vector<CutRequest> requests = some_requests(world, 8);
+    for (CutRequest& request : requests) request.error = 1e-4f;
+    PointCuts cuts;
+    device.cut(requests, {}, cuts);
+    EXPECT_GT(device.long_cuts(), 0u);
+    for (std::size_t p = 0; p < requests.size(); ++p) {
+        CutOptions options;
+        options.error = requests[p].error;
+        options.estimate = requests[p].estimate;
+        std::vector<NodeId> nodes, stack;
+        std::vector<float> weights;
+        cut_tree(tree, options, requests[p].origin, requests[p].normal, nodes, weights, stack);
+        const std::uint32_t count = cuts.first[p + 1] - cuts.first[p];
+        if (nodes.size() > GNOMON_CUT_ROOM + 10) {
+            ASSERT_EQ(count, nodes.size());
+            EXPECT_TRUE(std::equal(nodes.begin(), nodes.end(), cuts.node.begin() + cuts.first[p]));
+        }
+    }
+}
+
+// Lists come and go; what is summed is what was kept last, present flux, but for ways past what moves.
+TEST_F(GpuPointsTest, SumsAreTheProcessors)
+{
+    World world("cornell", 3, 2);
+    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    MovingSpheres movers;
+    movers.add({{{0.3f, -0.5f, 0.2f}, 0.25f}, {{-0.4f, 0.1f, -0.1f}, 0.1f}});
+    GpuPoints device(device_);
+    device.begin_frame(tree, movers);
+    std::mt19937 random(11);
+    const std::vector<CutRequest> requests = some_requests(world, 200);
+    std::vector<SumRequest> points(requests.size());
+    std::vector<std::vector<SeenNode>> seen(points.size());
+    std::size_t crossings = 0, dark = 0;
+    for (int round = 0; round < 6; ++round) {
+        if (round > 0) {
+            world.go(3 + 4 * round);   // the light of some leaves changes
+            tree.update(world.state, world.rays, world.tasks);
+            device.begin_frame(tree, movers);
+        }
+        // A third of the points gets other lists, of other lengths.
+        std::vector<SeenNode> sent;
+        std::vector<KeptNodes> lists;
+        std::vector<std::size_t> of;
+        for (std::size_t p = 0; p < points.size(); ++p) {
+            if (round > 0 && random() % 3 != 0) continue;
+            if (points[p].seen.count > 0) device.forget(points[p].seen);
+            points[p].origin = requests[p].origin;
+            seen[p].clear();
+            const std::size_t count = random() % 90;
+            while (seen[p].size() < count) {
+                const auto node = static_cast<NodeId>(random() % tree.size());
+                if (tree.still_flux().at(node) != glm::vec3(0))
+                    seen[p].push_back(pack_seen(node, std::ldexp(1.0f + static_cast<float>(random() % 997) / 997, -6)));
+            }
+            sent.insert(sent.end(), seen[p].begin(), seen[p].end());
+            sent.resize((sent.size() + k_seen_step - 1) / k_seen_step * k_seen_step, 0);
+            lists.push_back({0, static_cast<std::uint32_t>(count)});
+            of.push_back(p);
+        }
+        device.keep(sent, lists);
+        for (std::size_t k = 0; k < of.size(); ++k) points[of[k]].seen = lists[k];
+        PointSums sums;
+        device.sum(points, sums);
+
+        ASSERT_EQ(sums.light.size(), points.size());
+        auto crossed = sums.crossed.begin();
+        for (std::size_t p = 0; p < points.size(); ++p) {
+            std::vector<ChangedNode> changed;
+            std::vector<SeenNode> padded = seen[p];
+            padded.resize((padded.size() + k_seen_step - 1) / k_seen_step * k_seen_step, 0);
+            find_changed(tree, padded.data(), points[p].seen.count, points[p].origin, movers, changed);
+            std::vector<bool> crosses(seen[p].size(), false);
+            for (const ChangedNode& node : changed) crosses[node.place] = node.crossed;
+            glm::dvec3 sum[3] = {};
+            double size = 0;
+            for (std::size_t k = 0; k < seen[p].size(); ++k) {
+                const NodeId node = seen_node(seen[p][k]);
+                const glm::dvec3 flux(tree.flux().at(node));
+                dark += flux == glm::dvec3(0);
+                if (crosses[k] && flux != glm::dvec3(0)) {
+                    ASSERT_NE(crossed, sums.crossed.end());
+                    EXPECT_EQ(crossed->point, p);
+                    EXPECT_EQ(crossed->place, k);
+                    EXPECT_EQ(crossed->seen, seen[p][k]);
+                    ++crossed, ++crossings;
+                    continue;
+                }
+                const glm::dvec3 to(tree.samples().at(node) - points[p].origin);
+                const double weight = static_cast<double>(seen_weight(seen[p][k]));
+                for (int c = 0; c < 3; ++c) sum[c] += flux[c] * weight * glm::normalize(to);
+                size += glm::length(flux) * weight;
+            }
+            for (int c = 0; c < 3; ++c)
+                for (int axis = 0; axis < 3; ++axis)
+                    ASSERT_NEAR(static_cast<double>(sums.light[p].of[c][axis]), sum[c][axis],
+                                k_sum_tolerance * size + 1e-12)
+                        << round << ", point " << p;
+        }
+        EXPECT_EQ(crossed, sums.crossed.end());
+    }
+    EXPECT_GT(crossings, 500u);
+    EXPECT_GT(dark, 0u) << "nothing was kept dark by what moves: the test shows too little";
+}
+
+TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
+{
+    World world("cornell", 3, 2);
+    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    MovingSpheres movers;
+    movers.add({{{0, 0, 0}, 100.0f}});   // everything is inside
+    GpuPoints device(device_);
+    device.begin_frame(tree, movers);
+    NodeId lit = 0;
+    while (tree.flux().at(lit) == glm::vec3(0)) ++lit;
+    constexpr std::uint32_t k_length = 1600, k_points = 20;
+    std::vector<SeenNode> sent(k_length, pack_seen(lit, 0.5f));
+    std::vector<KeptNodes> list{{0, k_length}};
+    device.keep(sent, list);
+    const std::vector<SumRequest> points(k_points, {glm::vec3(0.1f), list[0]});
+    PointSums sums;
+    device.sum(points, sums);
+    ASSERT_EQ(sums.crossed.size(), std::size_t{k_length} * k_points);
+    for (std::size_t i = 0; i < sums.crossed.size(); ++i) {
+        ASSERT_EQ(sums.crossed[i].point, i / k_length);
+        ASSERT_EQ(sums.crossed[i].place, i % k_length);
+    }
+    for (const PointSums::Light& light : sums.light) EXPECT_EQ(light.of[0], glm::vec3(0));
+}
+
+// Light of what a camera sees in the last of some frames.
+struct Lighting {
+    std::shared_ptr<vk::Device> device;   // null: by the processor alone
+    int threads = 2;
+    std::size_t memory = 16u << 20;
+    std::uint64_t most_rays = 0;
+
+    std::vector<glm::vec3> operator()(const char* name, const std::vector<int>& frames, int side = 96) const
+    {
+        World world(name, frames.front(), threads);
+        VisibleOptions options;
+        options.memory = memory;
+        VisibleLight visible(world.state, world.rays, options, world.tasks);
+        if (device) visible.set_engine(std::make_unique<GpuPoints>(device));
+        visible.limit_rays(most_rays);
+        std::vector<glm::vec3> light;
+        for (std::size_t f = 0; f < frames.size(); ++f) {
+            if (f > 0) world.go(frames[f]);
+            light_frame(world, visible, side, light);
+            for (int more = 0; visible.lacks_points() && more < 300; ++more) {
+                world.go(frames[f]);
+                light_frame(world, visible, side, light);
+            }
+        }
+        return light;
+    }
+
+ private:
+    static void light_frame(World& world, VisibleLight& visible, int side, std::vector<glm::vec3>& light)
+    {
+        visible.begin_frame(world.state, world.rays, world.tasks);
+        std::vector<std::unique_ptr<VisibleLight::Batch>> batches;
+        for (int t = 0; t < world.tasks.threads(); ++t) batches.push_back(visible.make_batch());
+        const std::vector<IndirectPoint> points = seen_points(world, side);
+        light.assign(points.size(), glm::vec3(-1));
+        constexpr std::size_t k_some = 512;
+        std::vector<std::size_t> parts;
+        for (std::size_t first = 0; first < points.size(); first += k_some) parts.push_back(first);
+        while (!parts.empty()) {
+            std::vector<std::uint8_t> done(parts.size());
+            world.tasks.for_each(parts.size(), [&](std::size_t k, int thread) {
+                const std::size_t count = std::min(k_some, points.size() - parts[k]);
+                done[k] = visible.shade(*batches[static_cast<std::size_t>(thread)], {points.data() + parts[k], count},
+                                        light.data() + parts[k]);
+            });
+            std::size_t left = 0;
+            for (std::size_t k = 0; k < parts.size(); ++k)
+                if (!done[k]) parts[left++] = parts[k];
+            parts.resize(left);
+            if (left > 0) visible.light_waiting(batches, world.tasks);
+        }
+        visible.end_frame(batches);
+    }
+};
+
+bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b)
+{
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0;
+}
+
+double most_different(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b)
+{
+    EXPECT_EQ(a.size(), b.size());
+    double sum = 0, most = 0;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+        sum += static_cast<double>(a[i].x + a[i].y + a[i].z) / 3;
+        const glm::vec3 off = glm::abs(a[i] - b[i]);
+        most = std::max(most, static_cast<double>(std::max({off.x, off.y, off.z})));
+    }
+    return most / (sum / static_cast<double>(a.size()));
+}
+
+TEST_F(GpuPointsTest, LightIsTheProcessors)
+{
+    for (const char* name : {"cornell", "kinetic"}) {   // a ball and its shadow; a sky, leaves, much that moves
+        const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}),
+                                     by_device = Lighting{device_}(name, {20, 21});
+        EXPECT_LE(most_different(by_processor, by_device), k_light_tolerance) << name;
+    }
+}
+
+TEST_F(GpuPointsTest, LightIsTheSameColdAndWarmAndForAnyNumberOfThreads)
+{
+    for (const char* name : {"cornell", "kinetic"}) {
+        const std::vector<glm::vec3> cold = Lighting{device_, 1}(name, {8}, 64);
+        EXPECT_TRUE(same_bits(cold, Lighting{device_, 3}(name, {6, 7, 8}, 64))) << name;
+        EXPECT_TRUE(same_bits(cold, Lighting{device_, 2, 1 << 12}(name, {20, 3, 8}, 64))) << name << ": little memory";
+        EXPECT_FALSE(same_bits(cold, Lighting{device_, 1}(name, {7}, 64))) << name << ": something moves";
+    }
+}
+
+TEST_F(GpuPointsTest, FewRaysAFrameAreEnoughInTheEnd)
+{
+    const std::vector<glm::vec3> all = Lighting{device_}("cornell", {3}),
+                                 few = Lighting{device_, 2, 16u << 20, 1 << 14}("cornell", {3});
+    EXPECT_TRUE(same_bits(all, few));
+}
+
+}   // namespace
+}   // namespace gnomon
+
+#else
+TEST(GpuPointsTest, LeftOut)
+{
+    GNOMON_SKIP_WITHOUT_VULKAN;
+}
+#endif
