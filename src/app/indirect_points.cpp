@@ -21,7 +21,8 @@ SeenPoint seen_point(const scene::Scene& scene, const ray::RayScene& rays, const
     render::SurfacePoint s;
     render::surface_at(scene, rays.geometry(hit.object), hit.triangle, hit.u, hit.v, hit.t, direction,
                        {view.pixel_width, view.pixel_spread}, s);
-    seen.point = {s.position, s.geometric_normal, s.normal, hit.object, hit.triangle, hit.u, hit.v, s.cone.width};
+    seen.point = {s.position, s.geometric_normal, s.normal,   hit.object, hit.triangle, hit.u,
+                  hit.v,      s.cone.width,       s.to_viewer};
     seen.diffuse = s.diffuse * s.coverage;
     seen.scatters = s.model != scene::ShadingModel::unlit && s.diffuse != glm::vec3(0);
     return seen;

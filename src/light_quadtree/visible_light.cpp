@@ -20,6 +20,10 @@ constexpr float k_plane_around = 2.0f;
 // The way to it may end this share of the spacing short: less than a pixel, or the foot of a wall takes light from the
 // anchors inside the wall, which have none, and is a dark line.
 constexpr float k_room = 0.005f;
+// At the very foot anchors on both sides of the wall reach a pixel. Those on its viewer's side are the right ones; so
+// it is taken to lie this share of the spacing nearer to the viewer, along the surface: more than what ways may lack
+// even where the viewer stands off by some ten degrees alone.
+constexpr float k_towards_viewer = 0.04f;
 // Together with at least this much bilinear weight.
 constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
 // Shares of a point's light that may be taken from a level that is a little too coarse.
@@ -255,7 +259,7 @@ void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> point
     while (slots < 2 * batch.wanted.size()) slots *= 2;
     batch.slots.assign(slots, 0);
     LatticeCursor cursor;
-    std::uint32_t at = 0;
+    std::uint32_t current = 0;
     for (Batch::Wanted wanted : batch.wanted) {
         const LatticeCursor::Step step = cursor.go(points[wanted.point], wanted.level);
         if (step == LatticeCursor::Step::outside) {
@@ -263,9 +267,9 @@ void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> point
             continue;
         }
         const LatticeCell& cell = cursor.cell();
-        if (step == LatticeCursor::Step::other) at = cell_of(batch, cell, wanted.level);
-        ++batch.cells[at].end;
-        wanted.cell = at;
+        if (step == LatticeCursor::Step::other) current = cell_of(batch, cell, wanted.level);
+        ++batch.cells[current].end;
+        wanted.cell = current;
         batch.found.push_back({wanted, cell.x, cell.y});
     }
     std::size_t end = 0;
@@ -281,7 +285,9 @@ void VisibleLight::find_cells(Batch& batch, std::span<const IndirectPoint> point
         const std::size_t k = batch.cells[found.wanted.cell].end++;
         batch.wanted[k] = found.wanted;
         const IndirectPoint& p = points[found.wanted.point];
-        lattice.x[k] = p.position.x, lattice.y[k] = p.position.y, lattice.z[k] = p.position.z;
+        const glm::vec3 aside = p.to_viewer - glm::dot(p.to_viewer, p.geometric_normal) * p.geometric_normal;
+        const glm::vec3 at = p.position + k_towards_viewer * spacing_of(found.wanted.level) * aside;
+        lattice.x[k] = at.x, lattice.y[k] = at.y, lattice.z[k] = at.z;
         lattice.gx[k] = p.geometric_normal.x, lattice.gy[k] = p.geometric_normal.y,
         lattice.gz[k] = p.geometric_normal.z;
         lattice.nx[k] = p.normal.x, lattice.ny[k] = p.normal.y, lattice.nz[k] = p.normal.z;

@@ -335,8 +335,8 @@ void TileTracer::bounce_light(bool primary, const TileRect& tile)
             const float wider =
                 primary ? 1.0f : options_.mirrored_spacing / std::sqrt(std::min(largest_share(points_[p].share), 1.0f));
             const float width = s.cone.width * wider;
-            indirect_points_.push_back(
-                {s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v, width});
+            indirect_points_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u,
+                                        here.v, width, s.to_viewer});
             if (primary) {
                 indirect_points_.back().x = static_cast<std::int16_t>(pixel % options_.tile);
                 indirect_points_.back().y = static_cast<std::int16_t>(pixel / options_.tile);

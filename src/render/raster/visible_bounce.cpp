@@ -86,6 +86,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
                 point.u = place.x, point.v = place.y;
                 const float distance = glm::length(point.position - view.eye);
                 point.width = view.pixel_width + distance * view.pixel_spread;
+                point.to_viewer = view.orthographic ? -view.forward : (view.eye - point.position) / distance;
                 own.pixels.push_back(static_cast<std::uint32_t>(i));
             }
         own.light.resize(own.points.size());
