@@ -23,7 +23,7 @@ struct IndirectPoint {
     scene::ObjectId object = scene::none;
     std::uint32_t triangle = 0;
     float u = 0, v = 0;
-    float width = 0;   // of a pixel there, scene units
+    float width = 0;          // of a pixel there, scene units
     glm::vec3 to_viewer{0};   // unit, or 0: not known
     // Place in a tile of pixels, of what the camera itself sees, at most once in a call; -1: not in one.
     std::int16_t x = -1, y = -1;

@@ -22,6 +22,8 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
     const auto per_plane = hn::Set(d, 1 / reach.plane), facing_from = hn::Set(d, reach.facing),
                per_facing = hn::Set(d, 1 / (1 - reach.facing));
     const std::vector<float>* const place[3] = {&points.x, &points.y, &points.z};
+    const float* const anchor[3] = {cell.x, cell.y, cell.z};
+    const float *anchor_b = anchor[(cell.axis + 1) % 3], *anchor_c = anchor[(cell.axis + 2) % 3];
     const float *at_b = place[(cell.axis + 1) % 3]->data(), *at_c = place[(cell.axis + 2) % 3]->data();
     for (std::size_t k = first; k < first + count; k += hn::Lanes(d)) {
         const auto x = hn::LoadU(d, points.x.data() + k), y = hn::LoadU(d, points.y.data() + k),
@@ -48,9 +50,13 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
             const auto along = hn::Mul(hn::IfThenElseZero(hn::Gt(near, zero), near), facing);
             auto weight = hn::Mul(between[i], along);
             if (reach.open_only) {
+                const auto db = hn::Sub(hn::Set(d, anchor_b[i]), b), dc = hn::Sub(hn::Set(d, anchor_c[i]), c);
+                const auto end = [&](float from, int way, V along_other) HWY_ATTR {
+                    return hn::Add(hn::Set(d, from), hn::Mul(hn::Set(d, cell.slope[way][i]), along_other));
+                };
                 const auto open =
-                    hn::And(hn::And(hn::Ge(b, hn::Set(d, cell.low_b[i])), hn::Le(b, hn::Set(d, cell.high_b[i]))),
-                            hn::And(hn::Ge(c, hn::Set(d, cell.low_c[i])), hn::Le(c, hn::Set(d, cell.high_c[i]))));
+                    hn::And(hn::And(hn::Ge(b, end(cell.low_b[i], 0, dc)), hn::Le(b, end(cell.high_b[i], 1, dc))),
+                            hn::And(hn::Ge(c, end(cell.low_c[i], 2, db)), hn::Le(c, end(cell.high_c[i], 3, db))));
                 weight = hn::IfThenElseZero(open, weight);
             }
             const auto colour = [&](int from) HWY_ATTR {

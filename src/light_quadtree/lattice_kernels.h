@@ -11,9 +11,12 @@ namespace gnomon::light_quadtree {
 
 /// Four lattice anchors, side by side.
 struct CellAnchors {
-    float x[4], y[4], z[4], nx[4], ny[4], nz[4];      // x infinite: there is none
-    float low_b[4], high_b[4], low_c[4], high_c[4];   // places that are open to the anchor, along the other two axes
-    float light[9][4];                                // by colour and axis
+    float x[4], y[4], z[4], nx[4], ny[4], nz[4];   // x infinite: there is none
+    // Places that are open to the anchor, along the other two axes; and by how much less of one for a unit further
+    // along the other, where the wall that ends the way stands at an angle: low b, high b, low c, high c.
+    float low_b[4], high_b[4], low_c[4], high_c[4];
+    float slope[4][4];   // by which, by anchor
+    float light[9][4];   // by colour and axis
     int axis;
 };
 

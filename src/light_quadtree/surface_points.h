@@ -29,7 +29,9 @@ struct RememberedPoint {
     glm::vec3 position{0}, origin{0};   // on the surface; where rays start
     glm::vec3 normal{0};                // unit, shading
     glm::vec3 geometric_normal{0};
-    float free[4] = {0, 0, 0, 0};   // of lattice anchors: how far the way is open along the lattice, -b +b -c +c
+    // Of lattice anchors: how far the way is open along the lattice, -b +b -c +c; and how much less of it is open a
+    // unit further along the other axis, as what ends it stands.
+    float free[4] = {0, 0, 0, 0}, slope[4] = {0, 0, 0, 0};
     // By colour: irradiance is dot(light, normal), near this point's own normal. If nothing moved; and present.
     glm::vec3 still[3] = {}, light[3] = {};
     std::uint32_t owner = k_no_owner;   // of what moves: EmitterTree::owner_of()

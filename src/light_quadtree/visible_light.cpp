@@ -329,10 +329,14 @@ void VisibleLight::fill_cells(Batch& batch) const
             cell.nx[i] = n.x, cell.ny[i] = n.y, cell.nz[i] = n.z;
             const float room = k_room * lattice_spacing(from.key);
             // Nothing is open to what is not there.
-            cell.low_b[i] = from.exists ? p[b] - from.free[0] - room : k_infinity;
-            cell.high_b[i] = p[b] + from.free[1] + room;
-            cell.low_c[i] = p[c] - from.free[2] - room;
-            cell.high_c[i] = p[c] + from.free[3] + room;
+            const auto open = [&](int way) {   // across what ends it
+                return from.free[way] + room * std::sqrt(1 + from.slope[way] * from.slope[way]);
+            };
+            cell.low_b[i] = from.exists ? p[b] - open(0) : k_infinity;
+            cell.high_b[i] = p[b] + open(1);
+            cell.low_c[i] = p[c] - open(2);
+            cell.high_c[i] = p[c] + open(3);
+            for (int way = 0; way < 4; ++way) cell.slope[way][i] = from.slope[way];
             for (int colour = 0; colour < 3; ++colour)
                 for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
         }
@@ -476,11 +480,26 @@ void VisibleLight::open_ways(Batch& batch)
     for (RememberedPoint* point : batch.placed) {
         if (!point->exists) continue;
         const float h = lattice_spacing(point->key);
-        for (float& open : point->free) {
-            open = batch.hits.object[r] == scene::none ? k_reach * h : batch.hits.t[r] * h;
-            ++r;
+        for (int way = 0; way < 4; ++way, ++r) {
+            const bool open = batch.hits.object[r] == scene::none;
+            point->free[way] = open ? k_reach * h : batch.hits.t[r] * h;
+            point->slope[way] = open ? 0 : slope_of_end(*point, way, batch.hits.object[r], batch.hits.triangle[r]);
         }
     }
+}
+
+// How much shorter a way is a unit further along the lattice's other axis: as the triangle stands that ends it.
+float VisibleLight::slope_of_end(const RememberedPoint& point, int way, scene::ObjectId object,
+                                 std::uint32_t triangle) const
+{
+    constexpr float k_steepest = 4;   // what stands along the way ends it by chance
+    glm::vec3 p[3];
+    rays_->geometry(object).corners(triangle, p);
+    const glm::vec3 wall = glm::cross(p[1] - p[0], p[2] - p[0]), &n = point.geometric_normal;
+    const int axis = lattice_axis(point.key), along = (axis + 1 + way / 2) % 3, other = (axis + 2 - way / 2) % 3;
+    // The plane's trace on the point's own.
+    const float a = wall[along] - wall[axis] * n[along] / n[axis], b = wall[other] - wall[axis] * n[other] / n[axis];
+    return std::abs(b) <= k_steepest * std::abs(a) && a != 0 ? b / a : 0.0f;
 }
 
 // What moves is cut anew in every frame, and less finely.

@@ -137,6 +137,7 @@ class VisibleLight {
     void put_off(Batch& batch);
     void place(Batch& batch);
     void open_ways(Batch& batch);
+    float slope_of_end(const RememberedPoint& point, int way, scene::ObjectId object, std::uint32_t triangle) const;
     void place_part(RememberedPoint& point) const;
     void follow_radius(bool first);
     void find_hints(Batch& batch, std::span<const IndirectPoint> points);
