@@ -51,12 +51,17 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
             auto weight = hn::Mul(between[i], along);
             if (reach.open_only) {
                 const auto db = hn::Sub(hn::Set(d, anchor_b[i]), b), dc = hn::Sub(hn::Set(d, anchor_c[i]), c);
-                const auto end = [&](float from, int way, V along_other) HWY_ATTR {
-                    return hn::Add(hn::Set(d, from), hn::Mul(hn::Set(d, cell.slope[way][i]), along_other));
+                // Where the wall comes nearer; behind one that recedes there may be anything.
+                const auto nearer = [&](int way, V along_other)
+                                        HWY_ATTR { return hn::Mul(hn::Set(d, cell.slope[way][i]), along_other); };
+                const auto low = [&](V at, float from, int way, V along_other) HWY_ATTR {
+                    return hn::Ge(at, hn::Add(hn::Set(d, from), hn::Max(nearer(way, along_other), zero)));
                 };
-                const auto open =
-                    hn::And(hn::And(hn::Ge(b, end(cell.low_b[i], 0, dc)), hn::Le(b, end(cell.high_b[i], 1, dc))),
-                            hn::And(hn::Ge(c, end(cell.low_c[i], 2, db)), hn::Le(c, end(cell.high_c[i], 3, db))));
+                const auto high = [&](V at, float from, int way, V along_other) HWY_ATTR {
+                    return hn::Le(at, hn::Add(hn::Set(d, from), hn::Min(nearer(way, along_other), zero)));
+                };
+                const auto open = hn::And(hn::And(low(b, cell.low_b[i], 0, dc), high(b, cell.high_b[i], 1, dc)),
+                                          hn::And(low(c, cell.low_c[i], 2, db), high(c, cell.high_c[i], 3, db)));
                 weight = hn::IfThenElseZero(open, weight);
             }
             const auto colour = [&](int from) HWY_ATTR {

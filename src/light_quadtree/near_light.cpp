@@ -57,6 +57,7 @@ void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, c
         for (std::size_t i = k * n; i < k * n + n; ++i) {
             const scene::ObjectId object = scratch.hits.object[i];
             if (object == scene::none) continue;
+            answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
             const glm::vec3 direction = queue.direction(i);
             if (!(glm::dot(direction, receivers[k].geometric_normal) > 0)) continue;
             const float near = 1 - far_share(scratch.hits.t[i], options_.radius);

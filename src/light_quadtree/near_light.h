@@ -37,7 +37,8 @@ struct NearReceiver {
 };
 
 struct NearAnswer {
-    glm::vec3 light[3] = {};   // by colour, as RememberedPoint's
+    glm::vec3 light[3] = {};      // by colour, as RememberedPoint's
+    float nearest = k_infinity;   // way to what the rays met first, scene units
 };
 
 class NearLight {

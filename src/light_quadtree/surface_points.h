@@ -29,6 +29,7 @@ struct RememberedPoint {
     glm::vec3 position{0}, origin{0};   // on the surface; where rays start
     glm::vec3 normal{0};                // unit, shading
     glm::vec3 geometric_normal{0};
+    // Of near light: free[0] is how far what lies nearest is.
     // Of lattice anchors: how far the way is open along the lattice, -b +b -c +c; and how much less of it is open a
     // unit further along the other axis, as what ends it stands.
     float free[4] = {0, 0, 0, 0}, slope[4] = {0, 0, 0, 0};

@@ -142,6 +142,8 @@ class VisibleLight {
     void follow_radius(bool first);
     void find_hints(Batch& batch, std::span<const IndirectPoint> points);
     void add_near_light(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    void serve_near(Batch& batch);
+    void replace_hidden(Batch& batch, std::span<const IndirectPoint> points);
     void see_near(Batch& batch);
     bool near_at(float spacing) const { return spacing <= options_.near_spacing * near_.options().radius; }
     bool movers_may_touch(const RememberedPoint& point) const;
@@ -284,9 +286,11 @@ class VisibleLight::Batch {
     struct NearPart {
         std::uint32_t point;
         float share;
+        AnchorKey key;
         RememberedPoint* part;
     };
     std::vector<NearPart> near_parts;
+    std::vector<std::uint32_t> doubted;   // near parts that their pixel may not see
     std::vector<NearHints::Cell> awaited_cells;
     std::vector<NearHints::Asked> asked_cells;
     NearHints::Scratch hints;

@@ -89,8 +89,6 @@ void VisibleLight::add_near_light(Batch& batch, std::span<const IndirectPoint> p
 {
     find_hints(batch, points);
     if (batch.near_points.empty()) return;
-    batch.claimed.clear();
-    batch.awaited.clear();
     batch.near_parts.clear();
     for (const Batch::NearPoint& near : batch.near_points) {
         const IndirectPoint& point = points[near.point];
@@ -98,12 +96,81 @@ void VisibleLight::add_near_light(Batch& batch, std::span<const IndirectPoint> p
         const PartAnchors anchors =
             part_anchors(point, options_.pixels_per_near * point.width, options_.pixels_per_near_cluster * point.width);
         for (int i = 0; i < anchors.count; ++i)
-            batch.near_parts.push_back(
-                {near.point, share * anchors.share[i], want(batch, anchors.key[i] | k_near_anchor)});
+            batch.near_parts.push_back({near.point, share * anchors.share[i], anchors.key[i], nullptr});
     }
-    serve(batch);
+    serve_near(batch);
+    replace_hidden(batch, points);
     for (const Batch::NearPart& near : batch.near_parts)
         irradiance[near.point] += near.share * at_part(*near.part, points[near.point].normal);
+}
+
+void VisibleLight::serve_near(Batch& batch)
+{
+    batch.claimed.clear();
+    batch.awaited.clear();
+    for (Batch::NearPart& near : batch.near_parts) near.part = want(batch, near.key | k_near_anchor);
+    serve(batch);
+}
+
+// At the foot of a wall a part may have its middle beyond it: then rather a small one, a little nearer to the viewer.
+void VisibleLight::replace_hidden(Batch& batch, std::span<const IndirectPoint> points)
+{
+    constexpr float k_doubt = 2;        // times as far as the pixel is: nothing nearer can stand between
+    constexpr float k_before = 0.25f;   // pixels: so much nearer to the viewer, a pixel at the very foot is before it
+    constexpr float k_small = 0.5f;     // pixels
+    constexpr float k_beside = 2.5f;    // of its size: a small part so much nearer to the viewer
+    constexpr float k_end = 0.999f;
+    const auto aside = [](const IndirectPoint& point, float pixels) {
+        const glm::vec3 &n = point.geometric_normal, &to = point.to_viewer;
+        return pixels * point.width * (to - glm::dot(to, n) * n);
+    };
+    batch.rays.clear();
+    batch.doubted.clear();
+    for (std::uint32_t k = 0; k < batch.near_parts.size(); ++k) {
+        const RememberedPoint& part = *batch.near_parts[k].part;
+        const IndirectPoint& point = points[batch.near_parts[k].point];
+        // Only of a triangle's own parts: what stands for small ones may be anywhere around.
+        const std::uint32_t own = first_triangle_[point.object] + point.triangle;
+        if (const Part of = part_of(part.key); of.triangle != own || of.level == 0) continue;
+        const glm::vec3 way = point.position + aside(point, k_before) - part.position;
+        if (!part.exists || !(part.free[0] * part.free[0] < k_doubt * k_doubt * glm::dot(way, way))) continue;
+        batch.rays.push(part.origin, 0, way, k_end);
+        batch.doubted.push_back(k);
+    }
+    const std::size_t count = batch.rays.size();
+    if (count == 0) return;
+    batch.blocked.resize(count + ray::k_packet_pad);
+    rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::static_only);
+    batch.counters.rays += count;
+    std::size_t hidden = 0;
+    for (std::size_t d = 0; d < count; ++d) {
+        if (!batch.blocked[d]) continue;
+        Batch::NearPart& near = batch.near_parts[batch.doubted[d]];
+        const IndirectPoint& point = points[near.point];
+        // One level of detail fades into the next here, too.
+        glm::vec3 p[3];
+        rays_->geometry(point.object).corners(point.triangle, p);
+        const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], n = glm::cross(a, b), by = aside(point, 1);
+        const glm::vec2 step(glm::dot(glm::cross(by, b), n) / glm::dot(n, n),
+                             glm::dot(glm::cross(a, by), n) / glm::dot(n, n));
+        const float area = 0.5f * glm::length(n);
+        const PartDetail detail = part_detail(area, k_small * point.width);
+        const float finer = faded(detail.fraction);
+        const auto key_at = [&](int level) {
+            const float pixels = std::sqrt(area) / (std::exp2(static_cast<float>(level)) * point.width);
+            const glm::vec2 at = glm::vec2(point.u, point.v) + k_beside * pixels * step;
+            const bool inside = at.x >= 0 && at.y >= 0 && at.x + at.y <= 1;   // else it would be another triangle's
+            return part_key(first_triangle_[point.object] + point.triangle, glm::dot(n, point.geometric_normal) > 0,
+                            level, inside ? at.x : point.u, inside ? at.y : point.v);
+        };
+        near.key = key_at(detail.level);
+        if (finer < 1) {
+            batch.near_parts.push_back({near.point, (1 - finer) * near.share, key_at(detail.level - 1), nullptr});
+            batch.near_parts[batch.doubted[d]].share *= finer;
+        }
+        ++hidden;
+    }
+    if (hidden > 0) serve_near(batch);
 }
 
 // Asks new points for near light from what stands still; and those that movers may touch for what is left of it.
@@ -137,6 +204,7 @@ void VisibleLight::see_near(Batch& batch)
         ray::Against::static_only, [&](const RememberedPoint& point) { return point.version != version; },
         [&](RememberedPoint& point, const NearAnswer& answer) {
             std::copy(answer.light, answer.light + 3, point.still);
+            point.free[0] = answer.nearest;
             point.version = version;
             point.movers_version = 0;
             ++batch.counters.near_points;

@@ -146,7 +146,9 @@ TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
 }
 
 // What a camera sees, at every few pixels, with shading as flat as the triangles.
-std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int side)
+// @param pixels  out: where each is
+std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int side,
+                                                       std::vector<std::size_t>* pixels = nullptr)
 {
     const render::View view = render::make_view(world.state, 0, {side, side});
     ray::RayQueue queue;
@@ -168,8 +170,9 @@ std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int s
         glm::vec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
         if (glm::dot(normal, queue.direction(i)) > 0) normal = -normal;
         const float u = hits.u[i], v = hits.v[i];
-        points.push_back(
-            {(1 - u - v) * p[0] + u * p[1] + v * p[2], normal, normal, hits.object[i], hits.triangle[i], u, v, 0});
+        points.push_back({(1 - u - v) * p[0] + u * p[1] + v * p[2], normal, normal, hits.object[i], hits.triangle[i], u,
+                          v, 0, -glm::normalize(queue.direction(i))});
+        if (pixels) pixels->push_back(i);
     }
     return points;
 }
@@ -204,6 +207,44 @@ TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
         ASSERT_GT(mean, 0) << name;
         EXPECT_LT(largest / mean, 0.15) << name;
     }
+}
+
+// At the foot of walls, straight or at an angle to the lattice, no pixel has the darkness of their far side.
+TEST(VisibleLight, NoDarkPixelsAtTheFootOfWalls)
+{
+    World world("cornell", 1, 2);
+    VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
+    visible.begin_frame(world.state, world.rays, world.tasks);
+    const auto batch = visible.make_batch();
+    constexpr int k_size = 512;
+    const render::View view = render::make_view(world.state, 0, {k_size, k_size});
+    std::vector<std::size_t> pixels;
+    std::vector<light_quadtree::IndirectPoint> points = seen_points(world, k_size, &pixels);
+    for (light_quadtree::IndirectPoint& point : points)
+        point.width = view.pixel_width + glm::length(point.position - view.eye) * view.pixel_spread;
+    std::vector<glm::vec3> light(points.size());
+    visible.shade(*batch, points, light.data());
+    std::vector<std::size_t> at(std::size_t{k_size} * k_size, points.size());   // by pixel
+    for (std::size_t i = 0; i < points.size(); ++i) at[pixels[i]] = i;
+    int dark = 0, looked_at = 0;
+    for (std::size_t y = 1; y + 1 < k_size; ++y)
+        for (std::size_t x = 1; x + 1 < k_size; ++x) {
+            const std::size_t i = at[y * k_size + x];
+            if (i == points.size()) continue;
+            float least = k_infinity;
+            int alike = 0;
+            for (const std::size_t j :
+                 {at[(y - 1) * k_size + x], at[(y + 1) * k_size + x], at[y * k_size + x - 1], at[y * k_size + x + 1]}) {
+                if (j == points.size() || glm::dot(points[i].normal, points[j].normal) < 0.99f) continue;
+                ++alike;
+                least = std::min(least, light[j].x + light[j].y + light[j].z);
+            }
+            if (alike < 2) continue;
+            ++looked_at;
+            dark += light[i].x + light[i].y + light[i].z < 0.5f * least;
+        }
+    EXPECT_GT(looked_at, k_size * k_size / 2);
+    EXPECT_EQ(dark, 0);
 }
 
 TEST(VisibleLight, RepairedTreeEqualsANewOne)
