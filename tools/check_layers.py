@@ -35,7 +35,7 @@ k_open_headers = {("light_quadtree", "shadow_culling/remembered_visibility.h")}
 # Sources that must make do with the public interface and their own folder: what they lack is missing from it.
 k_public_only = re.compile(r"src/app/verb_(render|info)[^/]*\.(cpp|h)")
 
-k_extensions = {".h", ".cpp", ".inl", ".glsl", ".comp", ".vert", ".frag"}
+k_extensions = {".h", ".cpp", ".inl", ".glsl", ".comp", ".vert", ".frag", ".rgen", ".rmiss", ".rahit"}
 k_include = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 
 

@@ -32,6 +32,10 @@ Json describe_vulkan(Output& output)
                                    d.driver));
             const char* const verdict = d.chosen ? "chosen" : d.suitable ? "suitable" : "not suitable";
             output.say(fmt::format("           {}: {}", verdict, fmt::join(d.reasons, ", ")));
+            if (d.no_rays.empty())
+                output.say("           traces rays");
+            else
+                output.say(fmt::format("           traces no rays: it lacks {}", fmt::join(d.no_rays, ", ")));
             list.push_back({{"name", d.name},
                             {"kind", d.kind},
                             {"driver", d.driver},
@@ -39,6 +43,7 @@ Json describe_vulkan(Output& output)
                             {"memory_bytes", d.memory},
                             {"suitable", d.suitable},
                             {"chosen", d.chosen},
+                            {"traces_rays", d.no_rays.empty()},
                             {"reasons", d.reasons}});
         }
         if (list.empty()) output.say("Vulkan     no device (no driver is installed)");

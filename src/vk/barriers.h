@@ -15,7 +15,7 @@ struct UseMeaning {
     bool writes = false;
 };
 
-/// @param shader_stages  those of the pass: vertex and fragment, or compute
+/// @param shader_stages  those of the pass: vertex and fragment, or compute, or those that trace rays
 UseMeaning meaning(Use use, VkPipelineStageFlags2 shader_stages);
 
 struct Wait {

@@ -15,6 +15,7 @@ namespace {
 
 constexpr VkPipelineStageFlags2 k_drawing =
     VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+constexpr VkPipelineStageFlags2 k_tracing = VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR;
 
 }   // namespace
 
@@ -37,8 +38,9 @@ void Commands::begin()
 
 void Commands::barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kind)
 {
-    const VkPipelineStageFlags2 shaders =
-        kind == Recorder::Kind::render ? k_drawing : VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    const VkPipelineStageFlags2 shaders = kind == Recorder::Kind::render  ? k_drawing
+                                          : kind == Recorder::Kind::trace ? k_tracing
+                                                                          : VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
     std::vector<VkBufferMemoryBarrier2> buffers;
     std::vector<VkImageMemoryBarrier2> images;
     for (std::size_t i = 0; i < uses.size(); ++i) {
@@ -121,14 +123,19 @@ void Commands::upload(const std::string& name, std::span<const Upload> uploads)
 Buffer Commands::read_back(const Buffer& from, VkDeviceSize bytes)
 {
     if (bytes == VK_WHOLE_SIZE) bytes = from.bytes();
-    GNOMON_CHECK_LE(bytes, from.bytes());
     Buffer to(device_, from.name() + " (read back)", bytes, Access::readback);
+    read_back(from, to, bytes);
+    return to;
+}
+
+void Commands::read_back(const Buffer& from, const Buffer& to, VkDeviceSize bytes)
+{
+    GNOMON_CHECK_LE(bytes, from.bytes());
     pass("read back " + from.name()).reads(from, Use::copy_source).writes(to, Use::copy_target).copy([&](Recorder& r) {
-        const VkBufferCopy all{0, 0, bytes};
-        r.copy(from, to, {&all, 1});
+        const VkBufferCopy first{0, 0, bytes};
+        r.copy(from, to, {&first, 1});
     });
     barriers({{&to, nullptr, Use::host_read}}, Recorder::Kind::copy);
-    return to;
 }
 
 Buffer Commands::read_back(const Image& from, std::uint32_t layer)

@@ -21,6 +21,7 @@
 #include <optional>
 #include <string_view>
 
+#include "vk/acceleration.h"
 #include "vk/pipeline.h"
 #include "vk/resource.h"
 #include "vk/submission.h"
@@ -41,6 +42,10 @@ enum class Use : std::uint8_t {
     depth_target,   // by Pass::depth
     depth_test,     // by Pass::depth without writing
     host_read,      // by read_back
+    build_input,    // what acceleration structures are built from: vertices, indices, matrices, instances
+    build_source,   // bottom levels, where a top level is built from them
+    build_target,   // structures that are built, and the scratch memory of builds
+    traced,         // structures, by rays: the top level, and all below it
 };
 
 struct Rect {
@@ -86,6 +91,7 @@ class Recorder {
     void set_texels(std::string_view binding, const Buffer& buffer, VkFormat format);
     void set(std::string_view binding, const Image& image);                      // storage image, or sampled without
     void set(std::string_view binding, const Image& image, VkSampler sampler);   // combined
+    void set(std::string_view binding, const AccelerationStructure& top);
     void push_constants(const void* data, std::size_t bytes);
     template <class T>
     void push(const T& constants)
@@ -113,6 +119,15 @@ class Recorder {
     /// As many groups as cover that many invocations.
     void dispatch_over(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
 
+    // In a tracing pass.
+    /// One ray generation each. At most Device::ray_limits().most_rays in all.
+    void trace(std::uint32_t width, std::uint32_t height = 1);
+
+    // In a pass of builds.
+    /// All at once: each needs scratch memory of its own, and none may need another.
+    /// @param scratch  where all their scratch memory lies
+    void build(std::span<const StructureBuild> builds, const Buffer& scratch);
+
     // In a copy pass.
     void copy(const Buffer& from, const Buffer& to, std::span<const VkBufferCopy> regions);
     void copy(const Buffer& from, const Image& to, std::span<const VkBufferImageCopy> regions);
@@ -128,14 +143,14 @@ class Recorder {
  private:
     friend class Commands;
     friend class Pass;
-    enum class Kind : std::uint8_t { render, compute, copy };
+    enum class Kind : std::uint8_t { render, compute, trace, build, copy };
     Recorder(VkCommandBuffer buffer, Kind kind, const std::vector<ResourceUse>& uses, const std::string& pass)
         : buffer_(buffer), kind_(kind), uses_(uses), pass_(pass)
     {
     }
     const Binding& binding(std::string_view name, VkDescriptorType type) const;
     void write(const Binding& binding, const VkDescriptorBufferInfo* buffer, const VkDescriptorImageInfo* image,
-               const VkBufferView* texels);
+               const VkBufferView* texels, const void* more = nullptr);
     void declared(const Buffer* buffer, const Image* image, std::initializer_list<Use> any_of) const;
     void ready() const;
 
@@ -146,7 +161,7 @@ class Recorder {
     const Pipeline* pipeline_ = nullptr;
     std::uint64_t set_ = 0;   // bindings filled, by place in the pipeline's list
     bool pushed_ = false;
-    std::uint64_t calls_ = 0;   // draws and dispatches
+    std::uint64_t calls_ = 0;   // draws, dispatches and traces
 };
 
 /// Declares one pass; the last call records it.
@@ -163,6 +178,8 @@ class Pass {
 
     void render(const std::function<void(Recorder&)>& body);
     void compute(const std::function<void(Recorder&)>& body);
+    void trace(const std::function<void(Recorder&)>& body);   // rays
+    void build(const std::function<void(Recorder&)>& body);   // acceleration structures
     void copy(const std::function<void(Recorder&)>& body);
 
  private:
@@ -205,6 +222,8 @@ class Commands {
     /// @param bytes  from the start; all of them otherwise
     Buffer read_back(const Buffer& from, VkDeviceSize bytes = VK_WHOLE_SIZE);
     Buffer read_back(const Image& from, std::uint32_t layer = 0);
+    /// The same of the first bytes, into a buffer that is kept.
+    void read_back(const Buffer& from, const Buffer& to, VkDeviceSize bytes);
 
     /// Sends all that was recorded and waits for it.
     /// @throws MissingError   the device was lost, or has too little memory
@@ -214,7 +233,7 @@ class Commands {
     /// Of the last submit, by pass, as the device measures. Mesa's software driver measures draws rightly; what it
     /// says of compute passes is too little.
     const std::vector<PassTiming>& timings() const { return timings_; }
-    /// Draw and dispatch calls of the last submit.
+    /// Calls that draw, dispatch or trace, of the last submit.
     std::uint64_t draw_calls() const { return draw_calls_; }
     const std::shared_ptr<Device>& device() const { return device_; }
 

@@ -20,6 +20,26 @@ DeviceInfo choose(const Instance& instance)
     return all.front();
 }
 
+RayLimits ask_ray_limits(VkPhysicalDevice device)
+{
+    VkPhysicalDeviceAccelerationStructurePropertiesKHR structures{};
+    structures.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR;
+    VkPhysicalDeviceRayTracingPipelinePropertiesKHR pipelines{};
+    pipelines.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR;
+    pipelines.pNext = &structures;
+    VkPhysicalDeviceProperties2 all{};
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+    all.pNext = &pipelines;
+    vkGetPhysicalDeviceProperties2(device, &all);
+    return {pipelines.shaderGroupHandleSize,
+            pipelines.shaderGroupHandleAlignment,
+            pipelines.shaderGroupBaseAlignment,
+            structures.minAccelerationStructureScratchOffsetAlignment,
+            pipelines.maxRayDispatchInvocationCount,
+            structures.maxInstanceCount,
+            structures.maxPrimitiveCount};
+}
+
 }   // namespace
 
 std::shared_ptr<Device> Device::open()
@@ -34,6 +54,16 @@ Device::Device() : instance_(Instance::get()), info_(choose(*instance_))
     limits_ = properties.limits;
     timestamp_period_ = limits_.timestampComputeAndGraphics ? limits_.timestampPeriod : 0;
 
+    std::vector<const char*> extensions(std::begin(k_device_extensions), std::end(k_device_extensions));
+    FeatureChain features;
+    need_features(features);
+    if (traces_rays()) {
+        extensions.insert(extensions.end(), std::begin(k_ray_extensions), std::end(k_ray_extensions));
+        features.add_rays();
+        need_rays(features);
+        ray_limits_ = ask_ray_limits(info_.handle);
+    }
+
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
     queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
@@ -41,18 +71,16 @@ Device::Device() : instance_(Instance::get()), info_(choose(*instance_))
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
 
-    FeatureChain features;
-    need_features(features);
     VkDeviceCreateInfo create{};
     create.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
     create.pNext = &features.core;
     create.queueCreateInfoCount = 1;
     create.pQueueCreateInfos = &queue;
-    create.enabledExtensionCount = std::size(k_device_extensions);
-    create.ppEnabledExtensionNames = k_device_extensions;
+    create.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    create.ppEnabledExtensionNames = extensions.data();
     check(vkCreateDevice(info_.handle, &create, nullptr, &handle_), fmt::format("opening '{}'", info_.name));
     vkGetDeviceQueue(handle_, info_.queue_family, 0, &queue_);
-    memory_ = std::make_unique<Memory>(info_.handle, handle_);
+    memory_ = std::make_unique<Memory>(info_.handle, handle_, traces_rays());
 }
 
 Device::~Device()

@@ -13,6 +13,17 @@
 
 namespace gnomon::vk {
 
+/// What a device that traces rays asks for, and how much it takes.
+struct RayLimits {
+    std::uint32_t handle_bytes = 0;        // of one shader group
+    std::uint32_t handle_alignment = 1;    // of records in a shader binding table
+    std::uint32_t table_alignment = 1;     // of the table's parts
+    std::uint32_t scratch_alignment = 1;   // of memory that builds work in
+    std::uint64_t most_rays = 0;           // of one trace
+    std::uint64_t most_instances = 0;      // of a top level
+    std::uint64_t most_triangles = 0;      // of a bottom level
+};
+
 class Device : public std::enable_shared_from_this<Device> {
  public:
     /// The first suitable device.
@@ -28,6 +39,9 @@ class Device : public std::enable_shared_from_this<Device> {
     std::uint32_t queue_family() const { return info_.queue_family; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    /// Whether it builds acceleration structures and has pipelines that trace rays against them (not ray queries).
+    bool traces_rays() const { return info_.no_rays.empty(); }
+    const RayLimits& ray_limits() const { return ray_limits_; }
     /// Nanoseconds a timestamp step; 0: no timestamps.
     double timestamp_period() const { return timestamp_period_; }
     const Instance& instance() const { return *instance_; }
@@ -41,6 +55,7 @@ class Device : public std::enable_shared_from_this<Device> {
     std::shared_ptr<Instance> instance_;
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
+    RayLimits ray_limits_;
     double timestamp_period_ = 0;
     VkDevice handle_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;

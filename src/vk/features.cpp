@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 
 namespace gnomon::vk {
 
@@ -30,6 +31,25 @@ const NeededFeature k_needed[] = {
     {"synchronization2", [](FeatureChain& f) -> VkBool32& { return f.v13.synchronization2; }},
 };
 
+const NeededFeature k_needed_for_rays[] = {
+    {"accelerationStructure", [](FeatureChain& f) -> VkBool32& { return f.structures.accelerationStructure; }},
+    {"rayTracingPipeline", [](FeatureChain& f) -> VkBool32& { return f.ray_pipelines.rayTracingPipeline; }},
+    {"bufferDeviceAddress", [](FeatureChain& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
+};
+
+void note_missing_extensions(VkPhysicalDevice device, std::span<const char* const> wanted,
+                             std::vector<std::string>& missing)
+{
+    std::uint32_t count = 0;
+    check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing a device's extensions");
+    std::vector<VkExtensionProperties> all(count);
+    check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data()), "listing a device's extensions");
+    for (const char* extension : wanted)
+        if (std::none_of(all.begin(), all.end(),
+                         [&](const auto& e) { return std::strcmp(e.extensionName, extension) == 0; }))
+            missing.emplace_back(extension);
+}
+
 }   // namespace
 
 FeatureChain::FeatureChain()
@@ -41,6 +61,14 @@ FeatureChain::FeatureChain()
     core.pNext = &v11;
     v11.pNext = &v12;
     v12.pNext = &v13;
+}
+
+void FeatureChain::add_rays()
+{
+    structures.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
+    ray_pipelines.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR;
+    v13.pNext = &structures;
+    structures.pNext = &ray_pipelines;
 }
 
 void need_features(FeatureChain& chain)
@@ -56,14 +84,26 @@ std::vector<std::string> missing_features(VkPhysicalDevice device)
     for (const NeededFeature& needed : k_needed)
         if (!needed.in(present)) missing.emplace_back(needed.name);
 
-    std::uint32_t count = 0;
-    check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing a device's extensions");
-    std::vector<VkExtensionProperties> all(count);
-    check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data()), "listing a device's extensions");
-    for (const char* extension : k_device_extensions)
-        if (std::none_of(all.begin(), all.end(),
-                         [&](const auto& e) { return std::strcmp(e.extensionName, extension) == 0; }))
-            missing.emplace_back(extension);
+    note_missing_extensions(device, k_device_extensions, missing);
+    return missing;
+}
+
+void need_rays(FeatureChain& chain)
+{
+    for (const NeededFeature& needed : k_needed_for_rays) needed.in(chain) = VK_TRUE;
+}
+
+std::vector<std::string> missing_for_rays(VkPhysicalDevice device)
+{
+    // The structures of an extension may be handed to devices alone that have it.
+    std::vector<std::string> missing;
+    note_missing_extensions(device, k_ray_extensions, missing);
+    if (!missing.empty()) return missing;
+    FeatureChain present;
+    present.add_rays();
+    vkGetPhysicalDeviceFeatures2(device, &present.core);
+    for (const NeededFeature& needed : k_needed_for_rays)
+        if (!needed.in(present)) missing.emplace_back(needed.name);
     return missing;
 }
 

@@ -122,6 +122,10 @@ DeviceInfo describe(VkPhysicalDevice device)
                                            VK_API_VERSION_MINOR(info.api_version)));
     else
         for (const std::string& feature : missing_features(device)) info.reasons.push_back("it lacks " + feature);
+    if (info.api_version >= VK_API_VERSION_1_3)
+        info.no_rays = missing_for_rays(device);
+    else
+        info.no_rays.emplace_back("Vulkan 1.3");
     if (family == families.end()) info.reasons.emplace_back("no queue of it both draws and computes");
     info.suitable = info.reasons.empty();
     return info;

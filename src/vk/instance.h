@@ -25,6 +25,7 @@ struct DeviceInfo {
     bool suitable = false;
     bool chosen = false;                // what a Device takes
     std::vector<std::string> reasons;   // why it is not suitable; else why it was chosen, or another was
+    std::vector<std::string> no_rays;   // what it lacks for tracing rays (Device::traces_rays); empty: nothing
     std::uint32_t queue_family = 0;     // graphics and compute
     VkPhysicalDevice handle = VK_NULL_HANDLE;
 };

@@ -44,7 +44,7 @@ std::byte* MemoryPiece::mapped() const
     return block_->mapped ? block_->mapped + offset_ : nullptr;
 }
 
-Memory::Memory(VkPhysicalDevice physical, VkDevice device) : device_(device)
+Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool addresses) : device_(device), addresses_(addresses)
 {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
 }
@@ -71,6 +71,10 @@ MemoryPiece::Block* Memory::new_block(VkDeviceSize size, std::uint32_t type, boo
 {
     VkMemoryAllocateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    VkMemoryAllocateFlagsInfo flags{};
+    flags.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
+    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+    if (addresses_ && !image) info.pNext = &flags;
     info.allocationSize = size;
     info.memoryTypeIndex = type;
     auto block = std::make_unique<MemoryPiece::Block>();

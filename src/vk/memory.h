@@ -57,7 +57,8 @@ class Memory {
  public:
     static constexpr VkDeviceSize k_block_bytes = 32 << 20;
 
-    Memory(VkPhysicalDevice physical, VkDevice device);
+    /// @param addresses  what buffers are placed in may have addresses that shaders and builds know (ray tracing)
+    Memory(VkPhysicalDevice physical, VkDevice device, bool addresses);
     ~Memory();
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
@@ -74,6 +75,7 @@ class Memory {
     void give_back(MemoryPiece& piece);
 
     VkDevice device_;
+    bool addresses_;
     VkPhysicalDeviceMemoryProperties properties_{};
     std::vector<std::unique_ptr<MemoryPiece::Block>> blocks_;
 };

@@ -21,7 +21,7 @@ Pass& Pass::reads(const Image& image, Use use)
 
 Pass& Pass::writes(const Buffer& buffer, Use use)
 {
-    GNOMON_CHECK(use == Use::storage_write || use == Use::copy_target);
+    GNOMON_CHECK(use == Use::storage_write || use == Use::copy_target || use == Use::build_target);
     uses_.push_back({&buffer, nullptr, use});
     return *this;
 }
@@ -62,6 +62,16 @@ void Pass::render(const std::function<void(Recorder&)>& body)
 void Pass::compute(const std::function<void(Recorder&)>& body)
 {
     record(Recorder::Kind::compute, body);
+}
+
+void Pass::trace(const std::function<void(Recorder&)>& body)
+{
+    record(Recorder::Kind::trace, body);
+}
+
+void Pass::build(const std::function<void(Recorder&)>& body)
+{
+    record(Recorder::Kind::build, body);
 }
 
 void Pass::copy(const std::function<void(Recorder&)>& body)

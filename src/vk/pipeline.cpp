@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/check.h"
-#include "vk/resource.h"
+#include "vk/acceleration.h"
 
 namespace gnomon::vk {
 
@@ -149,6 +150,78 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const ComputeDesc& des
           fmt::format("making pipeline '{}'", name_));
     pipeline_ = own(device, pipeline);
     device->name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name_);
+}
+
+Pipeline::Pipeline(const std::shared_ptr<Device>& device, const RayDesc& desc)
+    : name_(desc.name), bind_point_(VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR)
+{
+    GNOMON_CHECK(device->traces_rays());
+    std::vector<ShaderCode> codes{desc.generation, desc.miss};
+    if (!desc.any_hit.words.empty()) codes.push_back(desc.any_hit);
+    constexpr VkShaderStageFlagBits expected[] = {VK_SHADER_STAGE_RAYGEN_BIT_KHR, VK_SHADER_STAGE_MISS_BIT_KHR,
+                                                  VK_SHADER_STAGE_ANY_HIT_BIT_KHR};
+    std::vector<Reflection> reflections;
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+        reflections.push_back(reflect(codes[i]));
+        GNOMON_CHECK_EQ(static_cast<int>(reflections[i].stage), static_cast<int>(expected[i]));
+        merge(reflections[i]);
+    }
+    check_blocks(desc.blocks, codes, reflections);
+    make_layout(device);
+
+    const Specialization constants(desc.constants);
+    std::vector<Owned<VkShaderModule>> modules;
+    std::vector<VkPipelineShaderStageCreateInfo> stages;
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+        modules.push_back(make_module(device, codes[i]));
+        stages.push_back(stage_info(reflections[i].stage, modules.back().get(), constants));
+    }
+    // Groups: how rays begin, how they miss, what becomes of hits.
+    VkRayTracingShaderGroupCreateInfoKHR groups[3]{};
+    for (std::uint32_t g = 0; g < 3; ++g) {
+        groups[g].sType = VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR;
+        groups[g].type = g < 2 ? VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR
+                               : VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR;
+        groups[g].generalShader = g < 2 ? g : VK_SHADER_UNUSED_KHR;
+        groups[g].closestHitShader = groups[g].intersectionShader = VK_SHADER_UNUSED_KHR;
+        groups[g].anyHitShader = g == 2 && codes.size() > 2 ? 2 : VK_SHADER_UNUSED_KHR;
+    }
+    VkRayTracingPipelineCreateInfoKHR info{};
+    info.sType = VK_STRUCTURE_TYPE_RAY_TRACING_PIPELINE_CREATE_INFO_KHR;
+    info.stageCount = static_cast<std::uint32_t>(stages.size());
+    info.pStages = stages.data();
+    info.groupCount = std::size(groups);
+    info.pGroups = groups;
+    info.maxPipelineRayRecursionDepth = 1;
+    info.layout = layout_.get();
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(
+        vkCreateRayTracingPipelinesKHR(device->handle(), VK_NULL_HANDLE, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+        fmt::format("making pipeline '{}'", name_));
+    pipeline_ = own(device, pipeline);
+    device->name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name_);
+    make_table(device, std::size(groups));
+}
+
+// The shader binding table: one record a group, each at the start of a part of its own.
+void Pipeline::make_table(const std::shared_ptr<Device>& device, std::uint32_t groups)
+{
+    const RayLimits& limits = device->ray_limits();
+    const VkDeviceSize stride = round_up(limits.handle_bytes, limits.handle_alignment);
+    const VkDeviceSize part = round_up(stride, limits.table_alignment);
+    std::vector<std::byte> handles(std::size_t{groups} * limits.handle_bytes);
+    check(vkGetRayTracingShaderGroupHandlesKHR(device->handle(), pipeline_.get(), 0, groups, handles.size(),
+                                               handles.data()),
+          fmt::format("finding the shaders of '{}'", name_));
+    // Memory may begin anywhere: leave room to the next aligned place.
+    table_memory_ = Buffer(device, name_ + " (shader table)", groups * part + limits.table_alignment, Access::upload);
+    const VkDeviceAddress memory = table_memory_.address(), first = round_up(memory, limits.table_alignment);
+    VkStridedDeviceAddressRegionKHR* const parts[] = {&table_.generation, &table_.miss, &table_.hit};
+    for (std::uint32_t g = 0; g < groups; ++g) {
+        std::memcpy(table_memory_.mapped() + (first - memory) + g * part, handles.data() + g * limits.handle_bytes,
+                    limits.handle_bytes);
+        *parts[g] = {first + g * part, stride, stride};
+    }
 }
 
 Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& desc)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Pipelines, for dynamic rendering and for compute. The descriptor layout (one set, pushed) comes from reflection.
+// Pipelines, for dynamic rendering, for compute and for tracing rays. The descriptor layout (one set, pushed) comes
+// from reflection.
 //
 // Vertex attributes come tightly packed, one buffer a location. Viewport, scissor and cull mode are set while
 // recording.
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "vk/device.h"
+#include "vk/resource.h"
 #include "vk/shader.h"
 
 namespace gnomon::vk {
@@ -34,6 +36,21 @@ struct ComputeDesc {
     std::vector<std::uint32_t> constants{};
 };
 
+/// Rays that ask whether something is in the way: one way of beginning, one of missing, one kind of triangles, whose
+/// hits the last shader may ignore.
+struct RayDesc {
+    std::string name;
+    ShaderCode generation, miss;
+    ShaderCode any_hit{};   // no words: every hit counts
+    std::vector<BlockExpectation> blocks{};
+    std::vector<std::uint32_t> constants{};
+};
+
+/// Where a tracing pipeline's shaders are found, as the device wants it.
+struct ShaderTable {
+    VkStridedDeviceAddressRegionKHR generation{}, miss{}, hit{}, callable{};
+};
+
 class Pipeline {
  public:
     Pipeline() = default;
@@ -41,6 +58,8 @@ class Pipeline {
     /// @throws InternalError  the stages or the host's structures disagree
     Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& desc);
     Pipeline(const std::shared_ptr<Device>& device, const ComputeDesc& desc);
+    /// @pre the device traces rays
+    Pipeline(const std::shared_ptr<Device>& device, const RayDesc& desc);
 
     VkPipeline handle() const { return pipeline_.get(); }
     VkPipelineLayout layout() const { return layout_.get(); }
@@ -52,11 +71,13 @@ class Pipeline {
     const std::uint32_t* local_size() const { return local_size_; }
     std::uint32_t vertex_buffers() const { return vertex_buffers_; }
     std::size_t color_targets() const { return color_targets_; }
+    const ShaderTable& table() const { return table_; }
     explicit operator bool() const { return static_cast<bool>(pipeline_); }
 
  private:
     void merge(const Reflection& reflection);
     void make_layout(const std::shared_ptr<Device>& device);
+    void make_table(const std::shared_ptr<Device>& device, std::uint32_t groups);
 
     std::string name_;
     VkPipelineBindPoint bind_point_ = VK_PIPELINE_BIND_POINT_GRAPHICS;
@@ -68,6 +89,8 @@ class Pipeline {
     Owned<VkDescriptorSetLayout> set_layout_;
     Owned<VkPipelineLayout> layout_;
     Owned<VkPipeline> pipeline_;
+    Buffer table_memory_;
+    ShaderTable table_;
 };
 
 }   // namespace gnomon::vk

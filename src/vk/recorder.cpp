@@ -23,7 +23,8 @@ void Recorder::declared(const Buffer* buffer, const Image* image, std::initializ
 void Recorder::bind(const Pipeline& pipeline)
 {
     GNOMON_CHECK((pipeline.bind_point() == VK_PIPELINE_BIND_POINT_GRAPHICS) == (kind_ == Kind::render));
-    GNOMON_CHECK(kind_ != Kind::copy);
+    GNOMON_CHECK((pipeline.bind_point() == VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR) == (kind_ == Kind::trace));
+    GNOMON_CHECK(kind_ != Kind::copy && kind_ != Kind::build);
     vkCmdBindPipeline(buffer_, pipeline.bind_point(), pipeline.handle());
     pipeline_ = &pipeline;
     set_ = 0;
@@ -43,10 +44,11 @@ const Binding& Recorder::binding(std::string_view name, VkDescriptorType type) c
 }
 
 void Recorder::write(const Binding& b, const VkDescriptorBufferInfo* buffer, const VkDescriptorImageInfo* image,
-                     const VkBufferView* texels)
+                     const VkBufferView* texels, const void* more)
 {
     VkWriteDescriptorSet write{};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.pNext = more;
     write.dstBinding = b.binding;
     write.descriptorCount = 1;
     write.descriptorType = b.type;
@@ -103,6 +105,17 @@ void Recorder::set(std::string_view name, const Image& image, VkSampler sampler)
     declared(nullptr, &image, {Use::sampled});
     const VkDescriptorImageInfo info{sampler, image.view(), image.state().layout};
     write(binding(name, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER), nullptr, &info, nullptr);
+}
+
+void Recorder::set(std::string_view name, const AccelerationStructure& top)
+{
+    declared(&top.storage(), nullptr, {Use::traced});
+    const VkAccelerationStructureKHR handle = top.handle();
+    VkWriteDescriptorSetAccelerationStructureKHR info{};
+    info.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR;
+    info.accelerationStructureCount = 1;
+    info.pAccelerationStructures = &handle;
+    write(binding(name, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR), nullptr, nullptr, nullptr, &info);
 }
 
 void Recorder::push_constants(const void* data, std::size_t bytes)
@@ -204,6 +217,39 @@ void Recorder::dispatch_over(std::uint32_t x, std::uint32_t y, std::uint32_t z)
     GNOMON_CHECK(pipeline_);
     const std::uint32_t* const size = pipeline_->local_size();
     dispatch((x + size[0] - 1) / size[0], (y + size[1] - 1) / size[1], (z + size[2] - 1) / size[2]);
+}
+
+void Recorder::trace(std::uint32_t width, std::uint32_t height)
+{
+    ready();
+    ++calls_;
+    const ShaderTable& table = pipeline_->table();
+    vkCmdTraceRaysKHR(buffer_, &table.generation, &table.miss, &table.hit, &table.callable, width, height, 1);
+}
+
+void Recorder::build(std::span<const StructureBuild> builds, const Buffer& scratch)
+{
+    GNOMON_CHECK(kind_ == Kind::build);
+    if (builds.empty()) return;
+    declared(&scratch, nullptr, {Use::build_target});
+    std::vector<BuildInfo> infos(builds.size());
+    std::vector<VkAccelerationStructureBuildGeometryInfoKHR> geometries;
+    std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> ranges;
+    for (std::size_t i = 0; i < builds.size(); ++i) {
+        const StructureBuild& b = builds[i];
+        declared(&b.to->storage(), nullptr, {Use::build_target});
+        for (const TriangleGeometry& g : b.desc->triangles)
+            for (const Buffer* input : {g.positions, g.indices, g.matrices})
+                if (input) declared(input, nullptr, {Use::build_input});
+        if (b.desc->instances) declared(b.desc->instances, nullptr, {Use::build_input});
+        infos[i].fill(*b.desc);
+        infos[i].info.dstAccelerationStructure = b.to->handle();
+        infos[i].info.scratchData.deviceAddress = b.scratch;
+        geometries.push_back(infos[i].info);
+        ranges.push_back(infos[i].ranges.data());
+    }
+    vkCmdBuildAccelerationStructuresKHR(buffer_, static_cast<std::uint32_t>(geometries.size()), geometries.data(),
+                                        ranges.data());
 }
 
 void Recorder::copy(const Buffer& from, const Buffer& to, std::span<const VkBufferCopy> regions)

@@ -31,6 +31,12 @@ Buffer::Buffer(const std::shared_ptr<Device>& device, const std::string& name, V
         info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
                       VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                       VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (device->traces_rays() && access != Access::readback)
+        info.usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+                      VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |
+                      VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR;
+    if (device->traces_rays() && access == Access::device)
+        info.usage |= VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR;
     VkBuffer buffer = VK_NULL_HANDLE;
     check(vkCreateBuffer(device->handle(), &info, nullptr, &buffer), fmt::format("making buffer '{}'", name));
     handle_ = {device, buffer, [](const Device& d, VkBuffer b) { vkDestroyBuffer(d.handle(), b, nullptr); }};
@@ -47,6 +53,15 @@ std::byte* Buffer::mapped() const
     std::byte* const at = memory_.mapped();
     GNOMON_CHECK(at);   // made for the device alone
     return at;
+}
+
+VkDeviceAddress Buffer::address() const
+{
+    GNOMON_CHECK(device_->traces_rays());
+    VkBufferDeviceAddressInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO;
+    info.buffer = handle();
+    return vkGetBufferDeviceAddress(device_->handle(), &info);
 }
 
 VkBufferView Buffer::texel_view(VkFormat format, VkDeviceSize texel_size) const

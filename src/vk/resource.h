@@ -24,7 +24,9 @@ struct UseState {
 class Buffer {
  public:
     Buffer() = default;
-    /// Any use is allowed: vertices, indices, indirect draws, storage, texels, copies. At least 4 bytes are taken.
+    /// Any use is allowed: vertices, indices, indirect draws, storage, texels, copies; on devices that trace rays also
+    /// what acceleration structures are built from, and on the device alone what holds them. At least 4 bytes are
+    /// taken.
     /// @throws MissingError  too little memory
     Buffer(const std::shared_ptr<Device>& device, const std::string& name, VkDeviceSize bytes,
            Access access = Access::device);
@@ -41,6 +43,9 @@ class Buffer {
         return {reinterpret_cast<T*>(mapped()), static_cast<std::size_t>(bytes_) / sizeof(T)};
     }
     std::byte* mapped() const;
+
+    /// Where it is, to builds and traces. @pre the device traces rays; not for readback
+    VkDeviceAddress address() const;
 
     /// Reads the buffer as texels of a format (`samplerBuffer`).
     /// @throws MissingError  more texels than the device can address

@@ -114,6 +114,12 @@ VkShaderStageFlagBits stage_of(SpvExecutionModel model)
             return VK_SHADER_STAGE_VERTEX_BIT;
         case SpvExecutionModelFragment:
             return VK_SHADER_STAGE_FRAGMENT_BIT;
+        case SpvExecutionModelRayGenerationKHR:
+            return VK_SHADER_STAGE_RAYGEN_BIT_KHR;
+        case SpvExecutionModelMissKHR:
+            return VK_SHADER_STAGE_MISS_BIT_KHR;
+        case SpvExecutionModelAnyHitKHR:
+            return VK_SHADER_STAGE_ANY_HIT_BIT_KHR;
         default:
             GNOMON_CHECK(model == SpvExecutionModelGLCompute);
             return VK_SHADER_STAGE_COMPUTE_BIT;
@@ -184,6 +190,8 @@ Reflection reflect(const ShaderCode& code)
             is_texel_buffer(r) ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     for (const auto& r : reader.list(all, SPVC_RESOURCE_TYPE_SEPARATE_IMAGE))
         add(r).type = is_texel_buffer(r) ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+    for (const auto& r : reader.list(all, SPVC_RESOURCE_TYPE_ACCELERATION_STRUCTURE))
+        add(r).type = VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
     for (const auto& r : reader.list(all, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {
         const spvc_type type = spvc_compiler_get_type_handle(reader.compiler, r.base_type_id);
         result.push_bytes = reader.struct_bytes(type);

@@ -19,6 +19,7 @@ TEST(VulkanProgram, DevicesSayWhichIsChosenAndWhy)
         chosen += device["chosen"].get<bool>();
         EXPECT_FALSE(device["reasons"].empty());
         EXPECT_GT(device["memory_bytes"].get<std::uint64_t>(), 0u);
+        EXPECT_TRUE(device["traces_rays"].is_boolean());
     }
     EXPECT_EQ(chosen, 1);
 }
