@@ -17,6 +17,7 @@
 #include "ray/kdtree.h"
 #include "ray/ray_scene.h"
 #include "ray/solid.h"
+#include "ray/traceable.h"
 
 namespace gnomon::ray {
 
@@ -149,8 +150,5 @@ struct RayScene::Inside {
 /// Inverse transpose up to a positive factor; exists for flattening matrices too.
 glm::mat3 normal_matrix(const glm::mat4& m);
 bool mirrors(const glm::dmat4& m);
-/// Whether it can be inverted. Embree takes rays into the space of an instance: a matrix without an inverse (a scale of
-/// 0 is a usual way of hiding things) must not reach it.
-bool has_volume(const glm::mat4& m);
 
 }   // namespace gnomon::ray

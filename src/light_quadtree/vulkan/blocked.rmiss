@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+// Nothing was in the way.
+#extension GL_EXT_ray_tracing : require
+
+layout(location = 0) rayPayloadInEXT uint blocked;
+
+void main()
+{
+    blocked = 0;
+}
