@@ -14,14 +14,15 @@ namespace gnomon::ray {
 inline constexpr float k_largest_coordinate = 1e9f;
 inline constexpr double k_largest_inverse = 1e8;
 
-/// Whether a ray may be handed to Embree; the others meet nothing.
+/// Whether a ray may be handed to Embree; the others meet nothing. One that ends behind its beginning may not: Embree
+/// marks blocked rays by such an end.
 inline bool traceable(float ox, float oy, float oz, float tnear, float dx, float dy, float dz, float tfar)
 {
     // Numbers and no truth values, so that there are no branches and packets are checked at once.
     const auto fits = [](float x) { return static_cast<unsigned>(std::abs(x) <= k_largest_coordinate); };   // 0 for NaN
     const auto at_least = [](float x, float least) { return static_cast<unsigned>(x >= least); };
     return (fits(ox) & fits(oy) & fits(oz) & fits(dx) & fits(dy) & fits(dz) & at_least(tnear, 0) &
-            at_least(k_infinity, tnear) & at_least(tfar, -k_infinity)) != 0;
+            at_least(k_infinity, tnear) & at_least(tfar, 0)) != 0;
 }
 
 /// Whether it can be inverted. Rays are taken into the space of an instance: a matrix without an inverse (a scale of 0

@@ -339,7 +339,10 @@ TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
     expected.assign(odd.size(), 0), answers.assign(odd.size(), 2);
     rays.blocked(odd, 0, odd.size(), expected.data());
     device.blocked(commands, scene, odd, answers.data());
-    EXPECT_EQ(answers, expected);
+    for (std::size_t i = 0; i < odd.size(); ++i)
+        EXPECT_EQ(answers[i], expected[i])
+            << fmt::format("ray {}: {} {} {}, {}; {} {} {}, {}", i, odd.ox[i], odd.oy[i], odd.oz[i], odd.tnear[i],
+                           odd.dx[i], odd.dy[i], odd.dz[i], odd.tfar[i]);
     EXPECT_GT(std::count(answers.begin(), answers.end(), 1), 200);
 
     device.blocked(commands, scene, ray::RayQueue(), nullptr);

@@ -7,6 +7,8 @@
 // the fast answer must lie between the two; nearly all rays must be so clear that the two agree.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "ray_helpers.h"
 #include "scene_helpers.h"
 
@@ -186,6 +188,22 @@ TEST(RaySceneTwin, CornersSpanWhereRaysHit)
         ASSERT_GT(glm::dot(expected, glm::normalize(glm::dvec3(normal))), 0.99999) << i;
     }
     EXPECT_GT(met, 500u);
+}
+
+// A ray that ends behind its beginning meets nothing, by packets and by itself.
+TEST(RaySceneTwin, RaysThatEndBehindTheirBeginning)
+{
+    const scene::SceneState state(make_random_scene(22), 1.1);
+    const ray::RayScene scene(state);
+    const ray::RayQueue rays = random_rays(4, 300);
+    for (const float end : {-1.0f, -2e9f, -k_infinity}) {
+        ray::RayQueue behind;
+        for (std::size_t i = 0; i < rays.size(); ++i) behind.push(rays.origin(i), 0, rays.direction(i), end);
+        const Answers answers = ask(scene, behind), singly = ask_singly(scene, behind);
+        EXPECT_EQ(differences(answers, singly), 0u) << end;
+        EXPECT_EQ(count_hits(answers), 0u) << end;
+        EXPECT_EQ(std::count(answers.blocked.begin(), answers.blocked.end(), 0), 300) << end;
+    }
 }
 
 // Rays that see fronts only pass the backs of one-sided surfaces; so the far wall of a ball stays unseen from inside.
