@@ -301,6 +301,61 @@ TEST_F(DeviceRaysVulkan, BoxesToTheRay)
     EXPECT_GT(late.bytes(), 10'000u);
 }
 
+// Corners that are no numbers, or beyond all that is met, take their triangles along and nothing else; a shape that
+// loses its numbers for a while meets nothing, and is whole again afterwards.
+TEST_F(DeviceRaysVulkan, CornersThatAreNoNumbers)
+{
+    GNOMON_NEED_RAYS;
+    scene::Scene scene = test::scene_with_balls();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    scene.meshes.push_back(test::patchwork(3));
+    const float strange[] = {nan, k_infinity, -1e30f};
+    for (std::size_t i = 0; i < 9; ++i) scene.meshes[1].positions[9 * i + 5][static_cast<int>(i % 3)] = strange[i / 3];
+    scene.meshes.push_back(test::patchwork(4));
+    scene::VertexKeys keys;
+    keys.times = {0, 1, 2, 3};
+    keys.positions.assign(4, scene.meshes[2].positions);
+    for (const std::size_t key : {1u, 2u})
+        std::fill(keys.positions[key].begin(), keys.positions[key].end(), glm::vec3(nan));
+    for (glm::vec3& p : keys.positions[3]) p *= 1.2f;
+    scene.meshes[2].vertex_keys = std::move(keys);
+    for (scene::MeshId m = 0; m < 3; ++m) {
+        test::add_object(scene, m, scene::none, test::translation(2.5 * m, 0, 0));
+        test::add_object(scene, m, scene::none, test::translation(2.5 * m, 1, 3));
+    }
+    const auto description = test::finished(scene);
+
+    for (const double start : {0.0, 1.5}) {
+        scene::SceneState state(description, start);
+        ray::RayScene rays(state);
+        gpu_scene::GpuScene gpu(device_, state);
+        DeviceRays device(device_, gpu, state);
+        vk::Commands commands(device_);
+        Compared sum;
+        for (const double time : {start, 1.5, 3.0, 3.5}) {
+            if (time > start) {
+                state.advance(time);
+                rays.update(state);
+                gpu.update(commands, state);
+                device.update(commands, gpu, state);
+            }
+            ray::RayQueue queue;
+            Random random(5);
+            for (std::size_t i = 0; i < k_rays; ++i) {
+                const auto point = [&] {
+                    const float x = random.uniform(-1.5f, 6.5f), y = random.uniform(-1.5f, 2.5f);
+                    return glm::vec3(x, y, random.uniform(-1.5f, 4.5f));
+                };
+                const glm::vec3 from = point(), to = point();
+                queue.push(from, 0, to - from, 1);
+            }
+            compare(commands, gpu, device, rays, queue, sum);
+        }
+        EXPECT_LE(static_cast<double>(sum.differing), k_differing * static_cast<double>(sum.asked));
+        EXPECT_GT(sum.blocked, sum.asked / 20);
+    }
+}
+
 // More rays than go at once; rays that are none; and a scene without anything.
 TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
 {

@@ -53,6 +53,19 @@ bool finite(const glm::mat4& m)
     return true;
 }
 
+// Whether a triangle's corner is where rays can meet it; Embree leaves out the others, too. Devices are promised
+// numbers.
+bool can_be_met(const glm::vec3& p)
+{
+    constexpr float farthest = 1e18f;
+    return is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < farthest;
+}
+
+bool can_be_met(const std::vector<glm::vec3>& positions)
+{
+    return std::all_of(positions.begin(), positions.end(), [](const glm::vec3& p) { return can_be_met(p); });
+}
+
 template <class T>
 vk::Buffer make_buffer(const std::shared_ptr<vk::Device>& device, const char* name, const std::vector<T>& values)
 {
@@ -105,7 +118,10 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
     const vk::Buffer scratch = make_scratch(rigid_);
     scratch_ = make_scratch(deforming_);
     if (rigid_storage_) build_bottoms(commands, scene, rigid_, *rigid_storage_, scratch);
-    if (deforming_storage_) build_bottoms(commands, scene, deforming_, *deforming_storage_, scratch_);
+    std::vector<std::uint32_t> deformed;
+    for (const std::uint32_t number : deforming_)
+        if (!broken(state, bottoms_[number].object)) deformed.push_back(number);
+    if (!deformed.empty()) build_bottoms(commands, scene, deformed, *deforming_storage_, scratch_);
     build_top(commands, scratch_);
     commands.submit();
     work_.instances = instances_host_.size();
@@ -124,21 +140,27 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
                 {"", sizeof(RayPush), {{"reach", offsetof(RayPush, reach)}}}}});
 }
 
-// What of each mesh blocks light. Parts come sorted by surface class.
+// What of each mesh blocks light and can be met. Parts come sorted by surface class.
 void DeviceRays::find_runs()
 {
     for (const scene::Mesh& mesh : scene_->meshes) {
         std::vector<Run>& runs = runs_.emplace_back();
         for (const scene::MeshPart& part : mesh.parts) {
             const scene::SurfaceClass surface = scene_->materials[part.material].surface_class();
-            if (surface == scene::SurfaceClass::transparent || part.triangle_count == 0) continue;
+            if (surface == scene::SurfaceClass::transparent) continue;
             const bool opaque = surface == scene::SurfaceClass::opaque;
-            const bool goes_on = !runs.empty() && opaque && runs.back().opaque &&
-                                 runs.back().first_triangle + runs.back().triangles == part.first_triangle;
-            if (goes_on)
-                runs.back().triangles += part.triangle_count;
-            else
-                runs.push_back({part.first_triangle, part.triangle_count, part.material, opaque});
+            for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
+                const glm::uvec3& corners = mesh.triangles[t];
+                if (!can_be_met(mesh.positions[corners.x]) || !can_be_met(mesh.positions[corners.y]) ||
+                    !can_be_met(mesh.positions[corners.z]))
+                    continue;
+                // Opaque parts are one, whatever they look like.
+                if (!runs.empty() && runs.back().first_triangle + runs.back().triangles == t &&
+                    runs.back().opaque == opaque && (opaque || runs.back().material == part.material))
+                    ++runs.back().triangles;
+                else
+                    runs.push_back({t, 1, part.material, opaque});
+            }
         }
     }
 }
@@ -242,11 +264,17 @@ void DeviceRays::place(const scene::SceneState& state, scene::ObjectId o)
             bottom = scene::none;   // somebody took it out of what stands still
     }
     if (bottom == scene::none) bottom = bottom_of_mesh_[scene_->objects[o].mesh];
-    const bool met = bottom != scene::none && state.object_visible(o) && ray::has_volume(matrix);
+    const bool met = bottom != scene::none && state.object_visible(o) && ray::has_volume(matrix) && !broken(state, o);
     instance.transform = rows_of(met ? matrix : glm::mat4(1));
     if (!met) return;
     instance.mask = dynamic_[o] ? GNOMON_RAYS_DYNAMIC : GNOMON_RAYS_STATIC;
     instance.accelerationStructureReference = bottoms_[bottom].structure.address();
+}
+
+// What deforms may lose its numbers for a while; it is not built then, and meets no ray.
+bool DeviceRays::broken(const scene::SceneState& state, scene::ObjectId o) const
+{
+    return scene_->objects[o].deforming && !can_be_met(state.deformed(o).positions);
 }
 
 vk::Buffer DeviceRays::make_scratch(std::span<const std::uint32_t> for_bottoms) const
@@ -315,9 +343,9 @@ void DeviceRays::update(vk::Commands& commands, const GpuScene& scene, const sce
     for (const auto* list : {&changes.moved, &changes.appeared})
         for (const scene::ObjectId o : *list) dynamic_[o] = 1;
 
-    // Place what moved, appeared or vanished.
+    // Place what moved, appeared or vanished, or may have lost its numbers.
     std::vector<scene::ObjectId> touched = changes.moved;
-    for (const auto* list : {&changes.appeared, &changes.vanished})
+    for (const auto* list : {&changes.appeared, &changes.vanished, &changes.deformed})
         touched.insert(touched.end(), list->begin(), list->end());
     std::sort(touched.begin(), touched.end());
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -334,9 +362,9 @@ void DeviceRays::update(vk::Commands& commands, const GpuScene& scene, const sce
     // Build what deformed, and the top level if anything changed below it.
     std::vector<std::uint32_t> deformed;
     for (const scene::ObjectId o : changes.deformed)
-        if (bottom_of_object_[o] != scene::none) deformed.push_back(bottom_of_object_[o]);
+        if (bottom_of_object_[o] != scene::none && !broken(state, o)) deformed.push_back(bottom_of_object_[o]);
     if (!deformed.empty()) build_bottoms(commands, scene, deformed, *deforming_storage_, scratch_);
-    if (!deformed.empty() || !touched.empty()) build_top(commands, scratch_);
+    if (!touched.empty()) build_top(commands, scratch_);
 }
 
 void DeviceRays::make_room(std::uint32_t rays)

@@ -72,6 +72,7 @@ class DeviceRays {
     void build_bottoms(vk::Commands& commands, const gpu_scene::GpuScene& scene, std::span<const std::uint32_t> which,
                        const vk::Buffer& storage, const vk::Buffer& scratch);
     void build_top(vk::Commands& commands, const vk::Buffer& scratch);
+    bool broken(const scene::SceneState& state, scene::ObjectId object) const;
     vk::Buffer make_scratch(std::span<const std::uint32_t> for_bottoms) const;
     void make_room(std::uint32_t rays);
 
