@@ -150,7 +150,7 @@ TEST_F(DeviceRaysVulkan, Cornell)
     follow_frames(device_, "cornell", {1, 2, 20});
 }
 
-TEST_F(DeviceRaysVulkan, KineticWithLeaves)
+TEST_F(DeviceRaysVulkan, Kinetic)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "kinetic", {1, 2, 60});
@@ -167,6 +167,58 @@ TEST_F(DeviceRaysVulkan, RandomScenes)
 {
     GNOMON_NEED_RAYS;
     for (const std::uint64_t seed : {11u, 12u, 13u}) follow(device_, test::make_random_scene(seed), {0.4, 0.5, 1.7, 3});
+}
+
+// Leaves whose holes come from all that may decide on them: a filtered texture that is turned, repeated and mirrored,
+// over either set of coordinates, the vertices' alpha, the material's, two cutoffs in one mesh.
+std::shared_ptr<const scene::Scene> leaf_scene()
+{
+    scene::Scene scene;
+    Random random(9);
+    Image8 image(16, 8, 4);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 16; ++x) image.pixel(x, y)[3] = static_cast<std::uint8_t>(random.below(256));
+    for (const auto& [u, v] :
+         {std::pair(scene::Wrap::repeat, scene::Wrap::mirror), std::pair(scene::Wrap::clamp, scene::Wrap::repeat)}) {
+        scene::Sampler sampler;
+        sampler.wrap_u = u, sampler.wrap_v = v;
+        scene.textures.emplace_back("holes", image, true, sampler);
+    }
+    scene.materials.resize(4);
+    for (std::uint32_t m = 1; m < 4; ++m) {
+        scene::Material& material = scene.materials[m];
+        material.alpha_mode = scene::AlphaMode::mask;
+        material.alpha = 0.9f;
+        material.alpha_cutoff = 0.2f + 0.1f * static_cast<float>(m);
+        if (m == 3) continue;   // by the vertices alone
+        material.base_color_texture.texture = m - 1;
+        material.base_color_texture.texcoord = static_cast<int>(m - 1);
+        material.base_color_texture.rotation = 0.4f;
+        material.base_color_texture.scale = {2.3f, 1.7f};
+        material.base_color_texture.offset = {-0.6f, 0.2f};
+    }
+    scene::Mesh leaf;
+    leaf.positions = {{0, 0, 0}, {1, 0, 0.2f}, {0.2f, 1, 0}, {1, 1, 0.3f}, {0.5f, 2, -0.2f}};
+    leaf.triangles = {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {0, 2, 4}};
+    leaf.parts = {{1, 0, 1}, {2, 1, 1}, {3, 2, 1}, {0, 3, 1}};
+    for (std::size_t i = 0; i < leaf.positions.size(); ++i) {
+        for (auto& set : leaf.texcoords) set.emplace_back(random.uniform(-1, 2), random.uniform(-1, 2));
+        leaf.colors.emplace_back(1, 1, 1, random.uniform(0.2f, 1));
+    }
+    scene.meshes = {leaf};
+    for (int i = 0; i < 60; ++i) {
+        const scene::NodeId node = test::add_object(scene, 0, scene::none, test::random_placement(random, 3));
+        if (i % 3 == 0)
+            scene.nodes[node].transform =
+                std::make_shared<test::SwayTrack>(glm::dvec3(random.uniform(-3.0f, 3.0f), 0, 1), 40u + i);
+    }
+    return test::finished(scene);
+}
+
+TEST_F(DeviceRaysVulkan, LeavesWithHoles)
+{
+    GNOMON_NEED_RAYS;
+    follow(device_, leaf_scene(), {0, 0.2, 1});
 }
 
 // A ball, one half of which follows a moving joint, in a ring of balls that stand still.
