@@ -351,9 +351,20 @@ void GpuPoints::sum(std::span<const SumRequest> points, PointSums& sums)
               [](const auto& a, const auto& b) { return std::pair(a.point, a.place) < std::pair(b.point, b.place); });
 }
 
+void GpuPoints::trace_with(std::unique_ptr<DeviceRays> rays, const gpu_scene::GpuScene& scene)
+{
+    rays_ = std::move(rays);
+    scene_ = &scene;
+}
+
+void GpuPoints::blocked(const ray::RayQueue& rays, std::uint8_t* blocked, ray::Against against)
+{
+    if (!rays.empty()) rays_->blocked(commands_, *scene_, rays, blocked, against);
+}
+
 std::size_t GpuPoints::bytes() const
 {
-    std::size_t sum = 0;
+    std::size_t sum = rays_ ? rays_->bytes() : 0;
     for (const vk::Buffer* buffer : {&quads_, &children_, &roots_, &places_, &flux_, &spheres_, &changed_, &requests_,
                                      &cuts_, &count_, &nodes_, &lights_, &crossed_})
         if (*buffer) sum += buffer->bytes();

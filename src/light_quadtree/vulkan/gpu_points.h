@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "light_quadtree/point_engine.h"
+#include "light_quadtree/vulkan/device_rays.h"
 #include "light_quadtree/vulkan/points_shared.h"
 #include "vk/commands.h"
 
@@ -25,7 +26,14 @@ class GpuPoints : public PointEngine {
     void keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists) override;
     void forget(const KeptNodes& list) override;
     void sum(std::span<const SumRequest> points, PointSums& sums) override;
+    /// Of rays() as well.
     std::size_t bytes() const override;
+
+    /// From now on it answers rays; both must follow the scene, with their commands done, whenever it is asked.
+    void trace_with(std::unique_ptr<DeviceRays> rays, const gpu_scene::GpuScene& scene);
+    DeviceRays* rays() { return rays_.get(); }
+    bool traces() const override { return rays_ != nullptr; }
+    void blocked(const ray::RayQueue& rays, std::uint8_t* blocked, ray::Against against) override;
 
     /// Cuts longer than the device had room for, which the processor made, so far.
     std::uint64_t long_cuts() const { return long_cuts_; }
@@ -52,6 +60,8 @@ class GpuPoints : public PointEngine {
     std::uint32_t end_ = 0;
     std::vector<std::vector<std::uint32_t>> free_;
     std::uint64_t long_cuts_ = 0;
+    std::unique_ptr<DeviceRays> rays_;   // null: it answers none
+    const gpu_scene::GpuScene* scene_ = nullptr;
 };
 
 }   // namespace gnomon::light_quadtree

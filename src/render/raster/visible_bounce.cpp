@@ -34,14 +34,23 @@ VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const sc
       rays_(rays),
       tasks_(tasks),
       light_(state, rays, options, tasks),
-      on_device_(on_device),
       scratch_(static_cast<std::size_t>(tasks.threads()))
 {
-    if (on_device) light_.set_engine(std::make_unique<light_quadtree::GpuPoints>(device));
+    if (!on_device) return;
+    auto points = std::make_unique<light_quadtree::GpuPoints>(device);
+    on_device_ = points.get();
+    light_.set_engine(std::move(points));
 }
 
-void VisibleBounce::update(vk::Commands&, const gpu_scene::GpuScene&, const scene::SceneState& state)
+void VisibleBounce::update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state)
 {
+    using light_quadtree::DeviceRays;
+    if (on_device_ && on_device_->rays()) {
+        on_device_->rays()->update(commands, scene, state);
+    } else if (on_device_ && DeviceRays::supported(*device_)) {
+        commands.submit();   // it builds from the scene as it is on the device
+        on_device_->trace_with(std::make_unique<DeviceRays>(device_, scene, state, &rays_), scene);
+    }
     light_.begin_frame(state, rays_, tasks_);
     batches_.clear();
     for (std::size_t t = 0; t < scratch_.size(); ++t) batches_.push_back(light_.make_batch());
@@ -124,7 +133,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
 FrameCounters::Indirect VisibleBounce::end_frame()
 {
     light_.end_frame(batches_);
-    return {light_.counters().nodes, light_.counters().rays, on_device_, false};
+    return {light_.counters().nodes, light_.counters().rays, on_device_ != nullptr, on_device_ && on_device_->traces()};
 }
 
 }   // namespace gnomon::render

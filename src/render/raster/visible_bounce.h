@@ -11,12 +11,17 @@
 #include "light_quadtree/visible_light.h"
 #include "render/raster/gbuffer.h"
 
+namespace gnomon::light_quadtree {
+class GpuPoints;
+}
+
 namespace gnomon::render {
 
 class VisibleBounce final : public BouncedLight {
  public:
     /// @param rays       follows the state before every frame; like `tasks`, must outlive this
-    /// @param on_device  cuts and sums are the device's (light_quadtree/vulkan/gpu_points.h)
+    /// @param on_device  cuts and sums are the device's (light_quadtree/vulkan/gpu_points.h); so are rays of points, if
+    /// it traces rays (device_rays.h), from the first update() on
     /// @throws MissingError  too little device memory
     VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
                   const light_quadtree::VisibleOptions& options, bool on_device, Tasks& tasks);
@@ -37,7 +42,7 @@ class VisibleBounce final : public BouncedLight {
     const ray::RayScene& rays_;
     Tasks& tasks_;
     light_quadtree::VisibleLight light_;
-    bool on_device_;
+    light_quadtree::GpuPoints* on_device_ = nullptr;   // its engine, if cuts and sums are the device's
     std::vector<std::unique_ptr<light_quadtree::VisibleLight::Batch>> batches_;   // by thread
     std::vector<Scratch> scratch_;
     std::vector<glm::vec4> arrives_;   // by pixel
