@@ -231,8 +231,8 @@ std::shared_ptr<const scene::Scene> skinned_scene()
     mesh.skin.emplace();
     for (const glm::vec3& p : mesh.positions) {
         const float weight = std::clamp(0.5f * p.y + 0.5f, 0.0f, 1.0f);
-        mesh.skin->joints[0].push_back({0, 1, 0, 0});
-        mesh.skin->weights[0].push_back({1 - weight, weight, 0, 0});
+        mesh.skin->joints[0].emplace_back(0, 1, 0, 0);
+        mesh.skin->weights[0].emplace_back(1 - weight, weight, 0, 0);
     }
     const scene::NodeId still = scene.add_node("still", scene::none), moving = scene.add_node("moving", scene::none);
     scene.nodes[moving].transform = std::make_shared<test::SwayTrack>(glm::dvec3(0), 5, 1.5);
@@ -261,7 +261,7 @@ scene::Mesh box_mesh()
                 p[static_cast<int>((axis + 1) % 3)] = corner.x;
                 p[static_cast<int>((axis + 2) % 3)] = corner.y;
                 mesh.positions.push_back(p);
-                mesh.normals.push_back(glm::vec3(0));
+                mesh.normals.emplace_back(glm::vec3(0));
                 mesh.normals.back()[static_cast<int>(axis)] = side;
             }
             mesh.triangles.emplace_back(first, first + 1, first + 2);
