@@ -66,6 +66,8 @@ TEST(VulkanProgram, SaysWhereBouncedLightIsMade)
     const auto by_device = indirect("visible", "vulkan"), by_processor = indirect("visible", "cpu");
     EXPECT_EQ(by_device["cut"], "vulkan");
     EXPECT_EQ(by_device["gather"], "vulkan");
+    const auto devices = run({"devices", "--json"}).json();
+    EXPECT_EQ(by_device["visibility"] == "vulkan", devices["vulkan"]["devices"][0]["traces_rays"].get<bool>());
     EXPECT_EQ(by_processor["cut"], "cpu");
     EXPECT_EQ(by_processor["visibility"], "cpu");
     EXPECT_EQ(by_processor["gather"], "cpu");

@@ -27,7 +27,8 @@ class GpuPointsTest : public test::VulkanTest {};
 constexpr double k_nodes_that_differ = 1e-3;   // share of cuts' nodes: on the edge of being refined
 constexpr double k_weight_tolerance = 1e-4;    // of weights, over themselves; more where the kernel cancels
 constexpr double k_sum_tolerance = 1e-5;       // over the sum of all lengths
-constexpr double k_light_tolerance = 1e-4;     // of a picture's light, over its mean
+constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // where rays are the device's own
+constexpr double k_light_tolerance = 1e-4;                          // of a picture's light, over its mean
 
 // What a camera sees, at every pixel, with shading as flat as the triangles.
 std::vector<IndirectPoint> seen_points(const World& world, int side)
@@ -250,6 +251,7 @@ struct Lighting {
     int threads = 2;
     std::size_t memory = 16u << 20;
     std::uint64_t most_rays = 0;
+    bool traces = false;   // rays of points are the device's, too
 
     std::vector<glm::vec3> operator()(const char* name, const std::vector<int>& frames, int side = 96) const
     {
@@ -257,14 +259,33 @@ struct Lighting {
         VisibleOptions options;
         options.memory = memory;
         VisibleLight visible(world.state, world.rays, options, world.tasks);
-        if (device) visible.set_engine(std::make_unique<GpuPoints>(device));
+        std::unique_ptr<gpu_scene::GpuScene> scene;
+        GpuPoints* engine = nullptr;
+        if (device) {
+            auto made = std::make_unique<GpuPoints>(device);
+            engine = made.get();
+            visible.set_engine(std::move(made));
+        }
+        if (traces) {
+            scene = std::make_unique<gpu_scene::GpuScene>(device, world.state);
+            engine->trace_with(std::make_unique<DeviceRays>(device, *scene, world.state, &world.rays), *scene);
+        }
         visible.limit_rays(most_rays);
+        const auto follow = [&] {
+            if (!traces) return;
+            vk::Commands commands(device);
+            scene->update(commands, world.state);
+            engine->rays()->update(commands, *scene, world.state);
+            commands.submit();
+        };
         std::vector<glm::vec3> light;
         for (std::size_t f = 0; f < frames.size(); ++f) {
             if (f > 0) world.go(frames[f]);
+            if (f > 0) follow();
             light_frame(world, visible, side, light);
             for (int more = 0; visible.lacks_points() && more < 300; ++more) {
                 world.go(frames[f]);
+                follow();
                 light_frame(world, visible, side, light);
             }
         }
@@ -332,6 +353,29 @@ TEST_F(GpuPointsTest, LightIsTheSameColdAndWarmAndForAnyNumberOfThreads)
         EXPECT_TRUE(same_bits(cold, Lighting{device_, 3}(name, {6, 7, 8}, 64))) << name;
         EXPECT_TRUE(same_bits(cold, Lighting{device_, 2, 1 << 12}(name, {20, 3, 8}, 64))) << name << ": little memory";
         EXPECT_FALSE(same_bits(cold, Lighting{device_, 1}(name, {7}, 64))) << name << ": something moves";
+    }
+}
+
+// Rays that graze an edge may fall otherwise: few points, each in one of its nodes.
+TEST_F(GpuPointsTest, LightByTheDevicesRaysIsTheProcessors)
+{
+    if (!DeviceRays::supported(*device_)) GTEST_SKIP() << "the device traces no rays";
+    for (const char* name : {"cornell", "kinetic"}) {
+        const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}, 64);
+        Lighting by_rays{device_};
+        by_rays.traces = true;
+        const std::vector<glm::vec3> by_device = by_rays(name, {20, 21}, 64);
+        ASSERT_EQ(by_device.size(), by_processor.size());
+        double sum = 0, off = 0;
+        std::size_t differ = 0;
+        for (std::size_t i = 0; i < by_device.size(); ++i) {
+            const auto a = static_cast<double>(by_processor[i].y), b = static_cast<double>(by_device[i].y);
+            sum += a, off += std::abs(a - b);
+            differ += std::abs(a - b) > 1e-4 * std::max(a, b) + 1e-6;
+        }
+        EXPECT_LE(off, k_grazing_light * sum) << name;
+        EXPECT_LE(static_cast<double>(differ), k_grazing_points * static_cast<double>(by_device.size())) << name;
+        EXPECT_TRUE(same_bits(by_device, by_rays(name, {21}, 64))) << name << ": cold as warm";
     }
 }
 
