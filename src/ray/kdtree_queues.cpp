@@ -19,7 +19,8 @@ void RayScene::Inside::closest_on_kdtree(const RayQueue& rays, std::size_t begin
         const Hit hit =
             kdtree->closest(rays.origin(i), rays.tnear[i], rays.direction(i), rays.tfar[i], sides, counts, against);
         hits.object[i] = hit.object, hits.triangle[i] = hit.triangle;
-        hits.t[i] = hit.t, hits.u[i] = hit.u, hits.v[i] = hit.v;
+        const glm::vec2 uv = off_edges(hit.u, hit.v);
+        hits.t[i] = hit.t, hits.u[i] = uv.x, hits.v[i] = uv.y;
     }
     add_to_kdtree_sums(rays.purpose, counts);
 }

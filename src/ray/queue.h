@@ -2,6 +2,7 @@
 #pragma once
 // Rays in bulk: structures of arrays, so that packets of 8 or 16 are loaded as they lie.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -48,8 +49,19 @@ struct RayQueue {
     std::size_t count_ = 0;
 };
 
+/// Where on a triangle a hit lies, off its edges by a few millionths: surfaces meet at their edges, and a point on one,
+/// by rounding behind the other, would be in its shadow.
+inline glm::vec2 off_edges(float u, float v)
+{
+    constexpr float k_off = 4e-6f;
+    u = std::max(u, k_off), v = std::max(v, k_off);
+    const float beyond = u + v - (1 - k_off);
+    if (beyond > 0) u > v ? u -= beyond : v -= beyond;
+    return {u, v};
+}
+
 /// What closest-hit rays met, in the queue's order. `object` is scene::none where a ray left the scene; the rest is
-/// then undefined. u, v: the hit is at (1-u-v) p0 + u p1 + v p2.
+/// then undefined. u, v: the hit is at (1-u-v) p0 + u p1 + v p2 (off_edges()).
 struct Hits {
     std::vector<float> t, u, v;
     std::vector<scene::ObjectId> object;

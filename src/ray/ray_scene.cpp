@@ -88,7 +88,8 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
             }
             const Met met = in.met(raw.geometry[i], raw.instance[i], raw.triangle[i], in_moving);
             hits.object[to] = met.object, hits.triangle[to] = met.triangle;
-            hits.t[to] = raw.t[i], hits.u[to] = raw.u[i], hits.v[to] = raw.v[i];
+            const glm::vec2 uv = off_edges(raw.u[i], raw.v[i]);
+            hits.t[to] = raw.t[i], hits.u[to] = uv.x, hits.v[to] = uv.y;
         }
     }
 }
@@ -172,7 +173,8 @@ Hit RayScene::closest_single(const glm::vec3& origin, float tnear, const glm::ve
         rtcIntersect1((in_moving ? in.moving : in.still).get(), &context.embree, &ray);
         if (ray.hit.geomID == k_nothing) continue;
         const Met met = in.met(ray.hit.geomID, ray.hit.instID[0], ray.hit.primID, in_moving);
-        hit = {ray.ray.tfar, ray.hit.u, ray.hit.v, met.object, met.triangle};
+        const glm::vec2 uv = off_edges(ray.hit.u, ray.hit.v);
+        hit = {ray.ray.tfar, uv.x, uv.y, met.object, met.triangle};
     }
     return hit;
 }
