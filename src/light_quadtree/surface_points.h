@@ -8,6 +8,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -24,15 +25,17 @@ inline constexpr std::uint32_t k_no_owner = scene::none - 1;
 
 struct RememberedPoint {
     AnchorKey key = 0;
-    bool exists = false;                // the anchor meets a surface
-    bool waits = false;                 // for its light, from a PointEngine
-    glm::vec3 position{0}, origin{0};   // on the surface; where rays start
-    glm::vec3 normal{0};                // unit, shading
+    bool exists = false;     // the anchor meets a surface
+    bool waits = false;      // for its light, from a PointEngine
+    float lift = 0;          // of where rays start
+    glm::vec3 position{0};   // on the surface
+    glm::vec3 normal{0};     // unit, shading
     glm::vec3 geometric_normal{0};
     // Of near light: free[0] is how far what lies nearest is.
     // Of lattice anchors: how far the way is open along the lattice, -b +b -c +c; and how much less of it is open a
     // unit further along the other axis, as what ends it stands.
-    float free[4] = {0, 0, 0, 0}, slope[4] = {0, 0, 0, 0};
+    float free[4] = {0, 0, 0, 0};
+    std::int16_t slopes[4] = {0, 0, 0, 0};
     // By colour: irradiance is dot(light, normal), near this point's own normal. If nothing moved; and present.
     glm::vec3 still[3] = {}, light[3] = {};
     std::uint32_t owner = k_no_owner;   // of what moves: EmitterTree::owner_of()
@@ -44,6 +47,11 @@ struct RememberedPoint {
     std::unique_ptr<SeenNode[]> seen;
     SkyMask sky;                                       // directions that it sees past everything static
     std::atomic<std::uint32_t> claimed{0}, ready{0};   // frames
+
+    glm::vec3 origin() const { return position + lift * geometric_normal; }
+    static constexpr float k_steepest = 4;   // slope
+    float slope(int way) const { return static_cast<float>(slopes[way]) * (k_steepest / 32767); }
+    void set_slope(int way, float s) { slopes[way] = static_cast<std::int16_t>(std::lround(s * (32767 / k_steepest))); }
 };
 
 class SurfacePoints {

@@ -330,13 +330,13 @@ void VisibleLight::fill_cells(Batch& batch) const
             const float room = k_room * lattice_spacing(from.key);
             // Nothing is open to what is not there.
             const auto open = [&](int way) {   // across what ends it
-                return from.free[way] + room * std::sqrt(1 + from.slope[way] * from.slope[way]);
+                return from.free[way] + room * std::sqrt(1 + from.slope(way) * from.slope(way));
             };
             cell.low_b[i] = from.exists ? p[b] - open(0) : k_infinity;
             cell.high_b[i] = p[b] + open(1);
             cell.low_c[i] = p[c] - open(2);
             cell.high_c[i] = p[c] + open(3);
-            for (int way = 0; way < 4; ++way) cell.slope[way][i] = from.slope[way];
+            for (int way = 0; way < 4; ++way) cell.slope[way][i] = from.slope(way);
             for (int colour = 0; colour < 3; ++colour)
                 for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
         }
@@ -435,7 +435,7 @@ void VisibleLight::place(Batch& batch)
                 RememberedPoint& point = *search.point;
                 point.exists = true;
                 point.position = w * p[0] + u * p[1] + v * p[2];
-                point.origin = point.position + ray::origin_lift(p) * normal;
+                point.lift = ray::origin_lift(p);
                 point.geometric_normal = point.normal = normal;
                 if (geometry.normals) {
                     const glm::uvec3 index = geometry.mesh->triangles[hits.triangle[s]];
@@ -471,7 +471,7 @@ void VisibleLight::open_ways(Batch& batch)
             glm::vec3 d(0);
             d[along] = way % 2 ? 1.0f : -1.0f;
             d[axis] = -d[along] * n[along] / n[axis];   // in the surface's plane
-            batch.rays.push(point->origin + k_height * h * n, 0, d * h, k_reach);
+            batch.rays.push(point->origin() + k_height * h * n, 0, d * h, k_reach);
         }
     }
     batch.hits.resize(batch.rays.size());
@@ -483,7 +483,7 @@ void VisibleLight::open_ways(Batch& batch)
         for (int way = 0; way < 4; ++way, ++r) {
             const bool open = batch.hits.object[r] == scene::none;
             point->free[way] = open ? k_reach * h : batch.hits.t[r] * h;
-            point->slope[way] = open ? 0 : slope_of_end(*point, way, batch.hits.object[r], batch.hits.triangle[r]);
+            point->set_slope(way, open ? 0 : slope_of_end(*point, way, batch.hits.object[r], batch.hits.triangle[r]));
         }
     }
 }
@@ -492,7 +492,7 @@ void VisibleLight::open_ways(Batch& batch)
 float VisibleLight::slope_of_end(const RememberedPoint& point, int way, scene::ObjectId object,
                                  std::uint32_t triangle) const
 {
-    constexpr float k_steepest = 4;   // what stands along the way ends it by chance
+    constexpr float k_steepest = RememberedPoint::k_steepest;   // what stands along the way ends it by chance
     glm::vec3 p[3];
     rays_->geometry(object).corners(triangle, p);
     const glm::vec3 wall = glm::cross(p[1] - p[0], p[2] - p[0]), &n = point.geometric_normal;
@@ -516,7 +516,7 @@ void VisibleLight::push_ways(Batch& batch, const RememberedPoint& point, std::sp
 {
     const bool parted = point.owner == k_no_owner && (!is_lattice(point.key) || near_at(lattice_spacing(point.key)));
     for (std::size_t k = 0; k < cut.size(); ++k) {
-        const glm::vec3 to = emitters_.samples().at(cut[k]) - point.origin;
+        const glm::vec3 to = emitters_.samples().at(cut[k]) - point.origin();
         const float distance = glm::length(to);
         const float cosine = glm::dot(to, point.normal) / distance;
         if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
@@ -525,7 +525,7 @@ void VisibleLight::push_ways(Batch& batch, const RememberedPoint& point, std::sp
         // Near light comes to static points by rays of its own.
         const float share = parted ? far_share(distance, near_.options().radius) : 1;
         if (!(share > 0)) continue;
-        batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
+        batch.rays.push(point.origin(), 0, to, options_.emitters.ray_end);
         batch.entries.push_back(cut[k]);
         batch.entry_weight.push_back(share * weight[k] / std::max(cosine, k_least_cosine));
     }
@@ -559,7 +559,7 @@ void VisibleLight::see(Batch& batch)
         for (; next < batch.claimed.size() && batch.rays.size() < k_rays; ++next) {
             RememberedPoint& point = *batch.claimed[next];
             if (!point.exists || point.version == version || is_near(point.key)) continue;
-            cut_tree(emitters_, cut_options(point), point.origin, point.normal, batch.cut, batch.cut_weight,
+            cut_tree(emitters_, cut_options(point), point.origin(), point.normal, batch.cut, batch.cut_weight,
                      batch.stack);
             batch.fresh.push_back({&point, batch.entries.size()});
             push_ways(batch, point, batch.cut, batch.cut_weight);
@@ -580,7 +580,7 @@ void VisibleLight::see(Batch& batch)
             std::uint32_t k = 0;
             for (std::size_t e = first; e < last; ++e)
                 if (!batch.blocked[e]) point.seen[k++] = pack_seen(batch.entries[e], batch.entry_weight[e]);
-            sum_seen(emitters_, point.seen.get(), padded, point.origin, point.still);
+            sum_seen(emitters_, point.seen.get(), padded, point.origin(), point.still);
             point.version = version;
             point.movers_version = 0;
             ++batch.counters.new_points;
@@ -603,7 +603,7 @@ void VisibleLight::see_sky(Batch& batch)
     };
     for (const Batch::Fresh& fresh : batch.fresh)
         for (std::size_t i = 0; i < k_sky_directions; ++i)
-            if (faces(*fresh.point, i)) batch.rays.push(fresh.point->origin, 0, sky_.direction(i), k_infinity);
+            if (faces(*fresh.point, i)) batch.rays.push(fresh.point->origin(), 0, sky_.direction(i), k_infinity);
     ask(batch, batch.rays, ray::Against::static_only);
     std::size_t r = 0;
     for (const Batch::Fresh& fresh : batch.fresh) {
@@ -624,7 +624,7 @@ void VisibleLight::shade_sky(Batch& batch, RememberedPoint& point)
     SkyMask near;
     movers_.any(
         [&](const Sphere& sphere) {
-            near = sky_.towards(sphere.centre - point.origin, sphere.radius) & point.sky;
+            near = sky_.towards(sphere.centre - point.origin(), sphere.radius) & point.sky;
             return near.any();
         },
         [&](const Sphere&) {
@@ -633,7 +633,7 @@ void VisibleLight::shade_sky(Batch& batch, RememberedPoint& point)
         });
     hidden.for_each([&](std::size_t i) {
         add_light(point, -sky_.light(i), sky_.direction(i));
-        batch.rays.push(point.origin, 0, sky_.direction(i), k_infinity);
+        batch.rays.push(point.origin(), 0, sky_.direction(i), k_infinity);
         batch.shares.push_back({&point, sky_.light(i), sky_.direction(i)});
     });
 }
@@ -657,11 +657,11 @@ void VisibleLight::sum(Batch& batch)
         std::copy(point.still, point.still + 3, point.light);
         if (movers_.empty() && !emitters_.any_differs()) continue;
         batch.changed.clear();
-        find_changed(emitters_, point.seen.get(), point.count, point.origin, movers_, batch.changed);
+        find_changed(emitters_, point.seen.get(), point.count, point.origin(), movers_, batch.changed);
         for (const ChangedNode& changed : batch.changed) {
             const SeenNode seen = point.seen[changed.place];
             const NodeId node = seen_node(seen);
-            const glm::vec3 to = samples.at(node) - point.origin;
+            const glm::vec3 to = samples.at(node) - point.origin();
             const glm::vec3 direction = to * (seen_weight(seen) / glm::length(to));
             const glm::vec3 now = flux.at(node);
             if (!changed.crossed) {
@@ -671,7 +671,7 @@ void VisibleLight::sum(Batch& batch)
             add_light(point, -still.at(node), direction);
             if (now == glm::vec3(0)) continue;
             // It is added again once it is known to arrive.
-            batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
+            batch.rays.push(point.origin(), 0, to, options_.emitters.ray_end);
             batch.shares.push_back({&point, now, direction});
         }
         if (sky_.any()) shade_sky(batch, point);
@@ -703,7 +703,7 @@ void VisibleLight::bounce_off_movers(Batch& batch, RememberedPoint& point)
     if (emitters_.movers().empty()) return;
     const float still = luminance(at_part(point, point.normal));
     for (const MoverEmitter& emitter : emitters_.movers()) {
-        const glm::vec3 to = emitter.sample - point.origin;
+        const glm::vec3 to = emitter.sample - point.origin();
         const float square = glm::dot(to, to), distance = std::sqrt(square);
         const float cosine = glm::dot(to, point.normal), facing = -glm::dot(to, emitter.normal);
         if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.geometric_normal) > 0)) continue;
@@ -715,7 +715,7 @@ void VisibleLight::bounce_off_movers(Batch& batch, RememberedPoint& point)
             add_light(point, emitter.flux, direction);
             continue;
         }
-        batch.bounce_rays.push(point.origin, 0, to, options_.emitters.ray_end);
+        batch.bounce_rays.push(point.origin(), 0, to, options_.emitters.ray_end);
         batch.bounces.push_back({&point, emitter.flux, direction});
     }
 }

@@ -134,7 +134,7 @@ void VisibleLight::replace_hidden(Batch& batch, std::span<const IndirectPoint> p
         if (const Part of = part_of(part.key); of.triangle != own || of.level == 0) continue;
         const glm::vec3 way = point.position + aside(point, k_before) - part.position;
         if (!part.exists || !(part.free[0] * part.free[0] < k_doubt * k_doubt * glm::dot(way, way))) continue;
-        batch.rays.push(part.origin, 0, way, k_end);
+        batch.rays.push(part.origin(), 0, way, k_end);
         batch.doubted.push_back(k);
     }
     const std::size_t count = batch.rays.size();
@@ -189,7 +189,7 @@ void VisibleLight::see_near(Batch& batch)
                 RememberedPoint& point = *batch.claimed[next];
                 if (!point.exists || !is_near(point.key) || !wanted(point)) continue;
                 batch.near_asked.push_back(&point);
-                batch.near_receivers.push_back({point.origin, point.normal, point.geometric_normal});
+                batch.near_receivers.push_back({point.origin(), point.normal, point.geometric_normal});
             }
             batch.near_answers.resize(batch.near_asked.size());
             near_.ask(*state_, *rays_, batch.near_receivers.data(), batch.near_receivers.size(), against, batch.near,
@@ -232,7 +232,7 @@ bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
     const scene::Scene& scene = state_->scene();
     // From the point to `way` beyond it; without an end if `endless`.
     const auto meets = [&](const Sphere& sphere, const glm::vec3& way, bool endless) {
-        const glm::vec3 at = sphere.centre - point.origin;
+        const glm::vec3 at = sphere.centre - point.origin();
         const float square = glm::dot(way, way);
         float along = square > 0 ? std::max(glm::dot(at, way) / square, 0.0f) : 0.0f;
         if (!endless) along = std::min(along, 1.0f);
@@ -245,7 +245,7 @@ bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
         const scene::LightState& at = state_->light(l);
         if (!at.visible || light.of_environment) continue;
         const bool endless = light.type == scene::LightType::directional;
-        const glm::vec3 way = endless ? -at.direction : at.position - point.origin;
+        const glm::vec3 way = endless ? -at.direction : at.position - point.origin();
         if (movers_.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
                         [](const Sphere&) { return true; }))
             return true;

@@ -181,7 +181,7 @@ void VisibleLight::place_part(RememberedPoint& point) const
     if (!point.exists) return;
     normal /= part.front ? length : -length;
     point.position = w * p[0] + uv.x * p[1] + uv.y * p[2];
-    point.origin = point.position + ray::origin_lift(p) * normal;
+    point.lift = ray::origin_lift(p);
     point.geometric_normal = point.normal = normal;
     if (geometry.normals) {
         const glm::uvec3 index = geometry.mesh->triangles[triangle];

@@ -78,7 +78,7 @@ void VisibleLight::light_some(std::span<RememberedPoint* const> points, std::spa
     for (RememberedPoint* point : points) {
         if (point->movers_version == movers_version_) continue;
         some.push_back(point);
-        wanted.push_back({point->origin, {point->kept, point->count}});
+        wanted.push_back({point->origin(), {point->kept, point->count}});
     }
     PointSums sums;
     engine_->sum(wanted, sums);
@@ -102,8 +102,8 @@ void VisibleLight::light_some(std::span<RememberedPoint* const> points, std::spa
                 point.light[colour] = point.still[colour] + sums.light[p].of[colour];
             for (; crossed != sums.crossed.end() && crossed->point == p; ++crossed) {
                 const NodeId node = seen_node(crossed->seen);
-                const glm::vec3 to = emitters_.samples().at(node) - point.origin;
-                batch.rays.push(point.origin, 0, to, options_.emitters.ray_end);
+                const glm::vec3 to = emitters_.samples().at(node) - point.origin();
+                batch.rays.push(point.origin(), 0, to, options_.emitters.ray_end);
                 batch.shares.push_back(
                     {&point, emitters_.flux().at(node), to * (seen_weight(crossed->seen) / glm::length(to))});
             }
@@ -125,7 +125,7 @@ void VisibleLight::see_waiting(std::span<RememberedPoint* const> points,
     std::vector<CutRequest> wanted;
     for (RememberedPoint* point : points) {
         const CutOptions cut = cut_options(*point);
-        wanted.push_back({point->origin, cut.error, point->normal, cut.estimate});
+        wanted.push_back({point->origin(), cut.error, point->normal, cut.estimate});
         if (point->count > 0) engine_->forget({point->kept, point->count});
     }
     PointCuts cuts;
