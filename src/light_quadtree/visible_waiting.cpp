@@ -38,6 +38,7 @@ void VisibleLight::wait(Batch& batch)
     see_near(batch);
     const std::uint32_t version = emitters_.geometry_version();
     for (RememberedPoint* point : batch.claimed) {
+        point->waits = false;   // of a frame that failed
         if (!point->exists) point->version = version;
         if (!point->exists || is_near(point->key)) continue;
         const bool fresh = point->version != version;

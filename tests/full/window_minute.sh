@@ -66,7 +66,7 @@ header; typed 1; again; typed auto; chosen 2; again; chosen 1; chosen 1; pause 1
 typed 0; again; typed ''; again; again; chosen 0; close                                               # look
 header; chosen 1; again; chosen 0; again; chosen 2; chosen 1; again; chosen 2; typed 2; close         # shadows
 header; chosen 1; pause 1; again; chosen 2; pause 1; again; chosen 0; again; chosen 3                 # indirect light
-typed 8; typed 64; typed 4; typed 0.1; typed 0.8; chosen 1; close
+typed 8; chosen 2; typed 64; typed 4; typed 0.1; typed 0.8; chosen 1; close
 
 # The ball at its first place: picked, frozen, and moved by hand while the clip plays on.
 step "key c"; step "key space"; step "key Home"; pause 3
@@ -105,7 +105,7 @@ print(f"{ended - began:.0f} s of input, {seen['window_frames']} window frames, t
 faults = []
 every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "samples", "max-depth", "accelerator",
          "exposure", "tonemap", "overlay", "overlay-light", "shadow-culling", "shadow-textures", "shadow-filter",
-         "indirect", "indirect-memory", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold", "receivers"}
+         "indirect", "indirect-memory", "indirect-on", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold", "receivers"}
 if missing := every - set(seen["options_set"]):
     faults.append("not set: " + ", ".join(sorted(missing)))
 if seen["frozen"] != ["ball"] or seen["moved"] != ["ball"]:
