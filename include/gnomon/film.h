@@ -47,7 +47,7 @@ struct FilmResult {
 };
 
 /// @param on_frame  called after each frame is complete; optional
-/// @throws UsageError        a pattern or range that makes no sense
+/// @throws UsageError        a pattern or range that makes no sense; more lights than an .exr has room for layers
 /// @throws MissingError      no ffmpeg, unwritable folder, full disk
 /// @throws InterruptedError  progress returned false; complete frames stay for --resume
 FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& job, const Progress& progress = {},

@@ -34,7 +34,8 @@ struct Picture {
     /// Exposed, tone-mapped and encoded: width * height * 3 bytes.
     std::vector<std::uint8_t> to_srgb8() const;
     /// Writes .png (tone-mapped), or .exr (all layers, linear, without exposure). The file appears whole or not at all.
-    /// @throws UsageError for another extension; MissingError if it cannot be written
+    /// @throws UsageError    another extension; more channels than fit an .exr: 16,384, less if over 2,047 pixels wide
+    /// @throws MissingError  it cannot be written
     void write(const std::filesystem::path& file) const;
 };
 

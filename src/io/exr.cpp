@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <new>
 
@@ -22,7 +23,8 @@
 namespace gnomon::io {
 
 namespace {
-constexpr int k_threads = 0;   // the library's: none beside ours
+constexpr int k_threads = 0;      // the library's: none beside ours
+constexpr int k_zip_lines = 16;   // of a chunk
 
 class MemoryOut : public Imf::OStream {
  public:
@@ -110,9 +112,21 @@ std::vector<Layer> layers_of(const std::vector<std::string>& channels, const std
 }
 }   // namespace
 
+std::size_t room_in_exr(Size size)
+{
+    // OpenEXR writes larger chunks, but does not read them; it counts all lines, be they there or not.
+    const std::size_t chunk = sizeof(float) * k_zip_lines * static_cast<std::size_t>(size.width);
+    return std::min<std::size_t>(k_max_exr_channels, std::numeric_limits<std::int32_t>::max() / chunk);
+}
+
 void write_exr(const std::filesystem::path& file, Size size, std::span<const Layer> layers)
 {
     GNOMON_CHECK(size.width > 0 && size.height > 0 && !layers.empty());
+    std::size_t channels = 0;
+    for (const Layer& layer : layers) channels += layer.channels.size();
+    if (channels > room_in_exr(size))
+        throw UsageError(fmt::format("{}: {} channels; an .exr of {} x {} pixels has room for {}", file.string(),
+                                     channels, size.width, size.height, room_in_exr(size)));
     AtomicFile out(file);
     MemoryOut memory;
     try {
@@ -192,8 +206,13 @@ ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& na
 
 bool is_whole_exr(const std::filesystem::path& file, Size size)
 {
+    // Of a size that we write ourselves, be it more than is read from anywhere.
+    FloatImageLimits own;
+    own.max_side = std::max(size.width, size.height);
+    own.max_pixels = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+    own.max_file_bytes = std::numeric_limits<std::uint64_t>::max();
     try {
-        return check_exr(read_picture_bytes(file), file.string(), {}).size == size;
+        return check_exr(read_picture_bytes(file, own), file.string(), own).size == size;
     } catch (const InputError&) {
         return false;
     }

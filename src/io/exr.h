@@ -17,8 +17,12 @@
 
 namespace gnomon::io {
 
+/// How many channels a picture of this size may have, so that it can be written and read again: k_max_exr_channels, or
+/// less where it is wider than 2,047 pixels.
+std::size_t room_in_exr(Size size);
+
 /// The file appears whole or not at all.
-/// @throws MissingError if it cannot be written
+/// @throws UsageError for more channels than room_in_exr; MissingError if it cannot be written
 void write_exr(const std::filesystem::path& file, Size size, std::span<const Layer> layers);
 
 struct ExrPicture {

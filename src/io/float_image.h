@@ -12,12 +12,15 @@
 
 namespace gnomon::io {
 
+/// Channels of one OpenEXR file, written or read: a picture has one a light. OpenEXR keeps about a kilobyte of each.
+constexpr int k_max_exr_channels = 16384;
+
 struct FloatImageLimits {
     int max_side = 16384;
     std::uint64_t max_pixels = 1ull << 25;         // 8192 x 4096
     std::uint64_t max_values = 1ull << 27;         // pixels times channels: 512 MB
     std::uint64_t max_file_bytes = 1ull << 30;     // read into memory whole
-    int max_channels = 1024;                       // of one file
+    int max_channels = k_max_exr_channels;         // of one file
     std::uint64_t max_values_per_byte = 1 << 12;   // no compression we read packs more into one byte of the file
 };
 

@@ -11,6 +11,7 @@
 #include "io/video.h"
 #include "render/film_files.h"
 #include "render/frames_folder.h"
+#include "scene/scene.h"
 
 namespace gnomon {
 
@@ -23,7 +24,8 @@ namespace {
 constexpr double k_least_bytes_per_pixel = 0.1;
 constexpr int k_sheet_pictures = 12;
 constexpr int k_sheet_columns = 4;
-constexpr int k_overlay_warm_up = 8;   // frames before a single picture of what is remembered
+constexpr std::size_t k_channels_beside_shadows = 25;   // of all other layers, those of a reference among them
+constexpr int k_overlay_warm_up = 8;                    // frames before a single picture of what is remembered
 
 void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, OutputKind kind)
 {
@@ -42,6 +44,19 @@ void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, Output
     if (render::output_kind(job.contact_sheet) != OutputKind::picture || render::is_exr_name(job.contact_sheet))
         throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
     if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
+}
+
+// A layer of shadows for each light is much; what could not be read again is not begun.
+void check_layers(const Scene& scene, const RenderOptions& options, Size size, const fs::path& out)
+{
+    const bool layers = options.layers && (options.overlay == Overlay::none || options.overlay == Overlay::redrawn);
+    const std::size_t lights = scene.inside()->lights.size();
+    const std::size_t room = io::room_in_exr(size);
+    if (layers && render::is_exr_name(out) && lights + k_channels_beside_shadows > room)
+        throw UsageError(fmt::format(
+            "{}: {} lights; an .exr of {} x {} pixels has room for the shadows of {}: keep fewer with --lights N, "
+            "or write a .png",
+            out.string(), lights, size.width, size.height, room - std::min(room, k_channels_beside_shadows)));
 }
 
 void check_room(const fs::path& file, Size size, int frames)
@@ -110,6 +125,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
 
     FilmResult result;
     result.size = picture_size(scene, renderer.options());
+    check_layers(scene, renderer.options(), result.size, job.out);
     check_room(job.out, result.size, range.count());
 
     FramesFolder folder(job.out);

@@ -122,6 +122,28 @@ TEST(ExrOutput, NumberedSetsResume)
     EXPECT_TRUE(bytes_of(folder / "f2.exr") == second);
 }
 
+TEST(ExrOutput, HasNoMoreLightsThanCanBeReadAgain)
+{
+    const ScratchFolder folder;
+    std::string scene =
+        "v from 0 0 5 at 0 0 0 up 0 1 0 angle 40 hither 1 resolution 4 3\nf .8 .8 .8 1 0 0 0 0\n"
+        "s 0 0 0 1\n";
+    for (int i = 0; i < 17'000; ++i) scene += "l 1 2 5 .1 .1 .1\n";
+    std::ofstream(folder / "many.aff") << scene;
+    const auto render = [&](const std::string& name, const std::string& lights) {
+        return run({"render", folder / "many.aff", "-o", folder / name, "--lights", lights, "--indirect", "off",
+                    "--resume", "--json"});
+    };
+    ASSERT_EQ(render("many.exr", "16359").code, 0);
+    EXPECT_EQ(run({"compare", folder / "many.exr", folder / "many.exr", "--layer", "shadow.L16358"}).code, 0);
+    EXPECT_EQ(render("many.exr", "16359").json()["frames"][0]["ms"], 0) << "a whole picture was made again";
+
+    const Outcome more = render("more.exr", "16360");
+    expect_failure(more, 2, "more.exr: 16360 lights; an .exr of 4 x 3 pixels has room for the shadows of 16359");
+    EXPECT_FALSE(std::filesystem::exists(folder / "more.exr"));
+    EXPECT_EQ(render("more.png", "16360").code, 0);
+}
+
 TEST(EnvironmentOption, LightsTheScene)
 {
     const ScratchFolder folder;

@@ -32,9 +32,9 @@ std::vector<Layer> some_layers(Size size)
     Layer shadow{"shadow", {}, {}};
     for (int l = 0; l < 12; ++l) shadow.channels.push_back(fmt::format("L{}", l));
     layers.push_back(shadow);
+    const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     for (Layer& layer : layers)
-        for (std::size_t i = 0; i < layer.channels.size() * static_cast<std::size_t>(size.width * size.height); ++i)
-            layer.data.push_back(random.uniform(-2, 1000));
+        for (std::size_t i = 0; i < layer.channels.size() * pixels; ++i) layer.data.push_back(random.uniform(-2, 1000));
     layers[0].data[4] = std::numeric_limits<float>::infinity();
     return layers;
 }
@@ -103,6 +103,46 @@ TEST(Exr, WholeFilesAreTold)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     EXPECT_FALSE(is_whole_exr(scratch / "b.exr", {37, 21}));
     EXPECT_FALSE(is_whole_exr(scratch / "none.exr", {37, 21}));
+    // Frames of films may be larger than what is read.
+    const Size wide{FloatImageLimits{}.max_side + 1, 1};
+    const Layer line{"", {"Y"}, std::vector<float>(static_cast<std::size_t>(wide.width))};
+    write_exr(scratch / "wide.exr", wide, std::span(&line, 1));
+    EXPECT_TRUE(is_whole_exr(scratch / "wide.exr", wide));
+}
+
+TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
+{
+    const test::ScratchFolder scratch;
+    const Size size{3, 2};
+    Layer shadow{"shadow", {}, {}};
+    for (int l = 0; l < k_max_exr_channels; ++l) {
+        shadow.channels.push_back(fmt::format("L{}", l));
+        for (int i = 0; i < 6; ++i) shadow.data.push_back(static_cast<float>(shadow.data.size() % 1000));
+    }
+    ASSERT_EQ(room_in_exr(size), shadow.channels.size());
+    write_exr(scratch / "a.exr", size, std::span(&shadow, 1));
+    EXPECT_TRUE(is_whole_exr(scratch / "a.exr", size));
+    const ExrPicture back = decode_exr(bytes_of(scratch / "a.exr"), "a.exr");
+    ASSERT_EQ(back.layers.size(), 1u);
+    EXPECT_EQ(back.layers[0].channels, shadow.channels);
+    EXPECT_EQ(back.layers[0].data, shadow.data);
+
+    // One more is not even written.
+    shadow.channels.emplace_back("more");
+    shadow.data.resize(shadow.data.size() + 6);
+    EXPECT_THROW(write_exr(scratch / "b.exr", size, std::span(&shadow, 1)), UsageError);
+    EXPECT_FALSE(std::filesystem::exists(scratch / "b.exr"));
+}
+
+TEST(Exr, AWidePictureHasRoomForLess)
+{
+    // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, and does not read it.
+    EXPECT_EQ(room_in_exr({2047, 1}), 16384u);
+    EXPECT_EQ(room_in_exr({2048, 1}), 16383u);
+    EXPECT_EQ(room_in_exr({16384, 5000}), 2047u);
+    const test::ScratchFolder scratch;
+    const Layer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before anything is looked at
+    EXPECT_THROW(write_exr(scratch / "a.exr", {16384, 1}, std::span(&wide, 1)), UsageError);
 }
 
 TEST(Exr, SizesBeyondTheLimitsAreRefused)
