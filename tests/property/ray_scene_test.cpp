@@ -237,6 +237,37 @@ TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
     EXPECT_EQ(look_at(rays, 7).object, 0u);
 }
 
+TEST(RayScene, WhatShrinksToAPointComesBack)
+{
+    // At the origin nothing asks for a margin; elsewhere the place does. One part, and one of every kind of surface.
+    for (const double x : {0.0, 7.0})
+        for (const scene::Mesh& shape : {ball(two_sided), patchwork(1)}) {
+            scene::Scene scene;
+            add_materials(scene);
+            scene.meshes.push_back(shape);
+            scene::Mesh& mesh = scene.meshes[0];
+            mesh.skin.emplace();
+            mesh.skin->joints[0].assign(mesh.positions.size(), glm::u16vec4(0));
+            mesh.skin->weights[0].assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
+            const scene::NodeId joint = scene.add_node("joint", scene::none);
+            const glm::dmat4 there = translation(x, 0, 0);
+            scene.nodes[joint].transform = std::make_shared<JumpTrack>(1, glm::scale(there, glm::dvec3(0)), there);
+            scene.skins.push_back({"", {joint}, {glm::dmat4(1)}});
+            scene.nodes[add_object(scene, 0)].skin = 0;
+            SceneState state(finished(scene), 0);
+            ray::RayScene rays(state);
+            const ray::RayQueue queue = random_rays(1, 3000, 3);
+            EXPECT_EQ(count_hits(ask(rays, queue)), 0u) << x;
+            state.advance(2);
+            rays.update(state);
+            EXPECT_GT(count_hits(ask(rays, queue)), 0u) << x;
+            EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(state), queue)), 0u) << x;
+            state.advance(0.5);
+            rays.update(state);
+            EXPECT_EQ(count_hits(ask(rays, queue)), 0u) << x;
+        }
+}
+
 TEST(RayScene, FollowsWhatIsMovedByHand)
 {
     scene::Scene scene = scene_with_balls();
