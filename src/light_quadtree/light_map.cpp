@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
+#include "base/bits.h"
 #include "base/check.h"
 #include "light_quadtree/ball_footprint.h"
 #include "light_quadtree/diffuse.h"
@@ -13,11 +13,6 @@
 namespace gnomon::light_quadtree {
 
 namespace {
-
-bool same_bits(const LightNode& a, const LightNode& b)
-{
-    return std::memcmp(&a, &b, sizeof a) == 0;
-}
 
 // The radius of a rigid thing's ball about the middle of its box, in the space of its mesh.
 float ball_of(const scene::Scene& scene, const scene::Object& object)
@@ -91,7 +86,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     std::fill(valid_.begin() + static_cast<std::ptrdiff_t>(view.first),
               valid_.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
     const int tiles = view.side() / k_tile;
-    layers.slot.assign(static_cast<std::size_t>(tiles * tiles), -1);
+    layers.slot.assign(static_cast<std::size_t>(tiles) * static_cast<std::size_t>(tiles), -1);
     layers.kept.clear();
     layers.reach.assign(layers.slot.size(), {});
     layers.movers.assign(dynamics_.size(), {});
@@ -232,7 +227,8 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
         const auto from = [](int low, int tile_at) { return std::max(low - tile_at * k_tile, 0); };
         const auto to = [](int high, int tile_at) { return std::min(high - tile_at * k_tile, k_tile); };
         const TexelMask row = (k_whole_row >> (k_tile - to(rect.x1, x))) & (k_whole_row << from(rect.x0, x));
-        TexelMask& mask = covered[static_cast<std::size_t>(y * tiles + x)];
+        TexelMask& mask =
+            covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(tiles) + static_cast<std::size_t>(x)];
         for (int line = from(rect.y0, y); line < to(rect.y1, y); ++line) mask |= row << (line * k_tile);
     });
 

@@ -2,8 +2,8 @@
 #include "light_views/projection.h"
 
 #include <array>
-#include <cstring>
 
+#include "base/bits.h"
 #include "base/check.h"
 
 namespace gnomon::light_views {
@@ -96,7 +96,7 @@ ViewProjection orthographic(const glm::vec3& direction, const Box3& seen, const 
 
 bool ViewProjection::same_bits(const ViewProjection& other) const
 {
-    return std::memcmp(&clip_from_world, &other.clip_from_world, sizeof clip_from_world) == 0 && size == other.size;
+    return gnomon::same_bits(clip_from_world, other.clip_from_world) && size == other.size;
 }
 
 int view_count(const scene::Light& light, const SceneBounds& bounds, const ProjectionOptions& options)

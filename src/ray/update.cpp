@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // From frame to frame: what moved is placed anew, what deformed is refitted, and the movers' top level is rebuilt.
 #include <algorithm>
-#include <cstring>
 
+#include "base/bits.h"
 #include "ray/inside.h"
 
 namespace gnomon::ray {
@@ -117,7 +117,7 @@ bool RayScene::Inside::rides_along(const scene::SceneState& state, scene::Object
     };
     const scene::NodeId node = scene->objects[o].node;
     const glm::dmat4 by_group = expected(expected, node);
-    return std::memcmp(&by_group, &state.world(node), sizeof by_group) == 0;
+    return same_bits(by_group, state.world(node));
 }
 
 // Static objects that move, and passengers that move against their group, become solids of their own, for good.

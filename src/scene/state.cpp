@@ -2,8 +2,8 @@
 #include "scene/state.h"
 
 #include <algorithm>
-#include <cstring>
 
+#include "base/bits.h"
 #include "base/check.h"
 #include "scene/change_index.h"
 
@@ -22,11 +22,6 @@ struct SceneState::Index {
 };
 
 namespace {
-
-bool same_bits(const glm::dmat4& a, const glm::dmat4& b)
-{
-    return std::memcmp(&a, &b, sizeof a) == 0;
-}
 
 template <class T>
 void sort_unique(std::vector<T>& v)

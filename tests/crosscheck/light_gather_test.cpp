@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include <cstring>
-
+#include "base/bits.h"
 #include "base/random.h"
 #include "light_quadtree/map_light.h"
 #include "world.h"
@@ -34,7 +33,7 @@ Receivers random_receivers(std::size_t count)
 Receivers wall_receivers(int a_side)
 {
     Receivers receivers;
-    receivers.resize(static_cast<std::size_t>(4 * a_side * a_side));
+    receivers.resize(4 * static_cast<std::size_t>(a_side) * static_cast<std::size_t>(a_side));
     std::size_t i = 0;
     for (int y = 0; y < a_side; ++y)
         for (int x = 0; x < a_side; ++x) {
@@ -94,7 +93,7 @@ TEST(LightGather, EveryInstructionSetFindsTheSameBits)
     for (const std::int64_t target : targets) {
         choose(target);
         const std::vector<float> found = light();
-        EXPECT_EQ(std::memcmp(found.data(), best.data(), best.size() * sizeof(float)), 0) << hwy::TargetName(target);
+        EXPECT_TRUE(same_bits(found, best)) << hwy::TargetName(target);
     }
     choose(0);
 }

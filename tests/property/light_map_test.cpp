@@ -3,8 +3,7 @@
 // surfaces is true.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
+#include "base/bits.h"
 #include "base/random.h"
 #include "light_quadtree/ball_footprint.h"
 #include "light_quadtree/clusters.h"
@@ -24,7 +23,7 @@ std::size_t differing(const LightMap& a, const LightMap& b)
     if (a.nodes().size() != b.nodes().size()) return ~std::size_t{0};
     std::size_t count = 0;
     for (std::size_t id = 0; id < a.nodes().size(); ++id)
-        count += std::memcmp(&a.node(id), &b.node(id), sizeof(LightNode)) != 0 || a.valid(id) != b.valid(id);
+        count += !same_bits(a.node(id), b.node(id)) || a.valid(id) != b.valid(id);
     return count;
 }
 

@@ -3,8 +3,7 @@
 // repaired trees as good as new ones, and light where it must be.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
+#include "base/bits.h"
 #include "light_quadtree/visible_light.h"
 #include "render/traced_frame.h"
 #include "world.h"
@@ -34,11 +33,6 @@ std::vector<float> indirect_of(const char* name, std::vector<int> frames, int th
                             world.tasks, buffers, remembered);
     }
     return buffers.indirect.data;
-}
-
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b)
-{
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 TEST(VisibleLight, SameBytesColdAndWarm)
@@ -285,7 +279,8 @@ TEST(VisibleLight, LightComesRoundCornersAndBringsColour)
     constexpr int k_size = 64;
     const auto light = indirect_of("cornell", {1}, 2, k_size);
     const auto at = [&](int x, int y) {
-        const float* p = &light[3 * static_cast<std::size_t>(y * k_size + x)];
+        const float* p =
+            &light[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(k_size) + static_cast<std::size_t>(x))];
         return glm::vec3(p[0], p[1], p[2]);
     };
     const glm::vec3 ceiling = at(40, 4), green = at(58, 30), back_left = at(14, 20);

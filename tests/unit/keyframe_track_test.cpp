@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include "base/bits.h"
 
 namespace gnomon::scene {
 namespace {
@@ -102,7 +102,7 @@ TEST(KeyframeTrack, OutsideOfChangingTheValueIsTheSameToTheBit)
     const glm::dmat4 at_end = track.evaluate(1);
     for (const double t : {1.1, 1.333, 1.5, 1.99, 2.0, 7.0}) {
         const glm::dmat4 m = track.evaluate(t);
-        EXPECT_EQ(std::memcmp(&m, &at_end, sizeof m), 0) << t;
+        EXPECT_TRUE(same_bits(m, at_end)) << t;
     }
 }
 

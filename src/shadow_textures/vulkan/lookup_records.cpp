@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shadow_textures/vulkan/lookup_records.h"
 
-#include <cstring>
+#include "base/bits.h"
 
 namespace gnomon::shadow_textures {
 
 namespace {
-
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b)
-{
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
 
 shared::ViewRecord record_of(const light_views::LightView& view)
 {

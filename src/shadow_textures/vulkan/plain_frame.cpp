@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shadow_textures/vulkan/plain_frame.h"
 
-#include <cstring>
+#include "base/bits.h"
 
 namespace gnomon::shadow_textures {
 
@@ -53,8 +53,7 @@ void PlainFrame::record(vk::Commands& commands, const light_views::LightViews& v
     for (scene::ObjectId o = 0; o < views.object_count(); ++o)
         if (state.object_visible(o) && casters.opaque(o).index_count > 0)
             draws.push_back(casters.draw(o, casters.opaque(o)));
-    if (draws.size() != sent_draws_.size() ||
-        std::memcmp(draws.data(), sent_draws_.data(), draws.size() * sizeof draws[0]) != 0) {
+    if (!same_bits(draws, sent_draws_)) {
         const vk::Upload upload = vk::upload_of(draws_, std::span<const VkDrawIndexedIndirectCommand>(draws));
         commands.upload("plain frame's draws", std::span(&upload, 1));
         sent_draws_ = draws;
