@@ -33,11 +33,15 @@ struct World {
         const render::IndirectGrid grid = render::cast_indirect_grid(*scene, rays, view, step, tasks);
         const int side = k_size / step;
         Receivers receivers;
-        receivers.resize(static_cast<std::size_t>(side * side));
+        receivers.resize(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
         for (int y = 0; y < side; ++y)
             for (int x = 0; x < side; ++x) {
-                const MapReceiver& r = grid.receivers[static_cast<std::size_t>(y * grid.columns + x)];
-                receivers.set(static_cast<std::size_t>(y * side + x), r.position, r.normal);
+                const MapReceiver& r =
+                    grid.receivers[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.columns) +
+                                   static_cast<std::size_t>(x)];
+                receivers.set(
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x),
+                    r.position, r.normal);
             }
         return receivers;
     }

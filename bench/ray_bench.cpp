@@ -41,7 +41,8 @@ struct Setting {
         const double half = std::tan(camera.vertical_fov / 2);
         for (int tile = 0; tile < k_size * k_size / 16; ++tile)
             for (int i = 0; i < 16; ++i) {
-                const double x = tile % (k_size / 4) * 4 + i % 4 + 0.5, y = tile / (k_size / 4) * 4 + i / 4 + 0.5;
+                const int column = tile % (k_size / 4) * 4 + i % 4, row = tile / (k_size / 4) * 4 + i / 4;
+                const double x = column + 0.5, y = row + 0.5;
                 const glm::dvec3 local((2 * x / k_size - 1) * half, (1 - 2 * y / k_size) * half, -1);
                 primary.push(glm::vec3(world[3]), 0, glm::vec3(glm::dmat3(world) * local), k_infinity);
             }

@@ -105,8 +105,9 @@ Image8 contrast_crop(const IndirectCrop& crop, Size size, const std::vector<glm:
                                    static_cast<std::size_t>(crop.x + x));
             const double shown = mean > 0 ? std::clamp(0.5 + crop.gain * (v / mean - 1), 0.0, 1.0) : 0;
             for (int c = 0; c < 3; ++c)
-                image.data[3 * static_cast<std::size_t>(y * crop.side + x) + static_cast<std::size_t>(c)] =
-                    static_cast<std::uint8_t>(std::lround(255 * shown));
+                image.data[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(crop.side) +
+                                static_cast<std::size_t>(x)) +
+                           static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(255 * shown));
         }
     return image;
 }

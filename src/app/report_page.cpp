@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/machine.h"
@@ -216,10 +217,11 @@ ReportFile::ReportFile(const std::filesystem::path& folder) : path_(folder / "in
          at = at.parent_path())
         missing.push_back(at);
     const auto undo = [&] {
-        for (auto at = made_.rbegin(); at != made_.rend(); ++at) fs::remove(*at, error);
+        std::for_each(made_.rbegin(), made_.rend(), [&](const fs::path& at) { fs::remove(at, error); });
     };
-    for (auto at = missing.rbegin(); at != missing.rend(); ++at) {
-        if (fs::create_directory(*at, error)) made_.push_back(*at);
+    std::reverse(missing.begin(), missing.end());
+    for (const fs::path& at : missing) {
+        if (fs::create_directory(at, error)) made_.push_back(at);
         if (!error) continue;
         const std::string why = error.message();
         undo();

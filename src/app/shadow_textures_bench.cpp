@@ -200,10 +200,9 @@ class Runner {
                   height = static_cast<int>(picture_.color().height());
         Image8 image(width, height, 3);
         const auto bytes = pixels.as<std::uint8_t>();
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x)
-                for (int c = 0; c < 3; ++c)
-                    image.pixel(x, y)[c] = bytes[static_cast<std::size_t>(4 * (y * width + x) + c)];
+        const std::size_t count = image.data.size() / 3;
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < 3; ++c) image.data[3 * i + c] = bytes[4 * i + c];
         return image;
     }
 

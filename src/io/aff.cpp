@@ -142,7 +142,7 @@ fs::path Reader::resolve(AffTokens& tokens, const AffToken& name, const fs::path
     if (text.find_first_of("/\\") != std::string::npos || text == "." || text == "..")
         tokens.fail(name, fmt::format("a file's name has no path here, found {}", shown(name)));
     std::string why;
-    const fs::path found = resolve_inside(folder, text, {folder_, texture_folder_}, why);
+    fs::path found = resolve_inside(folder, text, {folder_, texture_folder_}, why);
     if (found.empty()) tokens.fail(name, fmt::format("{} {}", shown(name), why));
     return found;
 }
@@ -278,7 +278,7 @@ void Reader::statement_v(AffTokens& tokens)
     const glm::dvec3 back = (eye - target) / distance;
     glm::dvec3 right = glm::cross(up, back);
     if (!(glm::length(right) > 0)) {
-        builder_.scene().warnings.push_back(
+        builder_.scene().warnings.emplace_back(
             "the camera's upward vector has no part across its direction; took another");
         right = glm::cross(std::abs(back.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1), back);
     }

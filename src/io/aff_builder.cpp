@@ -56,7 +56,7 @@ void AffBuilder::set_material(const scene::Material& m)
 std::uint32_t AffBuilder::current_material()
 {
     if (current_ == none) {
-        scene_.warnings.push_back("geometry before the first material is drawn in grey");
+        scene_.warnings.emplace_back("geometry before the first material is drawn in grey");
         set_material(grey());
     }
     return current_;
@@ -273,7 +273,7 @@ void AffBuilder::place_camera()
     const bool has_track = found != tracks_.end() && found->second.transform;
     if (!camera_ && !has_track) return;
     if (!camera_) {
-        scene_.warnings.push_back("a camera track without a 'v': the field of view is the default one");
+        scene_.warnings.emplace_back("a camera track without a 'v': the field of view is the default one");
         camera_.emplace();
     }
     camera_->name = "camera";

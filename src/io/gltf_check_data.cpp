@@ -164,7 +164,8 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
             }
         }
         // DEVIATION(validator): one step of tolerance for one and two joints, too; many exporters round.
-        const double steps = std::max<double>(1, static_cast<double>((used.size() + 1) / 2) - 1);
+        const std::size_t pairs = (used.size() + 1) / 2;
+        const double steps = std::max(1.0, static_cast<double>(pairs) - 1);
         if (!(std::abs(sum - 1) <= k_sum_step * steps))
             context.fail(place("WEIGHTS", 0), fmt::format("the weights of vertex {} sum to {}, not 1", v, sum));
     }

@@ -180,8 +180,8 @@ class PieceReader {
                 return w.x + w.y + w.z + w.w;
             };
             const float sum = sum_of(0) + sum_of(1);
-            for (int set = 0; set < k_joint_sets; ++set)
-                if (!piece.weights[set].empty() && sum > 0) piece.weights[set][v] /= sum;
+            for (std::vector<glm::vec4>& set : piece.weights)
+                if (!set.empty() && sum > 0) set[v] /= sum;
             if (!(sum > 0)) piece.weights[0][v] = {1, 0, 0, 0};
         }
     }

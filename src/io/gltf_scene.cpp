@@ -21,8 +21,9 @@ glm::dmat4 local_matrix(const Node& node)
 {
     if (!node.matrix) return rest_parts(node).matrix();
     glm::dmat4 m;
+    auto value = node.matrix->begin();   // by columns
     for (int c = 0; c < 4; ++c)
-        for (int r = 0; r < 4; ++r) m[c][r] = (*node.matrix)[static_cast<std::size_t>(c * 4 + r)];
+        for (int r = 0; r < 4; ++r) m[c][r] = *value++;
     for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1 : 0;   // it is, but for rounding
     return m;
 }

@@ -35,15 +35,17 @@ bool decode_percent(std::string_view in, std::string& out)
     return true;
 }
 
+constexpr std::uint8_t k_no_digit = 64;
+
 // Standard and URL alphabet; padding may be missing.
 bool decode_base64(std::string_view in, std::vector<std::uint8_t>& out)
 {
     static const auto table = [] {
-        std::array<std::int8_t, 256> t{};
-        t.fill(-1);
+        std::array<std::uint8_t, 256> t{};
+        t.fill(k_no_digit);
         const std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
         for (std::size_t i = 0; i < alphabet.size(); ++i)
-            t[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+            t[static_cast<unsigned char>(alphabet[i])] = static_cast<std::uint8_t>(i);
         t['-'] = 62, t['_'] = 63;
         return t;
     }();
@@ -54,9 +56,9 @@ bool decode_base64(std::string_view in, std::vector<std::uint8_t>& out)
     std::uint32_t bits = 0;
     int have = 0;
     for (const char c : in) {
-        const int value = table[static_cast<unsigned char>(c)];
-        if (value < 0) return false;
-        bits = bits << 6 | static_cast<std::uint32_t>(value);
+        const std::uint32_t value = table[static_cast<unsigned char>(c)];
+        if (value == k_no_digit) return false;
+        bits = bits << 6 | value;
         have += 6;
         if (have >= 8) {
             have -= 8;

@@ -52,7 +52,7 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
             if (std::find(done.begin(), done.end(), name) != done.end()) continue;
             done.push_back(name);
             if (done.size() > k_most_libraries) {
-                warnings.push_back("too many material files: the rest is left out");
+                warnings.emplace_back("too many material files: the rest is left out");
                 return materials;
             }
             std::string problem;

@@ -177,7 +177,7 @@ class Parser {
         const char* const what[3] = {"vertex", "texture coordinate", "normal"};
         // Normals can be computed: a file that left out all of them, but not their indices, is whole without.
         if (data_.normals.empty() && ahead_[2].largest >= 0) {
-            warnings_.push_back("faces name normals, but there are none: computed instead");
+            warnings_.emplace_back("faces name normals, but there are none: computed instead");
             for (ObjCorner& corner : data_.corners) corner.normal = k_no_index;
             ahead_[2].largest = -1;
         }
@@ -187,7 +187,8 @@ class Parser {
                     text_.file(), ahead_[i].place,
                     fmt::format("{} {} is out of range: there are {}", what[i], ahead_[i].largest + 1, have[i]));
         }
-        if (unknown_.size() > k_most_unknown_keywords) warnings_.push_back("further unknown keywords are ignored, too");
+        if (unknown_.size() > k_most_unknown_keywords)
+            warnings_.emplace_back("further unknown keywords are ignored, too");
     }
 
     void known() { any_known_ = true; }

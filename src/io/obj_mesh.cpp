@@ -133,7 +133,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
         scene.meshes.push_back(std::move(mesh));
     }
     if (triangulator.exhausted())
-        scene.warnings.push_back("too many corners in concave polygons: some may be filled wrongly");
+        scene.warnings.emplace_back("too many corners in concave polygons: some may be filled wrongly");
 }
 
 }   // namespace gnomon::io

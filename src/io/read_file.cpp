@@ -65,7 +65,7 @@ std::filesystem::path resolve_inside(const std::filesystem::path& folder, const 
         return {};
     }
     std::error_code error;
-    const fs::path real = fs::canonical(folder / relative, error);
+    fs::path real = fs::canonical(folder / relative, error);
     if (error) {
         why = error == std::errc::no_such_file_or_directory ? "does not exist" : error.message();
         return {};

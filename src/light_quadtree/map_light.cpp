@@ -88,7 +88,8 @@ bool MapLight::interpolate(const MapReceiver& point, glm::vec3& irradiance) cons
     int agree = 0;
     for (int corner = 0; corner < 4; ++corner) {
         const int dx = corner % 2, dy = corner / 2;
-        const std::size_t at = static_cast<std::size_t>((row + dy) * grid_columns_ + column + dx);
+        const std::size_t at = static_cast<std::size_t>(row + dy) * static_cast<std::size_t>(grid_columns_) +
+                               static_cast<std::size_t>(column + dx);
         const MapReceiver& other = grid_[at];
         if (!(glm::dot(other.normal, point.normal) > options_.grid_normals)) continue;
         if (!(std::abs(glm::dot(other.position - point.position, point.normal)) < most_off)) continue;

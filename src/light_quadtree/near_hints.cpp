@@ -52,11 +52,12 @@ void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& aske
         make_basis(normal, t, b);
         const float lift = ray::origin_lift(p);
         const std::uint32_t side = sides_[a.at], in = a.cell / 2 - first_[a.at];
+        const std::uint32_t row = in / side, column = in % side;
         const auto per_side = 1 / static_cast<float>(side);
         for (std::size_t i = 0; i < count; ++i) {
             const float x = static_cast<float>(i) * k_step_u, y = static_cast<float>(i) * k_step_v;
-            float u = (static_cast<float>(in / side) + (x - std::floor(x))) * per_side;
-            float v = (static_cast<float>(in % side) + (y - std::floor(y))) * per_side;
+            float u = (static_cast<float>(row) + (x - std::floor(x))) * per_side;
+            float v = (static_cast<float>(column) + (y - std::floor(y))) * per_side;
             if (u + v > 1) {
                 // Of a cell that the hypotenuse cuts, the mirror image; of one beyond it, nothing is ever asked.
                 const float over = u + v - 1;

@@ -22,7 +22,7 @@ FlipFilters make_flip_filters(double pixels_per_degree)
     // Gaussians of the contrast sensitivity, each of sum 1.
     const double widest = std::max({k_achromatic.b, k_red_green.b, k_blue_yellow[0].b, k_blue_yellow[1].b});
     const int r = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * k_pi * k_pi)) * pixels_per_degree));
-    const auto count = static_cast<std::size_t>(2 * r + 1);
+    const auto count = 2 * static_cast<std::size_t>(r) + 1;
     filters.contrast.radius = r;
     filters.contrast.across.resize(count);
     const Lobe lobes[4] = {k_achromatic, k_red_green, k_blue_yellow[0], k_blue_yellow[1]};
@@ -34,8 +34,8 @@ FlipFilters make_flip_filters(double pixels_per_degree)
         };
         double sum = 0;
         for (int i = -r; i <= r; ++i) sum += tap(i);
-        for (int i = -r; i <= r; ++i)
-            filters.contrast.across[static_cast<std::size_t>(i + r)][c] = static_cast<float>(tap(i) / sum);
+        for (std::size_t i = 0; i < count; ++i)
+            filters.contrast.across[i][c] = static_cast<float>(tap(static_cast<int>(i) - r) / sum);
         volume[c] = lobes[c].a * std::sqrt(k_pi / lobes[c].b) * sum * sum;
     }
     filters.contrast.down = filters.contrast.across;

@@ -451,7 +451,8 @@ void TileTracer::store(const TileRect& tile, FrameBuffers& out) const
     };
     for (int y = 0; y < tile.height; ++y)
         for (int x = 0; x < tile.width; ++x) {
-            const auto from = static_cast<std::size_t>(y * options_.tile + x);
+            const auto from =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(options_.tile) + static_cast<std::size_t>(x);
             const int px = tile.x + x, py = tile.y + y;
             put(out.color, px, py, color_[from] * weight);
             if (options_.reference) {

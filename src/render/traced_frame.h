@@ -43,7 +43,7 @@ struct TracedOptions {
     // Points of bounced light: so many times further apart in mirrors and behind glass, and there the more, the less
     // (by the square root) they bring of a pixel.
     float mirrored_spacing = 4;
-    int tile = 32;                // pixels a side; a power of two
+    int tile = 32;   // pixels a side; a power of two
 };
 
 /// Linear, averaged over samples; depth and normal are the first sample's.

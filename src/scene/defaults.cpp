@@ -50,7 +50,7 @@ void add_room_lamp(Scene& scene)
     add_patch_lights(scene, lamp, k_lamp_lights, 1, 0, "default lamp");
     scene.finish();
     add_room_fill(scene, lamp.radiance * (static_cast<float>(k_pi) * lamp.area));
-    scene.warnings.push_back("no light in the scene: lit by a default lamp under its ceiling");
+    scene.warnings.emplace_back("no light in the scene: lit by a default lamp under its ceiling");
 }
 
 NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, const glm::dvec3& direction)
@@ -87,7 +87,7 @@ void add_default_light(Scene& scene)
     scene.background.kind = Background::Kind::sky;
     scene.background.zenith = k_zenith, scene.background.horizon = k_horizon, scene.background.ground = k_ground;
     scene.background.sun_direction = glm::vec3(to_sun);
-    scene.warnings.push_back("no light in the scene: lit by a default sky and sun");
+    scene.warnings.emplace_back("no light in the scene: lit by a default sky and sun");
 }
 
 void add_default_camera(Scene& scene)
@@ -102,7 +102,7 @@ void add_default_camera(Scene& scene)
         camera.node =
             add_looking_node(scene, "default camera", glm::dvec3(interior->eye), glm::dvec3(interior->direction));
         scene.cameras.push_back(camera);
-        scene.warnings.push_back("no camera in the scene: a default one looks around inside");
+        scene.warnings.emplace_back("no camera in the scene: a default one looks around inside");
         return;
     }
     FramingOptions options;
@@ -115,7 +115,7 @@ void add_default_camera(Scene& scene)
     camera.near = framed.size * k_near;
     camera.node = add_looking_node(scene, "default camera", framed.eye, -options.back);
     scene.cameras.push_back(camera);
-    scene.warnings.push_back("no camera in the scene: a default one frames it");
+    scene.warnings.emplace_back("no camera in the scene: a default one frames it");
 }
 
 }   // namespace gnomon::scene

@@ -61,8 +61,9 @@ std::vector<glm::vec3> spread(const EmitterPatch& patch, int count)
     std::vector<glm::vec3> points;
     const int side = std::min(k_grid, static_cast<int>(std::sqrt(static_cast<float>(count) + 0.5f)));
     for (int i = 0; i < side * side; ++i) {
-        const glm::vec2 share((static_cast<float>(i % side) + 0.5f) / static_cast<float>(side),
-                              (static_cast<float>(i / side) + 0.5f) / static_cast<float>(side));
+        const int column = i % side, row = i / side;
+        const glm::vec2 share((static_cast<float>(column) + 0.5f) / static_cast<float>(side),
+                              (static_cast<float>(row) + 0.5f) / static_cast<float>(side));
         const glm::vec2 p = low + share * (high - low);
         for (std::size_t k = 0; k < flat.size(); k += 3) {
             if (!inside(p, flat[k], flat[k + 1], flat[k + 2])) continue;

@@ -37,11 +37,11 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
         direction[axis] = sign;
         int open = 0;
         for (int i = 0; i < k_stage_rays * k_stage_rays; ++i) {
+            const int column = i % k_stage_rays, row = i / k_stage_rays;
             glm::vec3 from;
             from[axis] = (sign > 0 ? box.low[axis] : box.high[axis]) - sign * grid.cell();
-            from[across] =
-                box.low[across] + size[across] * (static_cast<float>(i % k_stage_rays) + 0.5f) / k_stage_rays;
-            from.y = box.low.y + size.y * (static_cast<float>(i / k_stage_rays) + 0.5f) / k_stage_rays;
+            from[across] = box.low[across] + size[across] * (static_cast<float>(column) + 0.5f) / k_stage_rays;
+            from.y = box.low.y + size.y * (static_cast<float>(row) + 0.5f) / k_stage_rays;
             const SpaceGrid::Hit hit = grid.cast(from, direction);
             open += hit.met == SpaceGrid::Met::front && hit.distance - grid.cell() > k_stage_depth * size[axis];
         }

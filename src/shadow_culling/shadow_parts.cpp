@@ -156,8 +156,8 @@ void ShadowMemory::hand_piece_down(const Shape& from, const Shape& to, std::uint
     // All levels of the piece, by group, with the part itself first.
     std::uint8_t states[pyramid_size(k_piece_levels)];
     bool added = false;
-    for (std::size_t g = 0; g < states_.size(); ++g) {
-        std::uint8_t* const block = states_[g].get();
+    for (const Block& group : states_) {
+        std::uint8_t* const block = group.get();
         bool differs = decided_of(block[own]) != block[own];
         states[0] = block[own];
         for (std::uint32_t k = 1; k <= k_piece_levels; ++k)

@@ -18,7 +18,8 @@ const LightView* view_of(std::span<const LightView> views, const glm::vec3& poin
     }
     const glm::vec3 d = point - views[0].projection.origin, size = glm::abs(d);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    return &views[static_cast<std::size_t>(2 * axis + (d[axis] < 0))];
+    const int face = 2 * axis + (d[axis] < 0);
+    return &views[static_cast<std::size_t>(face)];
 }
 
 float visibility(const ViewProjection& view, const SoftwareBuffer& buffer, const glm::vec3& point,

@@ -51,7 +51,9 @@ struct SlowFlip {
         for (int j = -radius; j <= radius; ++j)
             for (int i = -radius; i <= radius; ++i) {
                 const int px = std::clamp(x + i, 0, width - 1), py = std::clamp(y + j, 0, height - 1);
-                sum += kernel(i, j) * in[static_cast<std::size_t>(py * width + px)];
+                sum +=
+                    kernel(i, j) *
+                    in[static_cast<std::size_t>(py) * static_cast<std::size_t>(width) + static_cast<std::size_t>(px)];
             }
         return sum;
     }

@@ -150,7 +150,8 @@ void expect_same_shadows(const Scene& scene, int frame, Size size, ShadowTexture
         for (int dy = -k_edge_reach; dy <= k_edge_reach; ++dy)
             for (int dx = -k_edge_reach; dx <= k_edge_reach; ++dx) {
                 if (x + dx < 0 || y + dy < 0 || x + dx >= size.width || y + dy >= size.height) continue;
-                const auto other = static_cast<std::size_t>((y + dy) * size.width + x + dx);
+                const auto other = static_cast<std::size_t>(y + dy) * static_cast<std::size_t>(size.width) +
+                                   static_cast<std::size_t>(x + dx);
                 if (pair.traced_lit(other, l) == pair.raster_lit(i, l)) return true;
             }
         return false;

@@ -45,7 +45,7 @@ Bytes make_png(test::PngKind kind)
 
 Bytes make_jpeg(const test::JpegKind& kind)
 {
-    return test::jpeg_bytes(kind, ramp(static_cast<std::size_t>(kind.width * kind.channels)));
+    return test::jpeg_bytes(kind, ramp(static_cast<std::size_t>(kind.width) * static_cast<std::size_t>(kind.channels)));
 }
 
 // --- OpenEXR into memory

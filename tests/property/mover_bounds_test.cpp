@@ -92,11 +92,11 @@ TEST(MoverBounds, CostFollowsWhatIsNear)
     std::vector<std::size_t> looked_at;
     for (const int side : {10, 40}) {
         scene::Scene scene = scene_with_balls();
+        std::uint64_t seed = 0;
         for (int y = 0; y < side; ++y)
             for (int x = 0; x < side; ++x) {
                 const scene::NodeId node = add_object(scene, 0);
-                scene.nodes[node].transform = std::make_shared<SwayTrack>(glm::dvec3(6 * x, 6 * y, 0),
-                                                                          static_cast<std::uint64_t>(x + side * y), 1);
+                scene.nodes[node].transform = std::make_shared<SwayTrack>(glm::dvec3(6 * x, 6 * y, 0), seed++, 1);
             }
         scene::SceneState state(finished(scene), 0);
         ray::RayScene rays(state);

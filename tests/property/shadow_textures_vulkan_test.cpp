@@ -96,16 +96,19 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
                 for (int y = rect.y0; y < rect.y1; ++y)
                     for (int x = rect.x0; x < rect.x1; ++x)
                         if (expected.lit(x, y)) {
-                            const auto at = static_cast<std::size_t>(y * view.tile.size + x);
+                            const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.tile.size) +
+                                            static_cast<std::size_t>(x);
                             highest[at] = o + 1;
                             ++count[at];
                         }
             }
             for (int y = 0; y < view.tile.size; ++y)
                 for (int x = 0; x < view.tile.size; ++x) {
-                    const auto at = static_cast<std::size_t>(y * view.tile.size + x);
-                    const auto in_page =
-                        static_cast<std::size_t>((view.tile.y + y) * coherent.atlas().page_size + view.tile.x + x);
+                    const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.tile.size) +
+                                    static_cast<std::size_t>(x);
+                    const auto in_page = static_cast<std::size_t>(view.tile.y + y) *
+                                             static_cast<std::size_t>(coherent.atlas().page_size) +
+                                         static_cast<std::size_t>(view.tile.x + x);
                     item_faults +=
                         items[static_cast<std::size_t>(view.tile.page)].as<std::uint32_t>()[in_page] != highest[at];
                     ties += count[at] > 1;

@@ -178,7 +178,6 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
 TEST_F(StateMapTest, ShowsTheModesOfThePublishedCulling)
 {
     using shadow_culling::OcclusionMode;
-    using shadow_culling::ShadowMode;
     start(scene::make_kinetic(), 20);
     shadow_culling::PaperCulling paper(*state, *rays);
     std::size_t seen[render::k_state_marks][2] = {};

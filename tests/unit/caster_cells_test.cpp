@@ -117,7 +117,8 @@ void check_view(const CasterCells& cells, const LightViews& views, const scene::
         }
         // Squares of the cell, whole and in quarters of a quarter: who meets one must be listed, and around it.
         const auto at = [&](double x, double y) { return glm::dvec2(2 * x / side - 1, 2 * y / side - 1); };
-        const double x = c % side, y = c / side;
+        const int column = c % side, row = c / side;
+        const double x = column, y = row;
         const double least = view.perspective ? 2e-3 * view.reach : 0;
         for (const auto& [number, caster] : casters) {
             if (!meets(caster, at(x - k_slack, y - k_slack), at(x + 1 + k_slack, y + 1 + k_slack), 0)) {

@@ -90,7 +90,8 @@ TEST(Emitters, IrradianceIsThatOfTheSurface)
         double surface = 0;
         constexpr int n = 100;
         for (int i = 0; i < n * n; ++i) {
-            const glm::dvec3 to((i % n + 0.5) / n - 0.5 - static_cast<double>(x), 4, (i / n + 0.5) / n - 0.5);
+            const int column = i % n, row = i / n;
+            const glm::dvec3 to((column + 0.5) / n - 0.5 - static_cast<double>(x), 4, (row + 0.5) / n - 0.5);
             const double square = glm::dot(to, to);
             surface += 8 * (16 / square) / square / (n * n);
         }

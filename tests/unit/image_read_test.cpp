@@ -35,7 +35,8 @@ Bytes make_png(int width, int height, int depth, int type, const std::vector<Byt
 
 Bytes make_jpeg(int width, int height, J_COLOR_SPACE space, int channels, std::uint8_t value)
 {
-    return test::jpeg_bytes({width, height, space, channels}, Bytes(static_cast<std::size_t>(width * channels), value));
+    return test::jpeg_bytes({width, height, space, channels},
+                            Bytes(static_cast<std::size_t>(width) * static_cast<std::size_t>(channels), value));
 }
 
 void expect_refused(const Bytes& bytes, const std::string& what, const ImageLimits& limits = {})

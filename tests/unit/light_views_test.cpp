@@ -139,7 +139,7 @@ TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
         int seen = 0, axis = 0;
         for (int a = 1; a < 3; ++a)
             if (std::abs(d[a]) > std::abs(d[axis])) axis = a;
-        const auto face = static_cast<std::size_t>(2 * axis + (d[axis] < 0));
+        const std::size_t face = 2 * static_cast<std::size_t>(axis) + (d[axis] < 0 ? 1 : 0);
         for (std::size_t f = 0; f < 6; ++f) {
             const glm::vec4 clip = views[f].clip_from_world * glm::vec4(glm::vec3(1, 2, 3) + d, 1);
             const bool inside = clip.w > 0 && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w;
@@ -155,11 +155,10 @@ TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
 std::shared_ptr<const scene::Scene> still_life(int still, int movers)
 {
     scene::Scene scene = test::scene_with_balls();
-    for (int i = 0; i < still; ++i)   // a carpet of balls, as dense everywhere, the first ones under the movers
-        test::add_object(scene, 0, scene::none,
-                         glm::scale(test::translation(0.1 * (i % 10 + 10 * (i / 100 % 32)), 0,
-                                                      0.1 * (i / 10 % 10 + 10 * (i / 3200))),
-                                    glm::dvec3(0.05)));
+    for (int i = 0; i < still; ++i) {   // a carpet of balls, as dense everywhere, the first ones under the movers
+        const int x = i % 10 + 10 * (i / 100 % 32), z = i / 10 % 10 + 10 * (i / 3200);
+        test::add_object(scene, 0, scene::none, glm::scale(test::translation(0.1 * x, 0, 0.1 * z), glm::dvec3(0.05)));
+    }
     for (int i = 0; i < movers; ++i) {
         const scene::NodeId node = test::add_object(scene, 0);
         const glm::dmat4 size = glm::scale(glm::dmat4(1), glm::dvec3(0.05));
@@ -215,7 +214,7 @@ TEST(LightViews, NothingIsDoneWhileNothingMoves)
         return views.views()[0].plan;
     };
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
-    EXPECT_EQ(frame(1.5).rebuild.size() > 0, true);   // they stood in the static buffer until now
+    EXPECT_FALSE(frame(1.5).rebuild.empty());   // they stood in the static buffer until now
     EXPECT_EQ(frame(1.5).kind, ViewPlan::Kind::idle);
     EXPECT_EQ(frame(0.5).rebuild.size(), 0u);   // not thrown back into it at once
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
@@ -230,16 +229,17 @@ TEST(LightViews, NothingIsDoneWhileNothingMoves)
 TEST(LightViews, ManyLightsKeepTheirPlaces)
 {
     scene::Scene scene = test::scene_with_balls();
-    for (int i = 0; i < 20; ++i)
-        test::add_object(scene, 0, scene::none, test::translation(3 * (i % 5), 0, 3 * (i / 5)));
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 5; ++column)
+            test::add_object(scene, 0, scene::none, test::translation(3 * column, 0, 3 * row));
     const scene::NodeId mover = test::add_object(scene, 0);
     scene.nodes[mover].transform = std::make_shared<test::SwayTrack>(glm::dvec3(5, 2, 5), 1);
     for (int i = 0; i < 100; ++i) {
+        const int column = i % 10, row = i / 10;
         scene::Light light;
         light.type = i % 2 ? scene::LightType::point : scene::LightType::spot;
         light.node = scene.add_node(
-            "", scene::none,
-            glm::rotate(test::translation(3 * (i % 10), 6, 2 * (i / 10)), -k_pi / 2, glm::dvec3(1, 0, 0)));
+            "", scene::none, glm::rotate(test::translation(3 * column, 6, 2 * row), -k_pi / 2, glm::dvec3(1, 0, 0)));
         scene.lights.push_back(light);
     }
     scene::SceneState state(test::finished(scene), 0);

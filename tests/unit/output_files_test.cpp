@@ -34,7 +34,7 @@ std::size_t files_in(const fs::path& folder)
 Image8 noise(int width, int height, int channels)
 {
     Image8 image(width, height, channels);
-    Random random(static_cast<std::uint64_t>(width * height * channels));
+    Random random(image.data.size());
     for (std::uint8_t& byte : image.data) byte = static_cast<std::uint8_t>(random.below(256));
     return image;
 }

@@ -37,7 +37,7 @@ std::string Recorder::free_name(const std::string& extension)
 
 std::string Recorder::save(const Image8& image)
 {
-    const std::string file = free_name(".png");
+    std::string file = free_name(".png");
     queue([file, image] { io::write_png(file, image); });
     return file;
 }
@@ -69,7 +69,7 @@ std::string Recorder::stop()
 {
     recording_ = false;
     if (frames_.empty()) return {};
-    const std::string film = free_name(".mp4");
+    std::string film = free_name(".mp4");
     queue([film, frames = frames_, fps = fps_, folder = folder_] {
         io::encode_video(frames, fps, film);
         std::error_code ignored;
