@@ -82,7 +82,9 @@ class ShadowMemory {
     Place place(RecordId id) const
     {
         const Record& record = records_[id];
-        const std::uint32_t begin = record.begin.load(std::memory_order_acquire), level = record.level;
+        const std::uint32_t begin = record.begin.load(std::memory_order_acquire);
+        if (begin == k_no_slot) return {k_no_slot, 0, false};   // the rest may be being written, by `create`
+        const std::uint32_t level = record.level;
         if (!record.open) return {begin, 0, false};
         return level <= k_piece_levels ? Place{begin, level, false} : Place{begin, level - k_piece_levels, true};
     }

@@ -4,6 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "base/tasks.h"
 #include "shadow_culling/look_up.h"
 #include "shadow_stage.h"
 
@@ -14,6 +20,7 @@ using shadow_culling::k_lights_per_group;
 using shadow_culling::k_max_level;
 using shadow_culling::LookUp;
 using shadow_culling::RecordId;
+using shadow_culling::Rim;
 using shadow_culling::RimCodes;
 using shadow_culling::ShadowMemory;
 using shadow_culling::ShadowState;
@@ -47,6 +54,34 @@ TEST(ShadowMemory, KeepsWhatTheFrameSees)
     }
     memory.drop_unseen(3);
     for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), r >= 2) << "record " << r;
+}
+
+// A look-up may meet a record that is just being made: then there is none yet, or it is whole. (ThreadSanitizer sees
+// whether more was read than that.)
+TEST(ShadowMemory, LooksUpWhatAnotherThreadAdds)
+{
+    constexpr RecordId k_records = 400;
+    ShadowMemory memory(k_records, 1, 2 * k_records);
+    const RimCodes rim{{30, 50, 70}};
+    std::atomic<unsigned> arrived = 0;
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    std::array<std::size_t, 2> wrong{}, made{};
+    Tasks(2).for_each(2, [&](std::size_t i, int) {
+        for (RecordId r = 0; r < k_records; ++r) {
+            const ShadowMemory::Place before = memory.place(r);
+            wrong[i] += before.level != 0 || before.pieces;
+            // Both have looked before either adds; nothing else is ordered by that.
+            arrived.fetch_add(1, std::memory_order_relaxed);
+            while (arrived.load(std::memory_order_relaxed) < 2 * (r + 1) && std::chrono::steady_clock::now() < patience)
+                std::this_thread::yield();
+            if (before.begin == k_no_slot) made[i] += memory.create(r, k_level, rim);
+            const ShadowMemory::Place place = memory.place(r);
+            wrong[i] += place.begin >= k_records || place.level != 0 || place.pieces || memory.level(r) != k_level ||
+                        memory.rim(r).inner != Rim(rim).inner;
+        }
+    });
+    EXPECT_EQ(wrong[0] + wrong[1], 0u);
+    EXPECT_EQ(made[0] + made[1], k_records);
 }
 
 // What every part of a level says, of one group of lights.
