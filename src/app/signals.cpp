@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -13,12 +14,13 @@
 namespace gnomon::app {
 
 namespace {
-volatile sig_atomic_t g_interrupted = 0;
+// The system may run the handler on any thread: what is volatile alone would be a race with those that ask.
+std::atomic<bool> g_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a handler may not wait");
 
 extern "C" void note_signal(int)
 {
-    if (g_interrupted) ::_exit(k_exit_interrupted);
-    g_interrupted = 1;
+    if (g_interrupted.exchange(true)) ::_exit(k_exit_interrupted);
 }
 
 // Takes no memory: there may be none.
@@ -61,7 +63,7 @@ void install_signal_handlers()
 
 bool interrupted()
 {
-    return g_interrupted != 0;
+    return g_interrupted;
 }
 
 }   // namespace gnomon::app
