@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +23,7 @@
 #include <thread>
 #include <vector>
 
+#include "sanitized.h"
 #include "support.h"
 
 namespace gnomon::test {
@@ -85,7 +87,15 @@ class RunningProgram {
     RunningProgram(const RunningProgram&) = delete;
     RunningProgram& operator=(const RunningProgram&) = delete;
 
-    void send(int signal) { ::kill(process_, signal); }
+    void send(int signal)
+    {
+        // ThreadSanitizer keeps a signal back until its thread comes by a function that it watches. One of oneTBB's
+        // that has nothing to do never does: there the signal goes to the main thread.
+        if (k_sanitized_thread)
+            ::syscall(SYS_tgkill, process_, process_, signal);
+        else
+            ::kill(process_, signal);
+    }
     Outcome wait()
     {
         int status = 0;
@@ -105,11 +115,11 @@ inline Outcome run(const std::vector<std::string>& arguments, const Environment&
     return RunningProgram(arguments, environment).wait();
 }
 
-/// Waits for a condition, at most half a minute.
+/// Waits for a condition, at most half a minute (times k_patience).
 template <class Condition>
 bool wait_until(const Condition& condition)
 {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30 * k_patience);
     while (!condition()) {
         if (std::chrono::steady_clock::now() > limit) return false;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

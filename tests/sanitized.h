@@ -13,10 +13,19 @@
 
 namespace gnomon::test {
 
+#if defined(GNOMON_SANITIZED_THREAD)
+inline constexpr bool k_sanitized_thread = true;
+#else
+inline constexpr bool k_sanitized_thread = false;
+#endif
+
 #if defined(GNOMON_SANITIZED)
 inline constexpr bool k_sanitized = true;
 #else
 inline constexpr bool k_sanitized = false;
 #endif
+
+/// So many times the seconds that anything may take: a limit is against what never ends.
+inline constexpr int k_patience = k_sanitized ? 20 : 1;
 
 }   // namespace gnomon::test

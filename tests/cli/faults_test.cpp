@@ -43,9 +43,11 @@ class SmallDisk {
     bool there_ = false;
 };
 
+// Quiet, as all that are to end with one line: where a machine is slow, lines of progress would come before it.
 std::vector<std::string> film(const fs::path& out)
 {
-    return {"render", k_scene, "-o", out, "--frames", "1-12", "--size", "64x48", "--indirect", "off", "--resume"};
+    return {"render", k_scene, "-o",         out,   "--frames", "1-12",
+            "--size", "64x48", "--indirect", "off", "--resume", "--quiet"};
 }
 
 std::string undisturbed_film()
@@ -151,7 +153,8 @@ TEST(Faults, AFolderThatVanishes)
 
     // A set of pictures, its folder removed outright.
     fs::create_directory(folder / "set");
-    RunningProgram set({"render", k_scene, "-o", folder / "set/{frame}.png", "--size", "64x48", "--frames", "1-40"});
+    RunningProgram set(
+        {"render", k_scene, "-o", folder / "set/{frame}.png", "--size", "64x48", "--frames", "1-40", "--quiet"});
     ASSERT_TRUE(wait_until([&] { return fs::exists(folder / "set/3.png"); }));
     fs::rename(folder / "set", folder / "away");
     expect_failure(set.wait(), 4, "No such file or directory");
@@ -206,7 +209,7 @@ TEST(Faults, SignalsAtAnyTime)
         const ScratchFolder folder;
         for (const int milliseconds : {50, 400}) {
             RunningProgram program(
-                {"render", "builtin:kinetic", "-o", folder / out, "--size", "2000x2000", "--samples", "64"});
+                {"render", "builtin:kinetic", "-o", folder / out, "--size", "2000x2000", "--samples", "64", "--quiet"});
             std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
             program.send(SIGTERM);
             const Outcome outcome = program.wait();

@@ -21,7 +21,7 @@ void kill_and_resume(int moments, unsigned seed)
     const ScratchFolder folder;
     const auto arguments = [&](const std::string& name) {
         return std::vector<std::string>{"render", "builtin:cornell", "-o",        folder / name, "--frames", "1-24",
-                                        "--size", "65x49",           "--threads", "2",           "--resume"};
+                                        "--size", "65x49",           "--threads", "2",           "--resume", "--quiet"};
     };
     const auto start = Clock::now();
     const Outcome whole = run(arguments("whole.mp4"));

@@ -21,6 +21,7 @@
 #include "fuzz/targets.h"
 #include "gnomon/error.h"
 #include "gnomon/renderer.h"
+#include "sanitized.h"
 
 namespace {
 // Allocations until one fails; 0 and below: none does.
@@ -215,7 +216,7 @@ class Frames {
 
 TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
 {
-    constexpr int k_tries = 60, k_seconds = 120;
+    constexpr int k_tries = 60, k_seconds = 120 * test::k_patience;
     Children children;
     Shared& shared = children.shared();
     children.run(

@@ -26,10 +26,10 @@ struct Outcome {
     long peak_kib = 0;   // of memory, as a process
 };
 
-/// At most 10 seconds, and 512 MiB of address space (sanitizers need more: there only the time).
+/// At most 10 seconds, and 512 MiB of address space (sanitizers need more: 200 seconds, and no limit of memory).
 inline Outcome load_in_child(const std::filesystem::path& file)
 {
-    constexpr rlim_t seconds = 10, bytes = 512ull << 20;
+    constexpr rlim_t seconds = 10 * k_patience, bytes = 512ull << 20;
     int pipe_ends[2];
     if (pipe(pipe_ends) != 0) throw std::runtime_error("pipe failed");
     const pid_t child = fork();

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <cmath>
+#include <set>
 
 #include "hostile/made_scenes.h"
 #include "io/exr.h"
@@ -17,7 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr rlim_t k_memory = 512ull << 20;   // bytes of address space
-constexpr rlim_t k_seconds = k_sanitized ? 200 : 10;
+constexpr rlim_t k_seconds = 10 * k_patience;
+
+// What goes beyond that memory, and whose want of it is what is tested. A sanitizer, which cannot be limited, would
+// render it: a layer a light, gigabytes and hours.
+const std::set<std::string> k_beyond_memory{"gltf/100000 lights", "aff/30000 lights", "aff/1000000 lights"};
 
 struct Result {
     int code = 0;
@@ -111,6 +116,10 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
     double longest = 0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         if (i % step != 0) continue;
+        if (k_sanitized && k_beyond_memory.contains(scenes[i].name)) {
+            std::printf("left out under a sanitizer: %s\n", scenes[i].name.c_str());
+            continue;
+        }
         const Result result = render(scenes[i]);
         pictures += result.code == 0, refused += result.code == 3 || result.code == 2, no_memory += result.code == 4,
             faults += !result.fault.empty();

@@ -21,7 +21,7 @@ namespace gnomon::io {
 namespace {
 
 constexpr rlim_t k_memory = 512ull << 20;
-constexpr unsigned k_seconds = 10;
+constexpr unsigned k_seconds = 10 * test::k_patience;
 
 enum class Outcome { loaded, refused, died };
 

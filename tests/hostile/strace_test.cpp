@@ -6,6 +6,7 @@
 #include <fstream>
 #include <regex>
 
+#include "sanitized.h"
 #include "support.h"
 
 namespace gnomon {
@@ -37,6 +38,13 @@ Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& 
             trace.socket = true;
     }
     return trace;
+}
+
+// The kernel's own files; of ThreadSanitizer the one that it makes as each program starts.
+bool is_system(const std::string& path)
+{
+    return path.starts_with("/proc/") || path.starts_with("/sys/") ||
+           (test::k_sanitized_thread && path.find("/tsan.rodata.") != std::string::npos);
 }
 
 bool have_strace()
@@ -74,7 +82,7 @@ TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
         for (const std::string& path : trace.opened) {
             const bool own = path.rfind(inside, 0) == 0 || path.rfind(scenes.path().string(), 0) == 0;
             const bool known = std::find(usual.opened.begin(), usual.opened.end(), path) != usual.opened.end();
-            const bool system = path.rfind("/proc/", 0) == 0 || path.rfind("/sys/", 0) == 0;
+            const bool system = is_system(path);
             EXPECT_TRUE(own || known || system) << uri << " opened " << path;
         }
     }
@@ -109,7 +117,7 @@ TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
             for (const std::string& path : trace.opened) {
                 const bool own = path.rfind(inside, 0) == 0 || path.rfind(root.path().string(), 0) == 0;
                 const bool known = std::find(usual.opened.begin(), usual.opened.end(), path) != usual.opened.end();
-                const bool system = path.rfind("/proc/", 0) == 0 || path.rfind("/sys/", 0) == 0;
+                const bool system = is_system(path);
                 EXPECT_TRUE(own || known || system) << file << " opened " << path;
             }
         }
@@ -131,7 +139,7 @@ TEST(Strace, ValidatorFilesOpenNothingOutsideTheirFolder)
             const std::string own = std::filesystem::canonical(entry.path().parent_path()).string();
             for (const std::string& path : trace.opened) {
                 const bool known = std::find(usual.opened.begin(), usual.opened.end(), path) != usual.opened.end();
-                const bool system = path.rfind("/proc/", 0) == 0 || path.rfind("/sys/", 0) == 0;
+                const bool system = is_system(path);
                 EXPECT_TRUE(known || system || path == entry.path().string() || path.rfind(own, 0) == 0)
                     << entry.path() << " opened " << path;
             }
