@@ -18,6 +18,7 @@ namespace {
 
 using shadow_culling::k_lights_per_group;
 using shadow_culling::k_max_level;
+using shadow_culling::k_no_slot;
 using shadow_culling::LookUp;
 using shadow_culling::RecordId;
 using shadow_culling::Rim;
