@@ -216,17 +216,28 @@ void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId
     Solid& solid = solids.emplace_back();
     solid.anchor = object.skin != scene::none ? scene::none : object.node;
     solid.deforming = object.deforming;
-    solid.tree = new_scene(object.deforming ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM,
-                           object.deforming ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
+    solid.objects.push_back(o);
     BakedVertices& vertices = solid.vertices.emplace_back();
     bake(vertices, mesh, glm::dmat4(1));
-    attach_object(device.get(), solid.tree.get(), *scene, o, vertices, false, solid.records,
-                  object.deforming ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+    solid.has_points_at_rest = solid.sorted_anew = object.deforming && has_points(vertices.positions, mesh);
+    make_tree_of_one(solid);
     describe(o, vertices, &solid, false);
-    solid.objects.push_back(o);
     solid.box = box_of(object.deforming ? state.deformed(o).positions : vertices.positions, mesh);
     solid.to_world = solid.anchor == scene::none ? glm::mat4(1) : glm::mat4(state.world(solid.anchor));
     measure(solid, state);
+}
+
+// The tree of a solid that is one object, to be committed: refitted from frame to frame if it deforms, but where that
+// cannot be.
+void RayScene::Inside::make_tree_of_one(Solid& solid)
+{
+    const bool refitted = solid.deforming && !solid.sorted_anew;
+    solid.margin_geometry = {};
+    solid.tree = new_scene(refitted ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM,
+                           refitted ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
+    solid.records.clear();
+    attach_object(device.get(), solid.tree.get(), *scene, solid.objects.front(), solid.vertices.front(), false,
+                  solid.records, refitted ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
 }
 
 // What others' margins depend on.

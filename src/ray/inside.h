@@ -30,6 +30,7 @@ struct Solid {
     std::vector<scene::ObjectId> objects;
     scene::NodeId anchor = scene::none;   // whose world matrix places it; none: a skin, already in the world
     bool deforming = false;
+    bool has_points_at_rest = false, sorted_anew = false;   // deforming: has_points(); no tree that is refitted
 
     // Around its triangles, in the tree's space; and what makes that larger (margin.cpp).
     Box3 box;
@@ -57,6 +58,9 @@ float reach_of(const Box3& box, const glm::mat4& to_world);
 float margin_of(float reach, const glm::mat4& to_world);
 /// Around all that can be met.
 Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
+/// Whether some triangle lies in one point. Embree ends the program where it refits a tree and meets a branch in one
+/// point; trees that are sorted anew may have them.
+bool has_points(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
 /// Whether all vertices are where Embree takes them.
 bool can_be_met(const std::vector<glm::vec3>& positions);
 
@@ -141,6 +145,7 @@ struct RayScene::Inside {
     void update(const scene::SceneState& state);
     void place(Solid& solid, const scene::SceneState& state);
     void show(Solid& solid, bool visible);
+    void make_tree_of_one(Solid& solid);
     void refit(Solid& solid, const scene::SceneState& state);
     bool lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates);
     bool rides_along(const scene::SceneState& state, scene::ObjectId object) const;

@@ -21,7 +21,7 @@ namespace {
 constexpr float k_margin_per_coordinate = 3e-6f;
 
 // Numbers below 1.2e-38 are zeros to Embree.
-constexpr float k_least_size = 1e-36f, k_least_edge = 1e-30f;
+constexpr float k_least_size = 1e-36f;
 
 constexpr unsigned k_corners[2][3] = {{0, 0, 0}, {1, 1, 1}};
 
@@ -67,6 +67,14 @@ Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh)
     return box;
 }
 
+bool has_points(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh)
+{
+    return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const glm::uvec3& triangle) {
+        const glm::vec3 &a = positions[triangle[0]], &b = positions[triangle[1]], &c = positions[triangle[2]];
+        return largest(b - a) < k_least_size && largest(c - a) < k_least_size;
+    });
+}
+
 bool can_be_met(const std::vector<glm::vec3>& positions)
 {
     return std::all_of(positions.begin(), positions.end(),
@@ -91,12 +99,6 @@ void Solid::set_margin(float wanted)
     margin = wanted;
     margin_corners[0] = box.empty() ? glm::vec3(0) : box.low - margin;
     margin_corners[1] = box.empty() ? glm::vec3(0) : box.high + margin;
-    // Everything may lie in one point, with nothing around that would ask for a margin. Embree makes no tree of several
-    // geometries in one point: it ends the program.
-    const glm::vec3 size = margin_corners[1] - margin_corners[0];
-    if (!(largest(size) > k_least_size))
-        for (int axis = 0; axis < 3; ++axis)
-            margin_corners[1][axis] += std::max(k_margin_per_coordinate * largest(margin_corners[1]), k_least_edge);
     rtcUpdateGeometryBuffer(margin_geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(margin_geometry.get());
 }

@@ -51,7 +51,16 @@ void RayScene::Inside::update(const scene::SceneState& state)
 void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
 {
     const scene::DeformedMesh& shape = state.deformed(solid.objects.front());
+    const scene::Mesh& mesh = *geometry[solid.objects.front()].mesh;
     BakedVertices& vertices = solid.vertices.front();
+    if (const bool anew = solid.has_points_at_rest || has_points(shape.positions, mesh); anew != solid.sorted_anew) {
+        solid.sorted_anew = anew;
+        bake(vertices, mesh, glm::dmat4(1));   // what is refitted begins at rest, again
+        make_tree_of_one(solid);
+        solid.attach_margin(device.get());
+        if (!anew) device.commit(solid.tree.get());
+        if (solid.instance.get()) rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
+    }
     std::copy(shape.positions.begin(), shape.positions.end(), vertices.positions.begin());
     vertices.normals = shape.normals;
     vertices.tangents = shape.tangents;
@@ -61,7 +70,7 @@ void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
         rtcUpdateGeometryBuffer(part, RTC_BUFFER_TYPE_VERTEX, 0);
         rtcCommitGeometry(part);
     }
-    solid.box = box_of(shape.positions, *geometry[solid.objects.front()].mesh);
+    solid.box = box_of(shape.positions, mesh);
     solid.reach = reach_of(solid.box, solid.to_world);
     solid.set_margin(solid.margin);
     // A refitted tree with vertices that are no numbers has a box that is none: it must not be sorted among others.

@@ -268,6 +268,39 @@ TEST(RayScene, WhatShrinksToAPointComesBack)
         }
 }
 
+// A limb is hidden by a joint that shrinks to a point: the rest stays.
+TEST(RayScene, WhatShrinksInPartLeavesTheRest)
+{
+    for (const double x : {0.0, 7.0})
+        for (const unsigned every : {2u, 3u, 7u, 1000u})
+            for (const scene::Mesh& shape : {ball(two_sided), patchwork(1), patchwork(2)}) {
+                scene::Scene scene;
+                add_materials(scene);
+                scene.meshes.push_back(shape);
+                scene::Mesh& mesh = scene.meshes[0];
+                mesh.skin.emplace();
+                for (std::size_t v = 0; v < mesh.positions.size(); ++v)   // in runs
+                    mesh.skin->joints[0].push_back(glm::u16vec4(v / 40 % every == 0 ? 0 : 1, 0, 0, 0));
+                mesh.skin->weights[0].assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
+                const scene::NodeId still = scene.add_node("still", scene::none);
+                const scene::NodeId joint = scene.add_node("joint", scene::none);
+                const glm::dmat4 there = translation(x, 0, 0);
+                scene.nodes[still].transform = std::make_shared<JumpTrack>(1, there, there);
+                scene.nodes[joint].transform = std::make_shared<JumpTrack>(1, glm::scale(there, glm::dvec3(0)), there);
+                scene.skins.push_back({"", {still, joint}, {glm::dmat4(1), glm::dmat4(1)}});
+                scene.nodes[add_object(scene, 0)].skin = 0;
+                SceneState state(finished(scene), 0);
+                ray::RayScene rays(state);
+                const ray::RayQueue queue = random_rays(1, 3000, 3);
+                for (const double time : {2.0, 0.5, 3.0}) {
+                    state.advance(time);
+                    rays.update(state);
+                    EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(state), queue)), 0u) << x << " " << time;
+                }
+                EXPECT_GT(count_hits(ask(rays, queue)), 0u);
+            }
+}
+
 TEST(RayScene, FollowsWhatIsMovedByHand)
 {
     scene::Scene scene = scene_with_balls();
