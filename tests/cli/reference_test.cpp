@@ -50,7 +50,7 @@ TEST(ReferencePicture, NoBounceIsDirectLight)
 {
     const ScratchFolder folder;
     const auto picture = [&](const std::string& name, std::vector<std::string> more) {
-        const std::string out = folder / name;
+        std::string out = folder / name;
         const Outcome outcome = run(reference(out, std::move(more)));
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return out;
@@ -133,8 +133,8 @@ TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json rows = outcome.json()["rows"];
     ASSERT_EQ(rows.size(), 4u);
-    for (const int coarse : {0, 2}) {
-        const json &a = rows[static_cast<std::size_t>(coarse)], &b = rows[static_cast<std::size_t>(coarse + 1)];
+    for (std::size_t coarse = 0; coarse < 4; coarse += 2) {
+        const json &a = rows[coarse], &b = rows[coarse + 1];
         EXPECT_LT(b["nrmse_brute"].get<double>(), a["nrmse_brute"].get<double>()) << a["method"];
         EXPECT_LT(a["clusters"].get<int>(), b["clusters"].get<int>());
     }

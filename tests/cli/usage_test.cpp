@@ -98,8 +98,7 @@ TEST(Usage, WhatIsNotBuiltIsRefused)
         if (!(option.verbs & app::bit(app::Verb::render))) continue;
         std::vector<std::string> arguments{"render", "builtin:cornell", "-o", out, "--" + std::string(option.name)};
         if (!option.built) {
-            if (option.kind != app::Kind::flag)
-                arguments.push_back(std::string(option.fallback.empty() ? "1" : option.fallback));
+            if (option.kind != app::Kind::flag) arguments.emplace_back(option.fallback.empty() ? "1" : option.fallback);
             SCOPED_TRACE(option.name);
             expect_failure(run(arguments), 2, "not built yet");
         } else if (!option.built_choices.empty()) {

@@ -249,8 +249,7 @@ double picture_difference(const Scene& scene, int frame, RenderOptions options)
     Picture drawn = Renderer(options).render(scene, frame);
     if (const char* folder = std::getenv("GNOMON_PICTURES")) {
         static int number = 0;
-        Picture a = traced;
-        a.write(std::filesystem::path(folder) / fmt::format("bounce-{}-traced.png", ++number));
+        traced.write(std::filesystem::path(folder) / fmt::format("bounce-{}-traced.png", ++number));
         drawn.write(std::filesystem::path(folder) / fmt::format("bounce-{}-raster.png", number));
     }
     const auto &za = layer(traced, "depth").data, &zb = layer(drawn, "depth").data;

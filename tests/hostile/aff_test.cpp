@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // AFF files that are wrong by accident or on purpose: an error with file, line and column; never a crash, a wait or
 // memory that the file does not account for.
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -143,7 +144,7 @@ TEST(HostileAff, WrongStatementsAreNamedWithTheirPlace)
              {"k a { move 4 }", "1:7"},
              {"k a { transl 3 0 0 0 0 0 0 0 1 0 0 0 0 0 0 2 0 0 0 0 0 0 }", "1:14"},
              {"k a { transl 4000000 0 }", "1:14"},
-             {std::string("k a { transl 4") + track4 + "transl 4" + track4 + "}", "1:75"},
+             {fmt::format("k a {{ transl 4{0}transl 4{0}}}", track4), "1:75"},
              {"k a { rot 4 0 0 0 0 90 0 0 0 1 0 0 1 9 0 0 0 2 0 0 1 9 0 0 0 3 0 0 1 9 0 0 0}", "1:15"},
              {"k a { visibility 1 0 2 }", "1:22"},
              {"k a { visibility 2 5 1 4 1 }", "1:24"},
@@ -284,7 +285,7 @@ TEST(HostileAff, OnlyRegularFilesInsideAreOpened)
     for (const std::string name : {"fifo.aff", "folder.aff", "out.aff", "zero.aff", "loop.aff"})
         expect_error(folder, std::string("i 0 ") + name, "main.aff:1:5: ");
     for (const std::string name : {"fifo.ppm", "out.ppm"})
-        expect_error(folder, k_material + "tt " + name + " 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", "main.aff:2:4: ");
+        expect_error(folder, fmt::format("{}tt {} 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", k_material, name), "main.aff:2:4: ");
     // A link that stays inside is a file like any other.
     folder.include("real.aff", "b 1 1 1");
     std::filesystem::create_symlink("real.aff", folder.aff() / "link.aff");

@@ -210,12 +210,12 @@ TEST_F(GltfHostileMade, RequiredExtensions)
     for (const char* name :
          {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_meshopt_compression", "KHR_materials_clearcoat",
           "KHR_animation_pointer", "EXT_mesh_gpu_instancing", "VENDOR_something"}) {
-        const std::string list = std::string("[\"") + name + "\"]";
-        const Outcome outcome = load(document("\"extensionsUsed\":" + list + ",\"extensionsRequired\":" + list));
+        const Outcome outcome =
+            load(document(fmt::format("\"extensionsUsed\":[\"{0}\"],\"extensionsRequired\":[\"{0}\"]", name)));
         EXPECT_EQ(outcome.kind, Kind::refused);
         EXPECT_EQ(outcome.place, "/extensionsRequired/0");
         EXPECT_NE(outcome.what.find(name), std::string::npos) << outcome.what;
-        EXPECT_EQ(load(document("\"extensionsUsed\":" + list)).warnings, 1u) << name;
+        EXPECT_EQ(load(document(fmt::format("\"extensionsUsed\":[\"{}\"]", name))).warnings, 1u) << name;
     }
 }
 

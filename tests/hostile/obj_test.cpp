@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // OBJ and MTL files that mean harm, or are simply broken: every import runs in a child process with bounded time and
 // memory, and ends in a scene or in an InputError. Nothing outside the scene's folder is opened.
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -209,7 +210,7 @@ TEST(ObjHostile, NamesThatLeadElsewhere)
                                                          {".", "not a regular"},
                                                          {"none.mtl", "does not exist"}};
     for (const auto& [name, reason] : names) {
-        write(folder / "a.obj", "mtllib " + name + "\n" + triangle);
+        write(folder / "a.obj", fmt::format("mtllib {}\n{}", name, triangle));
         ASSERT_EQ(import_in_child(folder / "a.obj"), Outcome::loaded) << name;
         EXPECT_NE(warning_about(folder / "a.obj").find(reason), std::string::npos) << name;
         // The same for a texture.

@@ -295,7 +295,7 @@ TEST(Reference, LightsAddUp)
     const auto together = World(scene_with(7)).irradiance(points, options);
     std::vector<glm::dvec3> sum(2, glm::dvec3(0)), variance(2, glm::dvec3(0));
     for (int l = 0; l < 3; ++l) {
-        options.seed = static_cast<std::uint64_t>(l + 1);
+        options.seed = 1 + static_cast<std::uint64_t>(l);
         const auto one = World(scene_with(1 << l)).irradiance(points, options);
         for (std::size_t i = 0; i < 2; ++i) {
             sum[i] += glm::dvec3(one[i].indirect);
