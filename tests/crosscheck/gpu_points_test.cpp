@@ -4,16 +4,14 @@
 
 #ifdef GNOMON_VULKAN
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <random>
 
-#include "gnomon/gnomon.h"
+#include "base/bits.h"
 #include "light_quadtree/visible_light.h"
 #include "light_quadtree/vulkan/gpu_points.h"
 #include "render/view.h"
-#include "scene_helpers.h"
-#include "support.h"
+#include "seen_points.h"
 #include "world.h"
 
 namespace gnomon {
@@ -30,39 +28,9 @@ constexpr double k_sum_tolerance = 1e-5;       // over the sum of all lengths
 constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // where rays are the device's own
 constexpr double k_light_tolerance = 1e-4;                          // of a picture's light, over its mean
 
-// What a camera sees, at every pixel, with shading as flat as the triangles.
-std::vector<IndirectPoint> seen_points(const World& world, int side)
-{
-    const render::View view = render::make_view(world.state, 0, {side, side});
-    ray::RayQueue queue;
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            glm::vec3 origin, direction;
-            float tnear, tfar;
-            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
-            queue.push(origin, tnear, direction, tfar);
-        }
-    ray::Hits hits;
-    hits.resize(queue.size());
-    world.rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
-    std::vector<IndirectPoint> points;
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-        if (hits.object[i] == scene::none) continue;
-        glm::vec3 p[3];
-        world.rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
-        glm::vec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
-        if (glm::dot(normal, queue.direction(i)) > 0) normal = -normal;
-        const float u = hits.u[i], v = hits.v[i];
-        const glm::vec3 at = (1 - u - v) * p[0] + u * p[1] + v * p[2];
-        points.push_back({at, normal, normal, hits.object[i], hits.triangle[i], u, v,
-                          view.pixel_width + glm::length(at - view.eye) * view.pixel_spread});
-    }
-    return points;
-}
-
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
-    std::vector<IndirectPoint> points = seen_points(world, 64);
+    std::vector<IndirectPoint> points = test::seen_points(world, 64);
     std::shuffle(points.begin(), points.end(), std::mt19937(5));
     const CutOptions options;
     std::vector<CutRequest> requests;
@@ -298,7 +266,7 @@ struct Lighting {
         visible.begin_frame(world.state, world.rays, world.tasks);
         std::vector<std::unique_ptr<VisibleLight::Batch>> batches;
         for (int t = 0; t < world.tasks.threads(); ++t) batches.push_back(visible.make_batch());
-        const std::vector<IndirectPoint> points = seen_points(world, side);
+        const std::vector<IndirectPoint> points = test::seen_points(world, side);
         light.assign(points.size(), glm::vec3(-1));
         constexpr std::size_t k_some = 512;
         std::vector<std::size_t> parts;
@@ -319,11 +287,6 @@ struct Lighting {
         visible.end_frame(batches);
     }
 };
-
-bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b)
-{
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0;
-}
 
 double most_different(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b)
 {

@@ -19,7 +19,7 @@ TEST(Corners, NoPixelOnAnEdgeIsInTheShadowOfTheOtherSurface)
     render::trace_frame(world.state, world.rays, render::make_view(world.state, 0, {k_size, k_size}), options,
                         world.tasks, buffers, {});
     const auto lit = [&](int x, int y) {
-        const auto at = static_cast<std::size_t>(3 * (y * k_size + x));
+        const auto at = 3 * (static_cast<std::size_t>(y) * k_size + static_cast<std::size_t>(x));
         return buffers.direct.data[at] + buffers.direct.data[at + 1] + buffers.direct.data[at + 2] > 0;
     };
     int lonely = 0, all = 0;

@@ -280,7 +280,7 @@ TEST(RayScene, WhatShrinksInPartLeavesTheRest)
                 scene::Mesh& mesh = scene.meshes[0];
                 mesh.skin.emplace();
                 for (std::size_t v = 0; v < mesh.positions.size(); ++v)   // in runs
-                    mesh.skin->joints[0].push_back(glm::u16vec4(v / 40 % every == 0 ? 0 : 1, 0, 0, 0));
+                    mesh.skin->joints[0].emplace_back(v / 40 % every == 0 ? 0 : 1, 0, 0, 0);
                 mesh.skin->weights[0].assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
                 const scene::NodeId still = scene.add_node("still", scene::none);
                 const scene::NodeId joint = scene.add_node("joint", scene::none);

@@ -6,6 +6,7 @@
 #include "base/bits.h"
 #include "light_quadtree/visible_light.h"
 #include "render/traced_frame.h"
+#include "seen_points.h"
 #include "world.h"
 
 namespace gnomon {
@@ -139,36 +140,11 @@ TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
     EXPECT_TRUE(same_bits(buffers.indirect.data, indirect_of("cornell", {3}, 1, k_size, with_near_light())));
 }
 
-// What a camera sees, at every few pixels, with shading as flat as the triangles.
-// @param pixels  out: where each is
-std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int side,
-                                                       std::vector<std::size_t>* pixels = nullptr)
+// Static surfaces that a camera sees, at every few pixels, with shading as flat as the triangles.
+std::vector<light_quadtree::IndirectPoint> static_points(const World& world, int side,
+                                                         std::vector<std::size_t>* pixels = nullptr)
 {
-    const render::View view = render::make_view(world.state, 0, {side, side});
-    ray::RayQueue queue;
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            glm::vec3 origin, direction;
-            float tnear, tfar;
-            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
-            queue.push(origin, tnear, direction, tfar);
-        }
-    ray::Hits hits;
-    hits.resize(queue.size());
-    world.rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
-    std::vector<light_quadtree::IndirectPoint> points;
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-        if (hits.object[i] == scene::none || world.scene->objects[hits.object[i]].dynamic) continue;
-        glm::vec3 p[3];
-        world.rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
-        glm::vec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
-        if (glm::dot(normal, queue.direction(i)) > 0) normal = -normal;
-        const float u = hits.u[i], v = hits.v[i];
-        points.push_back({(1 - u - v) * p[0] + u * p[1] + v * p[2], normal, normal, hits.object[i], hits.triangle[i], u,
-                          v, 0, -glm::normalize(queue.direction(i))});
-        if (pixels) pixels->push_back(i);
-    }
-    return points;
+    return test::seen_points(world, side, pixels, [&](scene::ObjectId o) { return !world.scene->objects[o].dynamic; });
 }
 
 // One level of detail fades into the next, of points on lattices, of parts of triangles and of those that stand for
@@ -180,7 +156,7 @@ TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
         World world(name, 1, 2);
         VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
         visible.begin_frame(world.state, world.rays, world.tasks);
-        std::vector<light_quadtree::IndirectPoint> points = seen_points(world, 24);
+        std::vector<light_quadtree::IndirectPoint> points = static_points(world, 24);
         ASSERT_GT(points.size(), 200u) << name;
         const auto batch = visible.make_batch();
         std::vector<glm::vec3> light(points.size()), before;
@@ -211,11 +187,8 @@ TEST(VisibleLight, NoDarkPixelsAtTheFootOfWalls)
     visible.begin_frame(world.state, world.rays, world.tasks);
     const auto batch = visible.make_batch();
     constexpr int k_size = 512;
-    const render::View view = render::make_view(world.state, 0, {k_size, k_size});
     std::vector<std::size_t> pixels;
-    std::vector<light_quadtree::IndirectPoint> points = seen_points(world, k_size, &pixels);
-    for (light_quadtree::IndirectPoint& point : points)
-        point.width = view.pixel_width + glm::length(point.position - view.eye) * view.pixel_spread;
+    const std::vector<light_quadtree::IndirectPoint> points = static_points(world, k_size, &pixels);
     std::vector<glm::vec3> light(points.size());
     visible.shade(*batch, points, light.data());
     std::vector<std::size_t> at(std::size_t{k_size} * k_size, points.size());   // by pixel

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Points that want indirect light, as a camera sees them.
+
+#include <functional>
+#include <vector>
+
+#include "light_quadtree/anchors.h"
+#include "render/view.h"
+#include "world.h"
+
+namespace gnomon::test {
+
+/// At every pixel of a square picture, with shading as flat as the triangles.
+/// @param pixels  out, if given: where each is
+/// @param wanted  whether points of an object are; of all, if not given
+inline std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int side,
+                                                              std::vector<std::size_t>* pixels = nullptr,
+                                                              const std::function<bool(scene::ObjectId)>& wanted = {})
+{
+    const render::View view = render::make_view(world.state, 0, {side, side});
+    ray::RayQueue queue;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            glm::vec3 origin, direction;
+            float tnear, tfar;
+            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
+            queue.push(origin, tnear, direction, tfar);
+        }
+    ray::Hits hits;
+    hits.resize(queue.size());
+    world.rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
+    std::vector<light_quadtree::IndirectPoint> points;
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        if (hits.object[i] == scene::none || (wanted && !wanted(hits.object[i]))) continue;
+        glm::vec3 p[3];
+        world.rays.geometry(hits.object[i]).corners(hits.triangle[i], p);
+        glm::vec3 normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+        if (glm::dot(normal, queue.direction(i)) > 0) normal = -normal;
+        const float u = hits.u[i], v = hits.v[i];
+        const glm::vec3 at = (1 - u - v) * p[0] + u * p[1] + v * p[2];
+        points.push_back({at, normal, normal, hits.object[i], hits.triangle[i], u, v,
+                          view.pixel_width + glm::length(at - view.eye) * view.pixel_spread,
+                          -glm::normalize(queue.direction(i))});
+        if (pixels) pixels->push_back(i);
+    }
+    return points;
+}
+
+}   // namespace gnomon::test
