@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -71,6 +70,9 @@ class RunningProgram {
         if (process_ > 0) return;
 
         for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
+        // The tests may have been begun with signals ignored (nohup, or in the background), and what is ignored is
+        // inherited.
+        for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
         ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
         ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | (standard_output.empty() ? O_TRUNC : 0), 0600), STDOUT_FILENO);
         ::dup2(::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
@@ -87,15 +89,7 @@ class RunningProgram {
     RunningProgram(const RunningProgram&) = delete;
     RunningProgram& operator=(const RunningProgram&) = delete;
 
-    void send(int signal)
-    {
-        // ThreadSanitizer keeps a signal back until its thread comes by a function that it watches. One of oneTBB's
-        // that has nothing to do never does: there the signal goes to the main thread.
-        if (k_sanitized_thread)
-            ::syscall(SYS_tgkill, process_, process_, signal);
-        else
-            ::kill(process_, signal);
-    }
+    void send(int signal) { ::kill(process_, signal); }
     Outcome wait()
     {
         int status = 0;

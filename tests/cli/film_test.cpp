@@ -85,7 +85,7 @@ TEST_F(Film, InterruptedAndResumedIsTheSame)
 TEST_F(Film, InterruptedBeforeItsFirstFrameLeavesNothing)
 {
     RunningProgram program(
-        {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "4096", "--quiet"});
+        {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
     ASSERT_TRUE(wait_until([&] { return fs::exists(folder / "a.mp4.frames/manifest.json"); }));
     program.send(SIGINT);
     expect_failure(program.wait(), 130, "interrupted");

@@ -176,8 +176,8 @@ TEST(Report, IsNotLeftBehindByAFailure)
     expect_failure(run({"bench", "culling", "builtin:cornell", "--report", folder / "file"}), 4, "file");
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"file"});
 
-    RunningProgram program(
-        {"bench", "culling", "builtin:kinetic", "--frames", "1-100", "--no-counts", "--report", folder / "r"});
+    RunningProgram program({"bench", "culling", "builtin:kinetic", "--frames", "1-100", "--size", "160x120",
+                            "--no-counts", "--report", folder / "r"});
     ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder / "r"); }));
     program.send(SIGINT);
     EXPECT_EQ(program.wait().code, 130);
