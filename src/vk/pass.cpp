@@ -115,17 +115,36 @@ void Pass::begin_rendering(VkCommandBuffer buffer) const
     vkCmdBeginRendering(buffer, &info);
 }
 
+namespace {
+
+// What is recorded while it lives has a name. Ends with what fails, too: a driver may keep what has no end.
+class Label {
+ public:
+    Label(VkCommandBuffer buffer, const std::string& name, bool there) : buffer_(there ? buffer : VK_NULL_HANDLE)
+    {
+        VkDebugUtilsLabelEXT label{};
+        label.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT;
+        label.pLabelName = name.c_str();
+        if (buffer_) vkCmdBeginDebugUtilsLabelEXT(buffer_, &label);
+    }
+    ~Label()
+    {
+        if (buffer_) vkCmdEndDebugUtilsLabelEXT(buffer_);
+    }
+    Label(const Label&) = delete;
+    Label& operator=(const Label&) = delete;
+
+ private:
+    VkCommandBuffer buffer_;
+};
+
+}   // namespace
+
 void Pass::record(Recorder::Kind kind, const std::function<void(Recorder&)>& body)
 {
     commands_.begin();
     const VkCommandBuffer buffer = commands_.submission_.buffer();
-    const bool labels = commands_.device_->instance().has_debug_utils();
-    if (labels) {
-        VkDebugUtilsLabelEXT label{};
-        label.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT;
-        label.pLabelName = name_.c_str();
-        vkCmdBeginDebugUtilsLabelEXT(buffer, &label);
-    }
+    const Label label(buffer, name_, commands_.device_->instance().has_debug_utils());
     commands_.barriers(uses_, kind);
     const auto slot = static_cast<std::uint32_t>(commands_.timed_.size());
     const bool timed = commands_.queries_ && slot < Commands::k_max_timed;
@@ -149,7 +168,6 @@ void Pass::record(Recorder::Kind kind, const std::function<void(Recorder&)>& bod
 
     if (timed)
         vkCmdWriteTimestamp2(buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_.get(), 2 * slot + 1);
-    if (labels) vkCmdEndDebugUtilsLabelEXT(buffer);
 }
 
 }   // namespace gnomon::vk
