@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <string_view>
 
 #include "gnomon/error.h"
 
@@ -116,9 +117,54 @@ void read_window(Reader& value, const FloatImageLimits& limits, ExrHeader* heade
     header->size = {static_cast<int>(width), static_cast<int>(height)};
 }
 
+// OpenEXR reads values of the types it knows as long as they should be, whatever the file says, and would take what
+// follows for another attribute.
+void check_value_size(const std::string& attribute, const std::string& type, Reader value)
+{
+    struct Known {
+        std::string_view type;
+        std::size_t bytes;
+    };
+    static constexpr Known k_known[] = {{"box2f", 16},
+                                        {"box2i", 16},
+                                        {"chromaticities", 32},
+                                        {"compression", 1},
+                                        {"deepImageState", 1},
+                                        {"double", 8},
+                                        {"envmap", 1},
+                                        {"float", 4},
+                                        {"int", 4},
+                                        {"keycode", 28},
+                                        {"lineOrder", 1},
+                                        {"m33d", 72},
+                                        {"m33f", 36},
+                                        {"m44d", 128},
+                                        {"m44f", 64},
+                                        {"rational", 8},
+                                        {"tiledesc", 9},
+                                        {"timecode", 8},
+                                        {"v2d", 16},
+                                        {"v2f", 8},
+                                        {"v2i", 8},
+                                        {"v3d", 24},
+                                        {"v3f", 12},
+                                        {"v3i", 12}};
+    const auto wrong = [&] { value.fail(fmt::format("'{}' has a wrong size", attribute)); };
+    for (const Known& known : k_known)
+        if (type == known.type && value.left() != known.bytes) wrong();
+    if (type == "floatvector" && value.left() % 4 != 0) wrong();
+    if (type == "stringvector")
+        while (value.left() > 0) value.take(value.word());
+    if (type == "preview") {
+        const std::uint64_t width = value.word(), height = value.word();
+        if (value.left() != 4 * width * height || width * height > value.left()) wrong();
+    }
+}
+
 void read_attribute(const std::string& attribute, const std::string& type, Reader& value,
                     const FloatImageLimits& limits, ExrHeader& header, Attributes& found)
 {
+    check_value_size(attribute, type, value);
     const auto expect_type = [&](const char* expected, std::optional<std::size_t> size) {
         if (type != expected) value.fail(fmt::format("'{}' is of type '{}', not '{}'", attribute, type, expected));
         if (size && value.left() != *size) value.fail(fmt::format("'{}' has a wrong size", attribute));

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <limits>
 
@@ -54,6 +56,33 @@ TEST(Exr, LayersComeBackToTheBit)
         ASSERT_NE(found, back.layers.end()) << layer.name;
         EXPECT_EQ(found->channels, layer.channels);   // L2 before L10, R before B
         EXPECT_EQ(found->data, layer.data) << layer.name;
+    }
+}
+
+// OpenEXR would read such a value as long as its type says, and what follows as another attribute of any size.
+TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
+{
+    const test::ScratchFolder scratch;
+    write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
+    const std::vector<std::uint8_t> whole = bytes_of(scratch / "a.exr");
+    EXPECT_NO_THROW(check_exr(whole, "a.exr", {}));
+    const std::string name("screenWindowCenter\0v2f\0", 23);
+    const auto at = std::search(whole.begin(), whole.end(), name.begin(), name.end());
+    ASSERT_NE(at, whole.end());
+    std::vector<std::uint8_t> longer = whole;
+    longer[static_cast<std::size_t>(at - whole.begin()) + name.size()] = 40;
+    EXPECT_THROW(check_exr(longer, "a.exr", {}), InputError);
+    // Lists of texts, and small pictures, say sizes of their own.
+    for (const char* type : {"stringvector", "preview"}) {
+        std::vector<std::uint8_t> more(whole.begin(), whole.begin() + 8);
+        for (const char* text : {"own", type}) {
+            more.insert(more.end(), text, text + std::strlen(text));
+            more.push_back(0);
+        }
+        for (const int byte : {8, 0, 0, 0, 255, 255, 255, 127, 1, 0, 0, 0})
+            more.push_back(static_cast<std::uint8_t>(byte));
+        more.insert(more.end(), whole.begin() + 8, whole.end());
+        EXPECT_THROW(check_exr(more, "a.exr", {}), InputError) << type;
     }
 }
 
