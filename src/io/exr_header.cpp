@@ -88,6 +88,7 @@ void read_channels(Reader& value, const FloatImageLimits& limits, ExrHeader& hea
         std::string channel = value.text();
         if (channel.empty()) break;
         const std::uint32_t type = value.word();
+        if (channel.back() == '.') value.fail(fmt::format("channel '{}' has no name in its layer", channel));
         value.take(4);   // perceptual linearity, reserved
         if (type > 2) value.fail(fmt::format("channel '{}' has unknown type {}", channel, type));
         if (value.integer() != 1 || value.integer() != 1)
@@ -152,6 +153,8 @@ void check_value_size(const std::string& attribute, const std::string& type, Rea
     const auto wrong = [&] { value.fail(fmt::format("'{}' has a wrong size", attribute)); };
     for (const Known& known : k_known)
         if (type == known.type && value.left() != known.bytes) wrong();
+    if (type == "chlist" && attribute != "channels")
+        value.fail(fmt::format("'{}' is a second list of channels", attribute));
     if (type == "floatvector" && value.left() % 4 != 0) wrong();
     if (type == "stringvector")
         while (value.left() > 0) value.take(value.word());

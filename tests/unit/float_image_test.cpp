@@ -73,7 +73,7 @@ TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
     longer[static_cast<std::size_t>(at - whole.begin()) + name.size()] = 40;
     EXPECT_THROW(check_exr(longer, "a.exr", {}), InputError);
     // Lists of texts, and small pictures, say sizes of their own.
-    for (const char* type : {"stringvector", "preview"}) {
+    for (const char* type : {"stringvector", "preview", "chlist"}) {
         std::vector<std::uint8_t> more(whole.begin(), whole.begin() + 8);
         for (const char* text : {"own", type}) {
             more.insert(more.end(), text, text + std::strlen(text));
