@@ -101,6 +101,9 @@ class VisibleLight {
     std::size_t points() const { return points_.size(); }
 
  private:
+    // Points are interpolated to pixels whose plane is no further off than this share of the spacing.
+    static constexpr float k_plane = 0.35f;
+
     // The parts of triangles that speak for a point, with their shares.
     struct PartAnchors {
         AnchorKey key[4];
