@@ -15,7 +15,8 @@ cd "$1" || exit 97
 shift
 exec 3<&0
 display_file=$(mktemp)
-Xvfb -displayfd 4 -screen 0 ${screen}x24 -nolisten tcp 4>"$display_file" >/dev/null 2>&1 3<&- &
+# A number of its own: one that another server has just given up may still be taken away with that one's socket.
+Xvfb :$((100 + $$ % 50000)) -displayfd 4 -screen 0 ${screen}x24 -nolisten tcp 4>"$display_file" >/dev/null 2>&1 3<&- &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display_file"' EXIT
 for _ in $(seq 100); do [[ -s $display_file ]] && break; sleep 0.1; done
