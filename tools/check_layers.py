@@ -12,7 +12,6 @@ import re
 import sys
 
 # Who may include whom, besides itself and the plain types of include/gnomon, which are open to everybody.
-# Folders of the plan that are not built yet are here too, so that they are checked from their first file on.
 k_may_include = {
     "base": set(),
     "scene": {"base"},
@@ -28,9 +27,6 @@ k_may_include = {
                "shadow_culling", "shadow_textures", "light_quadtree"},
 }
 k_may_include["app"] = k_may_include["render"] | {"render"}
-
-# Single headers that one folder opens to another.
-k_open_headers = {("light_quadtree", "shadow_culling/remembered_visibility.h")}
 
 # Sources that must make do with the public interface and their own folder: what they lack is missing from it.
 k_public_only = re.compile(r"src/app/verb_(render|info)[^/]*\.(cpp|h)")
@@ -61,7 +57,7 @@ def fault(file: pathlib.PurePosixPath, included: str) -> str | None:
         return f'"{included}": this verb uses include/gnomon alone'
     if target not in k_may_include:
         return f'"{included}": no such folder in the table in tools/check_layers.py'
-    if target in k_may_include[own] or (own, included) in k_open_headers:
+    if target in k_may_include[own]:
         return None
     return f'"{included}": {own} must not know {target}'
 
