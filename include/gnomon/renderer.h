@@ -21,8 +21,9 @@ struct ReferenceLightOptions {
 };
 
 /// What makes the picture: rays on the processor, or the rasteriser on a Vulkan device, which shows mirrors without
-/// their images and glass without refraction. Its bounced light runs on the device, too, but for that of
-/// Indirect::visible: the processor finds what arrives at the surfaces that the device shows.
+/// their images and glass without refraction. Its bounced light runs on the device, too; for that of Indirect::visible,
+/// which lights the surfaces that the device shows from remembered points, RenderOptions::indirect_on says who cuts,
+/// traces and sums.
 enum class RenderMethod { trace, raster };
 
 /// Shadows of the rasterised frame. `coherent` draws again only what changed; `depth` and `per_caster` are the methods
