@@ -57,22 +57,24 @@ CLI::Option* add(CLI::App& parser, const Option& option)
     return parser.add_option(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
 }
 
-// "--method paper certified" is "--method paper --method certified", and "--objects 25 50" likewise: further words that
-// are among the choices of an option that repeats, or numbers where it takes numbers, belong to it, and nothing else
-// does.
+// "--method paper certified" is "--method paper --method certified", and so are "--objects 25 50" and "--method visible
+// rsm:256": further words that are among the choices of an option that repeats, or begin like its values, or are
+// numbers where it takes numbers, belong to it, and nothing else does.
 void spell_out_lists(std::vector<std::string>& words)
 {
     const auto among = [](const std::string& word, std::string_view choices) {
-        return word.find('|') == std::string::npos &&
+        return !word.empty() && word.find('|') == std::string::npos &&
                ("|" + std::string(choices) + "|").find("|" + word + "|") != std::string::npos;
     };
+    const auto belongs = [&](const std::string& word, const Option& option) {
+        if (option.kind == Kind::integer || option.kind == Kind::number) return parse_number(word).has_value();
+        return among(option.kind == Kind::text ? word.substr(0, word.find(':')) : word, option.choices);
+    };
     for (const Option& option : options()) {
-        const bool numbers = option.kind == Kind::integer || option.kind == Kind::number;
-        if (!option.repeats || (option.kind != Kind::choice && !numbers)) continue;
+        if (!option.repeats) continue;
         const std::string flag = "--" + std::string(option.name);
         for (std::size_t i = 0; i + 2 < words.size(); ++i)
-            if (words[i] == flag && words[i + 1] != flag &&
-                (numbers ? parse_number(words[i + 2]).has_value() : among(words[i + 2], option.choices)))
+            if (words[i] == flag && words[i + 1] != flag && belongs(words[i + 2], option))
                 words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 2, flag);
     }
 }

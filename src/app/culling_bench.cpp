@@ -71,7 +71,7 @@ class Run {
     {
         state_.advance(scene_.timeline.time_of(frame));
         rays_.update(state_);
-        view_ = render::make_view(state_, 0, options_.size);
+        view_ = render::make_view(state_, options_.camera, options_.size);
         find_points();
         CullingFrame record;
         record.frame = frame;

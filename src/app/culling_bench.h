@@ -21,6 +21,7 @@ namespace gnomon::app {
 struct CullingBenchOptions {
     FrameRange frames{1, 100};
     Size size{512, 512};
+    scene::CameraId camera = 0;
     int threads = 1;
     int max_depth = 0;   // reflections and refractions in a row whose hits ask for shadows, too
     int repeat = 1;      // runs; times are their medians

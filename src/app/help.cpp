@@ -71,7 +71,7 @@ std::string help_text(const VerbInfo* verb)
     std::string text;
     if (!verb) {
         text = fmt::format(
-            "gnomon {}: lights animated 3D scenes, and never computes light twice that stood still\n\n"
+            "gnomon {}: lights animated 3D scenes, and aims never to compute light twice that stood still\n\n"
             "usage: gnomon VERB ...\n\n",
             version());
         for (const VerbInfo& each : verbs())
@@ -80,8 +80,8 @@ std::string help_text(const VerbInfo* verb)
         return text +
                "\ngnomon VERB --help explains a verb's options.\n"
                "SCENE: a file, or builtin:cornell, builtin:kinetic, builtin:spheres?objects=300&dynamic=10.\n"
-               "Exit codes: 0 done, 1 a comparison failed, 2 wrong usage, 3 bad input file, 4 something needed is\n"
-               "missing (device, ffmpeg, disk), 5 internal error, 130 interrupted.\n";
+               "Exit codes: 0 done, 1 a comparison or check failed, 2 wrong usage, 3 bad input file, 4 something\n"
+               "needed is missing (device, driver, ffmpeg, disk), 5 internal error, 130 interrupted.\n";
     }
     text = fmt::format("gnomon {}: {}\n\nusage: gnomon {} {}{}[options]\n", verb->name, verb->summary, verb->name,
                        verb->arguments, verb->arguments.empty() ? "" : " ");

@@ -99,9 +99,9 @@ struct World {
         state.advance(scene->timeline.time_of(frame));
         rays.update(state);
     }
-    render::View view() const { return render::make_view(state, static_cast<scene::CameraId>(camera), size); }
+    render::View view() const { return render::make_view(state, camera, size); }
     std::shared_ptr<const scene::Scene> scene;
-    int camera;
+    scene::CameraId camera;
     Size size;
     scene::SceneState state;
     ray::RayScene rays;

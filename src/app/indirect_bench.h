@@ -27,7 +27,7 @@ struct IndirectBenchOptions {
     FrameRange frames{1, 10};
     Size size{512, 512};
     int threads = 0;
-    int camera = 0;
+    scene::CameraId camera = 0;
     int spp = 4096;            // paths a point, of references
     int judged = 4;            // frames with a reference
     int grid = 8;              // pixels from a judged point to the next

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <vector>
 
 #include "app/option_table.h"
@@ -102,6 +103,14 @@ std::vector<const Option*> options_of(Verb verb)
     return list;
 }
 
+// "render a picture" as a sentence: "Renders a picture."
+std::string sentence(std::string_view summary)
+{
+    const std::size_t end = std::min(summary.find(' '), summary.size());
+    return fmt::format("{}{}s{}.", static_cast<char>(std::toupper(static_cast<unsigned char>(summary.front()))),
+                       summary.substr(1, end - 1), summary.substr(end));
+}
+
 std::string single_quoted(std::string_view text)
 {
     return fmt::format("'{}'", replaced(std::string(text), "'", "'\\''"));
@@ -114,8 +123,9 @@ constexpr std::string_view k_scenes = "builtin:cornell builtin:kinetic builtin:s
 std::string manual_page()
 {
     std::string text = fmt::format(
-        ".TH GNOMON 1 \"\" \"gnomon {}\" \"User Commands\"\n.SH NAME\ngnomon \\- light animated 3D scenes, and never "
-        "compute light twice that stood still\n.SH SYNOPSIS\n",
+        ".TH GNOMON 1 \"\" \"gnomon {}\" \"User Commands\"\n.SH NAME\ngnomon \\- light animated 3D scenes, and aim "
+        "never "
+        "to compute light twice that stood still\n.SH SYNOPSIS\n",
         version());
     for (const VerbInfo& verb : verbs())
         if (verb.built)
@@ -126,7 +136,7 @@ std::string manual_page()
         "builtin:spheres?objects=300&dynamic=10. Defaults stand in brackets.\n";
     for (const VerbInfo& verb : verbs()) {
         if (!verb.built) continue;
-        text += fmt::format(".SH \"GNOMON {}\"\n{}.\n", roff(verb.name), roff(verb.summary));
+        text += fmt::format(".SH \"GNOMON {}\"\n{}\n", roff(verb.name), roff(sentence(verb.summary)));
         std::string_view group;
         for (const Option* option : options_of(verb.verb)) {
             if (option->group == "Everywhere") continue;
@@ -151,7 +161,8 @@ std::string options_page()
     std::string text =
         "# Options\n\nEvery option of every verb, from the table that `gnomon VERB --help`, the manual page, the "
         "shells' "
-        "completions and the viewer's\npanel are made from. Defaults stand in brackets. [Choosing options](README.md) "
+        "completions and the viewer's\npanel are made from. Defaults stand in brackets. [Choosing "
+        "options](README.md#choosing-options) "
         "says "
         "which to take for what.\n";
     const auto add_row = [&](const Option& option) {
@@ -167,8 +178,8 @@ std::string options_page()
     };
     constexpr std::string_view k_table = "\n| | |\n|---|---|\n";
     for (const VerbInfo& verb : verbs()) {
-        text += fmt::format("\n## gnomon {}{}{}\n\nTo {}.\n", verb.name, verb.arguments.empty() ? "" : " ",
-                            verb.arguments, verb.summary);
+        text += fmt::format("\n## gnomon {}{}{}\n\n{}\n", verb.name, verb.arguments.empty() ? "" : " ", verb.arguments,
+                            sentence(verb.summary));
         std::string_view group;
         for (const Option& option : options()) {
             if (!(option.verbs & bit(verb.verb)) || option.group == "Everywhere") continue;

@@ -10,11 +10,9 @@ constexpr std::uint32_t k_every = ~0u;
 constexpr std::uint32_t k_pictures = bit(render) | bit(view);
 constexpr std::uint32_t k_benches =
     bit(bench_trace) | bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect);
-constexpr std::uint32_t k_reports =
-    bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect) | bit(bench_all);
-constexpr std::uint32_t k_sized = k_pictures | k_benches;
-constexpr std::uint32_t k_scened = k_sized & ~bit(bench_shadow_textures);   // it makes its own scene
-constexpr std::uint32_t k_ranged = bit(render) | bit(bench_culling) | bit(bench_indirect);
+constexpr std::uint32_t k_reports = bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect);
+constexpr std::uint32_t k_scened =
+    k_pictures | (k_benches & ~bit(bench_shadow_textures));   // that one makes its own scene
 
 constexpr VerbInfo k_verbs[] = {
     {render, "render", "SCENE -o OUT", 1, "render a picture, numbered pictures, or a film", true},
@@ -47,39 +45,14 @@ constexpr double k_side = 32768;
 constexpr Option k_options[] = {
     {.name = "out", .letter = 'o', .argument = "OUT", .kind = Kind::text, .verbs = bit(render), .group = k_output,
      .help = "what to write: .png, .exr (linear light, all layers), .mp4, or a numbered set: name-{frame:04}.png"},
-    {.name = "size", .argument = "WxH", .kind = Kind::size, .low = 1, .high = k_side, .verbs = k_sized, .group = k_output,
+    {.name = "size", .argument = "WxH", .kind = Kind::size, .low = 1, .high = k_side, .verbs = k_pictures, .group = k_output,
      .help = "in pixels; keeps the vertical field of view (default: the file's own, else 1280x720)"},
-    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "paper|certified", .repeats = true,
-     .verbs = bit(bench_culling), .group = k_shadows, .help = "which to measure beside tracing every ray (default: both)"},
-    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent|items", .repeats = true,
-     .verbs = bit(bench_shadow_textures), .group = k_shadows,
-     .help = "which to measure: all casters between for every receiver (slow); one depth buffer; that, kept from frame to "
-             "frame; the same with one item buffer for all textures (default: depth coherent items)"},
-    {.name = "objects", .argument = "N...", .kind = Kind::integer, .low = 1, .high = 1e6, .repeats = true,
-     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "spheres in the scene (default: 300)"},
-    {.name = "dynamic", .argument = "P...", .kind = Kind::number, .low = 0, .high = 100, .repeats = true,
-     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "percent of them that move (default: 10)"},
-    {.name = "movers", .argument = "M", .kind = Kind::integer, .low = 0, .high = 1e6,
-     .verbs = bit(bench_shadow_textures), .group = k_scene,
-     .help = "that many move instead, among small objects that stand still, equally dense around them"},
-    {.name = "vertices", .argument = "V", .kind = Kind::integer, .fallback = "2037", .low = 5, .high = 1e6,
-     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "of a sphere"},
-    {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .low = 1, .high = 200,
-     .verbs = bit(bench_shadow_textures), .group = k_frames, .help = "to measure after the first two; times are medians"},
-    {.name = "as-printed", .verbs = bit(bench_culling), .group = k_shadows,
-     .help = "the published method by the letter of its Tables 1 and 3: neighbours found occluded are tested again, and "
-             "shadows of what moves are remembered"},
-    {.name = "method", .argument = "HOW", .kind = Kind::text, .repeats = true, .verbs = bit(bench_indirect),
-     .group = k_indirect, .help = "what to measure: visible (default), quadtree:LEVEL, rsm:SAMPLES, rsm:SAMPLES:RADIUS (of the disk, in sides of the map; 0.3); "
-             "may be given again"},
-    {.name = "no-counts", .verbs = bit(bench_culling), .group = k_shadows,
-     .help = "no nodes and triangle tests on the counting kd-tree"},
-    {.name = "moving-lights", .verbs = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,
-     .help = "every light runs a small circle, so that nothing can be remembered"},
-    {.name = "repeat", .argument = "R", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 1000,
-     .verbs = bit(bench_culling), .group = k_frames, .help = "run R times; times are medians, counts must be the same"},
+    {.name = "size", .argument = "WxH", .kind = Kind::size, .fallback = "512x512", .low = 1, .high = k_side,
+     .verbs = k_benches, .group = k_output, .help = "in pixels; keeps the vertical field of view"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .verbs = k_reports, .group = k_output,
      .help = "also write DIR/index.html: tables and charts beside the paper's, data attached"},
+    {.name = "report", .argument = "DIR", .kind = Kind::text, .verbs = bit(bench_all), .group = k_output,
+     .help = "where to write index.html: tables and charts beside the papers', data attached"},
     {.name = "quick", .verbs = bit(bench_all), .group = k_output,
      .help = "smaller pictures and fewer frames: minutes instead of a quarter of an hour"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .verbs = bit(render), .group = k_output,
@@ -90,8 +63,15 @@ constexpr Option k_options[] = {
 
     {.name = "frame", .argument = "N", .kind = Kind::integer, .low = 1, .high = k_many,
      .verbs = bit(render) | bit(bench_trace), .group = k_frames, .help = "one frame, from 1"},
-    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .verbs = k_ranged, .group = k_frames,
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .verbs = bit(render),
+     .group = k_frames,
      .help = "a range, both ends included (default: the whole clip for a film or a numbered set, 1 for a picture)"},
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .verbs = bit(bench_culling),
+     .group = k_frames, .help = "a range, both ends included (default: the first 100)"},
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .verbs = bit(bench_indirect),
+     .group = k_frames, .help = "a range, both ends included (default: the first 10)"},
+    {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .low = 1, .high = 200,
+     .verbs = bit(bench_shadow_textures), .group = k_frames, .help = "to measure after the first two; times are medians"},
     {.name = "fps", .argument = "F", .kind = Kind::number, .low = 0.001, .high = 1000,
      .verbs = k_pictures | bit(info), .group = k_frames,
      .help = "frames a second (default: the file's own frames, else 24)"},
@@ -103,7 +83,23 @@ constexpr Option k_options[] = {
      .group = k_frames,
      .help = "render the N frames before the first unseen, so that there is something to remember (default: 0; 8 for one "
              "picture with --overlay shadow-states)"},
+    {.name = "repeat", .argument = "R", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 1000,
+     .verbs = bit(bench_culling), .group = k_frames, .help = "run R times; times are medians, counts must be the same"},
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 1024,
+     .verbs = bit(bench_culling), .group = k_frames, .help = "0: all; counts do not depend on it"},
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 1024,
+     .verbs = bit(bench_shadow_textures), .group = k_frames,
+     .help = "taken as everywhere, and without effect: one thread plans, the device draws"},
 
+    {.name = "objects", .argument = "N...", .kind = Kind::integer, .low = 1, .high = 1e6, .repeats = true,
+     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "spheres in the scene (default: 300)"},
+    {.name = "dynamic", .argument = "P...", .kind = Kind::number, .low = 0, .high = 100, .repeats = true,
+     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "percent of them that move (default: 10)"},
+    {.name = "movers", .argument = "M", .kind = Kind::integer, .low = 0, .high = 1e6,
+     .verbs = bit(bench_shadow_textures), .group = k_scene,
+     .help = "that many move instead, among small objects that stand still, equally dense around them"},
+    {.name = "vertices", .argument = "V", .kind = Kind::integer, .fallback = "2037", .low = 5, .high = 1e6,
+     .verbs = bit(bench_shadow_textures), .group = k_scene, .help = "of a sphere"},
     {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .verbs = k_scened, .group = k_scene,
      .help = "by name, by number from 0, or the first"},
     {.name = "turntable", .argument = "SECONDS", .kind = Kind::number, .low = 0.001, .high = 1e6, .verbs = k_pictures,
@@ -119,7 +115,7 @@ constexpr Option k_options[] = {
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 4096,
      .verbs = k_pictures, .group = k_quality, .help = "per pixel"},
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64,
-     .verbs = k_scened & ~bit(bench_culling), .group = k_quality, .help = "reflections and refractions in a row"},
+     .verbs = k_pictures | bit(bench_trace), .group = k_quality, .help = "reflections and refractions in a row"},
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 64,
      .verbs = bit(bench_culling), .group = k_quality,
      .help = "reflections and refractions in a row whose hits ask for shadows, too; 0: primary hits alone"},
@@ -140,6 +136,17 @@ constexpr Option k_options[] = {
     {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = k_pictures,
      .group = k_look, .help = "show shadow states of this light alone, from 0 (default: of all)"},
 
+    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "paper|certified", .repeats = true,
+     .verbs = bit(bench_culling), .group = k_shadows, .help = "which to measure beside tracing every ray (default: both)"},
+    {.name = "as-printed", .verbs = bit(bench_culling), .group = k_shadows,
+     .help = "the published method by the letter of its Tables 1 and 3: neighbours found occluded are tested again, and "
+             "shadows of what moves are remembered"},
+    {.name = "no-counts", .verbs = bit(bench_culling), .group = k_shadows,
+     .help = "no nodes and triangle tests on the counting kd-tree"},
+    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent|items", .repeats = true,
+     .verbs = bit(bench_shadow_textures), .group = k_shadows,
+     .help = "which to measure: all casters between for every receiver (slow); one depth buffer; that, kept from frame to "
+             "frame; the same with one item buffer for all textures (default: depth coherent items)"},
     {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "certified", .choices = "off|paper|certified",
      .verbs = k_pictures, .group = k_shadows,
      .help = "remember traced shadows. certified: proven, the same picture as off; paper: guessed as published in 2009, "
@@ -150,15 +157,21 @@ constexpr Option k_options[] = {
              "by receiver; the same picture"},
     {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64,
      .verbs = k_pictures, .group = k_shadows, .help = "edge of rasterised shadows in texels; 0: hard"},
+    {.name = "moving-lights", .verbs = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,
+     .help = "every light runs a small circle, so that nothing can be remembered"},
 
+    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|rsm", .repeats = true,
+     .verbs = bit(bench_indirect), .group = k_indirect,
+     .help = "what to measure: visible, quadtree:LEVEL, rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk, in sides of "
+             "the map; 0.3); may be given again (default: visible; with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = "off|rsm|quadtree|visible",
      .verbs = k_pictures, .group = k_indirect,
      .help = "one-bounce light. visible: with shadows, without noise; quadtree: clusters of lit surface parts, as published "
              "in 2007; rsm: samples of them; both without shadows"},
     {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .low = 1, .high = 65536,
      .verbs = k_pictures | bit(bench_indirect), .group = k_indirect,
-     .help = "visible: for remembered points, or twice what a frame shows; the longest unseen are forgotten "
-             "first; changes time, not pictures"},
+     .help = "visible: room for remembered points, never less than twice what a frame shows; the longest unseen are "
+             "forgotten first; changes time, not pictures"},
     {.name = "indirect-on", .argument = "WHERE", .kind = Kind::choice, .fallback = "auto", .choices = "auto|cpu|vulkan",
      .verbs = k_pictures, .group = k_indirect,
      .help = "visible with --renderer raster: who cuts the light's tree, traces and sums. vulkan: the device; its rays, if it "
@@ -205,8 +218,8 @@ constexpr Option k_options[] = {
      .help = "one JSON document on standard output, all else to standard error; or, as --json=FILE, to a file"},
     {.name = "config", .argument = "FILE", .kind = Kind::text, .verbs = k_every, .group = k_common,
      .help = "options as a JSON object, such as {\"size\": \"640x360\"}; the command line wins"},
-    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 1024, .verbs = k_every,
-     .group = k_common, .help = "0: all; pictures do not depend on it"},
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 1024,
+     .verbs = k_every & ~(bit(bench_culling) | bit(bench_shadow_textures)), .group = k_common, .help = "0: all; pictures do not depend on it"},
     {.name = "quiet", .verbs = k_every, .group = k_common, .help = "say nothing but errors"},
     {.name = "verbose", .letter = 'v', .verbs = k_every, .group = k_common, .help = "say more"},
     {.name = "help", .letter = 'h', .verbs = k_every, .group = k_common, .help = "show this"},

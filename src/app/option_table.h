@@ -51,7 +51,7 @@ struct Option {
     std::string_view argument{};   // as --help shows it; empty for flags
     Kind kind = Kind::flag;
     std::string_view fallback{};        // the default, as it would be typed; empty: none, or said in `help`
-    std::string_view choices{};         // "a|b|c"
+    std::string_view choices{};         // "a|b|c"; of text: how values of a list begin, up to a colon
     std::string_view built_choices{};   // those of them that are built, if not all
     double low = 0, high = 0;
     bool repeats = false;
@@ -67,7 +67,7 @@ constexpr std::uint32_t bit(Verb verb)
 }
 
 std::span<const VerbInfo> verbs();
-/// In the order in which --help shows them; options of one group stand together.
+/// In the order in which --help shows them; a verb's options of one group stand together.
 std::span<const Option> options();
 
 /// nullptr if there is none.

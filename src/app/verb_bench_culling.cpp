@@ -10,10 +10,13 @@
 #include "app/machine.h"
 #include "app/moving_lights.h"
 #include "app/verbs.h"
+#include "render/view.h"
 
 namespace gnomon::app {
 
 namespace {
+
+constexpr int k_frames_by_default = 100;   // as the help says
 
 std::string line_of(const CullingFrame& f, const CullingBenchOptions& options)
 {
@@ -34,13 +37,14 @@ std::string line_of(const CullingFrame& f, const CullingBenchOptions& options)
 CullingBenchOptions options_of(const OptionValues& values, const Scene& scene)
 {
     CullingBenchOptions options;
-    options.frames = {1, std::min(100, scene.frame_count())};
+    options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
     if (values.given("frames")) options.frames = *parse_range(values.text("frames"));
     if (options.frames.last > scene.frame_count() || options.frames.count() < 1)
         throw UsageError(fmt::format("no frames {} to {}: the clip has frames 1 to {}", options.frames.first,
                                      options.frames.last, scene.frame_count()));
-    if (values.given("size")) options.size = *parse_size(values.text("size"));
-    options.threads = values.given("threads") ? values.integer("threads") : 1;
+    options.size = *parse_size(values.text("size"));
+    options.camera = render::find_camera(*scene.inside(), values.text("camera"));
+    options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
     options.repeat = values.integer("repeat");
     options.counts = !values.flag("no-counts");

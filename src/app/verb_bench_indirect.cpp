@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -16,7 +15,7 @@ namespace gnomon::app {
 
 namespace {
 
-constexpr int k_frames_by_default = 10;
+constexpr int k_frames_by_default = 10;   // as the help says
 
 // A report's picture of the reference: paths a pixel, for paths a point.
 constexpr int k_picture_paths_share = 8, k_least_picture_paths = 64;
@@ -46,18 +45,6 @@ void say_row(const IndirectRow& r, Output& output)
                            static_cast<double>(r.work.bytes) / 1e6));
 }
 
-int camera_of(const scene::Scene& scene, const std::string& wanted)
-{
-    if (wanted == "auto") return 0;
-    const auto count = static_cast<int>(scene.cameras.size());
-    for (int c = 0; c < count; ++c)
-        if (scene.cameras[static_cast<std::size_t>(c)].name == wanted) return c;
-    int number = 0;
-    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-    if (error == std::errc() && end == wanted.data() + wanted.size() && number >= 0 && number < count) return number;
-    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, count));
-}
-
 IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
 {
     IndirectBenchOptions options;
@@ -66,9 +53,9 @@ IndirectBenchOptions options_of(const OptionValues& values, const Scene& scene)
     if (options.frames.last > scene.frame_count() || options.frames.count() < 1)
         throw UsageError(fmt::format("no frames {} to {}: the clip has frames 1 to {}", options.frames.first,
                                      options.frames.last, scene.frame_count()));
-    if (values.given("size")) options.size = *parse_size(values.text("size"));
+    options.size = *parse_size(values.text("size"));
     options.threads = values.integer("threads");
-    options.camera = camera_of(*scene.inside(), values.text("camera"));
+    options.camera = render::find_camera(*scene.inside(), values.text("camera"));
     options.spp = values.integer("spp");
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
@@ -117,8 +104,7 @@ int run_bench_indirect(const CommandLine& line, Output& output)
         const scene::SceneState state(inside, inside->timeline.time_of(options.frames.first));
         const ray::RayScene rays(state);
         Tasks tasks(options.threads);
-        const render::View view =
-            render::make_view(state, static_cast<scene::CameraId>(options.camera), k_large_gather_size);
+        const render::View view = render::make_view(state, options.camera, k_large_gather_size);
         study.large = measure_large_gather(state, rays, view, tasks);
         output.say(fmt::format("{:14} {:.2f} ms for every pixel of {}x{} and {} clusters", "gather", study.large->ms,
                                study.large->size.width, study.large->size.height, study.large->clusters));

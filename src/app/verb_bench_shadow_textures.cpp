@@ -33,7 +33,7 @@ ShadowTexturesBenchOptions options_of(const OptionValues& values)
         if (*options.movers > fewest)
             throw UsageError(fmt::format("--movers {}: there are only {} objects", *options.movers, fewest));
     }
-    if (values.given("size")) options.size = *parse_size(values.text("size"));
+    options.size = *parse_size(values.text("size"));
     options.vertices = values.integer("vertices");
     options.frames = values.integer("frames");
     if (const std::vector<std::string> words = values.all("method"); !words.empty()) {

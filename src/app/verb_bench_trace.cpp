@@ -6,6 +6,7 @@
 
 #include "app/verbs.h"
 #include "render/trace_bench.h"
+#include "render/view.h"
 
 namespace gnomon::app {
 
@@ -20,7 +21,8 @@ int run_bench_trace(const CommandLine& line, Output& output)
     if (values.given("frame")) options.frame = values.integer("frame");
     if (options.frame > scene.frame_count())
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", options.frame, scene.frame_count()));
-    if (values.given("size")) options.size = *parse_size(values.text("size"));
+    options.size = *parse_size(values.text("size"));
+    options.camera = render::find_camera(*scene.inside(), values.text("camera"));
     options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
     const render::TraceBenchResult result = render::bench_trace(scene.inside(), options);

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <chrono>
 
 #include "base/check.h"
@@ -18,6 +17,7 @@
 #include "render/stopwatch.h"
 #include "render/tone_map.h"
 #include "render/traced_frame.h"
+#include "render/view.h"
 #include "shadow_culling/certified_culling.h"
 #include "shadow_culling/paper_culling.h"
 
@@ -32,17 +32,6 @@ constexpr int k_max_side = 32768;
 constexpr int k_most_paths = 1 << 24;
 constexpr int k_most_bounces = 1000;
 constexpr std::int64_t k_max_pixels = 256'000'000;   // 3 GB of colour alone
-
-scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
-{
-    if (wanted == "auto") return 0;
-    for (std::size_t c = 0; c < scene.cameras.size(); ++c)
-        if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-    if (error == std::errc() && end == wanted.data() + wanted.size() && number < scene.cameras.size()) return number;
-    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
-}
 
 void check_options(const RenderOptions& o)
 {
@@ -249,7 +238,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     if (frame < 1 || frame > scene.frame_count())
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
 
-    const scene::CameraId camera = find_camera(*scene.inside(), options.camera);
+    const scene::CameraId camera = render::find_camera(*scene.inside(), options.camera);
     picture_size(scene, options);   // refuses what cannot be shown
     const auto start = Clock::now();
     FrameTimes own;   // beside the tracer's
@@ -386,7 +375,7 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
 
 Size default_size(const Scene& scene, const std::string& camera)
 {
-    const Size own = scene.inside()->cameras[find_camera(*scene.inside(), camera)].resolution;
+    const Size own = scene.inside()->cameras[render::find_camera(*scene.inside(), camera)].resolution;
     return own.width > 0 ? own : k_default_size;
 }
 

@@ -36,7 +36,7 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
 
     TraceBenchResult result;
     result.build_ms = rays_of_scene.statistics().build_ms;
-    const View view = make_view(state, 0, options.size);
+    const View view = make_view(state, options.camera, options.size);
     TracedOptions traced;
     traced.max_depth = options.max_depth;
     FrameBuffers buffers;

@@ -14,6 +14,7 @@ namespace gnomon::render {
 struct TraceBenchOptions {
     int frame = 1;
     Size size{512, 512};
+    scene::CameraId camera = 0;
     int threads = 0;   // of the frame; the bare loop runs on one
     int max_depth = 10;
     int repeats = 7;   // medians of so many runs

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/view.h"
 
+#include <fmt/format.h>
+
+#include <charconv>
+
 #include "base/check.h"
+#include "gnomon/error.h"
 
 namespace gnomon::render {
 
@@ -12,6 +17,17 @@ glm::dvec3 unit(const glm::dvec3& v, const glm::dvec3& otherwise)
     return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 }   // namespace
+
+scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
+{
+    if (wanted == "auto") return 0;
+    for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+        if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && end == wanted.data() + wanted.size() && number < scene.cameras.size()) return number;
+    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
+}
 
 View make_view(const scene::SceneState& state, scene::CameraId id, Size size)
 {

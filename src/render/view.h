@@ -2,6 +2,8 @@
 #pragma once
 // The eye: a camera at a time, as a generator of primary rays, and where in a pixel samples lie.
 
+#include <string>
+
 #include "base/math.h"
 #include "gnomon/types.h"
 #include "scene/state.h"
@@ -22,6 +24,10 @@ struct View {
     /// @param x, y  in pixels from the top left corner; (0.5, 0.5) is the first pixel's centre
     void ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float& tnear, float& tfar) const;
 };
+
+/// @param wanted  as in RenderOptions: a name, a number from 0, or auto: the first
+/// @throws UsageError  the scene has no such camera
+scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted);
 
 View make_view(const scene::SceneState& state, scene::CameraId camera, Size size);
 

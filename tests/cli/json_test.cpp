@@ -103,6 +103,33 @@ TEST(Json, BenchTrace)
     EXPECT_GE(document["rays"].get<int>(), 64 * 64);
 }
 
+// Of two cameras one sees a triangle, and the other nothing that could be in shadow.
+TEST(Json, BenchesLookThroughTheCameraThatWasNamed)
+{
+    const ScratchFolder folder;
+    const float corners[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0};
+    std::ofstream(folder / "corners.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(corners), sizeof corners);
+    std::ofstream(folder / "two.gltf") << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [{"mesh": 0}, {"name": "at it", "camera": 0, "translation": [0, 0, 3]},
+                  {"name": "away", "camera": 1, "translation": [0, 0, 3], "rotation": [0, 1, 0, 0]}],
+        "cameras": [{"name": "at it", "type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}},
+                    {"name": "away", "type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+        "buffers": [{"byteLength": 36, "uri": "corners.bin"}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [-1, -1, 0], "max": [1, 1, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]})";
+    const auto bench = [&](const std::string& what, const std::string& camera) {
+        const Outcome outcome = run({"bench", what, (folder / "two.gltf").string(), "--camera", camera, "--light",
+                                     "point 0 0 3 1 1 1", "--size", "32x32", "--json", "--quiet"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return outcome.code == 0 ? outcome.json() : json();
+    };
+    EXPECT_GT(bench("trace", "at it")["rays"].get<int>(), bench("trace", "away")["rays"].get<int>());
+    EXPECT_GT(bench("culling", "0")["frames"][0]["off"]["rays"].get<int>(), 0);
+    EXPECT_EQ(bench("culling", "1")["frames"][0]["off"]["rays"].get<int>(), 0);
+}
+
 TEST(Json, BenchCulling)
 {
     const Outcome outcome = run({"bench", "culling", "builtin:cornell", "--frames", "2-4", "--size", "48x32",

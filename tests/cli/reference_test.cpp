@@ -120,16 +120,19 @@ TEST(BenchIndirect, UnknownMethodsAreRefused)
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its number is");
     for (const char* method : {"rsm:64:", "rsm:64:0", "rsm:64:nan", "rsm:64:9"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its radius is");
+    // In a list, too, behind which the scene is still the scene.
+    expect_failure(run({"bench", "indirect", "--method", "visible", "rsm", "builtin:cornell"}), 2, "no method 'rsm'");
+    expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2, "its number is");
+    expect_failure(run({"bench", "indirect", "--method", "visible", "more", "builtin:cornell"}), 2, "takes 1 argument");
 }
 
 // More clusters, and more samples, come nearer to the sum that both approximate; neither reaches the reference.
 TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
 {
     const Outcome outcome =
-        run({"bench",      "indirect", "builtin:cornell", "--frames", "1-3",        "--size",      "96x96",
-             "--spp",      "64",       "--judged",        "1",        "--method",   "quadtree:6",  "--method",
-             "quadtree:4", "--method", "rsm:64:1",        "--method", "rsm:1024:1", "--receivers", "full",
-             "--json"});
+        run({"bench",    "indirect", "builtin:cornell", "--frames",    "1-3",      "--size",     "96x96",
+             "--spp",    "64",       "--judged",        "1",           "--method", "quadtree:6", "quadtree:4",
+             "--method", "rsm:64:1", "rsm:1024:1",      "--receivers", "full",     "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json rows = outcome.json()["rows"];
     ASSERT_EQ(rows.size(), 4u);

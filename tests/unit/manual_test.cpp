@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <vector>
 
 #include "app/option_table.h"
 
@@ -26,6 +28,19 @@ TEST(Manual, EveryOptionIsWhereAPersonLooks)
         EXPECT_NE(bash.find("--" + name), std::string::npos) << name;
         EXPECT_NE(zsh.find("--" + name), std::string::npos) << name;
         EXPECT_NE(fish.find(" -l " + name + " "), std::string::npos) << name;
+    }
+}
+
+// What shows options takes their order from the table.
+TEST(Manual, OptionsOfOneGroupStandTogether)
+{
+    for (const VerbInfo& verb : verbs()) {
+        std::vector<std::string_view> groups;
+        for (const Option& option : options())
+            if ((option.verbs & bit(verb.verb)) && (groups.empty() || groups.back() != option.group))
+                groups.push_back(option.group);
+        const std::set<std::string_view> different(groups.begin(), groups.end());
+        EXPECT_EQ(groups.size(), different.size()) << verb.name;
     }
 }
 

@@ -256,7 +256,7 @@ void Panel::keys()
         {"right drag", "look around"},
         {"middle or shift drag", "move sideways"},
         {"wheel", "nearer, farther"},
-        {"W A S D, E Q", "fly, up and down"},
+        {"W A S D, E Q", "fly, up and down; with shift, four times as fast"},
         {"click", "pick an object"},
         {"F", "aim at the picked object"},
         {"C", "the scene's own camera"},
