@@ -182,8 +182,9 @@ struct ViewSession::Kept {
         map_options = options;
     }
 
-    void follow_hands(const std::vector<HandMoved>& wanted)
+    void follow_hands(std::vector<HandMoved> wanted)
     {
+        std::erase_if(wanted, [&](const HandMoved& hand) { return hand.node >= state->scene().nodes.size(); });
         if (wanted == hands) return;
         for (const HandMoved& hand : hands) state->override_transform(hand.node, nullptr);
         for (const HandMoved& hand : wanted) {
@@ -196,7 +197,7 @@ struct ViewSession::Kept {
             return std::none_of(wanted.begin(), wanted.end(),
                                 [&](const HandMoved& h) { return h.node == entry.first; });
         });
-        hands = wanted;
+        hands = std::move(wanted);
     }
 
     glm::dmat4 local_of(scene::NodeId node) const
@@ -246,7 +247,7 @@ void ViewSession::ask(ViewRequest request)
 {
     const std::lock_guard lock(mutex_);
     // A question is not lost when its frame is overtaken.
-    if (request_ && request_->pick && !request.pick) request.pick = request_->pick;
+    if (request_ && request_->pick && !request.pick && request_->scene == request.scene) request.pick = request_->pick;
     request_ = std::move(request);
     to_render_.notify_one();
 }
@@ -335,6 +336,11 @@ void ViewSession::render_loop(const std::stop_token& stop)
             scene = scene_;
             rendering_ = true;
         }
+        if (request.scene != scene) {
+            request.eye.reset();
+            request.hands.clear();
+            request.pick.reset();
+        }
         try {
             auto picture = render(scene, request);
             const bool lacking = kept_->visible && kept_->visible->lacks_points();
@@ -368,6 +374,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     Kept& kept = *kept_;
     const RenderOptions& options = request.options;
     auto picture = std::make_shared<ViewPicture>();
+    picture->scene = scene;
     Clock::time_point start = Clock::now();
     const auto end_stage = [&](int stage) {
         picture->times.ms[stage] = milliseconds_since(start);

@@ -33,6 +33,8 @@ struct HandMoved {
 };
 
 struct ViewRequest {
+    std::shared_ptr<const Scene>
+        scene;   // that eye, hands and pick are about; they are not heeded once another is there
     double time = 0;
     std::optional<render::View> eye;   // none: the scene's camera
     std::string camera = "auto";       // then, as on the command line
@@ -60,6 +62,7 @@ struct Picked {
 };
 
 struct ViewPicture {
+    std::shared_ptr<const Scene> scene;
     Image8 image;       // sRGB
     render::View eye;   // as rendered
     Box3 bounds;        // of the scene

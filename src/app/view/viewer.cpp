@@ -203,6 +203,7 @@ void Viewer::Inside::take_scene()
     playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
     hands.hands.clear();
     panel.picked.reset();
+    pick.reset();
     own_camera = false;
     dirty = true;
 }
@@ -216,7 +217,7 @@ void Viewer::Inside::take_picture()
     panel.add(picture->times);
     picture_ms.push_back(picture->times.total());
     ++summary.pictures;
-    if (picture->picked) panel.picked = picture->picked;
+    if (picture->picked && picture->scene == scene) panel.picked = picture->picked;
     // Fewer pixels while pictures in motion are slow.
     const double full = picture->times.total();
     if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
@@ -237,7 +238,7 @@ void Viewer::Inside::take_picture()
 // The viewer's own camera begins where the scene's is.
 void Viewer::Inside::take_camera()
 {
-    if (own_camera || !picture) return;
+    if (own_camera || !picture || picture->scene != scene) return;
     const Box3& bounds = picture->bounds;
     float distance = glm::dot(bounds.centre() - picture->eye.eye, picture->eye.forward);
     const float extent = glm::length(bounds.high - bounds.low);
@@ -371,6 +372,7 @@ void Viewer::Inside::ask()
     // One request at a time: a frame that was begun is finished, since it teaches the next.
     if (session.busy()) return;
     ViewRequest request;
+    request.scene = scene;
     request.options = settings.render_options();
     request.time = time;
     request.camera = request.options.camera;

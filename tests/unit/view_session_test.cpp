@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the viewer's window asks for and gets.
+#ifdef GNOMON_VIEWER
+#include "app/view/session.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace gnomon::app {
+namespace {
+
+constexpr auto k_patience = std::chrono::seconds(60);
+
+bool comes(const std::function<bool()>& what)
+{
+    const auto start = std::chrono::steady_clock::now();
+    while (!what()) {
+        if (std::chrono::steady_clock::now() - start > k_patience) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+}
+
+void load(ViewSession& session, double fps = 0)
+{
+    SceneRecipe recipe;
+    recipe.what = "builtin:cornell";
+    recipe.fps = fps;
+    session.load(recipe);
+    ASSERT_TRUE(comes([&] { return !session.load_state().loading; }));
+    ASSERT_EQ(session.load_state().error, "");
+}
+
+// The last picture of a request, once it gets no better.
+std::shared_ptr<const ViewPicture> finished(ViewSession& session, const ViewRequest& request)
+{
+    const auto before = session.picture(0);
+    session.ask(request);
+    EXPECT_TRUE(comes([&] { return !session.busy(); })) << "rendered again and again";
+    EXPECT_EQ(session.load_state().error, "");
+    return session.picture(before ? before->number : 0);
+}
+
+ViewRequest at(double time)
+{
+    ViewRequest request;
+    request.size = {48, 36};
+    request.time = time;
+    return request;
+}
+
+// By hand, where it is now and a little higher.
+HandMoved lifted(scene::NodeId node)
+{
+    return {node, true, glm::vec3(0, 0.3f, 0)};
+}
+
+scene::NodeId node_called(const Scene& scene, const std::string& name)
+{
+    const auto& nodes = scene.inside()->nodes;
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        if (nodes[n].name == name) return static_cast<scene::NodeId>(n);
+    ADD_FAILURE() << "no node " << name;
+    return 0;
+}
+
+bool same(const std::shared_ptr<const ViewPicture>& a, const std::shared_ptr<const ViewPicture>& b)
+{
+    return a && b && a->image.data == b->image.data;
+}
+
+TEST(ViewSession, AHandOnWhatTheSceneDoesNotHaveHoldsNothing)
+{
+    ViewSession session(1);
+    load(session);
+    const auto plain = finished(session, at(0));
+    ViewRequest request = at(0);
+    request.scene = session.scene();
+    const auto nodes = static_cast<scene::NodeId>(session.scene()->inside()->nodes.size());
+    request.hands = {lifted(nodes), lifted(nodes + 100)};
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(same(finished(session, request), plain));
+    request.hands.push_back(lifted(node_called(*session.scene(), "ball")));
+    EXPECT_FALSE(same(finished(session, request), plain));
+}
+
+// A request that was made for the scene before comes after the next one was loaded.
+TEST(ViewSession, HandsPicksAndCamerasOfAnotherSceneAreNotThisOnes)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0);
+    request.scene = session.scene();
+    request.hands = {lifted(node_called(*session.scene(), "ball"))};
+    request.pick = {24, 18};
+    const auto before = finished(session, request);
+    ASSERT_TRUE(before && before->picked);
+    EXPECT_EQ(before->scene, request.scene);
+    request.eye = before->eye;
+    request.eye->eye.x += 0.2f;
+    load(session, 12);
+    const auto after = finished(session, request);
+    ASSERT_TRUE(after);
+    EXPECT_EQ(after->scene, session.scene());
+    EXPECT_FALSE(after->picked);
+    EXPECT_TRUE(same(after, finished(session, at(0))));
+}
+
+}   // namespace
+}   // namespace gnomon::app
+#endif
