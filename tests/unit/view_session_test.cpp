@@ -10,6 +10,7 @@
 namespace gnomon::app {
 namespace {
 
+constexpr std::uint64_t k_few_rays = 500;   // bounced light takes many frames
 constexpr auto k_patience = std::chrono::seconds(60);
 
 bool comes(const std::function<bool()>& what)
@@ -104,6 +105,31 @@ TEST(ViewSession, HandsPicksAndCamerasOfAnotherSceneAreNotThisOnes)
     EXPECT_EQ(after->scene, session.scene());
     EXPECT_FALSE(after->picked);
     EXPECT_TRUE(same(after, finished(session, at(0))));
+}
+
+TEST(ViewSession, BouncedLightFollowsWhatMovesUnderTheOverlay)
+{
+    ViewSession session(1), fresh(1);
+    load(session), load(fresh);
+    finished(session, at(0));
+    ViewRequest overlay = at(0.8);
+    overlay.options.overlay = Overlay::shadow_states;
+    finished(session, overlay);
+    EXPECT_TRUE(same(finished(session, at(0.8)), finished(fresh, at(0.8))));
+}
+
+TEST(ViewSession, TheOverlayDoesNotWaitForBouncedLight)
+{
+    ViewSession session(1, k_few_rays);
+    load(session);
+    session.ask(at(0));
+    ASSERT_TRUE(comes([&] { return session.picture(0) != nullptr; }));
+    ViewRequest overlay = at(0);
+    overlay.options.overlay = Overlay::shadow_states;
+    const auto shown = finished(session, overlay);
+    ASSERT_TRUE(shown);
+    EXPECT_TRUE(shown->complete);
+    EXPECT_TRUE(finished(session, at(0))->complete);
 }
 
 }   // namespace

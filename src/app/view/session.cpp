@@ -75,9 +75,6 @@ double ViewTimes::total() const
     return sum;
 }
 
-// Rays a frame after which bounced light waits for the next one: some 50 ms of two processors.
-constexpr std::uint64_t k_indirect_rays = 1u << 18;
-
 struct ViewSession::Kept {
     explicit Kept(int threads) : tasks(threads) {}
 
@@ -152,7 +149,6 @@ struct ViewSession::Kept {
         if (options.indirect == Indirect::visible && !visible)
             visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
                                                                      render::visible_light_options(options), tasks);
-        if (visible) visible->limit_rays(k_indirect_rays);
     }
 
     void follow_raster(const RenderOptions& options)
@@ -207,7 +203,8 @@ struct ViewSession::Kept {
     }
 };
 
-ViewSession::ViewSession(int threads) : threads_(threads), kept_(std::make_unique<Kept>(threads))
+ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame)
+    : threads_(threads), rays_a_frame_(rays_a_frame), kept_(std::make_unique<Kept>(threads))
 {
     loader_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
     renderer_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
@@ -343,9 +340,9 @@ void ViewSession::render_loop(const std::stop_token& stop)
         }
         try {
             auto picture = render(scene, request);
-            const bool lacking = kept_->visible && kept_->visible->lacks_points();
             {
                 const std::lock_guard lock(mutex_);
+                const bool lacking = !picture->complete;
                 picture->number = picture_ ? picture_->number + 1 : 1;
                 picture_ = std::move(picture);
                 rendering_ = false;
@@ -394,6 +391,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     end_stage(0);
     kept.rays->update(*kept.state);
     kept.follow_options(options);
+    if (kept.visible) kept.visible->limit_rays(rays_a_frame_);
     end_stage(1);
 
     picture->eye = request.eye
@@ -419,6 +417,8 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
         kept.states.lights = {std::min(options.overlay_light.value_or(0), last)};
         remembered.states = &kept.states;
     }
+    // Light that is not asked for under the overlay is not to miss what moves meanwhile.
+    if (states && kept.visible) kept.visible->begin_frame(*kept.state, *kept.rays, kept.tasks);
     const Progress progress = [this](const ProgressStep&) { return !leaving_; };
     const bool clusters = kept.map && shows_clusters(options);
     if (clusters)
@@ -447,6 +447,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     }
     end_stage(3);
 
+    picture->complete = !remembered.visible || !remembered.visible->lacks_points();
     picture->time = request.time;
     picture->bounds = kept.rays->bounds();
     if (kept.certified) picture->remembered_bytes += kept.certified->bytes();

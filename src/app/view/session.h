@@ -67,6 +67,7 @@ struct ViewPicture {
     render::View eye;   // as rendered
     Box3 bounds;        // of the scene
     double time = 0;
+    bool complete = true;   // all of its bounced light is there; else the next picture has more of it
     ViewTimes times;
     FrameCounters counters;
     std::uint64_t number = 0;       // counts up
@@ -97,7 +98,10 @@ struct SceneRecipe {
 
 class ViewSession {
  public:
-    explicit ViewSession(int threads);
+    /// Some 50 ms of two processors.
+    static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
+    /// @param rays_a_frame  after so many, bounced light that a picture lacks waits for the next one
+    explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame);
     ~ViewSession();
 
     /// Begins to load; the scene before stays until this one is there, or for good if it fails.
@@ -121,6 +125,7 @@ class ViewSession {
     void fail(const std::string& message);
 
     int threads_;
+    std::uint64_t rays_a_frame_;
     mutable std::mutex mutex_;
     std::condition_variable_any to_load_, to_render_;
     std::optional<SceneRecipe> wanted_;
