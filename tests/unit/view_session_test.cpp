@@ -38,7 +38,7 @@ std::shared_ptr<const ViewPicture> finished(ViewSession& session, const ViewRequ
 {
     const auto before = session.picture(0);
     session.ask(request);
-    EXPECT_TRUE(comes([&] { return !session.busy(); })) << "rendered again and again";
+    EXPECT_TRUE(comes([&] { return !session.busy() && !session.refining(); })) << "rendered again and again";
     EXPECT_EQ(session.load_state().error, "");
     return session.picture(before ? before->number : 0);
 }
@@ -130,6 +130,45 @@ TEST(ViewSession, TheOverlayDoesNotWaitForBouncedLight)
     ASSERT_TRUE(shown);
     EXPECT_TRUE(shown->complete);
     EXPECT_TRUE(finished(session, at(0))->complete);
+}
+
+TEST(ViewSession, ARequestOvertakesTheRefiningOfTheOneBefore)
+{
+    ViewSession session(1, k_few_rays);
+    load(session);
+    ViewRequest first = at(0);
+    first.scene = session.scene();
+    first.pick = {80, 60};
+    first.size = {160, 120};   // hundreds of pictures
+    session.ask(first);
+    ASSERT_TRUE(comes([&] { return session.refining(); }));
+    EXPECT_FALSE(session.busy());
+    ViewRequest second = at(0.8);
+    second.whole = true;
+    const std::uint64_t wanted = session.ask(second);
+    const std::uint64_t shown = session.picture(0)->number;
+    std::shared_ptr<const ViewPicture> next;
+    ASSERT_TRUE(comes([&] {
+        next = session.picture(shown - 1);
+        return next->request == wanted;
+    }));
+    EXPECT_LE(next->number, shown + 2) << "only the one under way comes before it";
+    EXPECT_TRUE(next->picked) << "the answer came with a picture that nobody may have taken";
+}
+
+TEST(ViewSession, AWholeFrameIsTheRefinedOneAtOnce)
+{
+    ViewSession session(1, k_few_rays), other(1, k_few_rays);
+    load(session), load(other);
+    ViewRequest request = at(0.8);
+    const auto refined = finished(session, request);
+    ASSERT_TRUE(refined);
+    EXPECT_TRUE(refined->complete);
+    EXPECT_GT(refined->number, 2u);
+    request.whole = true;
+    const auto whole = finished(other, request);
+    EXPECT_TRUE(same(whole, refined));
+    EXPECT_EQ(whole->number, 1u);
 }
 
 }   // namespace

@@ -240,19 +240,28 @@ std::shared_ptr<const Scene> ViewSession::scene() const
     return scene_;
 }
 
-void ViewSession::ask(ViewRequest request)
+std::uint64_t ViewSession::ask(ViewRequest request)
 {
     const std::lock_guard lock(mutex_);
     // A question is not lost when its frame is overtaken.
     if (request_ && request_->pick && !request.pick && request_->scene == request.scene) request.pick = request_->pick;
+    request.number = ++asked_;
     request_ = std::move(request);
+    refining_ = false;
     to_render_.notify_one();
+    return asked_;
 }
 
 bool ViewSession::busy() const
 {
     const std::lock_guard lock(mutex_);
-    return rendering_ || request_;
+    return (rendering_ || request_) && !refining_;
+}
+
+bool ViewSession::refining() const
+{
+    const std::lock_guard lock(mutex_);
+    return refining_;
 }
 
 std::shared_ptr<const ViewPicture> ViewSession::picture(std::uint64_t newer_than) const
@@ -327,6 +336,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
         {
             std::unique_lock lock(mutex_);
             rendering_ = false;
+            refining_ = refining_ && request_;
             if (!to_render_.wait(lock, stop, [&] { return request_ && scene_; })) return;
             request = std::move(*request_);
             request_.reset();
@@ -342,14 +352,16 @@ void ViewSession::render_loop(const std::stop_token& stop)
             auto picture = render(scene, request);
             {
                 const std::lock_guard lock(mutex_);
-                const bool lacking = !picture->complete;
                 picture->number = picture_ ? picture_->number + 1 : 1;
+                if (!picture->picked && picture_ && picture_->scene == scene) picture->picked = picture_->picked;
+                const bool lacking = !picture->complete;
                 picture_ = std::move(picture);
                 rendering_ = false;
+                if (!request_) refining_ = lacking && scene == scene_;
                 // Bounced light that the frame had no time for: the same frame again, unless another is wanted.
-                if (lacking && !request_ && scene == scene_) {
+                if (refining_) {
+                    request.pick.reset();   // answered
                     request_ = std::move(request);
-                    rendering_ = true;
                     continue;
                 }
             }
@@ -372,6 +384,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     const RenderOptions& options = request.options;
     auto picture = std::make_shared<ViewPicture>();
     picture->scene = scene;
+    picture->request = request.number;
     Clock::time_point start = Clock::now();
     const auto end_stage = [&](int stage) {
         picture->times.ms[stage] = milliseconds_since(start);
@@ -391,7 +404,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     end_stage(0);
     kept.rays->update(*kept.state);
     kept.follow_options(options);
-    if (kept.visible) kept.visible->limit_rays(rays_a_frame_);
+    if (kept.visible) kept.visible->limit_rays(request.whole ? 0 : rays_a_frame_);
     end_stage(1);
 
     picture->eye = request.eye

@@ -43,6 +43,8 @@ struct ViewRequest {
     RenderOptions options;   // size, camera, turntable and threads of it are not read
     std::vector<HandMoved> hands;
     std::optional<glm::vec2> pick;   // pixels from the top left corner: what is there?
+    bool whole = false;              // all bounced light in the first picture, however long that takes
+    std::uint64_t number = 0;        // given by ask()
 };
 
 /// Milliseconds by stage.
@@ -71,7 +73,8 @@ struct ViewPicture {
     ViewTimes times;
     FrameCounters counters;
     std::uint64_t number = 0;       // counts up
-    std::optional<Picked> picked;   // answers `pick`; object none: nothing there
+    std::uint64_t request = 0;      // whose picture it is: the number that ask() gave
+    std::optional<Picked> picked;   // answers the last `pick`; object none: nothing there
     std::size_t remembered_bytes = 0;
 };
 
@@ -110,10 +113,13 @@ class ViewSession {
     /// The scene that requests are about; null: none yet.
     std::shared_ptr<const Scene> scene() const;
 
-    /// Asks for a frame; replaces a request that was not begun.
-    void ask(ViewRequest request);
-    /// A request waits or is being rendered.
+    /// Asks for a frame; replaces a request that was not begun, and ends the refining of the one before.
+    /// @return its number, from 1
+    std::uint64_t ask(ViewRequest request);
+    /// A request waits for its first picture.
     bool busy() const;
+    /// The last request has a picture, and gets better ones until it is complete.
+    bool refining() const;
     /// The newest picture, if there is one newer than that number.
     std::shared_ptr<const ViewPicture> picture(std::uint64_t newer_than) const;
 
@@ -130,7 +136,8 @@ class ViewSession {
     std::condition_variable_any to_load_, to_render_;
     std::optional<SceneRecipe> wanted_;
     std::optional<ViewRequest> request_;
-    bool rendering_ = false;
+    std::uint64_t asked_ = 0;
+    bool rendering_ = false, refining_ = false;
     LoadState state_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const ViewPicture> picture_;
