@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace gnomon::test {
@@ -38,6 +39,29 @@ class ScratchFolder {
 
  private:
     std::filesystem::path path_;
+};
+
+/// A variable of the environment, as long as the object lives.
+class ScopedVariable {
+ public:
+    ScopedVariable(std::string name, const std::string& value) : name_(std::move(name))
+    {
+        if (const char* before = std::getenv(name_.c_str())) before_ = before;
+        ::setenv(name_.c_str(), value.c_str(), 1);
+    }
+    ~ScopedVariable()
+    {
+        if (before_)
+            ::setenv(name_.c_str(), before_->c_str(), 1);
+        else
+            ::unsetenv(name_.c_str());
+    }
+    ScopedVariable(const ScopedVariable&) = delete;
+    ScopedVariable& operator=(const ScopedVariable&) = delete;
+
+ private:
+    std::string name_;
+    std::optional<std::string> before_;
 };
 
 }   // namespace gnomon::test

@@ -7,6 +7,8 @@
 
 #include <functional>
 
+#include "support.h"
+
 namespace gnomon::app {
 namespace {
 
@@ -169,6 +171,24 @@ TEST(ViewSession, AWholeFrameIsTheRefinedOneAtOnce)
     const auto whole = finished(other, request);
     EXPECT_TRUE(same(whole, refined));
     EXPECT_EQ(whole->number, 1u);
+}
+
+TEST(ViewSession, TheErrorOfAFrameGoesWithTheNextGoodOne)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0);
+    request.options.renderer = RenderMethod::raster;   // which needs a driver
+    const test::ScopedVariable none("VK_DRIVER_FILES", "/nowhere.json"),
+        none_either("VK_ICD_FILENAMES", "/nowhere.json");
+    const std::uint64_t bad = session.ask(request);
+    ASSERT_TRUE(comes([&] { return !session.busy(); }));
+    EXPECT_NE(session.load_state().frame_error, "");
+    EXPECT_EQ(session.load_state().failed, bad);
+    EXPECT_EQ(session.load_state().error, "");
+    EXPECT_TRUE(finished(session, at(0)));
+    EXPECT_EQ(session.load_state().frame_error, "");
+    EXPECT_EQ(session.load_state().failed, 0u);
 }
 
 }   // namespace

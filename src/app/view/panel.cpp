@@ -325,7 +325,8 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& ha
         ImGui::ProgressBar(static_cast<float>(load.done), {ImGui::GetFontSize() * 24, 0}, "");
         ImGui::End();
     }
-    const std::string& trouble = load.error.empty() ? message : load.error;
+    const std::string& error = load.error.empty() ? load.frame_error : load.error;
+    const std::string& trouble = error.empty() ? message : error;
     if (!trouble.empty()) {
         ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, 10}, ImGuiCond_Always, {0.5f, 0});
         ImGui::Begin("##message", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);

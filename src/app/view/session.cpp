@@ -270,10 +270,11 @@ std::shared_ptr<const ViewPicture> ViewSession::picture(std::uint64_t newer_than
     return picture_ && picture_->number > newer_than ? picture_ : nullptr;
 }
 
-void ViewSession::fail(const std::string& message)
+void ViewSession::fail(std::uint64_t request, const std::string& message)
 {
     const std::lock_guard lock(mutex_);
-    state_.error = message;
+    state_.frame_error = message;
+    state_.failed = request;
     state_.trouble = std::current_exception();
 }
 
@@ -343,6 +344,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
             scene = scene_;
             rendering_ = true;
         }
+        const std::uint64_t number = request.number;
         if (request.scene != scene) {
             request.eye.reset();
             request.hands.clear();
@@ -357,6 +359,8 @@ void ViewSession::render_loop(const std::stop_token& stop)
                 const bool lacking = !picture->complete;
                 picture_ = std::move(picture);
                 rendering_ = false;
+                state_.frame_error.clear();
+                state_.failed = 0;
                 if (!request_) refining_ = lacking && scene == scene_;
                 // Bounced light that the frame had no time for: the same frame again, unless another is wanted.
                 if (refining_) {
@@ -373,7 +377,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
                 });
         } catch (const std::exception& e) {
             kept_->forget();   // half a frame would be remembered
-            fail(e.what());
+            fail(number, e.what());
         }
     }
 }

@@ -84,8 +84,10 @@ struct LoadState {
     std::string file;   // that is loaded, or was
     std::string stage;
     double done = 0;
-    std::string error;            // of the last load or frame; empty: none
-    std::exception_ptr trouble;   // the same
+    std::string error;            // of the last load; empty: none
+    std::string frame_error;      // of the last frame
+    std::uint64_t failed = 0;     // its request; 0: the last frame did not fail
+    std::exception_ptr trouble;   // the last of these
     std::uint64_t loads = 0;      // that succeeded
 };
 
@@ -128,7 +130,7 @@ class ViewSession {
     void load_loop(const std::stop_token& stop);
     void render_loop(const std::stop_token& stop);
     std::shared_ptr<ViewPicture> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request);
-    void fail(const std::string& message);
+    void fail(std::uint64_t request, const std::string& message);
 
     int threads_;
     std::uint64_t rays_a_frame_;
