@@ -13,6 +13,19 @@
 
 namespace gnomon::app {
 
+// Goes with the last job that needs it, however that ends.
+struct Recorder::FramesFolder {
+    explicit FramesFolder(std::filesystem::path at) : path(std::move(at)) {}
+    ~FramesFolder()
+    {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+    }
+    FramesFolder(const FramesFolder&) = delete;
+    FramesFolder& operator=(const FramesFolder&) = delete;
+    std::filesystem::path path;
+};
+
 Recorder::Recorder() : thread_([this](const std::stop_token& stop) { work(stop); }) {}
 
 Recorder::~Recorder()
@@ -21,8 +34,6 @@ Recorder::~Recorder()
         finish();
     } catch (const std::exception&) {   // said by whoever called finish()
     }
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
 }
 
 std::string Recorder::free_name(const std::string& extension)
@@ -45,10 +56,11 @@ std::string Recorder::save(const Image8& image)
 std::string Recorder::start(double fps)
 {
     if (!io::have_ffmpeg()) return "recording needs the program ffmpeg";
-    folder_ = std::filesystem::temp_directory_path() / fmt::format("gnomon-{}-{}", ::getpid(), taken_.size());
+    const auto path = std::filesystem::temp_directory_path() / fmt::format("gnomon-{}-{}", ::getpid(), taken_.size());
     std::error_code error;
-    std::filesystem::create_directories(folder_, error);
-    if (error) return fmt::format("{}: {}", folder_.string(), error.message());
+    std::filesystem::create_directories(path, error);
+    if (error) return fmt::format("{}: {}", path.string(), error.message());
+    folder_ = std::make_shared<const FramesFolder>(path);
     fps_ = fps;
     frames_.clear();
     width_ = height_ = 0;
@@ -56,25 +68,23 @@ std::string Recorder::start(double fps)
     return {};
 }
 
-void Recorder::add(const Image8& image)
+bool Recorder::add(const Image8& image)
 {
     if (frames_.empty()) width_ = image.width, height_ = image.height;
-    if (image.width != width_ || image.height != height_) return;
-    const std::filesystem::path file = folder_ / fmt::format("{:06}.png", frames_.size());
+    if (image.width != width_ || image.height != height_) return false;
+    const std::filesystem::path file = folder_->path / fmt::format("{:06}.png", frames_.size());
     frames_.push_back(file);
-    queue([file, image] { io::write_png(file, image); });
+    queue([file, image, folder = folder_] { io::write_png(file, image); });
+    return true;
 }
 
 std::string Recorder::stop()
 {
     recording_ = false;
+    const auto folder = std::exchange(folder_, nullptr);
     if (frames_.empty()) return {};
     std::string film = free_name(".mp4");
-    queue([film, frames = frames_, fps = fps_, folder = folder_] {
-        io::encode_video(frames, fps, film);
-        std::error_code ignored;
-        std::filesystem::remove_all(folder, ignored);
-    });
+    queue([film, frames = frames_, fps = fps_, folder] { io::encode_video(frames, fps, film); });
     return film;
 }
 
@@ -89,7 +99,7 @@ void Recorder::work(const std::stop_token& stop)
 {
     std::unique_lock lock(mutex_);
     while (changed_.wait(lock, stop, [&] { return !jobs_.empty(); })) {
-        const std::function<void()> job = std::move(jobs_.front());
+        std::function<void()> job = std::move(jobs_.front());
         jobs_.pop_front();
         working_ = true;
         lock.unlock();
@@ -99,6 +109,7 @@ void Recorder::work(const std::stop_token& stop)
         } catch (...) {
             trouble = std::current_exception();
         }
+        job = nullptr;   // a folder goes with it
         lock.lock();
         working_ = false;
         if (trouble && !trouble_) trouble_ = trouble;

@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -27,14 +28,15 @@ class Recorder {
     bool recording() const { return recording_; }
     /// @return why it cannot; else empty
     std::string start(double fps);
-    /// Of the first one's size; others are left out.
-    void add(const Image8& image);
+    /// @return false if it is not of the first one's size; then it is left out
+    bool add(const Image8& image);
     /// @return the film that will be written; empty if there was no picture
     std::string stop();
     /// Waits until all is written. @throws what went wrong first
     void finish();
 
  private:
+    struct FramesFolder;
     void work(const std::stop_token& stop);
     void queue(std::function<void()> job);
     std::string free_name(const std::string& extension);
@@ -42,7 +44,7 @@ class Recorder {
     bool recording_ = false;
     double fps_ = 24;
     int width_ = 0, height_ = 0;
-    std::filesystem::path folder_;
+    std::shared_ptr<const FramesFolder> folder_;   // of the recording under way
     std::vector<std::filesystem::path> frames_;
     std::vector<std::string> taken_;   // names given away, perhaps not written yet
 

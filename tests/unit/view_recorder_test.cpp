@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the viewer writes, and what it leaves behind.
+#ifdef GNOMON_VIEWER
+#include "app/view/recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "gnomon/error.h"
+#include "support.h"
+
+namespace gnomon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An ffmpeg that has the encoder, and fails.
+void make_failing_ffmpeg(const fs::path& file)
+{
+    std::ofstream(file) << "#!/bin/sh\ncase \"$*\" in *-h*encoder=*) echo Encoder libx264;; *) exit 1;; esac\n";
+    fs::permissions(file, fs::perms::owner_all);
+}
+
+TEST(Recorder, LeavesNoFramesBehindWhenNoFilmComesOfThem)
+{
+    const test::ScratchFolder programs, temporary;
+    make_failing_ffmpeg(programs / "ffmpeg");
+    const test::ScopedVariable path("PATH", programs.path().string() + ":" + std::getenv("PATH"));
+    const test::ScopedVariable place("TMPDIR", temporary.path().string());
+    {
+        Recorder recorder;
+        for (const int pictures : {2, 0, 1}) {
+            ASSERT_EQ(recorder.start(24), "");
+            for (int i = 0; i < pictures; ++i) EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
+            EXPECT_FALSE(fs::is_empty(temporary.path()));
+            EXPECT_EQ(recorder.stop().empty(), pictures == 0);
+        }
+        EXPECT_THROW(recorder.finish(), MissingError);
+        EXPECT_TRUE(fs::is_empty(temporary.path()));
+        ASSERT_EQ(recorder.start(24), "");   // nobody stops this one
+        recorder.add(Image8(8, 6, 3));
+    }
+    EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
+TEST(Recorder, AFilmsPicturesAreOfOneSize)
+{
+    const test::ScratchFolder programs, temporary;
+    make_failing_ffmpeg(programs / "ffmpeg");
+    const test::ScopedVariable path("PATH", programs.path().string() + ":" + std::getenv("PATH"));
+    const test::ScopedVariable place("TMPDIR", temporary.path().string());
+    Recorder recorder;
+    ASSERT_EQ(recorder.start(24), "");
+    EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
+    EXPECT_FALSE(recorder.add(Image8(4, 3, 3)));
+    EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
+}
+
+}   // namespace
+}   // namespace gnomon::app
+#endif
