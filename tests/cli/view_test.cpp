@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The viewer in a real window with real input.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "io/image_file.h"
+#include "io/process.h"
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -22,13 +26,14 @@ struct Seen {
     std::string err;
 };
 
-Seen drive(const ScratchFolder& folder, const std::string& scene, const std::string& more, const std::string& steps)
+Seen drive(const ScratchFolder& folder, const std::string& scene, const std::string& more, const std::string& steps,
+           const std::string& size = "320x240")
 {
     std::ofstream(folder / "steps") << steps;
     const std::string at = std::filesystem::path(folder / "").string();
     const std::string command = std::string(GNOMON_SOURCE_DIR) + "/tests/cli/drive_window.sh '" + at +
-                                "' " GNOMON_PROGRAM " view '" + scene + "' --size 320x240 --json=seen.json " + more +
-                                " < '" + at + "/steps' > /dev/null 2> '" + at + "/err'";
+                                "' " GNOMON_PROGRAM " view '" + scene + "' --size " + size + " --json=seen.json " +
+                                more + " < '" + at + "/steps' > /dev/null 2> '" + at + "/err'";
     const int status = std::system(command.c_str());
     Seen seen{WIFEXITED(status) ? WEXITSTATUS(status) : -1, {}, bytes_of(folder / "err")};
     if (std::filesystem::exists(folder / "seen.json"))
@@ -117,14 +122,49 @@ TEST(View, ShowsWhatWasRedrawn)
     EXPECT_EQ(io::read_image(folder / "gnomon-0003.png").data, io::read_image(folder / "plain.png").data);
 }
 
-TEST(View, RecordsAFilm)
+// Every frame once, in order, with all its pixels and all its light: the bytes of the film that is rendered, whatever
+// was shown when the recording began, and whatever becomes of the window.
+TEST(View, RecordsTheFilmThatIsRendered)
 {
     NEED_WINDOWS();
     if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
-    const Seen seen = drive(folder, "builtin:cornell", "--indirect off",
-                            "sleep 1\nkey r\nsleep 2\nkey r\nawait gnomon-0001.mp4\nkey Escape\n");
+    // More frames than will be recorded: the clip begins again at its end.
+    const Seen seen = drive(folder, "builtin:cornell", "--fps 240",
+                            "sleep 1\nkey Home\nkey r\nsleep 1\nresize 400 200\nsleep 1\nkey r\n"
+                            "await gnomon-0001.mp4\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
+    const std::string film = folder / "gnomon-0001.mp4";
+    EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.mp4"}));
+    io::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                         "stream=width,height,nb_read_frames", "-of", "csv=p=0", film});
+    ASSERT_EQ(ffprobe.wait(), 0) << ffprobe.errors();
+    int width = 0, height = 0, frames = 0;
+    ASSERT_EQ(std::sscanf(ffprobe.output().c_str(), "%d,%d,%d", &width, &height, &frames), 3) << ffprobe.output();
+    EXPECT_EQ(width, 320);
+    EXPECT_EQ(height, 240);
+    ASSERT_GE(frames, 3);
+    const Outcome rendered = run({"render", "builtin:cornell", "--fps", "240", "--frames", fmt::format("1-{}", frames),
+                                  "--size", "320x240", "-o", folder / "rendered.mp4"});
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    EXPECT_TRUE(bytes_of(film) == bytes_of(folder / "rendered.mp4")) << frames << " frames";
+}
+
+TEST(View, AFrameThatFailsEndsTheRecordingAndTheFilmIsThere)
+{
+    NEED_WINDOWS();
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder folder;
+    const ScopedVariable none("VK_DRIVER_FILES", "/nowhere.json"), none_either("VK_ICD_FILENAMES", "/nowhere.json");
+    // The panel's first option, the renderer: the second choice needs a driver.
+    const Seen seen = drive(folder, "builtin:cornell", "--indirect off",
+                            "sleep 1\nkey Home\nkey r\nsleep 1\nmousemove 150 356\nclick 1\nsleep 0.5\n"
+                            "mousemove 60 379\nclick 1\nsleep 0.5\nmousemove 60 424\nclick 1\n"
+                            "await gnomon-0001.mp4\nkey Escape\n",
+                            "400x500");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.json.at("options_set"), nlohmann::json::array({"renderer"}));
+    EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.mp4"}));
     EXPECT_GT(std::filesystem::file_size(folder / "gnomon-0001.mp4"), 1000u);
 }
 

@@ -162,7 +162,9 @@ struct Viewer::Inside {
     Size asked_size{};
     int scale = k_smallest_scale;   // of the picture: every scale-th pixel a side; the first comes soon
     int asked_scale = 1;
-    bool wants_screenshot = false;   // of the next picture with all its pixels
+    bool wants_screenshot = false;
+    std::uint64_t shot_request = 0, film_request = 0;   // that were asked for a screenshot, for the film's next frame
+    Size film_size{};                                   // the window's when the recording began
     bool dirty = true;
     std::vector<HandMoved> asked_hands;
 
@@ -190,6 +192,8 @@ struct Viewer::Inside {
     void look_at_file();
     void screenshot();
     void toggle_recording();
+    void end_recording(const std::string& why);
+    void look_at_trouble(const LoadState& load);
     glm::vec2 picture_pixel(const glm::vec2& at) const;
 };
 
@@ -202,6 +206,7 @@ void Viewer::Inside::take_scene()
     playback.fps = scene->fps();
     playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
     hands.hands.clear();
+    shot_request = film_request = 0;   // they ask anew
     panel.picked.reset();
     pick.reset();
     own_camera = false;
@@ -222,14 +227,16 @@ void Viewer::Inside::take_picture()
     const double full = picture->times.total();
     if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
     if (full < k_quick_ms && scale > 1) scale /= 2;
-    if (wants_screenshot && picture->eye.size == window.framebuffer()) {
+    const bool finished = picture->complete && picture->scene == scene;
+    if (wants_screenshot && finished && picture->request == shot_request) {
         wants_screenshot = false;
         const std::string file = recorder.save(picture->image);
         summary.files.push_back(file);
         panel.message = fmt::format("written: {}", file);
     }
-    if (recorder.recording()) {
-        recorder.add(picture->image);
+    if (recorder.recording() && finished && picture->request == film_request) {
+        film_request = 0;
+        if (!recorder.add(picture->image)) return end_recording("the picture has another size");
         playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
         dirty = true;
     }
@@ -362,10 +369,12 @@ void Viewer::Inside::key(int which)
 void Viewer::Inside::ask()
 {
     if (!scene) return;
-    const Size window_size = window.framebuffer();
-    if (window_size.width < 1 || window_size.height < 1) return;   // iconified
+    // A film has whole frames of one size, whatever becomes of the slider and the window.
+    if (recorder.recording()) playback.frame = std::floor(playback.frame);
+    const Size size = recorder.recording() ? film_size : window.framebuffer();
+    if (size.width < 1 || size.height < 1) return;   // iconified
     const double time = playback.time(*scene);
-    const bool moved = dirty || time != asked_time || !(window_size == asked_size) || hands.hands != asked_hands;
+    const bool moved = dirty || time != asked_time || !(size == asked_size) || hands.hands != asked_hands;
     const bool sharper = !moved && asked_scale > 1;
     const bool whole = recorder.recording() || wants_screenshot;
     if (!moved && !sharper) return;
@@ -379,16 +388,19 @@ void Viewer::Inside::ask()
     request.hands = hands.hands;
     if (request.options.turntable_seconds > 0)
         request.turn = 2 * k_pi * (playback.frame - 1) / playback.fps / request.options.turntable_seconds;
+    request.whole = whole;
     asked_scale = whole ? 1 : sharper ? asked_scale / 2 : scale;
-    request.size = {std::max(window_size.width / asked_scale, 16), std::max(window_size.height / asked_scale, 16)};
+    request.size = {std::max(size.width / asked_scale, 16), std::max(size.height / asked_scale, 16)};
     if (own_camera) request.eye = camera.view(request.size);
     if (pick) request.pick = *pick * glm::vec2(request.size.width, request.size.height);
     pick.reset();
     asked_time = time;
-    asked_size = window_size;
+    asked_size = size;
     asked_hands = hands.hands;
     dirty = false;
-    session.ask(std::move(request));
+    const std::uint64_t number = session.ask(std::move(request));
+    if (wants_screenshot) shot_request = number;
+    if (recorder.recording()) film_request = number;
 }
 
 // Shares of the picture's width and height, from where the mouse is.
@@ -423,21 +435,36 @@ void Viewer::Inside::look_at_file()
 void Viewer::Inside::screenshot()
 {
     wants_screenshot = dirty = true;
+    shot_request = 0;
 }
 
 void Viewer::Inside::toggle_recording()
 {
-    if (recorder.recording()) {
-        const std::string file = recorder.stop();
-        if (!file.empty()) summary.files.push_back(file);
-        panel.message = file.empty() ? "nothing was recorded" : fmt::format("encoding {}", file);
-        return;
-    }
+    if (recorder.recording()) return end_recording({});
     panel.message = recorder.start(playback.fps);
     if (!panel.message.empty()) return;
     panel.message = "recording: every frame, at its own time";
+    film_size = window.framebuffer();
+    film_request = 0;   // what was asked before is not part of it
     playback.playing = false;
     dirty = true;
+}
+
+/// @param why  empty: it was wanted
+void Viewer::Inside::end_recording(const std::string& why)
+{
+    const std::string file = recorder.stop();
+    if (!file.empty()) summary.files.push_back(file);
+    panel.message = file.empty() ? "nothing was recorded" : fmt::format("encoding {}", file);
+    if (!why.empty()) panel.message = fmt::format("recording ended: {}; {}", why, panel.message);
+}
+
+// A frame that failed is not asked for again.
+void Viewer::Inside::look_at_trouble(const LoadState& load)
+{
+    if (load.failed == 0) return;
+    if (recorder.recording() && load.failed == film_request) end_recording("a frame failed");
+    if (load.failed == shot_request) wants_screenshot = false;
 }
 
 Viewer::Viewer(ViewSettings settings, std::string what, int threads)
@@ -475,6 +502,7 @@ ViewSummary Viewer::run()
         if (!in.picture && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
         in.take_scene();
         in.take_picture();
+        in.look_at_trouble(load);
         if (!in.recorder.recording()) in.playback.advance(seconds);
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
@@ -504,7 +532,7 @@ ViewSummary Viewer::run()
         glfwSwapBuffers(in.window.handle);
         if (seconds_since(start) < 0.002) glfwWaitEventsTimeout(k_idle_seconds / 2);   // a screen that does not wait
     }
-    if (in.recorder.recording()) in.toggle_recording();
+    if (in.recorder.recording()) in.end_recording({});
     in.recorder.finish();
     in.summary.options_set = in.panel.options_set;
     in.summary.frozen = in.panel.frozen;
