@@ -135,6 +135,15 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
         folder.open(identity, job.resume, job.chunks > 1);
     }
 
+    // A chunk's folder is its neighbours', too, which may be about to write their first frame. What ended the film is
+    // said, whatever more goes wrong here.
+    const auto let_go_if_empty = [&]() noexcept {
+        try {
+            if (job.chunks == 1 && !folder.has_frames()) folder.remove();
+        } catch (...) {
+        }
+    };
+
     // Render what is not there yet.
     try {
         const bool one_overlay = renderer.options().overlay == Overlay::shadow_states && whole.count() == 1;
@@ -166,11 +175,13 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
             result.frames.push_back(std::move(record));
         }
     } catch (const InterruptedError& error) {
-        if (kind != OutputKind::film || folder.remove_if_empty()) throw;
+        if (kind != OutputKind::film) throw;
+        let_go_if_empty();
+        if (!folder.has_frames()) throw;
         throw InterruptedError(
             fmt::format("{}; --resume goes on from the frames in {}", error.what(), folder.path().string()));
     } catch (...) {
-        if (kind == OutputKind::film) folder.remove_if_empty();
+        if (kind == OutputKind::film) let_go_if_empty();
         throw;
     }
 

@@ -28,12 +28,18 @@ bool is_ours(const std::string& name)
     return is_frame_name(name) || name == k_manifest || name.starts_with(io::k_temporary_prefix);
 }
 
-std::vector<fs::path> entries(const fs::path& folder)
+std::vector<fs::path> entries(const fs::path& folder, std::error_code& error)
 {
     std::vector<fs::path> found;
-    std::error_code error;
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
         found.push_back(it->path());
+    return found;
+}
+
+std::vector<fs::path> entries(const fs::path& folder)
+{
+    std::error_code error;
+    std::vector<fs::path> found = entries(folder, error);
     if (error) throw MissingError(fmt::format("cannot read {}: {}", folder.string(), error.message()));
     return found;
 }
@@ -71,7 +77,7 @@ fs::path FramesFolder::file(int frame) const
 void FramesFolder::open(const FilmIdentity& identity, bool keep, bool shared)
 {
     std::error_code error;
-    fs::create_directory(folder_, error);
+    const bool made = fs::create_directory(folder_, error);
     if (error) throw MissingError(fmt::format("cannot make {}: {}", folder_.string(), error.message()));
 
     bool frames = false;
@@ -92,25 +98,30 @@ void FramesFolder::open(const FilmIdentity& identity, bool keep, bool shared)
     if (!keep && !shared)
         for (const fs::path& entry : entries(folder_)) fs::remove(entry, error);
     if (same && (keep || shared)) return;
-    io::AtomicFile out(folder_ / k_manifest);
-    out.write(manifest.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-    out.commit();
+    try {
+        io::AtomicFile out(folder_ / k_manifest);
+        out.write(manifest.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+        out.commit();
+    } catch (...) {
+        if (made && !shared) fs::remove(folder_, error);   // a full disk; what is not empty stays
+        throw;
+    }
 }
 
 void FramesFolder::remove()
 {
     std::error_code ignored;
-    for (const fs::path& entry : entries(folder_))
+    for (const fs::path& entry : entries(folder_, ignored))
         if (is_ours(entry.filename().string())) fs::remove(entry, ignored);
     fs::remove(folder_, ignored);
 }
 
-bool FramesFolder::remove_if_empty()
+bool FramesFolder::has_frames() const
 {
-    for (const fs::path& entry : entries(folder_))
-        if (is_frame_name(entry.filename().string())) return false;
-    remove();
-    return true;
+    std::error_code ignored;
+    for (const fs::path& entry : entries(folder_, ignored))
+        if (is_frame_name(entry.filename().string())) return true;
+    return false;
 }
 
 }   // namespace gnomon::render

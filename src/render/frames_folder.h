@@ -36,10 +36,10 @@ class FramesFolder {
 
     std::filesystem::path file(int frame) const;
 
-    /// Removes our files and the folder, if nothing else is in it.
+    /// Removes our files and the folder, if nothing else is in it; what cannot be removed stays. Not for a shared
+    /// folder, whose files are others', too.
     void remove();
-    /// Removes the folder if it holds no frame; whether it did.
-    bool remove_if_empty();
+    bool has_frames() const;
     const std::filesystem::path& path() const { return folder_; }
 
  private:

@@ -92,6 +92,40 @@ TEST_F(Film, InterruptedBeforeItsFirstFrameLeavesNothing)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
+// Chunks share a folder: one that ends before anybody's first frame leaves it to the others.
+TEST_F(Film, AnInterruptedChunkLeavesTheFolderToTheOthers)
+{
+    const fs::path frames = folder / "a.mp4.frames", manifest = frames / "manifest.json";
+    // One frame each, which takes a while.
+    const auto chunk = [&](const char* which) {
+        return std::vector<std::string>{"render", k_scene,     "-o",   folder / "a.mp4", "--frames", "1-2",    "--size",
+                                        "97x73",  "--samples", "1024", "--chunk",        which,      "--quiet"};
+    };
+    RunningProgram second(chunk("2/2"));
+    ASSERT_TRUE(wait_until([&] { return fs::exists(manifest); }));
+    fs::remove(manifest);   // the first writes it again, and is known to be at work then
+    RunningProgram first(chunk("1/2"));
+    ASSERT_TRUE(wait_until([&] { return fs::exists(manifest); }));
+    std::ofstream(frames / ".gnomon-1-1.tmp") << "another chunk's frame, half written";
+    second.send(SIGTERM);
+    expect_failure(second.wait(), 130, "interrupted");
+    EXPECT_EQ(names_in(frames), (std::vector<std::string>{".gnomon-1-1.tmp", "manifest.json"}));
+    const Outcome outcome = first.wait();
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(fs::exists(frames / "frame-000001.png"));
+}
+
+// What ends a film is said, also where its folder is gone by then.
+TEST_F(Film, AFolderThatIsGoneHidesNoError)
+{
+    RunningProgram program(
+        {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
+    ASSERT_TRUE(wait_until([&] { return fs::exists(folder / "a.mp4.frames/manifest.json"); }));
+    fs::remove_all(folder / "a.mp4.frames");
+    program.send(SIGINT);
+    expect_failure(program.wait(), 130, "interrupted");
+}
+
 TEST_F(Film, TornFramesAreRenderedAgain)
 {
     make("whole.mp4");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names of output files, parts of a range, and files that are whole or not there.
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <fstream>
 #include <iterator>
@@ -12,6 +14,7 @@
 #include "io/image_file.h"
 #include "render/bitmap_font.h"
 #include "render/film_files.h"
+#include "render/frames_folder.h"
 #include "support.h"
 
 namespace gnomon {
@@ -62,6 +65,30 @@ TEST(NumberedName, PadsWithZeros)
     EXPECT_EQ(render::numbered_name("name-{frame:02}.png", 1234), fs::path("name-1234.png"));
     EXPECT_EQ(render::numbered_name("{frame}", 7), fs::path("7"));
     EXPECT_EQ(render::numbered_name("plain.png", 7), fs::path("plain.png"));
+}
+
+TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
+{
+    const test::ScratchFolder folder;
+    render::FramesFolder frames(folder / "a.mp4");
+    ::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    for (const bool shared : {false, true}) {
+        const rlimit none{0, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+        bool refused = false;
+        try {
+            frames.open({"scene", {8, 8}, 1, "1.0"}, false, shared);
+        } catch (const MissingError&) {
+            refused = true;
+        }
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+        EXPECT_TRUE(refused);
+        // What is shared is left to the others.
+        EXPECT_EQ(fs::exists(frames.path()), shared);
+    }
+    EXPECT_EQ(files_in(frames.path()), 0u);
 }
 
 TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
