@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <csetjmp>
+#include <cstdio>
 #include <cstring>
+#include <string_view>
 
 #include "gnomon/error.h"
 #include "io/image_file.h"
@@ -25,10 +27,18 @@ void check_size(std::uint64_t width, std::uint64_t height, const std::string& na
 
 // --- PNG, by libpng's simplified reader: it never calls longjmp across our frames.
 
-// libpng takes the memory that a chunk claims before it looks for the bytes.
-void check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name)
+struct PngChunks {
+    std::uint64_t pixel_bytes = 0;        // packed
+    std::vector<std::uint8_t> untitled;   // the file without its texts, if it has any
+};
+
+// libpng takes the memory that a chunk claims before it looks for the bytes. And it unpacks every text, which can be
+// packed a thousandfold, one after the other; none is part of the picture.
+PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name)
 {
     constexpr std::size_t k_magic = 8, k_head = 8, k_checksum = 4;   // head: length, type
+    PngChunks found;
+    std::size_t copied = 0;
     for (std::size_t at = k_magic; at + k_head <= bytes.size();) {
         std::size_t length = 0;
         for (std::size_t i = 0; i < 4; ++i) length = length << 8 | bytes[at + i];
@@ -36,47 +46,74 @@ void check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& na
         if (length + k_checksum > there)
             throw InputError(name, fmt::format("byte {}", at),
                              fmt::format("a PNG chunk of {} bytes and its checksum, {} bytes there", length, there));
-        if (std::equal(&bytes[at + 4], &bytes[at + k_head], "IEND")) return;
-        at += k_head + length + k_checksum;
+        const std::string_view type(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
+        const std::size_t next = at + k_head + length + k_checksum;
+        if (type == "tEXt" || type == "zTXt" || type == "iTXt") {
+            found.untitled.insert(found.untitled.end(), &bytes[copied], &bytes[at]);
+            copied = next;
+        }
+        if (type == "IDAT") found.pixel_bytes += length;
+        if (type == "IEND") break;
+        at = next;
     }
+    if (copied > 0) found.untitled.insert(found.untitled.end(), bytes.begin() + static_cast<long>(copied), bytes.end());
+    return found;
 }
+
+// What the header claims against what is there, before memory is taken: deflate packs no more into a byte.
+void check_png_pixels(std::span<const std::uint8_t> bytes, const png_image& image, const PngChunks& chunks,
+                      const std::string& name)
+{
+    constexpr std::size_t k_depth = 24, k_type = 25;   // libpng has read the header: they are there, and sound
+    constexpr std::uint64_t k_most_per_byte = 1032;
+    static constexpr std::uint64_t channels[] = {1, 0, 3, 1, 2, 0, 4};
+    const std::uint64_t bits = bytes[k_depth] * channels[bytes[k_type]];
+    const std::uint64_t raw = std::uint64_t{image.width} * image.height * bits / 8;
+    if (raw / k_most_per_byte > chunks.pixel_bytes)
+        throw InputError(name, "",
+                         fmt::format("not a good PNG: {} x {} pixels cannot be in {} bytes", image.width, image.height,
+                                     chunks.pixel_bytes));
+}
+
+// Let go whatever happens: memory for the pixels may be refused, too.
+struct PngMemory {
+    png_image& image;
+    ~PngMemory() { png_image_free(&image); }
+};
 
 Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
 {
-    check_png_chunks(bytes, name);
+    const PngChunks chunks = check_png_chunks(bytes, name);
+    if (!chunks.untitled.empty()) bytes = chunks.untitled;
     png_image image{};
+    const PngMemory memory{image};
     image.version = PNG_IMAGE_VERSION;
-    if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size())) {
-        const std::string message = image.message;
-        png_image_free(&image);
-        throw InputError(name, "", fmt::format("not a good PNG: {}", message));
-    }
-    try {
-        check_size(image.width, image.height, name, limits);
-    } catch (...) {
-        png_image_free(&image);
-        throw;
-    }
+    if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()))
+        throw InputError(name, "", fmt::format("not a good PNG: {}", image.message));
+    check_size(image.width, image.height, name, limits);
+    check_png_pixels(bytes, image, chunks, name);
     // Values stay as they are encoded, those of 16 bits too (libpng takes them for linear light unless told).
     image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     const bool color = image.format & PNG_FORMAT_FLAG_COLOR, alpha = image.format & PNG_FORMAT_FLAG_ALPHA;
     image.format = color ? (alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB) : (alpha ? PNG_FORMAT_GA : PNG_FORMAT_GRAY);
     Image8 result(static_cast<int>(image.width), static_cast<int>(image.height),
                   static_cast<int>(PNG_IMAGE_SAMPLE_CHANNELS(image.format)));
-    if (!png_image_finish_read(&image, nullptr, result.data.data(), 0, nullptr)) {
-        const std::string message = image.message;
-        png_image_free(&image);
-        throw InputError(name, "", fmt::format("not a good PNG: {}", message));
-    }
+    if (!png_image_finish_read(&image, nullptr, result.data.data(), 0, nullptr))
+        throw InputError(name, "", fmt::format("not a good PNG: {}", image.message));
     return result;
 }
 
 // --- JPEG
 
+// A progressive picture may be refined for ever, with a few bytes each time that go through all its pixels. Encoders
+// write about ten scans.
+constexpr int k_most_scans = 100;
+
 struct JpegErrors {
     jpeg_error_mgr base;   // first: libjpeg gets a pointer to it
     std::jmp_buf jump;
     char message[JMSG_LENGTH_MAX];
+    jpeg_progress_mgr scans;
 };
 
 [[noreturn]] void leave_jpeg(j_common_ptr info)
@@ -86,18 +123,47 @@ struct JpegErrors {
     std::longjmp(errors->jump, 1);
 }
 
+void count_scans(j_common_ptr info)
+{
+    if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= k_most_scans) return;
+    auto* errors = reinterpret_cast<JpegErrors*>(info->err);
+    std::snprintf(errors->message, sizeof errors->message, "more than %d scans", k_most_scans);
+    std::longjmp(errors->jump, 1);
+}
+
+// Blocks of 8 x 8 that the header claims: each takes a bit at least, except where they are packed arithmetically.
+bool has_room(const jpeg_decompress_struct& info, std::size_t bytes)
+{
+    std::uint64_t blocks = 0;
+    for (int i = 0; i < info.num_components; ++i)
+        blocks += std::uint64_t{info.comp_info[i].width_in_blocks} * info.comp_info[i].height_in_blocks;
+    return info.arith_code || blocks / 8 <= bytes;
+}
+
+// As PngMemory.
+struct JpegMemory {
+    jpeg_decompress_struct& info;
+    ~JpegMemory() { jpeg_destroy_decompress(&info); }
+};
+
 // Everything with a destructor lives in the caller: longjmp does not run them.
 bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::span<const std::uint8_t> bytes,
                       const ImageLimits& limits, Image8& result, bool& too_large)
 {
     if (setjmp(errors.jump)) return false;
     jpeg_create_decompress(&info);
+    info.progress = &errors.scans;
     jpeg_mem_src(&info, bytes.data(), bytes.size());
     jpeg_read_header(&info, TRUE);
     const std::uint64_t side = static_cast<std::uint64_t>(limits.max_side);
     if (info.image_width > side || info.image_height > side ||
         static_cast<std::uint64_t>(info.image_width) * info.image_height > limits.max_pixels) {
         too_large = true;
+        return false;
+    }
+    if (!has_room(info, bytes.size())) {
+        std::snprintf(errors.message, sizeof errors.message, "%u x %u pixels cannot be in %zu bytes", info.image_width,
+                      info.image_height, bytes.size());
         return false;
     }
     info.out_color_space = info.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
@@ -129,16 +195,16 @@ Image8 rgb_from_cmyk(const Image8& cmyk)
 Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
 {
     jpeg_decompress_struct info{};
+    const JpegMemory memory{info};
     JpegErrors errors{};
+    errors.scans.progress_monitor = &count_scans;
     info.err = jpeg_std_error(&errors.base);
     errors.base.error_exit = &leave_jpeg;
     errors.base.emit_message = [](j_common_ptr, int) {};
     Image8 result;
     bool too_large = false;
     const bool good = decode_jpeg_into(info, errors, bytes, limits, result, too_large);
-    const auto width = info.image_width, height = info.image_height;
-    jpeg_destroy_decompress(&info);
-    if (too_large) check_size(width, height, name, limits);
+    if (too_large) check_size(info.image_width, info.image_height, name, limits);
     if (!good) throw InputError(name, "", fmt::format("not a good JPEG: {}", errors.message));
     return result.channels == 4 ? rgb_from_cmyk(result) : result;
 }

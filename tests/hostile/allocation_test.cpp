@@ -4,6 +4,7 @@
 // AddressSanitizer), no thread waits for another that gave up, and the next reading or frame is whole.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,6 +22,8 @@
 #include "fuzz/targets.h"
 #include "gnomon/error.h"
 #include "gnomon/renderer.h"
+#include "io/image_file.h"
+#include "picture_bytes.h"
 #include "sanitized.h"
 
 namespace {
@@ -235,6 +238,33 @@ TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
     if (HasFatalFailure()) return;
     EXPECT_GT(shared.out_of_memory, k_tries / 4);
     children.tell();
+}
+
+// What the C libraries hold does not come from operator new: where it is not given back, the process grows.
+TEST(PictureAllocations, LibrariesGiveBackTheirsWhereOursIsRefused)
+{
+    constexpr int side = 1024, k_tries = 20;
+    const std::vector<std::uint8_t> row(side, 77);
+    for (const auto& [what, bytes] : {std::pair("JPEG", test::jpeg_bytes({side, side, JCS_GRAYSCALE, 1, true}, row)),
+                                      std::pair("PNG", test::png_bytes({side, side, 8, PNG_COLOR_TYPE_GRAY}, {row}))}) {
+        const auto held = [] {
+            const struct mallinfo2 info = ::mallinfo2();
+            return info.uordblks + info.hblkhd;
+        };
+        const std::size_t before = held();
+        int refused = 0;
+        for (int i = 0; i < k_tries; ++i) {
+            g_allocations_left = 1;
+            try {
+                io::decode_image(bytes, what);
+            } catch (const std::bad_alloc&) {
+                ++refused;
+            }
+            g_allocations_left = 0;
+        }
+        EXPECT_EQ(refused, k_tries) << what;
+        EXPECT_LT(held(), before + (100 << 10)) << what;
+    }
 }
 
 }   // namespace
