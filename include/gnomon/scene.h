@@ -46,6 +46,7 @@ class Scene {
     SceneInfo info() const;
 
     /// The same scene sampled at another rate (glTF), or shown at it (AFF, which numbers its own frames).
+    /// @throws UsageError  a rate that is none, or at which the clip has more than 10^9 frames
     Scene at_rate(double fps) const;
     /// A scene without animation as a clip of that length: for a turntable. Others stay as they are.
     Scene lasting(double seconds) const;

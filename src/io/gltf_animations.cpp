@@ -191,9 +191,11 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
     out.timeline.start = 0;
     out.timeline.end = animations.end();
     out.timeline.fps = default_rate;
-    constexpr double most_frames = 1e9;
-    const double frames = std::floor(std::min(out.timeline.end * default_rate, most_frames) + 1e-6) + 1;
-    out.timeline.frames = static_cast<int>(frames);
+    const double last = std::floor(out.timeline.end * default_rate + 1e-6);
+    out.timeline.frames = static_cast<int>(std::min(last, scene::k_most_frames - 1.0)) + 1;
+    if (last >= scene::k_most_frames)
+        context.warn("/animations", fmt::format("the clip lasts {} s: what comes after {} frames is left out",
+                                                out.timeline.end, scene::k_most_frames));
 }
 
 }   // namespace gnomon::io::gltf

@@ -142,6 +142,10 @@ Scene Scene::at_rate(double fps) const
 {
     if (!(fps > 0 && fps <= k_highest_fps))
         throw UsageError(fmt::format("a rate of {} frames a second: expected above 0, at most {}", fps, k_highest_fps));
+    const double seconds = inside_->timeline.end - inside_->timeline.start;
+    if (!inside_->timeline.own_frames && seconds * fps >= scene::k_most_frames)
+        throw UsageError(fmt::format("a rate of {} frames a second: {} s of it are more than {} frames", fps, seconds,
+                                     scene::k_most_frames));
     auto changed = copy_of(inside_);
     changed->timeline = inside_->timeline.at_rate(fps);
     return Scene(std::move(changed));

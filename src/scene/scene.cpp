@@ -47,9 +47,10 @@ Timeline Timeline::at_rate(double new_fps) const
 {
     Timeline result = *this;
     result.fps = new_fps;
-    if (!own_frames && frames > 1) {
+    if (!own_frames) {
         // The last frame is the last that does not lie beyond the end; a hair of tolerance, since clips end on frames.
-        result.frames = std::max(1, static_cast<int>(std::floor((end - start) * new_fps + 1e-6)) + 1);
+        const double last = std::floor((end - start) * new_fps + 1e-6);
+        result.frames = static_cast<int>(std::clamp(last, 0.0, k_most_frames - 1.0)) + 1;
     }
     return result;
 }

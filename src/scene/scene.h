@@ -45,6 +45,9 @@ struct Camera {
     Size resolution{};   // the file's own, if it has one
 };
 
+/// Of a clip; what comes after them is left out.
+constexpr int k_most_frames = 1'000'000'001;
+
 /// Frame i (from 1) of a clip.
 struct Timeline {
     double start = 0;   // seconds
