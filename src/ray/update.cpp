@@ -53,9 +53,10 @@ void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
     const scene::DeformedMesh& shape = state.deformed(solid.objects.front());
     const scene::Mesh& mesh = *geometry[solid.objects.front()].mesh;
     BakedVertices& vertices = solid.vertices.front();
+    baked_bytes -= vertices.bytes();   // counted again below
     if (const bool anew = solid.has_points_at_rest || has_points(shape.positions, mesh); anew != solid.sorted_anew) {
         solid.sorted_anew = anew;
-        bake(vertices, mesh, glm::dmat4(1));   // what is refitted begins at rest, again
+        vertices.bake(mesh.positions, mesh.normals, mesh.tangents, glm::dmat4(1));   // refitted from rest, again
         make_tree_of_one(solid);
         solid.attach_margin(device.get());
         if (!anew) device.commit(solid.tree.get());
@@ -64,6 +65,7 @@ void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
     std::copy(shape.positions.begin(), shape.positions.end(), vertices.positions.begin());
     vertices.normals = shape.normals;
     vertices.tangents = shape.tangents;
+    baked_bytes += vertices.bytes();
     describe(solid.objects.front(), vertices, &solid, solid.mirrored);
     for (unsigned id = 0; id < solid.records.size(); ++id) {
         RTCGeometry part = rtcGetGeometry(solid.tree.get(), id);
