@@ -8,13 +8,14 @@
 #include "base/hash.h"
 #include "gnomon/error.h"
 #include "io/atomic_file.h"
+#include "render/frames_folder.h"
 
 namespace gnomon::app {
 
 namespace {
 
 // Counts up when references of the same points come out otherwise.
-constexpr std::uint64_t k_version = 1;
+constexpr std::uint64_t k_version = 2;
 constexpr std::uint64_t k_magic = 0x31666572676e6f6dull;   // "mongref1"
 
 class Hash {
@@ -37,26 +38,6 @@ class Hash {
     std::uint64_t value_ = hash_bytes(nullptr, 0);
 };
 
-std::uint64_t hash_of(const scene::Scene& scene)
-{
-    Hash hash;
-    hash.add(k_version);
-    for (const scene::Mesh& mesh : scene.meshes) {
-        hash.add_all(mesh.positions), hash.add_all(mesh.normals), hash.add_all(mesh.triangles);
-        for (const scene::MeshPart& part : mesh.parts) hash.add(part.material), hash.add(part.triangle_count);
-    }
-    for (const scene::Texture& texture : scene.textures) hash.add_all(texture.levels().front().data);
-    for (const scene::Material& m : scene.materials) {
-        hash.add(m.base_color), hash.add(m.metallic), hash.add(m.transmission), hash.add(m.alpha);
-        hash.add(m.surface_class()), hash.add(m.model), hash.add(m.base_color_texture.texture);
-    }
-    for (const scene::Light& light : scene.lights) {
-        hash.add(light.type), hash.add(light.color), hash.add(light.falloff), hash.add(light.profile);
-        hash.add(light.inner_angle), hash.add(light.outer_angle), hash.add(light.range);
-    }
-    return hash.value();
-}
-
 bool read_whole(const std::filesystem::path& file, std::vector<render::IrradianceEstimate>& out)
 {
     std::ifstream in(file, std::ios::binary);
@@ -70,7 +51,7 @@ bool read_whole(const std::filesystem::path& file, std::vector<render::Irradianc
 }   // namespace
 
 ReferenceCache::ReferenceCache(const std::filesystem::path& folder, const scene::Scene& scene)
-    : folder_(folder), scene_hash_(hash_of(scene))
+    : folder_(folder), scene_hash_(render::fingerprint_of(scene))
 {
     if (folder_.empty()) return;
     std::error_code error;
@@ -89,7 +70,7 @@ std::vector<render::IrradianceEstimate> ReferenceCache::irradiance(const scene::
     for (const FixedPoint& point : points) places.push_back(place_of(scene, rays, point));
 
     Hash hash;
-    hash.add(scene_hash_);
+    hash.add(k_version), hash.add(scene_hash_);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
         hash.add(state.object_matrix(o)), hash.add(state.object_visible(o));
     hash.add(state.time());

@@ -21,7 +21,10 @@ struct FilmIdentity {
     std::string version;             // ours: another one may paint otherwise
 };
 
-/// Hash of the scene's content, its clip and all options but the number of threads.
+/// Hash of all that shapes a picture of the scene: everything but names. Cost: its vertices and texels, and what each
+/// track says at a thousand times at most.
+std::uint64_t fingerprint_of(const scene::Scene& scene);
+/// Of that, and of all options but those that change no picture, such as the number of threads.
 std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
 
 class FramesFolder {
