@@ -35,7 +35,7 @@ struct FrameRecord {
     std::filesystem::path file;
     double milliseconds = 0;   // 0 if kept from an earlier run
     FrameTimes times;
-    bool kept = false;
+    bool kept = false;   // made by an earlier run: times, counters and noise are not known, and 0
     FrameCounters counters;
     double noise = 0;   // of a reference, see Picture
 };

@@ -93,40 +93,65 @@ Json indirect_of(const FrameRecord& record, const RenderOptions& options)
     return json;
 }
 
+// Of a frame that an earlier run made, nobody knows any more what it took.
+Json kept_frame_of(const FrameRecord& record)
+{
+    return {{"frame", record.frame},
+            {"time", record.time},
+            {"file", record.file.string()},
+            {"kept", true},
+            {"ms", 0},
+            {"shadow", {{"rays", nullptr}, {"rays_skipped", nullptr}, {"rays_dynamic_only", nullptr}}},
+            {"indirect", {{"clusters", nullptr}, {"rays", nullptr}}},
+            {"draws", nullptr}};
+}
+
+Json frame_of(const FrameRecord& record, const RenderOptions& options)
+{
+    const FrameCounters& counters = record.counters;
+    Json shadow{{"rays", counters.shadow.rays},
+                {"rays_skipped", counters.shadow.rays_skipped},
+                {"rays_dynamic_only", counters.shadow.rays_dynamic_only}};
+    if (counters.shadow.rays_wrong) shadow["rays_wrong"] = *counters.shadow.rays_wrong;
+    Json frame{{"frame", record.frame},
+               {"time", record.time},
+               {"file", record.file.string()},
+               {"ms", record.milliseconds},
+               {"stages", stages_json(record.times)},
+               {"shadow", std::move(shadow)},
+               {"indirect", indirect_of(record, options)},
+               {"draws", counters.draws}};
+    if (counters.kdtree) {
+        const auto work = [](const FrameCounters::KdTree::Work& of) {
+            return Json{{"nodes", of.nodes}, {"tests", of.tests}};
+        };
+        frame["kdtree"] = {{"primary", work(counters.kdtree->primary)},
+                           {"reflection", work(counters.kdtree->reflection)},
+                           {"refraction", work(counters.kdtree->refraction)},
+                           {"shadow", work(counters.kdtree->shadow)},
+                           {"indirect", work(counters.kdtree->indirect)}};
+    }
+    return frame;
+}
+
+// A renderer by Vulkan that had no frame to render has met no device.
+Json device_of(const std::string& device, const RenderOptions& options)
+{
+    if (options.renderer == RenderMethod::trace) return processor_name();
+    return device.empty() ? Json(nullptr) : Json(device);
+}
+
 Json document_of(const CommandLine& line, const FilmResult& result, const RenderOptions& options,
                  const std::string& device)
 {
     const bool reference = line.values.flag("reference");
     Json frames = Json::array();
-    for (const FrameRecord& record : result.frames) {
-        const FrameCounters& counters = record.counters;
-        Json shadow{{"rays", counters.shadow.rays},
-                    {"rays_skipped", counters.shadow.rays_skipped},
-                    {"rays_dynamic_only", counters.shadow.rays_dynamic_only}};
-        if (counters.shadow.rays_wrong) shadow["rays_wrong"] = *counters.shadow.rays_wrong;
-        frames.push_back({{"frame", record.frame},
-                          {"time", record.time},
-                          {"file", record.file.string()},
-                          {"ms", record.milliseconds},
-                          {"stages", stages_json(record.times)},
-                          {"shadow", std::move(shadow)},
-                          {"indirect", indirect_of(record, options)},
-                          {"draws", counters.draws}});
-        if (counters.kdtree) {
-            const auto work = [](const FrameCounters::KdTree::Work& of) {
-                return Json{{"nodes", of.nodes}, {"tests", of.tests}};
-            };
-            frames.back()["kdtree"] = {{"primary", work(counters.kdtree->primary)},
-                                       {"reflection", work(counters.kdtree->reflection)},
-                                       {"refraction", work(counters.kdtree->refraction)},
-                                       {"shadow", work(counters.kdtree->shadow)},
-                                       {"indirect", work(counters.kdtree->indirect)}};
-        }
-    }
+    for (const FrameRecord& record : result.frames)
+        frames.push_back(record.kept ? kept_frame_of(record) : frame_of(record, options));
     Json document = {{"version", std::string(version())},
                      {"scene", line.positionals[0]},
                      {"renderer", line.values.text("renderer")},
-                     {"device", device.empty() ? processor_name() : device},
+                     {"device", device_of(device, options)},
                      {"width", result.size.width},
                      {"height", result.size.height}};
     if (reference)

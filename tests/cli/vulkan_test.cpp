@@ -55,6 +55,31 @@ TEST(VulkanProgram, RendersByRaster)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
 }
 
+TEST(VulkanProgram, InventsNothingAboutFramesThatItKept)
+{
+    const ScratchFolder folder;
+    const auto render = [&](const char* frames) {
+        return run({"render", "builtin:cornell", "-o", folder / "{frame}.png", "--renderer", "raster", "--size",
+                    "16x16", "--frames", frames, "--resume", "--json"})
+            .json();
+    };
+    const auto made = render("1-2"), all_kept = render("1-2"), one_kept = render("2-3");
+    EXPECT_TRUE(made["device"].is_string());
+    EXPECT_TRUE(all_kept["device"].is_null());
+    EXPECT_EQ(one_kept["device"], made["device"]);
+    EXPECT_FALSE(made["frames"][1].contains("kept"));
+    EXPECT_FALSE(one_kept["frames"][1].contains("kept"));
+    EXPECT_TRUE(one_kept["frames"][1]["indirect"].contains("gather"));
+    for (const auto& frame : {all_kept["frames"][1], one_kept["frames"][0]}) {
+        EXPECT_TRUE(frame["kept"].get<bool>());
+        EXPECT_EQ(frame["ms"], 0);
+        EXPECT_TRUE(frame["shadow"]["rays"].is_null());
+        EXPECT_TRUE(frame["indirect"]["clusters"].is_null());
+        EXPECT_TRUE(frame["draws"].is_null());
+        EXPECT_FALSE(frame["indirect"].contains("gather"));
+    }
+}
+
 TEST(VulkanProgram, SaysWhereBouncedLightIsMade)
 {
     const ScratchFolder folder;
