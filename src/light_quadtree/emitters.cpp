@@ -434,7 +434,8 @@ void EmitterTree::gather_movers()
 std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
 {
     const scene::GroupId group = state_->scene().objects[object].group;
-    return group == scene::none ? ~object : group;
+    constexpr std::uint32_t k_alone = 1u << 31;   // apart from all groups, and from k_no_owner
+    return group == scene::none ? object | k_alone : group;
 }
 
 void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)

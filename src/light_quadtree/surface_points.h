@@ -21,7 +21,7 @@
 
 namespace gnomon::light_quadtree {
 
-inline constexpr std::uint32_t k_no_owner = scene::none - 1;
+inline constexpr std::uint32_t k_no_owner = scene::none;   // of what stands still
 
 struct RememberedPoint {
     AnchorKey key = 0;
