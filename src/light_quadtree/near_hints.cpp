@@ -4,35 +4,116 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/check.h"
 #include "light_quadtree/near_light.h"
 #include "ray/origin.h"
 
 namespace gnomon::light_quadtree {
 
-NearHints::NearHints(const scene::Scene& scene, const ray::RayScene& rays, const NearHintOptions& options)
-    : options_(options), directions_(cosine_directions(options.rays))
+namespace {
+
+// A cell's name: triangle | place among its cells | side. A word of a table: the name | state.
+constexpr int k_state_bits = 2, k_front_bits = 1, k_place_bits = 14;
+constexpr std::size_t k_least_slots = 64;
+
+constexpr std::uint64_t word_of(NearHints::Cell cell, NearHints::State state)
 {
-    const float cell = options.cell * options.radius;
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        const auto triangles = static_cast<std::uint32_t>(scene.meshes[scene.objects[o].mesh].triangles.size());
-        for (std::uint32_t t = 0; t < triangles; ++t) {
-            int side = 0;
-            if (!scene.objects[o].dynamic) {
-                glm::vec3 p[3];
-                rays.geometry(o).corners(t, p);
-                const float longest =
-                    std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-                side = 1;
-                if (longest > cell)
-                    side =
-                        static_cast<int>(std::min(std::ceil(longest / cell), static_cast<float>(options.most_cells)));
-            }
-            first_.push_back(static_cast<std::uint32_t>(cells_));
-            sides_.push_back(static_cast<std::uint8_t>(side));
-            cells_ += static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
-        }
+    return (cell << k_state_bits) | static_cast<std::uint64_t>(state);
+}
+
+constexpr NearHints::State state_in(std::uint64_t word)
+{
+    return static_cast<NearHints::State>(word & ((1u << k_state_bits) - 1));
+}
+
+constexpr std::uint64_t mixed(NearHints::Cell cell)
+{
+    cell *= 0x9e3779b97f4a7c15ull;
+    cell ^= cell >> 29;
+    cell *= 0xbf58476d1ce4e5b9ull;
+    return cell ^ (cell >> 32);
+}
+
+}   // namespace
+
+NearHints::NearHints(const NearHintOptions& options) : options_(options), directions_(cosine_directions(options.rays))
+{
+    GNOMON_CHECK(options.most_cells >= 1 && options.most_cells * options.most_cells <= 1 << k_place_bits);
+}
+
+std::uint32_t NearHints::cells_along(const glm::vec3 (&p)[3]) const
+{
+    const float cell = options_.cell * options_.radius;
+    const float longest = std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+    if (!(longest > cell)) return 1;
+    return static_cast<std::uint32_t>(std::min(std::ceil(longest / cell), static_cast<float>(options_.most_cells)));
+}
+
+NearHints::Cell NearHints::cell_at(std::uint32_t triangle, std::uint32_t side, float u, float v, bool front)
+{
+    const auto at = [&](float x) {
+        return std::min(static_cast<std::uint32_t>(std::max(0.0f, x) * static_cast<float>(side)), side - 1);
+    };
+    const std::uint64_t place = at(u) * side + at(v);
+    return (((Cell{triangle} << k_place_bits) | place) << k_front_bits) | (front ? 1u : 0u);
+}
+
+std::uint64_t* NearHints::Table::find(Cell cell)
+{
+    if (slots.empty()) return nullptr;
+    const std::size_t mask = slots.size() - 1;
+    for (std::size_t slot = mixed(cell) & mask; slots[slot] != 0; slot = (slot + 1) & mask)
+        if (slots[slot] >> k_state_bits == cell) return &slots[slot];
+    return nullptr;
+}
+
+void NearHints::Table::add(std::uint64_t word)
+{
+    const auto put = [](std::vector<std::uint64_t>& into, std::uint64_t w) {
+        const std::size_t mask = into.size() - 1;
+        std::size_t slot = mixed(w >> k_state_bits) & mask;
+        while (into[slot] != 0) slot = (slot + 1) & mask;
+        into[slot] = w;
+    };
+    if (2 * (taken + 1) > slots.size()) {
+        std::vector<std::uint64_t> wider(std::max(2 * slots.size(), k_least_slots));
+        for (const std::uint64_t w : slots)
+            if (w != 0) put(wider, w);
+        slots.swap(wider);
     }
-    states_ = std::make_unique<std::atomic<std::uint8_t>[]>(2 * cells_);
+    put(slots, word);
+    ++taken;
+}
+
+NearHints::Shard& NearHints::shard_of(Cell cell)
+{
+    return shards_[mixed(cell) >> 58];
+}
+
+std::uint64_t* NearHints::find(Shard& shard, Cell cell)
+{
+    if (std::uint64_t* const word = shard.now.find(cell)) return word;
+    const std::uint64_t* const old = shard.before.find(cell);
+    if (!old) return nullptr;
+    shard.now.add(*old);
+    return shard.now.find(cell);
+}
+
+NearHints::State NearHints::state(Cell cell)
+{
+    Shard& shard = shard_of(cell);
+    const std::lock_guard lock(shard.mutex);
+    const std::uint64_t* const word = find(shard, cell);
+    return word ? state_in(*word) : State::unknown;
+}
+
+NearHints::State NearHints::claim(Cell cell)
+{
+    Shard& shard = shard_of(cell);
+    const std::lock_guard lock(shard.mutex);
+    if (const std::uint64_t* const word = find(shard, cell)) return state_in(*word);
+    shard.now.add(word_of(cell, State::asked));
+    return State::unknown;
 }
 
 void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& asked, Scratch& scratch)
@@ -47,13 +128,13 @@ void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& aske
         rays.geometry(a.object).corners(a.triangle, p);
         glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
         const float length = glm::length(normal);
-        normal = length > 0 ? normal / (a.front ? length : -length) : glm::vec3(0, 0, 1);
+        normal = length > 0 ? normal / (a.cell & 1 ? length : -length) : glm::vec3(0, 0, 1);
         glm::vec3 t, b;
         make_basis(normal, t, b);
         const float lift = ray::origin_lift(p);
-        const std::uint32_t side = sides_[a.at], in = a.cell / 2 - first_[a.at];
-        const std::uint32_t row = in / side, column = in % side;
-        const auto per_side = 1 / static_cast<float>(side);
+        const auto place = static_cast<std::uint32_t>(a.cell >> k_front_bits) & ((1u << k_place_bits) - 1);
+        const std::uint32_t row = place / a.side, column = place % a.side;
+        const auto per_side = 1 / static_cast<float>(a.side);
         for (std::size_t i = 0; i < count; ++i) {
             const float x = static_cast<float>(i) * k_step_u, y = static_cast<float>(i) * k_step_v;
             float u = (static_cast<float>(row) + (x - std::floor(x))) * per_side;
@@ -76,14 +157,29 @@ void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& aske
         const auto first = scratch.hits.object.begin() + static_cast<std::ptrdiff_t>(k * count);
         const bool any = std::any_of(first, first + static_cast<std::ptrdiff_t>(count),
                                      [](scene::ObjectId object) { return object != scene::none; });
-        states_[asked[k].cell].store(static_cast<std::uint8_t>(any ? State::near : State::none),
-                                     std::memory_order_release);
+        const Cell cell = asked[k].cell;
+        Shard& shard = shard_of(cell);
+        const std::lock_guard lock(shard.mutex);
+        std::uint64_t* const word = shard.now.find(cell);
+        GNOMON_CHECK(word);
+        *word = word_of(cell, any ? State::near : State::none);
+    }
+}
+
+void NearHints::end_frame()
+{
+    if (bytes() <= options_.memory) return;
+    for (Shard& shard : shards_) {
+        shard.before = std::move(shard.now);
+        shard.now = {};
     }
 }
 
 std::size_t NearHints::bytes() const
 {
-    return 2 * cells_ + first_.size() * sizeof(std::uint32_t) + sides_.size();
+    std::size_t slots = 0;
+    for (const Shard& shard : shards_) slots += shard.now.slots.size() + shard.before.slots.size();
+    return slots * sizeof(std::uint64_t);
 }
 
 }   // namespace gnomon::light_quadtree

@@ -80,6 +80,7 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
     counters_ = {};
     spent_rays_ = 0;
     lacking_ = false;
+    if (failed_) forget_hints();   // some may wait for ever for who failed
     failing_ = failed_ = false;
     failure_ = nullptr;
     const bool first = frame_++ == 0;
@@ -614,6 +615,7 @@ void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
         batch->light_sum = glm::dvec3(0), batch->light_count = 0;
         for (auto& recent : batch->recent) recent = {};
     }
+    if (hints_) hints_->end_frame();
     average_ = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
     if (engine_)
         points_.drop_unseen(frame_, options_.memory, [this](const RememberedPoint& point) {

@@ -143,6 +143,7 @@ class VisibleLight {
     float slope_of_end(const RememberedPoint& point, int way, scene::ObjectId object, std::uint32_t triangle) const;
     void place_part(RememberedPoint& point) const;
     void follow_radius(bool first);
+    void forget_hints();
     void find_hints(Batch& batch, std::span<const IndirectPoint> points);
     void add_near_light(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     void serve_near(Batch& batch);
@@ -284,6 +285,7 @@ class VisibleLight::Batch {
     struct NearPoint {
         std::uint32_t point;
         NearHints::Cell cell;
+        bool known;   // that it is near others
     };
     std::vector<NearPoint> near_points;
     struct NearPart {

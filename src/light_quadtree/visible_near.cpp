@@ -28,9 +28,15 @@ void VisibleLight::follow_radius(bool first)
     const float radius = std::exp2(std::round(k_steps * std::log2(wanted)) / k_steps);
     if (hints_ && radius == near_.options().radius) return;
     near_ = NearLight({radius, options_.near_rays});
-    hints_ = std::make_unique<NearHints>(state_->scene(), *rays_, NearHintOptions{.radius = radius});
+    forget_hints();
     // Their widest lattice has one of near_at()'s spacings, which are powers of two.
     near_width_ = 2 * spacing_of(detail_of(options_.near_spacing * radius).level) / options_.widest;
+}
+
+void VisibleLight::forget_hints()
+{
+    const NearHintOptions options{.radius = near_.options().radius, .memory = options_.memory / 4};
+    hints_ = options.radius > 0 ? std::make_unique<NearHints>(options) : nullptr;
 }
 
 // Leaves in `near_points` those with other surfaces close by. `moving` says what moves.
@@ -40,8 +46,10 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
     batch.asked_cells.clear();
     batch.awaited_cells.clear();
     scene::ObjectId object = scene::none;
-    std::uint32_t triangle = 0;
+    std::uint32_t triangle = 0, side = 1;
     glm::vec3 winding(0);
+    NearHints::Cell last = 0;   // with its state: neighbours share it
+    NearHints::State state = NearHints::State::unknown;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const IndirectPoint& point = points[i];
         if (!(batch.near_share[i] > k_least_share) || !(point.width < 2 * near_width_) || batch.moving[i]) continue;
@@ -50,30 +58,27 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
             glm::vec3 p[3];
             rays_->geometry(object).corners(triangle, p);
             winding = glm::cross(p[1] - p[0], p[2] - p[0]);
+            side = hints_->cells_along(p);
         }
-        const std::uint32_t at = first_triangle_[object] + triangle;
         const bool front = glm::dot(winding, point.geometric_normal) > 0;
-        const NearHints::Cell cell = hints_->cell_at(at, point.u, point.v, front);
-        switch (hints_->state(cell)) {
-            case NearHints::State::none:
-                continue;
-            case NearHints::State::near:
-                break;
-            case NearHints::State::asked:
-                batch.awaited_cells.push_back(cell);
-                break;
-            case NearHints::State::unknown:
-                if (out_of_rays()) {
+        const NearHints::Cell cell =
+            NearHints::cell_at(first_triangle_[object] + triangle, side, point.u, point.v, front);
+        if (cell != last || state == NearHints::State::unknown) {
+            last = cell;
+            const bool put_off = out_of_rays();   // read once: others cast, too
+            state = put_off ? hints_->state(cell) : hints_->claim(cell);
+            if (state == NearHints::State::asked) batch.awaited_cells.push_back(cell);
+            if (state == NearHints::State::unknown) {
+                if (put_off) {
                     lacking_ = true;
                     continue;
                 }
-                if (hints_->claim(cell))
-                    batch.asked_cells.push_back({cell, object, triangle, at, front});
-                else
-                    batch.awaited_cells.push_back(cell);
-                break;
+                batch.asked_cells.push_back({cell, object, triangle, side});
+                state = NearHints::State::asked;
+            }
         }
-        batch.near_points.push_back({static_cast<std::uint32_t>(i), cell});
+        if (state != NearHints::State::none)
+            batch.near_points.push_back({static_cast<std::uint32_t>(i), cell, state == NearHints::State::near});
     }
     if (!batch.asked_cells.empty()) hints_->answer(*rays_, batch.asked_cells, batch.hints);
     batch.counters.rays += batch.hints.cast;
@@ -81,8 +86,9 @@ void VisibleLight::find_hints(Batch& batch, std::span<const IndirectPoint> point
     // Nobody waits before having published what it claimed.
     for (const NearHints::Cell cell : batch.awaited_cells)
         await([&] { return hints_->state(cell) != NearHints::State::asked; });
-    std::erase_if(batch.near_points,
-                  [&](const Batch::NearPoint& p) { return hints_->state(p.cell) != NearHints::State::near; });
+    std::erase_if(batch.near_points, [&](const Batch::NearPoint& p) {
+        return !p.known && hints_->state(p.cell) != NearHints::State::near;
+    });
 }
 
 void VisibleLight::add_near_light(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)

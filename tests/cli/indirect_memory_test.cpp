@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // --indirect-memory from outside: how much is remembered changes no byte of a picture.
+#include <fmt/format.h>
+
+#include <fstream>
+
 #include "run_program.h"
+#include "sanitized.h"
 
 namespace gnomon::test {
 namespace {
@@ -32,6 +37,27 @@ TEST(IndirectMemory, OutOfRangeIsUsage)
         EXPECT_NE(outcome.err.find("indirect-memory"), std::string::npos) << outcome.err;
         EXPECT_FALSE(std::filesystem::exists(folder / "none-0005.png"));
     }
+}
+
+// Large triangles around a small bright lamp: near light is remembered where it is seen, not on all there is.
+TEST(IndirectMemory, FollowsWhatIsSeen)
+{
+    if (k_sanitized) GTEST_SKIP() << "a sanitizer needs memory of its own";
+    const ScratchFolder folder;
+    constexpr int k_quads = 100;   // a side, of a metre each
+    std::string text;
+    for (int z = 0; z <= k_quads; ++z)
+        for (int x = 0; x <= k_quads; ++x) text += fmt::format("v {} 0 {}\n", x - k_quads / 2, z - k_quads / 2);
+    for (int z = 0; z < k_quads; ++z)
+        for (int x = 0; x < k_quads; ++x) {
+            const int a = z * (k_quads + 1) + x + 1, b = a + k_quads + 1;
+            text += fmt::format("f {} {} {} {}\n", a, b, b + 1, a + 1);
+        }
+    std::ofstream(folder / "grid.obj") << text;
+    const Outcome outcome = run({"render", folder / "grid.obj", "-o", folder / "p.png", "--light",
+                                 "spot 0.3 0.5 0.3 0 -1 0 5 1 1 1", "--size", "160x90", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_LT(outcome.json()["peak_memory_bytes"].get<std::uint64_t>(), 200u << 20);
 }
 
 }   // namespace

@@ -115,6 +115,14 @@ TEST(VisibleLight, LittleMemoryChangesNoPicture)
     EXPECT_LT(few, all);
 }
 
+TEST(VisibleLight, LittleMemoryChangesNoNearLight)
+{
+    VisibleOptions little = with_near_light();
+    little.memory = 1;
+    EXPECT_TRUE(same_bits(indirect_of("cornell", {5, 6, 7, 8}, 2, 128, with_near_light()),
+                          indirect_of("cornell", {5, 6, 7, 8}, 2, 128, little)));
+}
+
 // With a limit of rays a frame lacks points; asked again and again it ends in the picture that has none.
 TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
 {
