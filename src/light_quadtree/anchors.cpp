@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "light_quadtree/anchors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "base/micro_triangles.h"
+#include "gnomon/error.h"
 
 namespace gnomon::light_quadtree {
 
@@ -15,7 +19,8 @@ namespace {
 constexpr int k_bias = 1 << 17;
 constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
 constexpr int k_level_bias = 32;
-// Part: bit 62: front | bit 61: near light | level (4 bits) | triangle (28) | index (16).
+// Part: bit 62: front | bit 61: near light | level (4 bits) | triangle (32) | index (16).
+constexpr int k_triangle_shift = 16, k_level_shift = 48;
 
 // The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line
 // in the very plane of a wall would find nothing but rounding.
@@ -133,14 +138,32 @@ PartDetail part_detail(float triangle_area, float spacing)
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v)
 {
     const std::uint64_t index = micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level);
-    return (static_cast<std::uint64_t>(front) << 62) | (static_cast<std::uint64_t>(level) << 44) |
-           (static_cast<std::uint64_t>(scene_triangle) << 16) | index;
+    return (static_cast<std::uint64_t>(front) << 62) | (static_cast<std::uint64_t>(level) << k_level_shift) |
+           (static_cast<std::uint64_t>(scene_triangle) << k_triangle_shift) | index;
 }
 
 Part part_of(AnchorKey key)
 {
-    return {static_cast<std::uint32_t>((key >> 16) & ((1u << 28) - 1)), ((key >> 62) & 1) != 0,
-            static_cast<std::uint32_t>((key >> 44) & 15), static_cast<std::uint32_t>(key & 0xffff)};
+    return {static_cast<std::uint32_t>(key >> k_triangle_shift), ((key >> 62) & 1) != 0,
+            static_cast<std::uint32_t>((key >> k_level_shift) & 15), static_cast<std::uint32_t>(key & 0xffff)};
+}
+
+std::vector<std::uint32_t> first_triangles(const scene::Scene& scene)
+{
+    std::vector<std::uint32_t> first;
+    first.reserve(scene.objects.size());
+    std::uint64_t triangles = 0;
+    for (const scene::Object& object : scene.objects) {
+        first.push_back(static_cast<std::uint32_t>(triangles));
+        triangles += scene.meshes[object.mesh].triangles.size();
+    }
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    if (triangles > most)
+        throw MissingError(
+            fmt::format("{} triangles, those of all instances, are more than bounced light can tell apart "
+                        "({})",
+                        triangles, most));
+    return first;
 }
 
 }   // namespace gnomon::light_quadtree

@@ -8,6 +8,7 @@
 // anchors: the middle of a part of a triangle (micro-triangles), for what no lattice line meets, and for what moves.
 
 #include <cstdint>
+#include <vector>
 
 #include "ray/ray_scene.h"
 
@@ -88,6 +89,9 @@ inline constexpr std::uint32_t k_part_levels = 8;
 PartDetail part_detail(float triangle_area, float spacing);
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v);
 Part part_of(AnchorKey key);
+/// By object: the number of its first triangle among all triangles of the scene.
+/// @throws MissingError  where there are more than numbers
+std::vector<std::uint32_t> first_triangles(const scene::Scene& scene);
 /// The same place for near light (near_light.h), which is remembered apart.
 inline constexpr AnchorKey k_near_anchor = 1ull << 61;
 inline bool is_near(AnchorKey key)

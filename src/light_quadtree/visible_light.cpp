@@ -48,13 +48,11 @@ VisibleLight::VisibleLight(const scene::SceneState& state, const ray::RayScene& 
       rays_(&rays),
       emitters_(state, rays, options.emitters, tasks),
       sky_(state.scene().background),
-      casters_(state)
+      casters_(state),
+      first_triangle_(first_triangles(state.scene()))
 {
     const scene::Scene& scene = state.scene();
-    std::uint32_t triangles = 0;
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        first_triangle_.push_back(triangles);
-        triangles += static_cast<std::uint32_t>(scene.meshes[scene.objects[o].mesh].triangles.size());
         if (!scene.objects[o].dynamic || !casters_.casts(o)) continue;
         const std::uint32_t owner = emitters_.owner_of(o);
         const auto at = std::find_if(together_.begin(), together_.end(),

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "gnomon/error.h"
 #include "light_quadtree/anchors.h"
 
 namespace gnomon::light_quadtree {
@@ -34,9 +35,34 @@ TEST(Anchors, AKeyTellsItsPart)
         EXPECT_FALSE(part.front);
         EXPECT_EQ(part.level, level);
         EXPECT_FALSE(is_lattice(part_key(123456, true, level, 0.2f, 0.3f)));
+        // As many as there are numbers.
+        constexpr std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
+        const AnchorKey key = part_key(last, true, level, 0.2f, 0.3f);
+        EXPECT_EQ(part_of(key).triangle, last);
+        EXPECT_TRUE(part_of(key).front);
+        EXPECT_EQ(part_of(key).level, level);
+        EXPECT_EQ(part_of(key).index, part.index);
+        EXPECT_FALSE(is_lattice(key) || is_near(key));
+        EXPECT_TRUE(is_near(key | k_near_anchor));
     }
     EXPECT_NE(part_key(1, true, 3, 0.1f, 0.1f), part_key(1, true, 3, 0.8f, 0.1f));
     EXPECT_EQ(part_key(1, true, 0, 0.1f, 0.1f), part_key(1, true, 0, 0.8f, 0.1f));
+}
+
+TEST(Anchors, MoreTrianglesThanNumbersAreRefused)
+{
+    scene::Scene scene;
+    scene.meshes.resize(2);
+    scene.meshes[0].triangles.resize(1 << 16);
+    scene.meshes[1].triangles.resize((1 << 16) - 1);
+    scene.objects.resize(1 << 16);
+    for (scene::Object& object : scene.objects) object.mesh = 0;
+    EXPECT_THROW(first_triangles(scene), MissingError);
+    scene.objects.back().mesh = 1;
+    const std::vector<std::uint32_t> first = first_triangles(scene);
+    EXPECT_EQ(first[0], 0u);
+    EXPECT_EQ(first[1], 1u << 16);
+    EXPECT_EQ(first.back(), 0xffff0000u);
 }
 
 }   // namespace
