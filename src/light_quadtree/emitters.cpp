@@ -81,8 +81,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene())), state_(&state), rays_(&rays)
 {
     const scene::Scene& scene = state.scene();
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if (scene.objects[o].dynamic && casters_.casts(o)) dynamics_.push_back(o);
+    find_dynamics();
     for (const scene::LightId l : bouncing_lights(scene, bounds_, options))
         for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, k_projection); ++face) {
             View& view = views_.emplace_back();
@@ -116,6 +115,14 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     find_roots();
     mark_changes();
     gather_movers();
+}
+
+void EmitterTree::find_dynamics()
+{
+    dynamics_.clear();
+    for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
+        if (rays_->moves(o) && casters_.casts(o)) dynamics_.push_back(o);
+    lifted_ = rays_->lifted();
 }
 
 void EmitterTree::find_roots()
@@ -353,7 +360,6 @@ void EmitterTree::mark_changes()
 void EmitterTree::gather_movers()
 {
     movers_.clear();
-    const scene::Scene& scene = state_->scene();
     struct Lit {
         glm::vec3 position, sample;
         std::size_t of;
@@ -391,7 +397,7 @@ void EmitterTree::gather_movers()
         hits.resize(asked.size());
         rays_->closest(queue, 0, asked.size(), hits, ray::Sides::both);
         for (std::size_t i = 0; i < asked.size(); ++i) {
-            if (hits.object[i] == scene::none || !scene.objects[hits.object[i]].dynamic) continue;
+            if (hits.object[i] == scene::none || !rays_->moves(hits.object[i])) continue;
             const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
             if (!(leaf.area > 0)) continue;
             const std::uint32_t octant =
@@ -435,7 +441,7 @@ std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
 {
     const scene::GroupId group = state_->scene().objects[object].group;
     constexpr std::uint32_t k_alone = 1u << 31;   // apart from all groups, and from k_no_owner
-    return group == scene::none ? object | k_alone : group;
+    return group == scene::none || rays_->stands_alone(object) ? object | k_alone : group;
 }
 
 void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
@@ -446,10 +452,12 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     changed_.clear();
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
-    geometry_changed_ = !changes.lights_moved.empty();
+    const bool lifted = rays.lifted() != lifted_;
+    geometry_changed_ = lifted || !changes.lights_moved.empty();
+    if (lifted) find_dynamics();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
-            if (std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
+            if (lifted || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
                 make_view(views_[v]);
         });
         find_roots();
@@ -457,8 +465,8 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     }
     const bool still =
         changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
-    if (still && changes.lights_moved.empty()) return;
-    if (!still) follow_movers(changes);
+    if (still && !geometry_changed_) return;
+    if (!still && !lifted) follow_movers(changes);
     mark_changes();
     gather_movers();
 }

@@ -58,7 +58,8 @@ class EmitterTree {
     /// Lights that move are made anew in every frame in which they do.
     EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options, Tasks& tasks);
 
-    /// Follows one advance() of the state, after the ray scene did.
+    /// Follows one advance() of the state, after the ray scene did. Where somebody moved something static by hand, for
+    /// the first time, all is made anew.
     void update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
     /// Nodes 4 q ... 4 q + 3.
@@ -135,6 +136,7 @@ class EmitterTree {
     void block_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
     void gather_movers();
+    void find_dynamics();
     void find_roots();
     void sum_children(Flux& flux, NodeId id) const;
     static NodeId first_of_level(const View& view, int level)
@@ -155,8 +157,9 @@ class EmitterTree {
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
-    std::vector<NodeId> changed_;   // by the last update
-    std::vector<scene::ObjectId> dynamics_;
+    std::vector<NodeId> changed_;             // by the last update
+    std::vector<scene::ObjectId> dynamics_;   // what moves and casts shadows
+    std::uint32_t lifted_ = 0;                // RayScene::lifted() then
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;
     std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;

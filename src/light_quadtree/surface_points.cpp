@@ -7,6 +7,8 @@ namespace gnomon::light_quadtree {
 
 namespace {
 
+constexpr std::size_t k_least_slots = 256;
+
 std::size_t bytes_of(const RememberedPoint& p)
 {
     return sizeof(RememberedPoint) + p.count * sizeof(SeenNode);
@@ -16,7 +18,7 @@ std::size_t bytes_of(const RememberedPoint& p)
 
 SurfacePoints::SurfacePoints()
 {
-    for (Shard& shard : shards_) shard.slots.assign(256, nullptr);
+    for (Shard& shard : shards_) shard.slots.assign(k_least_slots, nullptr);
 }
 
 void SurfacePoints::insert(Shard& shard, RememberedPoint* point)
@@ -72,12 +74,22 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget,
         std::erase_if(shard.points, [&](const auto& p) {
             if (age_of(*p) < oldest) return false;
             resized(p->count, 0);
-            if (dropped) dropped(*p);
+            dropped(*p);
             return true;
         });
         std::fill(shard.slots.begin(), shard.slots.end(), nullptr);
         for (const auto& p : shard.points) insert(shard, p.get());
     }
+}
+
+void SurfacePoints::clear(const std::function<void(const RememberedPoint&)>& dropped)
+{
+    for (Shard& shard : shards_) {
+        for (const auto& p : shard.points) dropped(*p);
+        shard.points.clear();
+        shard.slots.assign(k_least_slots, nullptr);
+    }
+    seen_bytes_ = 0;
 }
 
 std::size_t SurfacePoints::size() const

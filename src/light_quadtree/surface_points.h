@@ -66,9 +66,11 @@ class SurfacePoints {
     }
     /// Between frames: if the points take more than `budget` bytes, drops the longest unseen until a quarter of it is
     /// free; what was seen in `frame` stays, and half as much to as much beside it.
-    /// @param dropped  called for each, if there is one
+    /// @param dropped  called for each
     void drop_unseen(std::uint32_t frame, std::size_t budget,
-                     const std::function<void(const RememberedPoint&)>& dropped = {});
+                     const std::function<void(const RememberedPoint&)>& dropped);
+    /// Between frames: drops all.
+    void clear(const std::function<void(const RememberedPoint&)>& dropped);
     std::size_t size() const;
     std::size_t bytes() const;
 

@@ -51,9 +51,16 @@ VisibleLight::VisibleLight(const scene::SceneState& state, const ray::RayScene& 
       casters_(state),
       first_triangle_(first_triangles(state.scene()))
 {
-    const scene::Scene& scene = state.scene();
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (!scene.objects[o].dynamic || !casters_.casts(o)) continue;
+    find_together();
+}
+
+// What moves together, if it casts shadows.
+void VisibleLight::find_together()
+{
+    together_.clear();
+    lifted_ = rays_->lifted();
+    for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o) {
+        if (!rays_->moves(o) || !casters_.casts(o)) continue;
         const std::uint32_t owner = emitters_.owner_of(o);
         const auto at = std::find_if(together_.begin(), together_.end(),
                                      [&](const Together& together) { return together.owner == owner; });
@@ -87,11 +94,27 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
         casters_.update(state);
         emitters_.update(state, rays, tasks);
     }
+    const bool lifted = rays.lifted() != lifted_;
+    if (lifted) forget_what_stood_still();
     follow_radius(first);
-    if (first || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
+    if (first || lifted || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
         !changes.vanished.empty())
         enclose_movers();
     if (engine_) engine_->begin_frame(emitters_, movers_);
+}
+
+// Somebody moved by hand what stood still: what points saw past it, and where they lie, is void. From now on it moves.
+void VisibleLight::forget_what_stood_still()
+{
+    find_together();
+    points_.clear([this](const RememberedPoint& point) { forget_seen(point); });
+    hints_.reset();
+}
+
+// What an engine keeps for a point that goes.
+void VisibleLight::forget_seen(const RememberedPoint& point)
+{
+    if (engine_ && point.count > 0) engine_->forget({point.kept, point.count});
 }
 
 void VisibleLight::enclose_movers()
@@ -151,10 +174,9 @@ bool VisibleLight::shade_points(Batch& batch, std::span<const IndirectPoint> poi
     batch.wanted.clear();
     batch.parts.clear();
     batch.moving.resize(points.size());
-    const std::vector<scene::Object>& objects = state_->scene().objects;
     bool near = false;   // some point is near enough to the viewer for near light
     for (std::size_t i = 0; i < points.size(); ++i) {
-        batch.moving[i] = objects[points[i].object].dynamic || !(points[i].width > 0);
+        batch.moving[i] = rays_->moves(points[i].object) || !(points[i].width > 0);
         near = near || (!batch.moving[i] && points[i].width < 2 * near_width_);
     }
     batch.pixels.choose(points, batch.moving);
@@ -361,7 +383,7 @@ void VisibleLight::put_off(Batch& batch)
     const auto moves = [&](AnchorKey key) {
         if (is_lattice(key)) return false;
         const auto after = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), part_of(key).triangle);
-        return state_->scene().objects[static_cast<std::size_t>(after - first_triangle_.begin() - 1)].dynamic;
+        return rays_->moves(static_cast<scene::ObjectId>(after - first_triangle_.begin() - 1));
     };
     const std::uint32_t version = emitters_.geometry_version();
     std::erase_if(batch.claimed, [&](RememberedPoint* point) {
@@ -615,12 +637,7 @@ void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
     }
     if (hints_) hints_->end_frame();
     average_ = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
-    if (engine_)
-        points_.drop_unseen(frame_, options_.memory, [this](const RememberedPoint& point) {
-            if (point.count > 0) engine_->forget({point.kept, point.count});
-        });
-    else
-        points_.drop_unseen(frame_, options_.memory);
+    points_.drop_unseen(frame_, options_.memory, [this](const RememberedPoint& point) { forget_seen(point); });
 }
 
 }   // namespace gnomon::light_quadtree

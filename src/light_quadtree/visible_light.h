@@ -124,6 +124,9 @@ class VisibleLight {
     RememberedPoint* want(Batch& batch, AnchorKey key);
     void serve(Batch& batch);
     bool shade_points(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    void find_together();
+    void forget_what_stood_still();
+    void forget_seen(const RememberedPoint& point);
     void enclose_movers();
     void wait(Batch& batch);
     void light_some(std::span<RememberedPoint* const> points, std::span<const std::unique_ptr<Batch>> batches,
@@ -183,6 +186,7 @@ class VisibleLight {
         std::vector<scene::ObjectId> objects;
     };
     std::vector<Together> together_;
+    std::uint32_t lifted_ = 0;   // RayScene::lifted() then
     MovingSpheres movers_;
     std::vector<std::uint32_t> first_triangle_;   // by object, among all of the scene
     std::uint32_t frame_ = 0, movers_version_ = 1;

@@ -89,14 +89,14 @@ void VisibleLight::add_parts(PartAnchors& parts, const IndirectPoint& point, con
     const std::uint32_t triangle = first_triangle_[point.object] + point.triangle;
     const bool front = glm::dot(cross, point.geometric_normal) > 0;
     const PartDetail detail = part_detail(0.5f * glm::length(cross), spacing);
-    const float finer = state_->scene().objects[point.object].dynamic ? 1.0f : faded(detail.fraction);
+    const float finer = rays_->moves(point.object) ? 1.0f : faded(detail.fraction);
     parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
     if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
 }
 
 VisibleLight::PartAnchors VisibleLight::far_parts(const IndirectPoint& point)
 {
-    if (state_->scene().objects[point.object].dynamic)
+    if (rays_->moves(point.object))
         return part_anchors(point, options_.pixels_per_part * point.width, options_.pixels_per_part * point.width);
     return part_anchors(point, options_.narrowest * point.width, options_.pixels_per_leaf * point.width);
 }
@@ -118,6 +118,7 @@ VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point,
 {
     const ray::ObjectGeometry& geometry = rays_->geometry(point.object);
     const scene::Object& object = state_->scene().objects[point.object];
+    const bool moves = rays_->moves(point.object);
     const std::uint32_t first = first_triangle_[point.object];
     glm::vec3 corner[3];
     const auto cross_of = [&](std::uint32_t triangle) {
@@ -134,9 +135,9 @@ VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point,
     const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(state_->object_matrix(point.object)))));
     const float in_mesh = scale > 0 ? leaf_spacing / scale : leaf_spacing;
     const bool clusters = in_mesh > 0 && std::isfinite(in_mesh);
-    const float together = !clusters                           ? 0.0f
-                           : object.dynamic || twice_area == 0 ? 1.0f
-                                                               : faded(spacing / std::sqrt(twice_area) - 1);
+    const float together = !clusters                  ? 0.0f
+                           : moves || twice_area == 0 ? 1.0f
+                                                      : faded(spacing / std::sqrt(twice_area) - 1);
     parts.add(part_key(first + point.triangle, glm::dot(own, point.geometric_normal) > 0, 0, point.u, point.v),
               1 - together);
     const auto add_cluster = [&](int level, float share) {
@@ -149,7 +150,7 @@ VisibleLight::PartAnchors VisibleLight::part_anchors(const IndirectPoint& point,
     };
     if (!(together > 0)) return parts;
     const Detail detail = detail_of(in_mesh);
-    const float wider = object.dynamic ? 1.0f : faded(detail.fraction);
+    const float wider = moves ? 1.0f : faded(detail.fraction);
     add_cluster(detail.level, together * wider);
     add_cluster(detail.level - 1, together * (1 - wider));
     return parts;
@@ -191,7 +192,7 @@ void VisibleLight::place_part(RememberedPoint& point) const
         if (glm::dot(n, normal) < 0) n = -n;
         if (glm::dot(n, n) > 0) point.normal = glm::normalize(n);
     }
-    if (!state_->scene().objects[object].dynamic) return;
+    if (!rays_->moves(object)) return;
     point.version = 0;   // what it sees changes as it moves
     point.owner = emitters_.owner_of(object);
 }

@@ -98,6 +98,7 @@ struct RayScene::Inside {
     SceneHandle moving;
     std::deque<Solid> solids;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
+    std::uint32_t lifted = 0;   // static objects, by hand
 
     SceneHandle one;   // both, for comparison; mostly absent
 

@@ -125,6 +125,16 @@ bool RayScene::stands_alone(scene::ObjectId object) const
     return inside_->solid_of_object[object] != scene::none;
 }
 
+bool RayScene::moves(scene::ObjectId object) const
+{
+    return inside_->scene->objects[object].dynamic || stands_alone(object);
+}
+
+std::uint32_t RayScene::lifted() const
+{
+    return inside_->lifted;
+}
+
 Box3 RayScene::bounds() const
 {
     Box3 result;

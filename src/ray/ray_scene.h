@@ -103,6 +103,11 @@ class RayScene {
     /// Whether an object moves by itself: it deforms, or somebody moved it by hand, out of what stands still or out of
     /// its group.
     bool stands_alone(scene::ObjectId object) const;
+    /// Whether an object is among what moves: what `static_only` does not meet.
+    bool moves(scene::ObjectId object) const;
+    /// How many static objects somebody moved by hand for the first time. Counts up: what was remembered of static
+    /// things is void then.
+    std::uint32_t lifted() const;
     /// Around everything visible, as of the last update.
     Box3 bounds() const;
     RaySceneStatistics statistics() const;

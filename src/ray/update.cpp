@@ -144,6 +144,7 @@ bool RayScene::Inside::lift_out(const scene::SceneState& state, const std::vecto
             still_ids[o].clear();
             statistics.static_triangles -= geometry[o].mesh->triangles.size();
             still_changed = true;
+            ++lifted;
         } else if (!rides_along(state, o)) {
             Solid& group = solids[solid_of_group[g]];
             for (unsigned id = 0; id < group.records.size(); ++id)

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounced light of what moves and is not told apart by the scene: what deforms, wherever it stands among the objects.
+// Bounced light of what moves and belongs to no rigid group: what deforms, wherever it stands among the objects, and
+// what stood still until somebody moved it by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
+#include "base/bits.h"
 #include "light_quadtree/visible_light.h"
 #include "render/traced_frame.h"
 #include "scene_helpers.h"
@@ -25,8 +28,9 @@ scene::Mesh rectangle(scene::MaterialId material, const glm::vec3 (&corners)[4])
 }
 
 // A floor, a grey wall and a red panel, before which a spot light stands that lights the panel alone; the panel is the
-// object of this number, and bends.
-scene::Scene room(std::size_t panel_at)
+// object of this number.
+enum class Panel { bends, still, missing };
+scene::Scene room(std::size_t panel_at, Panel panel)
 {
     scene::Scene scene;
     scene.materials.resize(2);
@@ -40,9 +44,9 @@ scene::Scene room(std::size_t panel_at)
     keys.times = {0, 1};
     keys.positions.assign(2, scene.meshes[2].positions);
     for (std::size_t corner : {2u, 3u}) keys.positions[1][corner].x += 0.2f;
-    scene.meshes[2].vertex_keys = keys;
+    if (panel == Panel::bends) scene.meshes[2].vertex_keys = keys;
     std::vector<scene::MeshId> order = {0, 1};
-    order.insert(order.begin() + static_cast<std::ptrdiff_t>(panel_at), 2);
+    if (panel != Panel::missing) order.insert(order.begin() + static_cast<std::ptrdiff_t>(panel_at), 2);
     for (const scene::MeshId mesh : order) test::add_object(scene, mesh);
     scene::Camera camera;
     camera.node =
@@ -90,7 +94,7 @@ double difference_of(const std::vector<float>& a, const std::vector<float>& b)
 TEST(VisibleMovers, WhatDeformsBouncesLightWhicheverObjectItIs)
 {
     const auto light_of = [](std::size_t panel_at) {
-        World world(room(panel_at));
+        World world(room(panel_at, Panel::bends));
         EXPECT_TRUE(world.scene->objects[panel_at].deforming && world.scene->objects[panel_at].dynamic);
         VisibleLight visible(world.state, world.rays, {}, world.tasks);
         return indirect_of(world, visible);
@@ -103,6 +107,66 @@ TEST(VisibleMovers, WhatDeformsBouncesLightWhicheverObjectItIs)
         ASSERT_EQ(first.size(), other.size());
         EXPECT_LT(difference_of(first, other), 1e-3 * mean) << "as object " << panel_at;
     }
+}
+
+constexpr std::size_t k_panel = 1;
+
+// Frames in which somebody holds the panel at these places, one after another; without one nobody does.
+std::vector<float> indirect_with_panel_at(const std::vector<std::optional<glm::dvec3>>& places)
+{
+    World world(room(k_panel, Panel::still), 1, 2);
+    EXPECT_FALSE(world.scene->objects[k_panel].dynamic);
+    const auto hold = [&](const std::optional<glm::dvec3>& place) {
+        const glm::dmat4 local = place ? test::translation(place->x, place->y, place->z) : glm::dmat4(1);
+        world.state.override_transform(world.scene->objects[k_panel].node, place ? &local : nullptr);
+        world.go(1);
+    };
+    hold(places.front());
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    std::vector<float> light = indirect_of(world, visible);
+    for (std::size_t i = 1; i < places.size(); ++i) {
+        hold(places[i]);
+        light = indirect_of(world, visible);
+    }
+    return light;
+}
+
+TEST(VisibleMovers, WhatIsLiftedByHandIsAsIfItHadAlwaysBeenThere)
+{
+    const glm::dvec3 here(0, 0.3, 0), there(1, 0.8, 0.5), away(0, 0, -1000);
+    const std::vector<float> before = indirect_with_panel_at({{}}), cold = indirect_with_panel_at({there});
+    EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({{}, there})));
+    EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({{}, {}, here, away, there})));
+    EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({here, there})));
+    // Where it was nothing is left of it, and where it is now it bounces light as before.
+    const double mean = mean_of(before);
+    EXPECT_GT(mean, 0.001);
+    EXPECT_GT(difference_of(cold, before), 0.1 * mean);
+    const std::vector<float> gone = indirect_with_panel_at({{}, away});
+    World world(room(k_panel, Panel::missing), 1, 2);
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    EXPECT_LT(difference_of(gone, indirect_of(world, visible)), 0.02 * mean);
+    EXPECT_NEAR(mean_of(indirect_with_panel_at({{}, glm::dvec3(0, 0.001, 0)})) / mean, 1, 0.25);
+}
+
+// It costs what a mover costs once it was lifted.
+TEST(VisibleMovers, WhatIsHeldByHandIsAMover)
+{
+    World world(room(k_panel, Panel::still));
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    std::uint64_t fresh[4];
+    std::uint32_t made[4];
+    for (int i = 0; i < 4; ++i) {
+        const glm::dmat4 local = test::translation(0, 0.1 * i, 0);
+        if (i > 0) world.state.override_transform(world.scene->objects[k_panel].node, &local);
+        world.go(1);
+        indirect_of(world, visible);
+        fresh[i] = visible.counters().new_points, made[i] = visible.emitters().geometry_version();
+    }
+    EXPECT_GT(made[1], made[0]);
+    EXPECT_EQ(made[2], made[1]);
+    EXPECT_EQ(made[3], made[1]);
+    EXPECT_LT(fresh[3], fresh[1]);   // its own, and no static ones
 }
 
 }   // namespace

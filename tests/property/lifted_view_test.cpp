@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A viewer's session in which somebody lifts what stood still: the picture is that of a session that knew it no other
+// way.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "app/view/session.h"
+#include "gnomon/scene.h"
+#include "sanitized.h"
+#include "scene/scene.h"
+
+namespace gnomon::app {
+namespace {
+
+template <class Done>
+void wait_for(const Done& done)
+{
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60 * test::k_patience);
+    while (!done()) {
+        ASSERT_LT(std::chrono::steady_clock::now(), end);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+}
+
+// The last picture of these requests, each shown whole before the next.
+Image8 last_of(const std::vector<ViewRequest>& requests)
+{
+    ViewSession session(2);
+    SceneRecipe recipe;
+    recipe.what = "builtin:cornell";
+    session.load(recipe);
+    wait_for([&] { return session.scene() || !session.load_state().error.empty(); });
+    for (const ViewRequest& request : requests) {
+        session.ask(request);
+        wait_for([&] { return !session.busy(); });
+    }
+    EXPECT_EQ(session.load_state().error, "");
+    const auto picture = session.picture(0);
+    return picture ? picture->image : Image8();
+}
+
+TEST(LiftedView, WarmIsCold)
+{
+    const std::shared_ptr<const scene::Scene> scene = load("builtin:cornell").inside();
+    scene::NodeId block = scene::none;
+    for (scene::NodeId n = 0; n < scene->nodes.size(); ++n)
+        if (scene->nodes[n].name == "short block") block = n;
+    ASSERT_NE(block, scene::none);
+    for (const Indirect indirect : {Indirect::visible, Indirect::quadtree}) {
+        ViewRequest before;
+        before.size = {96, 96};
+        before.options.exposure = 0;
+        before.options.indirect = indirect;
+        ViewRequest lifted = before, higher = before;
+        lifted.hands = {{block, true, {0, 0.3f, 0.2f}}};
+        higher.hands = {{block, true, {-0.1f, 0.6f, 0.3f}}};
+        const Image8 cold = last_of({higher});
+        EXPECT_TRUE(cold.data == last_of({before, lifted, higher}).data) << static_cast<int>(indirect);
+        EXPECT_FALSE(cold.data == last_of({before}).data);
+    }
+}
+
+}   // namespace
+}   // namespace gnomon::app
