@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // A light at a point, as src/scene/light.cpp has it. Included after gpu_scene/gpu_scene_shared.h.
 
+const float k_most_irradiance = 1e12, k_least_square = 1e-30;   // as there
+
 // What a light does at a point with nothing between. False: nothing.
 bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradiance)
 {
     if (light.shown == 0) return false;
     if (light.type == GNOMON_LIGHT_DIRECTIONAL) {
         to_light = -light.direction;
-        irradiance = light.color;
+        irradiance = min(light.color, vec3(k_most_irradiance));
         return true;
     }
     const vec3 offset = light.position - point;
     const float square = dot(offset, offset);
     if (!(square > 0)) return false;
     to_light = offset / sqrt(square);
-    float strength = light.constant_falloff != 0 ? 1 : 1 / square;
+    float strength = light.constant_falloff != 0 ? 1 : 1 / max(square, k_least_square);
     if (light.range > 0) {
         const float ratio = square / (light.range * light.range);
         strength *= clamp(1 - ratio * ratio, 0, 1);
@@ -30,6 +32,6 @@ bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradian
             strength *= fade * fade;
         }
     }
-    irradiance = light.color * strength;
+    irradiance = min(light.color * strength, vec3(k_most_irradiance));
     return true;
 }

@@ -7,6 +7,18 @@
 
 namespace gnomon::scene {
 
+namespace {
+
+constexpr float k_least_square = 1e-30f;   // of a distance: its inverse is a number
+
+// NaN compares false.
+glm::vec3 bounded(const glm::vec3& irradiance)
+{
+    return glm::min(glm::vec3(k_most_irradiance), irradiance);
+}
+
+}   // namespace
+
 LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point)
 {
     LightSample sample;
@@ -14,7 +26,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
     if (light.type == LightType::directional) {
         sample.to_light = -state.direction;
         sample.distance = k_infinity;
-        sample.irradiance = light.color;
+        sample.irradiance = bounded(light.color);
         return sample;
     }
     const glm::vec3 offset = state.position - point;
@@ -22,7 +34,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
     if (!(square > 0)) return sample;
     sample.distance = std::sqrt(square);
     sample.to_light = offset / sample.distance;
-    float strength = light.falloff == Falloff::inverse_square ? 1.0f / square : 1.0f;
+    float strength = light.falloff == Falloff::inverse_square ? 1.0f / std::max(square, k_least_square) : 1.0f;
 
     // KHR_lights_punctual: a range fades the light out smoothly.
     if (light.range > 0) {
@@ -43,7 +55,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
             strength *= fade * fade;
         }
     }
-    sample.irradiance = light.color * strength;
+    sample.irradiance = bounded(light.color * strength);
     return sample;
 }
 

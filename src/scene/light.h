@@ -42,6 +42,10 @@ struct LightState {
     friend bool operator==(const LightState&, const LightState&) = default;
 };
 
+/// No light brings more to a surface, by colour: a million million lux, ten million times the sun. Beyond, what light
+/// maps make of it (times areas, summed, times places) would not be numbers for long.
+inline constexpr float k_most_irradiance = 1e12f;
+
 /// What a light does at a point, without anything between.
 struct LightSample {
     glm::vec3 to_light{0};     // unit

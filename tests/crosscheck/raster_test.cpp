@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "bright_lights.h"
 #include "floor_scene.h"
 #include "gnomon/gnomon.h"
 #include "scene_helpers.h"
@@ -187,6 +188,19 @@ void expect_same_shadows(const Scene& scene, int frame, Size size, ShadowTexture
 TEST_F(RasterCrosscheck, LightOfCornell)
 {
     expect_same_light(load("builtin:cornell"), 12, 0.98);
+}
+
+TEST_F(RasterCrosscheck, TheBrightestLightsAreNumbers)
+{
+    for (const Indirect indirect : {Indirect::off, Indirect::visible, Indirect::quadtree, Indirect::rsm})
+        for (const test::BrightScene& bright : test::bright_scenes()) {
+            RenderOptions options = options_of(RenderMethod::raster, {32, 24});
+            options.indirect = indirect;
+            const Picture picture = Renderer(options).render(bright.scene, 1);
+            EXPECT_EQ(test::count_of_no_numbers(picture), 0u)
+                << bright.name << ", indirect " << static_cast<int>(indirect);
+            EXPECT_GT(test::brightest_of(picture), std::min(bright.at_least, 1e4f)) << bright.name;
+        }
 }
 
 TEST_F(RasterCrosscheck, LightOfKinetic)
