@@ -11,7 +11,7 @@ namespace {
 
 void expect_finite(const RenderOptions& options, const char* what)
 {
-    for (const test::BrightScene& bright : test::bright_scenes()) {
+    for (const test::BrightScene& bright : test::bright_scenes({"1", "1e20", "1e30", "3.4e38"})) {
         const Picture picture = Renderer(options).render(bright.scene, 1);
         EXPECT_EQ(test::count_of_no_numbers(picture), 0u) << what << ", " << bright.name;
         EXPECT_GT(test::brightest_of(picture), bright.at_least) << what << ", " << bright.name;

@@ -10,6 +10,7 @@
 #include "gnomon/scene.h"
 #include "sanitized.h"
 #include "scene/scene.h"
+#include "vk_helpers.h"
 
 namespace gnomon::app {
 namespace {
@@ -41,26 +42,51 @@ Image8 last_of(const std::vector<ViewRequest>& requests)
     return picture ? picture->image : Image8();
 }
 
-TEST(LiftedView, WarmIsCold)
+void expect_warm_is_cold(const RenderOptions& options)
 {
     const std::shared_ptr<const scene::Scene> scene = load("builtin:cornell").inside();
     scene::NodeId block = scene::none;
     for (scene::NodeId n = 0; n < scene->nodes.size(); ++n)
         if (scene->nodes[n].name == "short block") block = n;
     ASSERT_NE(block, scene::none);
+    ViewRequest before;
+    before.size = {96, 96};
+    before.options = options;
+    before.options.exposure = 0;
+    ViewRequest lifted = before, higher = before;
+    lifted.hands = {{block, true, {0, 0.3f, 0.2f}}};
+    higher.hands = {{block, true, {-0.1f, 0.6f, 0.3f}}};
+    const Image8 cold = last_of({higher});
+    EXPECT_TRUE(cold.data == last_of({before, lifted, higher}).data) << static_cast<int>(options.indirect);
+    EXPECT_FALSE(cold.data == last_of({before}).data);
+}
+
+TEST(LiftedView, WarmIsCold)
+{
+    RenderOptions options;
     for (const Indirect indirect : {Indirect::visible, Indirect::quadtree}) {
-        ViewRequest before;
-        before.size = {96, 96};
-        before.options.exposure = 0;
-        before.options.indirect = indirect;
-        ViewRequest lifted = before, higher = before;
-        lifted.hands = {{block, true, {0, 0.3f, 0.2f}}};
-        higher.hands = {{block, true, {-0.1f, 0.6f, 0.3f}}};
-        const Image8 cold = last_of({higher});
-        EXPECT_TRUE(cold.data == last_of({before, lifted, higher}).data) << static_cast<int>(indirect);
-        EXPECT_FALSE(cold.data == last_of({before}).data);
+        options.indirect = indirect;
+        expect_warm_is_cold(options);
     }
 }
+
+#ifdef GNOMON_VULKAN
+class LiftedViewVulkan : public test::VulkanTest {};
+
+TEST_F(LiftedViewVulkan, WarmIsCold)
+{
+    RenderOptions options;
+    options.renderer = RenderMethod::raster;
+    options.indirect = Indirect::visible;
+    options.indirect_on = IndirectOn::vulkan;
+    expect_warm_is_cold(options);
+}
+#else
+TEST(LiftedViewVulkan, LeftOut)
+{
+    GNOMON_SKIP_WITHOUT_VULKAN;
+}
+#endif
 
 }   // namespace
 }   // namespace gnomon::app
