@@ -26,18 +26,20 @@ void wait_for(const Done& done)
 }
 
 // The last picture of these requests, each shown whole before the next.
-Image8 last_of(const std::vector<ViewRequest>& requests)
+Image8 last_of(std::vector<ViewRequest> requests)
 {
     ViewSession session(2);
     SceneRecipe recipe;
     recipe.what = "builtin:cornell";
     session.load(recipe);
     wait_for([&] { return session.scene() || !session.load_state().error.empty(); });
-    for (const ViewRequest& request : requests) {
+    for (ViewRequest& request : requests) {
+        request.scene = session.scene();
         session.ask(request);
-        wait_for([&] { return !session.busy(); });
+        wait_for([&] { return !session.busy() && !session.refining(); });
     }
     EXPECT_EQ(session.load_state().error, "");
+    EXPECT_EQ(session.load_state().frame_error, "");
     const auto picture = session.picture(0);
     return picture ? picture->image : Image8();
 }
