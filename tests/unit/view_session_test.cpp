@@ -134,6 +134,30 @@ TEST(ViewSession, TheOverlayDoesNotWaitForBouncedLight)
     EXPECT_TRUE(finished(session, at(0))->complete);
 }
 
+TEST(ViewSession, OverlaysSayWhereTheViewLies)
+{
+    ViewSession session(1);
+    load(session);
+    const auto plain = finished(session, at(0));
+    ASSERT_TRUE(plain);
+    EXPECT_EQ(plain->corner, glm::ivec2(0));
+    ViewRequest overlay = at(0);
+    overlay.options.overlay = Overlay::shadow_states;
+    const auto shown = finished(session, overlay);
+    ASSERT_TRUE(shown);
+    const auto tone = [&](int x, int y) { return *shown->image.pixel(x, y); };
+    const glm::ivec2 first = shown->corner, end = first + glm::ivec2(shown->eye.size.width, shown->eye.size.height);
+    ASSERT_TRUE(first.x > 0 && first.y > 0 && end.x < shown->image.width && end.y < shown->image.height);
+    const auto paper = tone(0, 0);
+    const int x = (first.x + end.x) / 2, y = (first.y + end.y) / 2;
+    EXPECT_EQ(tone(first.x - 1, y), paper);
+    EXPECT_NE(tone(first.x, y), paper);
+    EXPECT_NE(tone(end.x - 1, y), paper);
+    EXPECT_EQ(tone(end.x, y), paper);
+    EXPECT_NE(tone(x, first.y), paper);
+    EXPECT_NE(tone(x, end.y - 1), paper);
+}
+
 TEST(ViewSession, ARequestOvertakesTheRefiningOfTheOneBefore)
 {
     ViewSession session(1, k_few_rays);

@@ -451,6 +451,8 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     } else if (states) {
         picture->image = render::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
                                               options.shadow_culling == ShadowCulling::paper);
+        const render::PanelPlace place = render::panel_place(picture->eye.size, 1, 0);
+        picture->corner = {place.left, place.top};
     } else {
         ImageF& color = kept.buffers.color;
         picture->image = Image8(color.width, color.height, 3);

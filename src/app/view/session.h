@@ -65,9 +65,10 @@ struct Picked {
 
 struct ViewPicture {
     std::shared_ptr<const Scene> scene;
-    Image8 image;       // sRGB
-    render::View eye;   // as rendered
-    Box3 bounds;        // of the scene
+    Image8 image;           // sRGB
+    render::View eye;       // as rendered
+    glm::ivec2 corner{0};   // of what it sees in the image: overlays have titles and legends around it
+    Box3 bounds;            // of the scene
     double time = 0;
     bool complete = true;   // all of its bounced light is there; else the next picture has more of it
     ViewTimes times;

@@ -194,7 +194,12 @@ struct Viewer::Inside {
     void toggle_recording();
     void end_recording(const std::string& why);
     void look_at_trouble(const LoadState& load);
-    glm::vec2 picture_pixel(const glm::vec2& at) const;
+    struct Placed {
+        glm::vec2 corner;   // of the picture in the window
+        float factor = 1;   // from its pixels to the window's
+    };
+    Placed placed() const;
+    std::optional<glm::vec2> picture_place(const glm::vec2& at) const;
 };
 
 void Viewer::Inside::take_scene()
@@ -270,8 +275,8 @@ void Viewer::Inside::follow_mouse()
     if (pressed < 0) return;
     if (!ImGui::IsMouseDown(pressed)) {
         if (pressed == 0 && !dragged && picture) {
-            pick = picture_pixel(at);
-            dirty = true;
+            pick = picture_place(at);
+            dirty = dirty || pick;
         }
         pressed = -1;
         return;
@@ -403,23 +408,31 @@ void Viewer::Inside::ask()
     if (recorder.recording()) film_request = number;
 }
 
-// Shares of the picture's width and height, from where the mouse is.
-glm::vec2 Viewer::Inside::picture_pixel(const glm::vec2& at) const
+// As large as the window allows. Overlays have a legend, and a film keeps its size: another shape than the window's.
+Viewer::Inside::Placed Viewer::Inside::placed() const
 {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    return {std::clamp(at.x / display.x, 0.0f, 0.9999f), std::clamp(at.y / display.y, 0.0f, 0.9999f)};
+    const glm::vec2 size(picture->image.width, picture->image.height);
+    const float factor = std::min(display.x / size.x, display.y / size.y);
+    return {(glm::vec2(display.x, display.y) - factor * size) / 2.0f, factor};
+}
+
+// Shares of the view's width and height, from where the mouse is; none beside it, as on a legend.
+std::optional<glm::vec2> Viewer::Inside::picture_place(const glm::vec2& at) const
+{
+    const Placed place = placed();
+    const glm::vec2 share = ((at - place.corner) / place.factor - glm::vec2(picture->corner)) /
+                            glm::vec2(picture->eye.size.width, picture->eye.size.height);
+    if (!(share.x >= 0 && share.y >= 0 && share.x < 1 && share.y < 1)) return std::nullopt;
+    return glm::min(share, glm::vec2(0.9999f));
 }
 
 void Viewer::Inside::draw_picture() const
 {
     if (!picture) return;
-    // Overlays have a legend, and so another shape than the window.
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const float width = static_cast<float>(picture->image.width), height = static_cast<float>(picture->image.height);
-    const float factor = std::min(display.x / width, display.y / height);
-    const ImVec2 size{width * factor, height * factor};
-    const ImVec2 corner{(display.x - size.x) / 2, (display.y - size.y) / 2};
-    ImGui::GetBackgroundDrawList()->AddImage(window.texture(), corner, {corner.x + size.x, corner.y + size.y});
+    const Placed place = placed();
+    const glm::vec2 end = place.corner + place.factor * glm::vec2(picture->image.width, picture->image.height);
+    ImGui::GetBackgroundDrawList()->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
 }
 
 void Viewer::Inside::look_at_file()
