@@ -78,7 +78,8 @@ constexpr Option k_options[] = {
     {.name = "chunk", .argument = "I/N", .kind = Kind::chunk, .verbs = bit(render), .group = k_frames,
      .help = "only the I-th of N contiguous parts of the range; of a film, its frames alone"},
     {.name = "resume", .verbs = bit(render), .group = k_frames,
-     .help = "keep frames that are already complete"},
+     .help = "keep frames that are already complete: of a film those of the same scene and options, of numbered pictures "
+             "whatever is whole and of the size"},
     {.name = "warm-up", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .verbs = bit(render),
      .group = k_frames,
      .help = "render the N frames before the first unseen, so that there is something to remember (default: 0; 8 for one "
