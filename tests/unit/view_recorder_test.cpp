@@ -16,18 +16,22 @@ namespace {
 namespace fs = std::filesystem;
 
 // An ffmpeg that has the encoder, and fails.
-void make_failing_ffmpeg(const fs::path& file)
+fs::path with_failing_ffmpeg(const fs::path& folder)
 {
+    const fs::path file = folder / "ffmpeg";
     std::ofstream(file) << "#!/bin/sh\ncase \"$*\" in *-h*encoder=*) echo Encoder libx264;; *) exit 1;; esac\n";
     fs::permissions(file, fs::perms::owner_all);
+    return folder;
 }
 
-TEST(Recorder, LeavesNoFramesBehindWhenNoFilmComesOfThem)
-{
+struct RecorderTest : testing::Test {
     const test::ScratchFolder programs, temporary;
-    make_failing_ffmpeg(programs / "ffmpeg");
-    const test::ScopedVariable path("PATH", programs.path().string() + ":" + std::getenv("PATH"));
-    const test::ScopedVariable place("TMPDIR", temporary.path().string());
+    const test::ScopedVariable path{"PATH", with_failing_ffmpeg(programs.path()).string() + ":" + std::getenv("PATH")};
+    const test::ScopedVariable place{"TMPDIR", temporary.path().string()};
+};
+
+TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoFilmComesOfThem)
+{
     {
         Recorder recorder;
         for (const int pictures : {2, 0, 1}) {
@@ -44,12 +48,8 @@ TEST(Recorder, LeavesNoFramesBehindWhenNoFilmComesOfThem)
     EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
-TEST(Recorder, AFilmsPicturesAreOfOneSize)
+TEST_F(RecorderTest, AFilmsPicturesAreOfOneSize)
 {
-    const test::ScratchFolder programs, temporary;
-    make_failing_ffmpeg(programs / "ffmpeg");
-    const test::ScopedVariable path("PATH", programs.path().string() + ":" + std::getenv("PATH"));
-    const test::ScopedVariable place("TMPDIR", temporary.path().string());
     Recorder recorder;
     ASSERT_EQ(recorder.start(24), "");
     EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
