@@ -8,7 +8,7 @@
 # Steps, a line each: xdotool commands (key p, mousemove 10 20, click 1, ...), "sleep S", "await FILE" (at most two
 # minutes), "shot FILE" (of the whole screen), "resize W H", "drop FILE" (by drag and drop; GNOMON_DROP_FILE names the
 # program that does it). GNOMON_SCREEN: its size (800x600). Exits with the program's code; 99: no window came; 98: a file
-# did not; 96: the window did not take what was dropped.
+# did not; 96: the window did not take what was dropped; 95: no X server came.
 set -u
 screen=${GNOMON_SCREEN:-800x600}
 cd "$1" || exit 97
@@ -16,10 +16,14 @@ shift
 exec 3<&0
 display_file=$(mktemp)
 # A number of its own: one that another server has just given up may still be taken away with that one's socket.
-Xvfb :$((100 + $$ % 50000)) -displayfd 4 -screen 0 ${screen}x24 -nolisten tcp 4>"$display_file" >/dev/null 2>&1 3<&- &
+# -noreset: xdotool, asking for a window before the program has connected, is the last client when it leaves, and a
+# server that resets then throws out who is just connecting.
+Xvfb :$((100 + $$ % 50000)) -displayfd 4 -screen 0 ${screen}x24 -nolisten tcp -noreset \
+    4>"$display_file" >/dev/null 2>&1 3<&- &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display_file"' EXIT
-for _ in $(seq 100); do [[ -s $display_file ]] && break; sleep 0.1; done
+for _ in $(seq 300); do [[ -s $display_file ]] && break; sleep 0.1; done
+[[ -s $display_file ]] || { echo "drive_window.sh: no X server came" >&2; exit 95; }
 DISPLAY=":$(cat "$display_file")"
 export DISPLAY
 "$@" 3<&- &
