@@ -197,6 +197,9 @@ TEST(View, TroubleIsAnExitCodeAndOneLine)
     const Seen seen = drive(folder, "missing.gltf", "", "");
     EXPECT_EQ(seen.code, 3);
     EXPECT_NE(seen.err.find("missing.gltf"), std::string::npos) << seen.err;
+    const Seen camera = drive(folder, "builtin:cornell", "--camera nave", "");
+    EXPECT_EQ(camera.code, 2);
+    EXPECT_EQ(camera.err, "gnomon: no camera 'nave': the scene has 1, numbered from 0\n");
 }
 
 #else

@@ -215,6 +215,21 @@ TEST(ViewSession, TheErrorOfAFrameGoesWithTheNextGoodOne)
     EXPECT_EQ(session.load_state().failed, 0u);
 }
 
+TEST(ViewSession, ACameraThatIsNotThereFailsTheFrameAndOfTheSceneBeforeIsNotAsked)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0);
+    request.scene = session.scene();
+    request.camera = "nave";
+    session.ask(request);
+    ASSERT_TRUE(comes([&] { return !session.busy(); }));
+    EXPECT_EQ(session.load_state().frame_error, "no camera 'nave': the scene has 1, numbered from 0");
+    load(session, 12);
+    EXPECT_TRUE(finished(session, request));
+    EXPECT_EQ(session.load_state().frame_error, "");
+}
+
 }   // namespace
 }   // namespace gnomon::app
 #endif

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <chrono>
 #include <tuple>
 
@@ -48,16 +47,6 @@ auto of_bounce(const RenderOptions& o)
 {
     return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
                       o.indirect_at_every_pixel, o.indirect_memory, o.indirect_on);
-}
-
-scene::CameraId camera_of(const scene::Scene& scene, const std::string& wanted)
-{
-    for (std::size_t c = 0; c < scene.cameras.size(); ++c)
-        if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-    const bool whole = error == std::errc() && end == wanted.data() + wanted.size();
-    return whole && number < scene.cameras.size() ? number : 0;
 }
 
 }   // namespace
@@ -347,6 +336,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
         const std::uint64_t number = request.number;
         if (request.scene != scene) {
             request.eye.reset();
+            request.camera = "auto";
             request.hands.clear();
             request.pick.reset();
         }
@@ -411,9 +401,9 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     if (kept.visible) kept.visible->limit_rays(request.whole ? 0 : rays_a_frame_);
     end_stage(1);
 
-    picture->eye = request.eye
-                       ? *request.eye
-                       : render::make_view(*kept.state, camera_of(*scene->inside(), request.camera), request.size);
+    picture->eye = request.eye ? *request.eye
+                               : render::make_view(*kept.state, render::find_camera(*scene->inside(), request.camera),
+                                                   request.size);
     if (!request.eye && request.turn != 0) {
         if (!kept.turn_centre) kept.turn_centre = scene->inside()->bounds(scene->inside()->timeline.start).centre();
         picture->eye = render::turned(picture->eye, *kept.turn_centre, request.turn);

@@ -37,7 +37,7 @@ struct ViewRequest {
         scene;   // that eye, hands and pick are about; they are not heeded once another is there
     double time = 0;
     std::optional<render::View> eye;   // none: the scene's camera
-    std::string camera = "auto";       // then, as on the command line
+    std::string camera = "auto";       // then, as on the command line; the frame fails if the scene has no such camera
     double turn = 0;                   // radians around the scene, of the scene's camera
     Size size{640, 360};
     RenderOptions options;   // size, camera, turntable and threads of it are not read

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "app/option_table.h"
 #include "app/signals.h"
 #include "app/view/input_queue.h"
 #include "app/view/orbit_camera.h"
@@ -176,6 +177,7 @@ struct Viewer::Inside {
 
     void open(const std::string& file)
     {
+        if (file != what) settings.set(*find_option(Verb::view, "camera"), "");   // another scene has other ones
         what = file;
         file_time = changed_at(what);
         session.load(settings.recipe(what));
