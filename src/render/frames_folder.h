@@ -3,7 +3,9 @@
 // OUT.frames/: the frames of a film that is not whole yet.
 //
 // A small manifest says what the frames are of, so that frames of another scene, size or option are never taken for
-// these. Only files of ours are ever removed; a folder that holds others is refused.
+// these. Only files of ours are ever removed; a folder that holds others is refused. While a film is made, its folder
+// is locked (flock), so that two runs at once never mix their frames or take each other's away; the chunks of one film
+// share the lock. It goes with its process, however that ends. Where a file system has no locks, nothing is locked.
 
 #include <cstdint>
 #include <filesystem>
@@ -30,11 +32,15 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
 class FramesFolder {
  public:
     explicit FramesFolder(const std::filesystem::path& film);
+    ~FramesFolder();
+    FramesFolder(const FramesFolder&) = delete;
+    FramesFolder& operator=(const FramesFolder&) = delete;
 
     /// Makes the folder, or takes over one that is there.
     /// @param keep    frames stay, if they are of the same film; otherwise they are removed
     /// @param shared  other processes may be at work on it: frames of another film are then refused too
-    /// @throws UsageError if it holds frames of another film, or files that are not ours; MissingError
+    /// @throws UsageError if it holds frames of another film, or files that are not ours; MissingError, also while
+    ///         another run is at work on it
     void open(const FilmIdentity& identity, bool keep, bool shared);
 
     std::filesystem::path file(int frame) const;
@@ -46,7 +52,14 @@ class FramesFolder {
     const std::filesystem::path& path() const { return folder_; }
 
  private:
+    void make_and_lock(bool shared);
+    void let_others_in();
+    void unlock();
+
     std::filesystem::path folder_;
+    int lock_ = -1;       // the folder, open
+    bool alone_ = true;   // nobody else has it
+    bool made_ = false;   // by us
 };
 
 }   // namespace gnomon::render

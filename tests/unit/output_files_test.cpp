@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "base/random.h"
 #include "gnomon/error.h"
@@ -89,6 +90,46 @@ TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
         EXPECT_EQ(fs::exists(frames.path()), shared);
     }
     EXPECT_EQ(files_in(frames.path()), 0u);
+}
+
+// Two runs at once would take each other's frames for theirs, or away.
+TEST(FramesFolder, IsOneFilms)
+{
+    const test::ScratchFolder folder;
+    const render::FilmIdentity film{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
+    {
+        render::FramesFolder one(folder / "a.mp4");
+        one.open(film, false, false);
+        std::ofstream(one.file(1)) << "a frame";
+        for (const bool keep : {false, true}) {
+            render::FramesFolder two(folder / "a.mp4");
+            EXPECT_THROW(two.open(keep ? film : other, keep, false), MissingError);
+        }
+        EXPECT_EQ(bytes_of(one.file(1)), "a frame");
+        one.remove();
+        EXPECT_FALSE(fs::exists(one.path()));
+        render::FramesFolder next(folder / "a.mp4");
+        next.open(other, false, false);   // of another folder by that name
+    }
+
+    // Chunks work side by side, of one film: also before there is a first frame.
+    render::FramesFolder first(folder / "b.mp4"), second(folder / "b.mp4"), third(folder / "b.mp4");
+    first.open(film, false, true);
+    second.open(film, false, true);
+    EXPECT_THROW(third.open(other, false, true), UsageError);
+    EXPECT_THROW(third.open(film, true, false), MissingError) << "a film takes its frames away when it is done";
+}
+
+TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
+{
+    const test::ScratchFolder folder;
+    std::vector<std::thread> chunks;
+    for (int i = 0; i < 8; ++i)
+        chunks.emplace_back([&] {
+            render::FramesFolder frames(folder / "a.mp4");
+            EXPECT_NO_THROW(frames.open({"scene", {8, 8}, 1, "1.0"}, false, true));
+        });
+    for (std::thread& chunk : chunks) chunk.join();
 }
 
 TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
