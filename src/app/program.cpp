@@ -58,6 +58,7 @@ int fail(int code, std::string message)
 
 int run_program(const std::vector<std::string>& arguments)
 {
+    fill_standard_descriptors();
     install_signal_handlers();
     install_terminate_handler();
     try {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/signals.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -59,6 +60,17 @@ void install_signal_handlers()
         ::sigaction(signal, &action, nullptr);
     }
     for (const int signal : {SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_IGN);
+    ::signal(SIGCHLD, SIG_DFL);
+}
+
+void fill_standard_descriptors()
+{
+    // The lowest free number is given first. A folder is always there, and what is written to it is refused.
+    int descriptor = 0;
+    do {
+        descriptor = ::open("/", O_RDONLY | O_DIRECTORY);
+    } while (descriptor >= 0 && descriptor <= STDERR_FILENO);
+    if (descriptor >= 0) ::close(descriptor);
 }
 
 bool interrupted()

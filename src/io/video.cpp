@@ -160,12 +160,15 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
     file.commit();
 }
 
-bool have_ffmpeg()
+bool have_ffmpeg(const Progress& progress)
 {
     // An ffmpeg without the encoder would be found out after the rendering.
     try {
         Process ffmpeg({k_program, "-hide_banner", "-h", "encoder=libx264"});
-        return ffmpeg.wait() == 0 && ffmpeg.output().find("Encoder libx264") != std::string::npos;
+        return ffmpeg.wait([&] {
+            return !progress || progress({"encoding", 0});
+        }) == 0 &&
+               ffmpeg.output().find("Encoder libx264") != std::string::npos;
     } catch (const MissingError&) {
         return false;
     }

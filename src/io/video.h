@@ -16,6 +16,7 @@ void encode_video(const std::vector<std::filesystem::path>& frames, double fps, 
                   const Progress& progress = {});
 
 /// Whether ffmpeg can be run. Checked before a long rendering, not after.
-bool have_ffmpeg();
+/// @throws InterruptedError  progress returned false
+bool have_ffmpeg(const Progress& progress = {});
 
 }   // namespace gnomon::io

@@ -117,7 +117,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
     check_job(scene, job, whole, kind);
     const FrameRange range = chunk_of(whole, job.chunk, job.chunks);
     const bool encodes = kind == OutputKind::film && job.chunks == 1;
-    if (encodes && !io::have_ffmpeg())
+    if (encodes && !io::have_ffmpeg(progress))
         throw MissingError(
             "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
     if (kind != OutputKind::film || encodes) render::check_writable(render::numbered_name(job.out, range.first));

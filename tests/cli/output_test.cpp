@@ -6,6 +6,7 @@
 namespace gnomon::test {
 namespace {
 
+namespace fs = std::filesystem;
 const std::string k_scene = "builtin:cornell";
 
 TEST(Refused, FoldersThatCannotBeWritten)
@@ -52,6 +53,37 @@ TEST(Refused, AFullStandardOutput)
         EXPECT_EQ(outcome.code, 4);
         EXPECT_EQ(outcome.err, "gnomon: cannot write to standard output: No space left on device\n");
     }
+}
+
+// What is opened next must not take the place of what is closed, nor get its text.
+TEST(Refused, AClosedStandardOutput)
+{
+    const ScratchFolder folder;
+    const fs::path json = folder / "a.json";
+    const auto program = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> all{"info", k_scene, "--json=" + json.string()};
+        all.insert(all.end(), more.begin(), more.end());
+        return RunningProgram(all, {}, {}, [] { ::close(STDOUT_FILENO); }).wait();
+    };
+    EXPECT_EQ(program({}).code, 4);
+    EXPECT_FALSE(fs::exists(json));
+    EXPECT_EQ(program({"--quiet"}).code, 0);
+    EXPECT_EQ(nlohmann::json::parse(bytes_of(json))["frames"], 40);
+}
+
+// A parent that ignores the ends of its children, or closed what they need not have, takes no film from us.
+TEST(FilmOfAnyParent, IsMadeWhateverThatIgnoresOrCloses)
+{
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder folder;
+    RunningProgram program({"render", k_scene, "-o", folder / "a.mp4", "--size", "8x8", "--frames", "1-2", "--quiet"},
+                           {}, {}, [] {
+                               ::signal(SIGCHLD, SIG_IGN);
+                               ::close(STDIN_FILENO);
+                           });
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
 TEST(Picture, HasTheSizeAskedForAndReplacesTheOldOne)

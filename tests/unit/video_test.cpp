@@ -141,6 +141,9 @@ TEST(Video, CanBeInterrupted)
     EXPECT_THROW(encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
                  InterruptedError);
     expect_no_film(folder);
+    // Before the rendering, too.
+    asked = 0;
+    EXPECT_THROW(have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);
 }
 
 TEST(Process, ADeadProgramIsNoSignal)
