@@ -19,7 +19,7 @@ namespace gnomon {
 struct FilmJob {
     std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png
     std::optional<FrameRange> frames;   // inclusive; none: the whole clip, or frame 1 for a single picture
-    double fps = 24;                    // of a film
+    double fps = 24;                    // of a film, 0.001 to 1000
     int chunk = 1, chunks = 1;   // render only the chunk-th of so many contiguous parts; a film's parts are frames only
     bool resume = false;         // keep frames that are already complete
     /// Renders so many frames first, unseen, so that there is something to remember: those before the first one that is
@@ -47,8 +47,10 @@ struct FilmResult {
 };
 
 /// @param on_frame  called after each frame is complete; optional
-/// @throws UsageError        a pattern or range that makes no sense; more lights than an .exr has room for layers
-/// @throws MissingError      no ffmpeg, unwritable folder, full disk
+/// @throws UsageError        a pattern, range or rate that makes no sense; a film's side below 2 pixels or above
+/// 16,385;
+///                           more lights than an .exr has room for layers
+/// @throws MissingError      no ffmpeg, unwritable folder, full disk; another run is at work on the same film
 /// @throws InterruptedError  progress returned false; complete frames stay for --resume
 FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& job, const Progress& progress = {},
                        const std::function<void(const FrameRecord&)>& on_frame = {});

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string_view>
 #include <tuple>
@@ -306,6 +307,7 @@ void Reader::statement_a(AffTokens& tokens)
     if (timeline.frames > 1 && !(timeline.end > timeline.start))
         tokens.fail(end, "several frames, but no time for them");
     if (timeline.frames > 1) timeline.fps = (timeline.frames - 1) / (timeline.end - timeline.start);
+    if (!std::isfinite(timeline.fps)) tokens.fail(end, "too little time for several frames");
     builder_.scene().timeline = timeline;
 }
 

@@ -22,6 +22,11 @@ using render::OutputKind;
 namespace {
 // Smooth pictures take at least this much as PNG. Less room than that on the disk cannot be enough.
 constexpr double k_least_bytes_per_pixel = 0.1;
+// A slower one's frames last longer than MP4 can say: it would lose some. A faster one's rate is more than ffmpeg
+// takes.
+constexpr double k_slowest_film = 0.001, k_fastest_film = 1000;   // frames a second
+constexpr int k_least_film_side = 2;                              // one row or column, being odd, would be lost
+constexpr int k_largest_film_side = 16385;                        // the encoder's, and one that is lost
 constexpr int k_sheet_pictures = 12;
 constexpr int k_sheet_columns = 4;
 constexpr std::size_t k_channels_beside_shadows = 25;   // of all other layers, those of a reference among them
@@ -36,8 +41,9 @@ void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, Output
     if (kind == OutputKind::picture && frames.count() > 1)
         throw UsageError(
             fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, frames.count()));
-    if (kind == OutputKind::film && !(job.fps > 0))
-        throw UsageError(fmt::format("{}: the film rate must be above 0", out));
+    if (kind == OutputKind::film && !(job.fps >= k_slowest_film && job.fps <= k_fastest_film))
+        throw UsageError(fmt::format("{}: a film of {:g} frames a second: expected {} to {}; --fps sets another rate",
+                                     out, job.fps, k_slowest_film, k_fastest_film));
     if (job.warm_up.value_or(0) < 0) throw UsageError("a warm-up has 0 frames or more");
     if (job.contact_sheet.empty()) return;
     if (render::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
@@ -57,6 +63,15 @@ void check_layers(const Scene& scene, const RenderOptions& options, Size size, c
             "{}: {} lights; an .exr of {} x {} pixels has room for the shadows of {}: keep fewer with --lights N, "
             "or write a .png",
             out.string(), lights, size.width, size.height, room - std::min(room, k_channels_beside_shadows)));
+}
+
+// What the encoder would refuse when all is rendered.
+void check_film_size(Size size, const fs::path& out)
+{
+    const auto fits = [](int side) { return side >= k_least_film_side && side <= k_largest_film_side; };
+    if (!fits(size.width) || !fits(size.height))
+        throw UsageError(fmt::format("{}: a film of {} x {} pixels: expected {} to {} a side", out.string(), size.width,
+                                     size.height, k_least_film_side, k_largest_film_side));
 }
 
 void check_room(const fs::path& file, Size size, int frames)
@@ -125,6 +140,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
 
     FilmResult result;
     result.size = picture_size(scene, renderer.options());
+    if (kind == OutputKind::film) check_film_size(result.size, job.out);
     check_layers(scene, renderer.options(), result.size, job.out);
     check_room(job.out, result.size, range.count());
 

@@ -197,6 +197,8 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);
+    // How far it turns in a frame; a clip that numbers its own frames has the same times at any rate.
+    if (options.turntable_seconds > 0) print.add(scene.fps());
     print.add(options.max_depth), print.add(options.samples);
     print.add(options.exposure.has_value()), print.add(options.exposure.value_or(0));
     print.add(options.tonemap);

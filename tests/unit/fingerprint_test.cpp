@@ -184,6 +184,21 @@ TEST(Fingerprint, NamesOfThingsAreNoEdit)
     EXPECT_EQ(of("a"), of("b"));
 }
 
+// A clip that numbers its own frames is the same at any rate, but for a camera that turns by the second.
+TEST(Fingerprint, TheRateOfATurntable)
+{
+    auto made = std::make_shared<scene::Scene>(everything());
+    made->timeline.own_frames = true;
+    made->finish();
+    const Scene scene(made);
+    for (const double seconds : {0.0, 2.0}) {
+        RenderOptions options;
+        options.turntable_seconds = seconds;
+        EXPECT_EQ(render::fingerprint_of(scene, options) == render::fingerprint_of(scene.at_rate(12), options),
+                  seconds == 0);
+    }
+}
+
 // A film that nobody could wait for costs no more here than one of a minute.
 TEST(Fingerprint, OfAClipWithoutEnd)
 {
