@@ -15,7 +15,7 @@ struct CompareOptions {
     std::string layer;               // of OpenEXR files ("depth", "shadow", one channel: "shadow.L0"); "": the picture
     bool ssim = true, flip = true;   // the two that take time
     std::filesystem::path heatmap;   // FLIP's error map as .png in the colours of magma; "": none. Turns flip on
-    int threads = 0;                 // 0: all
+    int threads = 0;                 // 0: all; at most 1024
 };
 
 /// Values are compared as files hold them: PNG, JPEG and PPM as bytes / 255 (sRGB-encoded, alpha included), OpenEXR and

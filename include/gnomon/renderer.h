@@ -33,11 +33,11 @@ enum class ShadowTextures { off, per_caster, depth, coherent };
 struct RenderOptions {
     Size size{};                    // 0 x 0: the file's own, else 1280 x 720
     std::string camera = "auto";    // a name, a number from 0, or auto: the first
-    double turntable_seconds = 0;   // > 0: the camera circles the scene in that time instead
+    double turntable_seconds = 0;   // 0.001 to 1,000,000: the camera circles the scene in that time instead; 0: not
     RenderMethod renderer = RenderMethod::trace;
     int max_depth = 10;                 // reflections and refractions in a row, 0 to 64
     int samples = 1;                    // per pixel, 1 to 4096
-    std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
+    std::optional<double> exposure{};   // stops, -100 to 100; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
@@ -63,7 +63,8 @@ struct RenderOptions {
 
 /// Keeps what stands still from frame to frame. The picture of a frame does not depend on the number of threads, nor on
 /// the frames before it, except with ShadowCulling::paper, whose memory is its history, and with an overlay, which
-/// shows the memory. Not thread-safe: one renderer a thread.
+/// shows the memory. Not thread-safe: one renderer a thread. One that was moved from can be assigned to or destroyed;
+/// all else throws UsageError.
 class Renderer {
  public:
     /// @throws UsageError for options out of range
@@ -83,6 +84,7 @@ class Renderer {
 
  private:
     struct Inside;
+    Inside& inside() const;
     std::unique_ptr<Inside> inside_;
 };
 

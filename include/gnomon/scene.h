@@ -36,6 +36,9 @@ struct SceneInfo {
 class Scene {
  public:
     explicit Scene(std::shared_ptr<const scene::Scene> inside);
+    // Moving copies, too: a scene that was moved from is still one.
+    Scene(const Scene&) = default;
+    Scene& operator=(const Scene&) = default;
 
     /// Frames of the whole clip, counted from 1; at least 1.
     int frame_count() const;

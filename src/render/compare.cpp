@@ -17,6 +17,8 @@
 namespace gnomon {
 
 namespace {
+constexpr int k_most_threads = 1024;
+
 // A picture with its values as the file holds them.
 struct Loaded {
     ImageF image;
@@ -116,6 +118,8 @@ double peak_of(const Loaded& reference)
 CompareResult compare(const std::filesystem::path& test, const std::filesystem::path& reference,
                       const CompareOptions& options)
 {
+    if (options.threads < 0 || options.threads > k_most_threads)
+        throw UsageError(fmt::format("threads are out of range: 0 (all) to {}", k_most_threads));
     Loaded a = load_picture(test, options.layer), b = load_picture(reference, options.layer);
     const std::string names = fmt::format("{} and {}", test.string(), reference.string());
     if (a.image.width != b.image.width || a.image.height != b.image.height)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "base/check.h"
 #include "light_quadtree/map_light.h"
@@ -31,7 +32,9 @@ constexpr Size k_default_size{1280, 720};
 constexpr int k_max_side = 32768;
 constexpr int k_most_paths = 1 << 24;
 constexpr int k_most_bounces = 1000;
-constexpr std::int64_t k_max_pixels = 256'000'000;   // 3 GB of colour alone
+constexpr double k_most_stops = 100;
+constexpr double k_fastest_turn = 0.001, k_slowest_turn = 1e6;   // seconds
+constexpr std::int64_t k_max_pixels = 256'000'000;               // 3 GB of colour alone
 
 void check_options(const RenderOptions& o)
 {
@@ -58,7 +61,10 @@ void check_options(const RenderOptions& o)
         throw UsageError("depth threshold is out of range: 0 to 1");
     if (!(o.normal_threshold >= -1 && o.normal_threshold <= 1))
         throw UsageError("normal threshold is out of range: -1 to 1");
-    if (o.turntable_seconds < 0) throw UsageError("a turntable takes more than 0 seconds");
+    if (o.exposure && !(std::abs(*o.exposure) <= k_most_stops))
+        throw UsageError(fmt::format("exposure is out of range: -{0} to {0} stops", k_most_stops));
+    if (o.turntable_seconds != 0 && !(o.turntable_seconds >= k_fastest_turn && o.turntable_seconds <= k_slowest_turn))
+        throw UsageError(fmt::format("a turntable takes {} to {} seconds", k_fastest_turn, k_slowest_turn));
     if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
     if (o.shadow_filter < 0 || o.shadow_filter > 64) throw UsageError("the shadow filter is out of range: 0 to 64");
     if (o.renderer == RenderMethod::raster && (o.overlay == Overlay::shadow_states || o.overlay == Overlay::clusters))
@@ -71,7 +77,7 @@ void check_options(const RenderOptions& o)
         throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
     if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
         throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
-    if (o.overlay == Overlay::clusters && o.indirect != Indirect::quadtree)
+    if (o.overlay == Overlay::clusters && (o.indirect != Indirect::quadtree || o.reference))
         throw UsageError(
             "an overlay of clusters shows what the light quad-tree chose: it needs indirect light by quadtree");
 }
@@ -221,19 +227,25 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
+Renderer::Inside& Renderer::inside() const
+{
+    if (!inside_) throw UsageError("a renderer that was moved from renders nothing");
+    return *inside_;
+}
+
 const RenderOptions& Renderer::options() const
 {
-    return inside_->options;
+    return inside().options;
 }
 
 std::string Renderer::device() const
 {
-    return inside_->raster ? inside_->raster->device() : std::string();
+    return inside().raster ? inside().raster->device() : std::string();
 }
 
 Picture Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
-    Inside& in = *inside_;
+    Inside& in = inside();
     const RenderOptions& options = in.options;
     if (frame < 1 || frame > scene.frame_count())
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
