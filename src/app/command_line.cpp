@@ -6,6 +6,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 
 #include "gnomon/error.h"
 
@@ -46,6 +47,16 @@ void refuse_unknown(const VerbInfo& verb, const std::vector<std::string>& words)
             "{} has no option {}{}", verb.name, name,
             near.empty() ? fmt::format("; see gnomon {} --help", verb.name) : fmt::format("; did you mean {}?", near)));
     }
+}
+
+// "--resume=no" would be taken for --resume, and "--json=" for --json.
+void refuse_value(const Option& option, const std::vector<std::string>& results, const std::vector<std::string>& words)
+{
+    if (option.kind == Kind::flag)
+        for (const std::string& result : results)
+            if (result != "true") throw UsageError(fmt::format("--{} takes no value", option.name));
+    if (option.kind == Kind::optional_file && std::count(words.begin(), words.end(), fmt::format("--{}=", option.name)))
+        throw UsageError(fmt::format("--{}=: a value is missing", option.name));
 }
 
 CLI::Option* add(CLI::App& parser, const Option& option)
@@ -100,6 +111,11 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     if (words.front() == "--help" || words.front() == "-h" || words.front() == "help") return line.help = true, line;
     line.verb = &take_verb(words);
     line.values = OptionValues(line.verb->verb);
+
+    // What stands behind "--" is no option, whatever it begins with.
+    const auto dashes = std::find(words.begin(), words.end(), "--");
+    const std::vector<std::string> plain(dashes == words.end() ? dashes : dashes + 1, words.end());
+    words.erase(dashes, words.end());
     spell_out_lists(words);
 
     // Build a parser of this verb's options from the table.
@@ -119,10 +135,12 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     }
 
     // Read its results: unknown options first, since their values look like positionals.
-    const std::vector<std::string> rest = parser.remaining();
+    std::vector<std::string> rest = parser.remaining();
     refuse_unknown(*line.verb, rest);
+    rest.insert(rest.end(), plain.begin(), plain.end());
     for (const auto& [option, parsed] : known) {
         if (parsed->count() == 0) continue;
+        refuse_value(*option, parsed->results(), words);
         if (option->name == "help") line.help = true;
         if (option->name == "version") line.version = true;
     }

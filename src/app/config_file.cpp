@@ -44,7 +44,7 @@ void read_config(const std::filesystem::path& file, const VerbInfo& verb, Option
         if (!option || key == "config" || key == "help" || key == "version") {
             std::vector<std::string> names;
             for (const Option& candidate : options())
-                if (candidate.verbs & bit(verb.verb)) names.emplace_back(candidate.name);
+                if ((candidate.verbs & bit(verb.verb)) && candidate.name != key) names.emplace_back(candidate.name);
             const std::string near = nearest(key, names);
             throw InputError(file.string(), place,
                              fmt::format("{} has no such option{}", verb.name,

@@ -180,10 +180,19 @@ std::string summary_of(const FilmResult& result, double seconds)
 // What the published method answers is no proof, and depends on where it began.
 void warn_of_guesses(const OptionValues& values, Output& output)
 {
-    if (values.text("shadow-culling") != "paper") return;
+    const bool parts = values.given("chunk") || values.given("resume");
+    if (values.text("shadow-culling") != "paper") {
+        const std::string overlay = values.text("overlay");
+        if (parts && (overlay == "shadow-states" || overlay == "redrawn"))
+            output.warn(
+                fmt::format("--overlay {} shows what earlier frames left: with --chunk or --resume, pictures can "
+                            "differ from those of one run over all frames",
+                            overlay));
+        return;
+    }
     if (!values.given("overlay"))
         output.warn("--shadow-culling paper guesses: pictures can be wrong; --overlay shadow-states shows where");
-    if (values.given("chunk") || values.given("resume"))
+    if (parts)
         output.warn(
             "--shadow-culling paper remembers earlier frames: with --chunk or --resume, pictures can differ from those "
             "of one run over all frames; --warm-up N renders the N frames before unseen");

@@ -18,6 +18,9 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
     const std::string scene = "builtin:cornell";
+    const ScratchFolder scenes;
+    const std::string slow = scenes / "slow.aff";   // 5 frames in 40,000 s
+    std::ofstream(slow) << "a 0 40000 5\n";
     const std::vector<Wrong> mistakes = {
         {{}, "--help"},
         {{""}, "--help"},
@@ -67,6 +70,13 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"render", scene, "-o", folder / "out"}, ".png, .exr or .mp4"},
         {{"render", scene, "-o", folder / "{frame:4}.png"}, "{frame:04}"},
         {{"render", scene, "-o", folder / "{frame:04}.mp4"}, "leave out"},
+        {{"render", scene, "-o", folder / "a.mp4", "--size", "1x16"}, "2 to 16385 a side"},
+        {{"render", scene, "-o", folder / "a.mp4", "--size", "2x16386", "--chunk", "1/2"}, "2 to 16385 a side"},
+        {{"render", slow, "-o", folder / "a.mp4"}, "0.0001 frames a second"},
+        {{"render", scene, "-o", out, "--resume=no"}, "--resume takes no value"},
+        {{"render", scene, "-o", out, "--quiet=5"}, "--quiet takes no value"},
+        {{"render", scene, "-o", out, "--json="}, "a value is missing"},
+        {{"info", "--", scene, "--json"}, "takes 1 argument"},
         {{"render", "builtin:nothing", "-o", out}, "nothing"},
         {{"info", folder / "scene.xyz"}, "xyz"},
         {{"compare", out}, "takes 2 arguments"},
@@ -92,6 +102,12 @@ std::string unbuilt_choice(const app::Option& option)
     for (std::string choice; std::getline(choices, choice, '|');)
         if (!among(choice, option.built_choices)) return choice;
     return {};
+}
+
+TEST(Usage, BehindTwoDashesNothingIsAnOption)
+{
+    expect_failure(run({"info", "--json", "--", "-no-such-scene.obj"}), 3, "-no-such-scene.obj: cannot be opened");
+    EXPECT_EQ(run({"info", "--json", "--", "builtin:cornell"}).json()["frames"], 40);
 }
 
 TEST(Usage, WhatIsNotBuiltIsRefused)
