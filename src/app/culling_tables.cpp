@@ -99,8 +99,9 @@ ReportTable table_of_speed(std::span<const CullingWindow> windows)
         table.rows.push_back(
             {{name_of(w), fmt::format("{:.2f} x", r.speedup_mean), fmt::format("{:.2f} x", r.speedup_steady),
               fmt::format("{:.2f} x the time", r.first_frame_ratio),
-              fmt::format("{:.2f} x the time", r.worst_frame_ratio), fmt::format("{}", r.wrong_total),
-              fmt::format("{}", r.visible_triangles), fmt::format("{:.2f} MB", static_cast<double>(r.bytes) / 1e6),
+              r.frames.size() > 1 ? fmt::format("{:.2f} x the time", r.worst_frame_ratio) : std::string("-"),
+              fmt::format("{}", r.wrong_total), fmt::format("{}", r.visible_triangles),
+              fmt::format("{:.2f} MB", static_cast<double>(r.bytes) / 1e6),
               fmt::format("{:.1f}", r.bytes_per_triangle_light)},
              false});
     }

@@ -71,7 +71,7 @@ Json indirect_json(const IndirectStudy& study)
                      {"spp", options.spp},
                      {"points", result.points},
                      {"mean_irradiance", result.mean_irradiance},
-                     {"reference_noise", result.reference_noise},
+                     {"reference_noise", result.mean_irradiance > 0 ? Json(result.reference_noise) : Json(nullptr)},
                      {"rows", std::move(rows)}};
     if (study.large)
         document["large_gather"] = {{"width", study.large->size.width},

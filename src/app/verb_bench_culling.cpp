@@ -80,9 +80,10 @@ void say_summary(const CullingWindow& window, Output& output)
     if (options.counts) saved("certified", result.certified_saved);
     output.say(
         fmt::format("{:10} {:.2f} x faster, {:.2f} x over the second half; first frame {:.2f} x the time, worst "
-                    "later one {:.2f} x; {} wrong",
+                    "later one {}; {} wrong",
                     "certified", result.speedup_mean, result.speedup_steady, result.first_frame_ratio,
-                    result.worst_frame_ratio, result.wrong_total));
+                    result.frames.size() > 1 ? fmt::format("{:.2f} x", result.worst_frame_ratio) : std::string("-"),
+                    result.wrong_total));
     output.say(fmt::format(
         "{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light; for a while {:.2f} MB of evidence; "
         "mask of movers {:.2f} MB",

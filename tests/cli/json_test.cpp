@@ -242,5 +242,19 @@ TEST(Config, FaultsAreNamedByPlace)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"c.json"});
 }
 
+// What was not there to be measured is null, and no 0.
+TEST(Json, OfBenchesInventsNothing)
+{
+    const Outcome culling = run({"bench", "culling", "builtin:cornell", "--frames", "1-1", "--size", "16x16",
+                                 "--no-counts", "--method", "certified", "--json"});
+    ASSERT_EQ(culling.code, 0) << culling.err;
+    EXPECT_TRUE(culling.json()["summary"]["certified"]["worst_frame_ratio"].is_null());
+
+    const Outcome indirect = run({"bench", "indirect", "builtin:cornell", "--frames", "1-1", "--size", "16x16", "--spp",
+                                  "2", "--lights", "0", "--json"});
+    ASSERT_EQ(indirect.code, 0) << indirect.err;
+    EXPECT_TRUE(indirect.json()["reference_noise"].is_null());
+}
+
 }   // namespace
 }   // namespace gnomon::test
