@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "app/command_line.h"
@@ -17,8 +18,26 @@
 namespace gnomon::app {
 
 namespace {
+// What was read is not written over: a slip of the hand would cost a scene.
+void refuse_to_replace_inputs(const CommandLine& line)
+{
+    const auto value = [&](const char* name) {
+        return find_option(line.verb->verb, name) ? line.values.text(name) : std::string();
+    };
+    std::vector<std::string> inputs = line.positionals;
+    for (const char* name : {"environment", "config"}) inputs.push_back(value(name));
+    for (const char* name : {"json", "out", "contact-sheet", "heatmap"}) {
+        const std::string output = value(name);
+        std::error_code none;   // what is not there is not the same
+        for (const std::string& input : inputs)
+            if (!output.empty() && !input.empty() && std::filesystem::equivalent(output, input, none))
+                throw UsageError(fmt::format("--{} {}: that is {}, which is read", name, output, input));
+    }
+}
+
 int run_verb(const CommandLine& line)
 {
+    refuse_to_replace_inputs(line);
     Output output(line.values);
     switch (line.verb->verb) {
         case Verb::render:

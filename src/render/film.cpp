@@ -49,6 +49,12 @@ void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, Output
     if (render::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
     if (render::output_kind(job.contact_sheet) != OutputKind::picture || render::is_exr_name(job.contact_sheet))
         throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
+    // It is written last, and would take a picture's place.
+    const auto plain = [](const fs::path& file) { return fs::absolute(file).lexically_normal(); };
+    const fs::path sheet = plain(job.contact_sheet);
+    for (int frame = frames.first; kind != OutputKind::film && frame <= frames.last; ++frame)
+        if (plain(render::numbered_name(job.out, frame)) == sheet)
+            throw UsageError(fmt::format("{}: the contact sheet has the name of a picture", sheet.string()));
     if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
 }
 
