@@ -2,6 +2,7 @@
 #include "app/progress_line.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,11 +16,19 @@ constexpr double k_silence = 1.0;          // seconds of work that show nothing
 constexpr double k_terminal_every = 0.1;   // seconds between two looks of the line
 constexpr double k_plain_every = 5.0;      // between two plain lines
 constexpr double k_plain_step = 0.1;       // and at least so much further
-constexpr int k_bar = 24;
+constexpr std::size_t k_bar = 24;
+constexpr std::size_t k_usual_columns = 80;
 
 double seconds(std::chrono::steady_clock::duration span)
 {
     return std::chrono::duration<double>(span).count();
+}
+
+// Of the terminal, which may change.
+std::size_t columns()
+{
+    winsize size{};
+    return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : k_usual_columns;
 }
 }   // namespace
 
@@ -29,6 +38,20 @@ std::string duration_text(double span)
     if (whole < 60) return fmt::format("{} s", whole);
     if (whole < 3600) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
     return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
+}
+
+std::string progress_text(std::string_view stage, double done, const std::string& left, std::size_t columns)
+{
+    const std::string head = fmt::format("{:<9} ", stage), tail = fmt::format(" {:3.0f} %  {}", 100 * done, left);
+    // What does not fit would go on in the next line, and stay there: first the bar gives way, then the end.
+    const std::size_t around = head.size() + tail.size() + 2;
+    const std::size_t bar = columns > around ? std::min(k_bar, columns - around) : 0;
+    std::string text = head;
+    if (bar > 0) {
+        const auto filled = static_cast<std::size_t>(done * static_cast<double>(bar));
+        text += fmt::format("[{:<{}}]", std::string(filled, '='), bar);
+    }
+    return (text + tail).substr(0, columns);
 }
 
 ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -56,11 +79,7 @@ void ProgressLine::show(const ProgressStep& step)
     const double gained = done - first_done_;
     const std::string left = gained > 0 ? duration_text(elapsed * (1 - done) / gained) + " left" : "";
     if (terminal_) {
-        const auto filled = static_cast<std::size_t>(done * k_bar);
-        std::fputs(fmt::format("\r\033[K{:<9} [{:<{}}] {:3.0f} %  {}", stage_, std::string(filled, '='), k_bar,
-                               100 * done, left)
-                       .c_str(),
-                   stderr);
+        std::fputs(("\r\033[K" + progress_text(stage_, done, left, columns() - 1)).c_str(), stderr);
         visible_ = true;
     } else {
         std::fputs(fmt::format("{} {:.0f} %  {}\n", stage_, 100 * done, left).c_str(), stderr);

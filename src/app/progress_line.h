@@ -6,10 +6,14 @@
 #include <chrono>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include "gnomon/types.h"
 
 namespace gnomon::app {
+
+/// A stage with its bar, in at most so many columns.
+std::string progress_text(std::string_view stage, double done, const std::string& left, std::size_t columns);
 
 class ProgressLine {
  public:
