@@ -19,6 +19,7 @@ RenderOptions small()
 
 TEST(PublicInterface, WhatWasMovedFrom)
 {
+    // NOLINTBEGIN(bugprone-use-after-move, performance-move-const-arg): that is what is asked here
     Scene scene = load("builtin:cornell");
     const Scene taken = std::move(scene);
     EXPECT_EQ(scene.frame_count(), taken.frame_count());   // copies share all they are
@@ -33,6 +34,7 @@ TEST(PublicInterface, WhatWasMovedFrom)
     EXPECT_THROW(render_film(taken, renderer, job), UsageError);
     renderer = std::move(other);
     EXPECT_NO_THROW(renderer.render(taken, 1));
+    // NOLINTEND(bugprone-use-after-move, performance-move-const-arg)
 }
 
 TEST(PublicInterface, NumbersThatAreNone)
