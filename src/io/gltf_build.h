@@ -29,6 +29,7 @@ class Materials {
         Image8 image;
     };
     scene::TextureUse use(const TextureInfo& info, bool srgb, const std::string& pointer);
+    Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
     const Image8& picture(Index image);
 
@@ -36,10 +37,12 @@ class Materials {
     Data& data_;
     scene::Scene& out_;
     Context& context_;
-    std::uint64_t pixels_left_ = 0;
+    std::uint64_t pixels_left_ = 0, view_bytes_left_ = 0;
     std::vector<scene::MaterialId> made_;
     scene::MaterialId default_ = scene::none;
-    std::map<Index, Picture> pictures_;
+    std::map<std::string, Index> by_source_;   // the first image of a file or a place in a buffer
+    std::vector<Index> first_;                 // by image, once asked for
+    std::map<Index, Picture> pictures_;        // by first image, as textures are
     std::map<std::tuple<Index, int, int, int, int, bool>, scene::TextureId> textures_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "io/gltf_check.h"
 
@@ -128,9 +129,15 @@ void check_sparse(const Accessor& accessor, const Data& data, const std::string&
     }
 }
 
+// Which joints a vertex hangs on already, over all primitives.
+struct Hangers {
+    std::vector<std::uint64_t> last;   // by joint: the vertex that last hung on it, numbered through
+    std::uint64_t vertex = 0;
+};
+
 // Joints and weights of one primitive, vertex by vertex.
 void check_influences(const Model& model, const Data& data, const Primitive& primitive, std::size_t joint_count,
-                      const std::string& here, const Context& context)
+                      Hangers& hangers, const std::string& here, const Context& context)
 {
     std::vector<std::vector<std::uint32_t>> joints;
     std::vector<std::vector<float>> weights;
@@ -143,9 +150,9 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
     }
     const auto place = [&](const char* what, std::size_t set) { return at(here, fmt::format("{}_{}", what, set)); };
     const std::size_t vertices = joints.empty() ? 0 : joints[0].size() / 4;
-    std::vector<std::uint32_t> used;
     for (std::size_t v = 0; v < vertices; ++v) {
-        used.clear();
+        ++hangers.vertex;
+        std::size_t used = 0;
         double sum = 0;
         for (std::size_t set = 0; set < joints.size(); ++set) {
             for (std::size_t k = 4 * v; k < 4 * v + 4; ++k) {
@@ -157,14 +164,14 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
                 if (weight < 0)
                     context.fail(place("WEIGHTS", set), fmt::format("vertex {} has the negative weight {}", v, weight));
                 if (weight == 0) continue;
-                if (std::find(used.begin(), used.end(), joint) != used.end())
+                if (std::exchange(hangers.last[joint], hangers.vertex) == hangers.vertex)
                     context.fail(place("JOINTS", set), fmt::format("vertex {} hangs on joint {} twice", v, joint));
-                used.push_back(joint);
+                ++used;
                 sum += weight;
             }
         }
         // DEVIATION(validator): one step of tolerance for one and two joints, too; many exporters round.
-        const std::size_t pairs = (used.size() + 1) / 2;
+        const std::size_t pairs = (used + 1) / 2;
         const double steps = std::max(1.0, static_cast<double>(pairs) - 1);
         if (!(std::abs(sum - 1) <= k_sum_step * steps))
             context.fail(place("WEIGHTS", 0), fmt::format("the weights of vertex {} sum to {}, not 1", v, sum));
@@ -202,6 +209,8 @@ void check_data(const Model& model, const Data& data, const std::vector<Accessor
         const std::size_t count = model.skins[node.skin].joints.size();
         joints[node.mesh] = joints[node.mesh] == 0 ? count : std::min(joints[node.mesh], count);
     }
+    Hangers hangers;
+    if (!joints.empty()) hangers.last.resize(*std::max_element(joints.begin(), joints.end()));
     for (std::size_t m = 0; m < model.meshes.size(); ++m) {
         if (joints[m] == 0) continue;
         for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
@@ -211,7 +220,7 @@ void check_data(const Model& model, const Data& data, const std::vector<Accessor
                 if ((name.rfind("JOINTS", 0) == 0 || name.rfind("WEIGHTS", 0) == 0) &&
                     data.has_bytes(model.accessors[index]))
                     spend(model.accessors[index], at(here, name));
-            check_influences(model, data, primitive, joints[m], here, context);
+            check_influences(model, data, primitive, joints[m], hangers, here, context);
         }
     }
 }

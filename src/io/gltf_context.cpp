@@ -30,8 +30,10 @@ std::vector<std::string> Context::take_warnings()
 
 std::string at(const std::string& pointer, std::string_view name)
 {
+    constexpr std::size_t longest = 120;   // what follows of a name tells nobody anything
+    const bool cut = name.size() > longest;
     std::string result = pointer + '/';
-    for (const char c : name) {
+    for (const char c : name.substr(0, longest)) {
         if (c == '~')
             result += "~0";
         else if (c == '/')
@@ -39,7 +41,7 @@ std::string at(const std::string& pointer, std::string_view name)
         else
             result += c;
     }
-    return result;
+    return cut ? result + "..." : result;
 }
 
 std::string at(const std::string& pointer, std::uint64_t index)

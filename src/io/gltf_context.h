@@ -25,6 +25,8 @@ struct Limits {
     // and for each byte of buffers that exist this many more.
     std::uint64_t geometry_bytes = 64ull << 20;
     std::uint64_t geometry_bytes_per_byte = 64;
+    // Instances of meshes cost a few bytes of the file each; what all of them draw that others have drawn already.
+    std::uint64_t repeated_triangles = 1ull << 27;
     // Pictures likewise, in pixels: a byte of deflated data stands for at most 1032 bytes.
     std::uint64_t pixels = 4ull << 20;
     std::uint64_t pixels_per_byte = 1032;
@@ -52,7 +54,7 @@ class Context {
     std::size_t left_out_ = 0;
 };
 
-/// pointer + "/" + name, with ~ and / of the name escaped as RFC 6901 has it.
+/// pointer + "/" + name, with ~ and / of the name escaped as RFC 6901 has it; long names are cut.
 std::string at(const std::string& pointer, std::string_view name);
 std::string at(const std::string& pointer, std::uint64_t index);
 

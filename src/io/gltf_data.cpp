@@ -74,6 +74,7 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
         Bytes& bytes = buffers_[i];
         const std::string here = at("/buffers", i);
         const std::string uri_place = at(here, "uri");
+        bool counted = true;
         if (!buffer.uri) {
             if (i != 0 || !binary) continue;   // a placeholder
             if (!bin) context.fail(here, "is the GLB's binary chunk, but there is none");
@@ -91,27 +92,42 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
                 if (resource.mime_type != "application/octet-stream" && resource.mime_type != "application/gltf-buffer")
                     context.fail(uri_place, fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
                 bytes.owned = std::move(resource.bytes);
+                bytes.span = bytes.owned;
             } else {
-                bytes.owned = read_file(resource.path, uri_place);
+                const auto [file_bytes, fresh] = files_.try_emplace(find_file(resource.path, uri_place));
+                if (fresh) file_bytes->second = read_file(resource.path, uri_place);
+                bytes.span = file_bytes->second;
+                counted = fresh;
             }
-            bytes.span = bytes.owned;
         }
         if (bytes.span.size() < buffer.length)
             context.fail(at(here, "byteLength"),
                          fmt::format("claims {} bytes, but there are {}", buffer.length, bytes.span.size()));
         bytes.span = bytes.span.first(buffer.length);
-        total_bytes_ += buffer.length;
+        if (counted) total_bytes_ += buffer.length;
     }
     if (binary && bin && (model.buffers.empty() || model.buffers[0].uri))
         context.warn("", "the GLB's binary chunk is used by no buffer");
 }
 
-std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::string& pointer) const
+std::filesystem::path Data::find_file(const std::string& path, const std::string& pointer) const
 {
     std::string problem;
-    const std::filesystem::path found = resolve_inside(folder_, path, {folder_}, problem);
+    std::filesystem::path found = resolve_inside(folder_, path, {folder_}, problem);
+    if (found.empty()) context_.fail(pointer, fmt::format("'{}' {}", path.substr(0, 200), problem));
+    return found;
+}
+
+std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer) const
+{
+    const Resource resource = parse_uri(uri, pointer, context_);
+    return resource.kind == Resource::Kind::file ? find_file(resource.path, pointer) : std::filesystem::path();
+}
+
+std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::string& pointer) const
+{
+    const std::filesystem::path found = find_file(path, pointer);
     const std::string shown = path.substr(0, 200);
-    if (found.empty()) context_.fail(pointer, fmt::format("'{}' {}", shown, problem));
     try {
         return read_whole_file(found, shown, context_.limits.file_bytes);
     } catch (const InputError& error) {

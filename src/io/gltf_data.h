@@ -38,7 +38,8 @@ class Data {
     Data(const Model& model, const std::filesystem::path& file, std::optional<std::span<const std::uint8_t>> bin,
          bool binary, Context& context);
 
-    /// Bytes of all buffers together: what expanded geometry is measured by.
+    /// Bytes of all buffers together, a file that several of them name counted once: what expanded geometry is measured
+    /// by.
     std::uint64_t total_bytes() const { return total_bytes_; }
 
     /// Whether every byte that the accessor reads is there; if not, it reads as zeros.
@@ -47,6 +48,8 @@ class Data {
     std::string unreachable(const Accessor& accessor) const;
     /// Bytes of a buffer view; empty if its buffer has none.
     std::span<const std::uint8_t> view_bytes(Index view) const;
+    /// The file that a URI leads to, whatever its spelling. Empty for what is in the URI itself, or in the network.
+    std::filesystem::path resource_file(const std::string& uri, const std::string& pointer) const;
     /// A file or data URI named by an image. Empty and a warning for a remote one.
     std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer,
                                              std::string& mime_type);
@@ -66,15 +69,17 @@ class Data {
 
  private:
     struct Bytes {
-        std::vector<std::uint8_t> owned;   // of a file or data URI
+        std::vector<std::uint8_t> owned;   // of a data URI
         std::span<const std::uint8_t> span;
         bool remote = false;
     };
+    std::filesystem::path find_file(const std::string& path, const std::string& pointer) const;
     std::vector<std::uint8_t> read_file(const std::string& path, const std::string& pointer) const;
 
     const Model& model_;
     Context& context_;
-    std::filesystem::path folder_;   // canonical; nothing outside is opened
+    std::filesystem::path folder_;                                       // canonical; nothing outside is opened
+    std::map<std::filesystem::path, std::vector<std::uint8_t>> files_;   // of buffers, each once
     std::vector<Bytes> buffers_;
     std::uint64_t total_bytes_ = 0;
 };

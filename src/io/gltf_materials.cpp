@@ -24,13 +24,16 @@ PictureFormat format_of(std::span<const std::uint8_t> bytes)
     return begins(png) ? PictureFormat::png : begins(jpeg) ? PictureFormat::jpeg : PictureFormat::other;
 }
 
+constexpr int k_most_looked_at = 1000;   // chunks or markers of a picture that nobody uses
+
 // What is wrong with a picture up to where its pixels begin; empty: nothing.
 std::string header_fault(std::span<const std::uint8_t> b)
 {
     const auto u16 = [&](std::size_t i) { return static_cast<std::size_t>(b[i]) << 8 | b[i + 1]; };
     const char* ends = "the picture ends within its header";
     if (format_of(b) == PictureFormat::png) {
-        for (std::size_t i = 8; i + 8 <= b.size();) {
+        int chunks = 0;
+        for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_most_looked_at;) {
             const std::size_t length = u16(i) << 16 | u16(i + 2);
             if (std::memcmp(&b[i + 4], "IDAT", 4) == 0) return {};
             if (i == 8 && (std::memcmp(&b[i + 4], "IHDR", 4) != 0 || length != 13))
@@ -39,10 +42,11 @@ std::string header_fault(std::span<const std::uint8_t> b)
             if (length > b.size() - i - 8) return ends;
             i += length + around;
         }
-        return ends;
+        return chunks > k_most_looked_at ? "" : ends;
     }
     if (format_of(b) == PictureFormat::jpeg) {
-        for (std::size_t i = 2; i + 4 <= b.size();) {
+        int markers = 0;
+        for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_most_looked_at;) {
             if (b[i] != 0xff) return "the JPEG's markers are broken";
             const std::uint8_t marker = b[i + 1];
             if (marker == 0xff) {
@@ -56,7 +60,7 @@ std::string header_fault(std::span<const std::uint8_t> b)
             if (frame) return length < 8 ? "a JPEG frame header is too short" : "";
             i += 2 + length;
         }
-        return ends;
+        return markers > k_most_looked_at ? "" : ends;
     }
     return {};
 }
@@ -86,9 +90,33 @@ scene::Sampler sampler_of(const Sampler& s)
 }   // namespace
 
 Materials::Materials(const Model& model, Data& data, scene::Scene& out, Context& context)
-    : model_(model), data_(data), out_(out), context_(context), made_(model.materials.size(), scene::none)
+    : model_(model),
+      data_(data),
+      out_(out),
+      context_(context),
+      made_(model.materials.size(), scene::none),
+      first_(model.images.size(), k_absent)
 {
-    pixels_left_ = context.limits.pixels;
+    // Images may overlap in a buffer, as accessors may.
+    pixels_left_ = context.limits.pixels + context.limits.pixels_per_byte * data.total_bytes();
+    view_bytes_left_ = context.limits.numbers + context.limits.numbers_per_byte * data.total_bytes();
+}
+
+// Of images with one source all but the first are only other names of it.
+Index Materials::first_of(Index index)
+{
+    Index& first = first_[index];
+    if (first != k_absent) return first;
+    const Image& image = model_.images[index];
+    std::string source;
+    if (image.uri) {
+        source = data_.resource_file(*image.uri, at(at("/images", index), "uri")).string();
+    } else if (image.view != k_absent) {
+        const BufferView& view = model_.views[image.view];
+        source = fmt::format("{} {} {}", view.buffer, view.offset, view.length);   // no path: those are absolute
+    }
+    first = source.empty() ? index : by_source_.try_emplace(std::move(source), index).first->second;
+    return first;
 }
 
 std::vector<std::uint8_t> Materials::bytes_of(Index index)
@@ -106,6 +134,7 @@ std::vector<std::uint8_t> Materials::bytes_of(Index index)
 
 const Image8& Materials::picture(Index index)
 {
+    index = first_of(index);
     Picture& picture = pictures_[index];
     if (picture.read) return picture.image;
     picture.read = true;
@@ -119,9 +148,16 @@ const Image8& Materials::picture(Index index)
         context_.warn(here, "is neither PNG nor JPEG: its textures are left out");
         return picture.image;
     }
-    // What the data can stand for bounds what is decoded.
-    pixels_left_ += std::min<std::uint64_t>(bytes.size(), context_.limits.file_bytes) * context_.limits.pixels_per_byte;
+    // What the data can stand for bounds what is decoded; that of buffers counts already.
+    if (model_.images[index].uri) {
+        pixels_left_ += bytes.size() * context_.limits.pixels_per_byte;
+    } else {
+        if (bytes.size() > view_bytes_left_)
+            context_.fail(here, "the images overlap so much that reading them would take too long");
+        view_bytes_left_ -= bytes.size();
+    }
     ImageLimits limits;
+    limits.stored_values = true;   // [glTF 2.0, 3.8.3]: what PNG says of colour spaces is to be ignored
     limits.max_pixels = std::min(limits.max_pixels, pixels_left_);
     try {
         picture.image = decode_image(bytes, here, limits);
@@ -134,8 +170,11 @@ const Image8& Materials::picture(Index index)
 void Materials::check_unused()
 {
     for (Index i = 0; i < model_.images.size(); ++i) {
+        if (first_of(i) != i) continue;
         if (const auto known = pictures_.find(i); known != pictures_.end() && known->second.read) continue;
-        const std::string fault = header_fault(bytes_of(i));
+        const Image& image = model_.images[i];
+        const std::string fault = !image.uri && image.view != k_absent ? header_fault(data_.view_bytes(image.view))
+                                                                       : header_fault(bytes_of(i));
         if (!fault.empty()) context_.fail(at("/images", i), fault);
     }
     pictures_.clear();
@@ -161,7 +200,8 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, const std::
 
     const scene::Sampler sampler =
         texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
-    const std::tuple key(texture.source, static_cast<int>(sampler.wrap_u), static_cast<int>(sampler.wrap_v),
+    const Index first = first_of(texture.source);
+    const std::tuple key(first, static_cast<int>(sampler.wrap_u), static_cast<int>(sampler.wrap_v),
                          static_cast<int>(sampler.magnify) * 2 + static_cast<int>(sampler.minify),
                          static_cast<int>(sampler.mipmaps), srgb);
     auto [made, fresh] = textures_.try_emplace(key, scene::none);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "gnomon/error.h"
 #include "io/gltf_build.h"
@@ -107,6 +108,8 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
     std::vector<scene::SkinId> skin_ids(model.skins.size(), scene::none);
     std::vector<Index> stack = roots_of(model, parent);
     std::reverse(stack.begin(), stack.end());
+    std::set<scene::MeshId> placed;
+    std::uint64_t repeated = 0;
     while (!stack.empty()) {
         const Index index = stack.back();
         stack.pop_back();
@@ -121,6 +124,11 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
             const scene::MeshId mesh = meshes.get(source.mesh);
             scene::Node& node = out.nodes[id];
             node.mesh = mesh;
+            if (mesh != scene::none && !placed.insert(mesh).second)
+                repeated += std::max(out.meshes[mesh].triangles.size(), out.meshes[mesh].positions.size());
+            if (repeated > context.limits.repeated_triangles)
+                context.fail(at("/nodes", index), fmt::format("more than {} triangles or vertices in repeated meshes",
+                                                              context.limits.repeated_triangles));
             if (source.weights && mesh != scene::none) node.morph_weights = *source.weights;
             if (source.skin != k_absent && mesh != scene::none && out.meshes[mesh].skin) {
                 if (skin_ids[source.skin] == scene::none) {

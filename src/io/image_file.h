@@ -15,6 +15,7 @@ namespace gnomon::io {
 struct ImageLimits {
     int max_side = 16384;
     std::uint64_t max_pixels = 1ull << 26;
+    bool stored_values = false;   // as they are, whatever a PNG says of its gamma and colours
 };
 
 /// PNG, JPEG or binary PPM by content, not by name; 8 bits a channel (16-bit PNG is reduced); 1 to 4 channels.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <jerror.h>
 #include <jpeglib.h>
 #include <png.h>
 
@@ -28,13 +29,13 @@ void check_size(std::uint64_t width, std::uint64_t height, const std::string& na
 // --- PNG, by libpng's simplified reader: it never calls longjmp across our frames.
 
 struct PngChunks {
-    std::uint64_t pixel_bytes = 0;        // packed
-    std::vector<std::uint8_t> untitled;   // the file without its texts, if it has any
+    std::uint64_t pixel_bytes = 0;       // packed
+    std::vector<std::uint8_t> without;   // the file without what is passed over, if there is any
 };
 
 // libpng takes the memory that a chunk claims before it looks for the bytes. And it unpacks every text, which can be
 // packed a thousandfold, one after the other; none is part of the picture.
-PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name)
+PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name, bool stored_values)
 {
     constexpr std::size_t k_magic = 8, k_head = 8, k_checksum = 4;   // head: length, type
     PngChunks found;
@@ -48,15 +49,17 @@ PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::strin
                              fmt::format("a PNG chunk of {} bytes and its checksum, {} bytes there", length, there));
         const std::string_view type(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
         const std::size_t next = at + k_head + length + k_checksum;
-        if (type == "tEXt" || type == "zTXt" || type == "iTXt") {
-            found.untitled.insert(found.untitled.end(), &bytes[copied], &bytes[at]);
+        const bool is_text = type == "tEXt" || type == "zTXt" || type == "iTXt";
+        const bool is_encoding = type == "gAMA" || type == "cHRM" || type == "sRGB" || type == "iCCP";
+        if (is_text || (is_encoding && stored_values)) {
+            found.without.insert(found.without.end(), &bytes[copied], &bytes[at]);
             copied = next;
         }
         if (type == "IDAT") found.pixel_bytes += length;
         if (type == "IEND") break;
         at = next;
     }
-    if (copied > 0) found.untitled.insert(found.untitled.end(), bytes.begin() + static_cast<long>(copied), bytes.end());
+    if (copied > 0) found.without.insert(found.without.end(), bytes.begin() + static_cast<long>(copied), bytes.end());
     return found;
 }
 
@@ -83,8 +86,8 @@ struct PngMemory {
 
 Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
 {
-    const PngChunks chunks = check_png_chunks(bytes, name);
-    if (!chunks.untitled.empty()) bytes = chunks.untitled;
+    const PngChunks chunks = check_png_chunks(bytes, name, limits.stored_values);
+    if (!chunks.without.empty()) bytes = chunks.without;
     png_image image{};
     const PngMemory memory{image};
     image.version = PNG_IMAGE_VERSION;
@@ -114,6 +117,7 @@ struct JpegErrors {
     std::jmp_buf jump;
     char message[JMSG_LENGTH_MAX];
     jpeg_progress_mgr scans;
+    bool file_ended, pixels_lacked;   // without the last mark; before the last pixel
 };
 
 [[noreturn]] void leave_jpeg(j_common_ptr info)
@@ -121,6 +125,15 @@ struct JpegErrors {
     auto* errors = reinterpret_cast<JpegErrors*>(info->err);
     (*info->err->format_message)(info, errors->message);
     std::longjmp(errors->jump, 1);
+}
+
+// What is not there libjpeg makes up, in grey, and warns. (Files that lack the last mark alone are whole.)
+void note_warning(j_common_ptr info, int level)
+{
+    auto* errors = reinterpret_cast<JpegErrors*>(info->err);
+    if (level >= 0) return;
+    errors->file_ended |= info->err->msg_code == JWRN_JPEG_EOF;
+    errors->pixels_lacked |= info->err->msg_code == JWRN_HIT_MARKER;
 }
 
 void count_scans(j_common_ptr info)
@@ -179,7 +192,9 @@ bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::spa
         jpeg_read_scanlines(&info, &row, 1);
     }
     jpeg_finish_decompress(&info);
-    return true;
+    if (!errors.file_ended || !errors.pixels_lacked) return true;
+    std::snprintf(errors.message, sizeof errors.message, "it ends before its pixels do");
+    return false;
 }
 
 // Adobe writes CMYK inverted: 255 is no ink.
@@ -200,7 +215,7 @@ Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name,
     errors.scans.progress_monitor = &count_scans;
     info.err = jpeg_std_error(&errors.base);
     errors.base.error_exit = &leave_jpeg;
-    errors.base.emit_message = [](j_common_ptr, int) {};
+    errors.base.emit_message = &note_warning;
     Image8 result;
     bool too_large = false;
     const bool good = decode_jpeg_into(info, errors, bytes, limits, result, too_large);

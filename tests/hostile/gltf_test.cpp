@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "gltf_child.h"
+#include "picture_bytes.h"
 #include "support.h"
 
 namespace gnomon {
@@ -217,6 +218,121 @@ TEST_F(GltfHostileMade, RequiredExtensions)
         EXPECT_NE(outcome.what.find(name), std::string::npos) << outcome.what;
         EXPECT_EQ(load(document(fmt::format("\"extensionsUsed\":[\"{}\"]", name))).warnings, 1u) << name;
     }
+}
+
+// A triangle with all that a test of many needs: positions, texture coordinates, joints, weights.
+std::string triangle_bytes()
+{
+    const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, weights[] = {1, 0, 0, 0};
+    std::string bytes(reinterpret_cast<const char*>(corners), sizeof corners);
+    bytes.append(24, '\0');
+    for (int i = 0; i < 3; ++i) bytes.append(reinterpret_cast<const char*>(weights), sizeof weights);
+    return bytes;
+}
+
+const char* const k_triangle =
+    R"("buffers":[{"uri":"t.bin","byteLength":108}],"bufferViews":[{"buffer":0,"byteLength":36},)"
+    R"({"buffer":0,"byteOffset":36,"byteLength":24},{"buffer":0,"byteOffset":60,"byteLength":48}],)"
+    R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+    R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],)";
+
+template <class Each>
+std::string repeated(int count, Each each)
+{
+    std::string list;
+    for (int i = 0; i < count; ++i) list += (i ? "," : "") + each(i);
+    return list;
+}
+
+TEST_F(GltfHostileMade, OneFileUnderManyNamesIsReadOnce)
+{
+    constexpr int count = 60;
+    std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes();
+    const auto png = test::png_bytes({4096, 4096, 8, PNG_COLOR_TYPE_GRAY}, {std::vector<std::uint8_t>(4096)});
+    std::ofstream(folder_ / "p.png", std::ios::binary).write(reinterpret_cast<const char*>(png.data()), png.size());
+    const auto name = [](int i) { return (i % 2 ? "./" : "") + std::string(i % 3 ? "p" : "%70") + ".png"; };
+    const std::string images =
+        "\"images\":[" + repeated(count, [&](int i) { return "{\"uri\":\"" + name(i) + "\"}"; }) + "],\"textures\":[" +
+        repeated(count, [](int i) { return fmt::format("{{\"source\":{}}}", i); }) + "]";
+    const auto material = [](int i) {
+        return fmt::format(R"({{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":{}}}}}}})", i);
+    };
+    const auto primitive = [](int i) {
+        return fmt::format(R"({{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":{}}})", i);
+    };
+    Outcome outcome =
+        load(document(k_triangle + images + ",\"materials\":[" + repeated(count, material) +
+                      "],\"meshes\":[{\"primitives\":[" + repeated(count, primitive) + "]}],\"nodes\":[{\"mesh\":0}]"));
+    EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
+
+    // Buffers.
+    std::ofstream(folder_ / "b.bin", std::ios::binary) << std::string(16 << 20, '\0');
+    outcome = load(document(
+        "\"buffers\":[" +
+        repeated(count,
+                 [](int i) { return fmt::format(R"({{"uri":"{}b.bin","byteLength":16777216}})", i % 2 ? "./" : ""); }) +
+        "]"));
+    EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
+
+    // Pictures that nothing uses, in a file that is mostly something else.
+    std::ofstream(folder_ / "p.png", std::ios::binary | std::ios::app) << std::string(16 << 20, '\0');
+    outcome =
+        load(document("\"images\":[" + repeated(20000, [](int) { return std::string(R"({"uri":"p.png"})"); }) + "]"));
+    EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
+}
+
+TEST_F(GltfHostileMade, InstancesAreCounted)
+{
+    // 24 bytes of the file each, and a hundred thousand triangles.
+    constexpr int count = 20000, triangles = 100'000;
+    std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes() + std::string(12 * triangles, '\0');
+    const auto nodes = repeated(count, [](int) { return std::string("{\"mesh\":0}"); });
+    const Outcome outcome =
+        load(document(R"("buffers":[{"uri":"t.bin","byteLength":1200108}],"bufferViews":[{"buffer":0,"byteLength":36},)"
+                      R"({"buffer":0,"byteOffset":108,"byteLength":1200000}],"accessors":[)"
+                      R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+                      R"({"bufferView":1,"componentType":5125,"count":300000,"type":"SCALAR"}],)"
+                      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"nodes":[)" +
+                      nodes + "]"));
+    EXPECT_EQ(outcome.kind, Kind::refused) << outcome.signal;
+    EXPECT_EQ(outcome.place, "/nodes/1343") << outcome.what;
+}
+
+TEST_F(GltfHostileMade, ManySetsOfJoints)
+{
+    // Each vertex hangs on all of 32,000 joints; the sets overlap in few bytes.
+    constexpr int vertices = 400, sets = 8000, joints = 4 * (vertices + sets);
+    std::string bytes(12 * vertices, '\0');
+    for (int j = 0; j < joints; ++j) bytes += {static_cast<char>(j & 0xff), static_cast<char>(j >> 8)};
+    const float weights[4] = {1.0f / (4 * sets), 1.0f / (4 * sets), 1.0f / (4 * sets), 1.0f / (4 * sets)};
+    for (int v = 0; v < vertices; ++v) bytes.append(reinterpret_cast<const char*>(weights), sizeof weights);
+    std::ofstream(folder_ / "t.bin", std::ios::binary) << bytes;
+    const auto accessor = [](int s) {
+        return fmt::format(R"({{"bufferView":1,"byteOffset":{},"componentType":5123,"count":400,"type":"VEC4"}})",
+                           8 * s);
+    };
+    const auto attribute = [](int s) { return fmt::format(R"("JOINTS_{0}":{1},"WEIGHTS_{0}":1)", s, s + 2); };
+    const auto number = [](int i) { return std::to_string(i + 2); };
+    const Outcome outcome = load(document(
+        fmt::format(R"("buffers":[{{"uri":"t.bin","byteLength":{0}}}],"bufferViews":[{{"buffer":0,"byteLength":4800}},)"
+                    R"({{"buffer":0,"byteOffset":4800,"byteLength":{1},"byteStride":8}},)"
+                    R"({{"buffer":0,"byteOffset":{2},"byteLength":6400}}],)",
+                    bytes.size(), 2 * joints, 4800 + 2 * joints) +
+        R"("accessors":[{"bufferView":0,"componentType":5126,"count":400,"type":"VEC3","min":[0,0,0],"max":[0,0,0]},)"
+        R"({"bufferView":2,"componentType":5126,"count":400,"type":"VEC4"},)" +
+        repeated(sets, accessor) + R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0,)" +
+        repeated(sets, attribute) + R"(}}]}],"nodes":[{"mesh":0,"skin":0},{"children":[)" + repeated(joints, number) +
+        "]}," + repeated(joints, [](int) { return std::string("{}"); }) + R"(],"skins":[{"joints":[)" +
+        repeated(joints, number) + "]}]"));
+    EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
+}
+
+TEST_F(GltfHostileMade, LongNamesInMessages)
+{
+    const std::string name(1 << 20, 'z');
+    const Outcome outcome = load(document("\"extensions\":{\"" + name + "\":{}}"));
+    EXPECT_EQ(outcome.kind, Kind::refused);
+    EXPECT_LT(outcome.what.size(), 500u);
 }
 
 // Every byte of a small scene replaced by something else: an answer, whatever it is, and never a crash.

@@ -123,6 +123,29 @@ TEST(ImageRead, LimitsComeBeforeMemory)
     EXPECT_EQ(decode_image(make_jpeg(10, 10, JCS_GRAYSCALE, 1, 0), "t", small).width, 10);
 }
 
+TEST(ImageRead, GammaOfPngIsHeededOrNot)
+{
+    const Bytes linear =
+        test::png_bytes({.width = 1, .height = 1, .depth = 8, .type = PNG_COLOR_TYPE_GRAY, .gamma = 1}, {Bytes{128}});
+    EXPECT_GT(decode_image(linear, "t").data[0], 180);
+    EXPECT_EQ(decode_image(linear, "t", {.stored_values = true}).data[0], 128);
+}
+
+TEST(ImageRead, AJpegThatEndsBeforeItsPixelsIsNotShown)
+{
+    // Noise, so that every row takes many bytes.
+    Bytes row(64 * 3);
+    Random random(5);
+    for (std::uint8_t& value : row) value = static_cast<std::uint8_t>(random.next());
+    for (const bool progressive : {false, true}) {
+        const Bytes whole = test::jpeg_bytes({64, 64, JCS_RGB, 3, progressive}, row);
+        expect_refused({whole.begin(), whole.begin() + static_cast<long>(whole.size() / 2)}, "half a JPEG");
+        expect_refused({whole.begin(), whole.end() - 40}, "a JPEG without its last bytes");
+        // Without the last mark alone it is whole.
+        EXPECT_EQ(decode_image(std::span(whole).first(whole.size() - 2), "t").data, decode_image(whole, "t").data);
+    }
+}
+
 TEST(ImageRead, CutOffAndDamaged)
 {
     const Bytes png = make_png(4, 4, 8, PNG_COLOR_TYPE_RGBA, std::vector<Bytes>(4, Bytes(16, 77)));
