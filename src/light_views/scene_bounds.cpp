@@ -69,25 +69,28 @@ SceneBounds clip_bounds(const scene::Scene& scene, int most_times)
     SceneBounds bounds;
     std::vector<ObjectBox> boxes;
     const int frames = std::max(scene.timeline.frames, 1), times = std::min(frames, most_times);
-    for (const scene::Object& object : scene.objects) {
-        const Box3& box = meshes[object.mesh];
-        if (box.empty()) continue;
-        ObjectBox placed{{}, static_cast<double>(scene.meshes[object.mesh].triangles.size())};
-        for (int i = 0; i < (object.dynamic ? times : 1); ++i) {
-            const int frame =
-                times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
-            const glm::dmat4 world = scene.world_matrix(object.node, scene.timeline.time_of(frame));
+    for (const scene::Object& object : scene.objects)
+        boxes.push_back({{}, static_cast<double>(scene.meshes[object.mesh].triangles.size())});
+    const bool moves =
+        std::any_of(scene.objects.begin(), scene.objects.end(), [](const scene::Object& o) { return o.dynamic; });
+    for (int i = 0; i < (moves ? times : 1); ++i) {
+        const int frame = times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
+        // Of all nodes at once: walking up from each takes too long where they are deep.
+        const std::vector<glm::dmat4> world = scene.world_matrices(scene.timeline.time_of(frame));
+        for (std::size_t o = 0; o < boxes.size(); ++o) {
+            const scene::Object& object = scene.objects[o];
+            const Box3& box = meshes[object.mesh];
+            if (box.empty() || (i > 0 && !object.dynamic)) continue;
             for (int corner = 0; corner < 8; ++corner) {
                 const glm::dvec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                    corner & 4 ? box.high.z : box.low.z);
-                const glm::vec3 q(transform_point(world, p));
-                if (is_finite(q)) placed.box.add(q);
+                const glm::vec3 q(transform_point(world[object.node], p));
+                if (is_finite(q)) boxes[o].box.add(q);
             }
         }
-        if (placed.box.empty()) continue;
-        bounds.whole.add(placed.box);
-        boxes.push_back(placed);
     }
+    std::erase_if(boxes, [](const ObjectBox& placed) { return placed.box.empty(); });
+    for (const ObjectBox& placed : boxes) bounds.whole.add(placed.box);
     if (!boxes.empty()) bounds.dense = dense_part(boxes);
     return bounds;
 }

@@ -91,10 +91,10 @@ std::vector<glm::vec3> spread(const EmitterPatch& patch, int count)
 }
 
 // Connected pieces of one object's emitting triangles, split by the axis direction that they face most.
-void collect(const Scene& scene, const Object& object, const MeshPart& part, std::vector<EmitterPatch>& patches)
+void collect(const Scene& scene, const Object& object, const MeshPart& part, const glm::mat4& world,
+             std::vector<EmitterPatch>& patches)
 {
     const Mesh& mesh = scene.meshes[object.mesh];
-    const glm::mat4 world(scene.world_matrix(object.node, scene.timeline.start));
     const bool mirrored = glm::determinant(glm::mat3(world)) < 0;
 
     // Join triangles that share a corner's place.
@@ -177,6 +177,7 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
 {
     if (!scene.lights.empty()) return;
     std::vector<EmitterPatch> patches;
+    std::vector<glm::dmat4> world;   // by node: walking up from each object takes too long where nodes are deep
     bool two_sided = false;
     for (const Object& object : scene.objects) {
         if (object.deforming) continue;
@@ -185,7 +186,8 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
             if (material.model != ShadingModel::metallic_roughness || material.emissive_texture.used()) continue;
             if (luminance(material.emissive) < options.least_radiance) continue;
             two_sided |= material.double_sided;
-            collect(scene, object, part, patches);
+            if (world.empty()) world = scene.world_matrices(scene.timeline.start);
+            collect(scene, object, part, glm::mat4(world[object.node]), patches);
         }
     }
     if (patches.empty()) return;

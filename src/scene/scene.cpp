@@ -172,6 +172,17 @@ Box3 Scene::bounds(double time) const
     return box;
 }
 
+std::vector<glm::dmat4> Scene::world_matrices(double time) const
+{
+    std::vector<glm::dmat4> world(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const Node& node = nodes[n];
+        const glm::dmat4 local = node.transform ? node.transform->evaluate(time) : node.local;
+        world[n] = node.parent == none ? local : world[node.parent] * local;
+    }
+    return world;
+}
+
 glm::dmat4 Scene::world_matrix(NodeId node, double time) const
 {
     glm::dmat4 result(1);

@@ -115,7 +115,8 @@ class Scene {
     /// Around everything visible at a time (rest shape for deforming meshes).
     Box3 bounds(double time) const;
 
-    /// World matrix of one node, by walking up: for tests and set-up, not for every frame.
+    /// World matrices of all nodes, and of one by walking up: for tests and set-up, not for every frame.
+    std::vector<glm::dmat4> world_matrices(double time) const;
     glm::dmat4 world_matrix(NodeId node, double time) const;
 };
 

@@ -2,6 +2,7 @@
 #include "scene/state.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/bits.h"
 #include "base/check.h"
@@ -16,7 +17,9 @@ struct SceneState::Index {
     std::unordered_map<NodeId, std::vector<LightId>> lights_at;
     std::unordered_map<NodeId, bool> cameras_at;
     std::unordered_map<NodeId, GroupId> group_at;
-    std::unordered_map<NodeId, std::vector<ObjectId>> skinned_by;   // by joint
+    // A joint may serve many skins, and a skin many objects: never listed one against the other.
+    std::unordered_map<NodeId, std::vector<SkinId>> skins_at;   // by joint; of skins that bend something
+    std::vector<std::vector<ObjectId>> skinned_by;              // by skin
 
     explicit Index(const Scene& scene);
 };
@@ -32,7 +35,7 @@ void sort_unique(std::vector<T>& v)
 
 }   // namespace
 
-SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), none)
+SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), none), skinned_by(scene.skins.size())
 {
     for (std::size_t o = 0; o < scene.objects.size(); ++o) object_at[scene.objects[o].node] = static_cast<ObjectId>(o);
     for (const std::uint32_t n : scene.track_nodes) {
@@ -48,10 +51,11 @@ SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), non
         const Object& object = scene.objects[o];
         if (const auto& keys = scene.meshes[object.mesh].vertex_keys)
             deformations.add(static_cast<ObjectId>(o), {keys->times.front(), keys->times.back()});
-        if (object.skin != none)
-            for (const NodeId joint : scene.skins[object.skin].joints)
-                skinned_by[joint].push_back(static_cast<ObjectId>(o));
+        if (object.skin != none) skinned_by[object.skin].push_back(static_cast<ObjectId>(o));
     }
+    for (std::size_t s = 0; s < scene.skins.size(); ++s)
+        if (!skinned_by[s].empty())
+            for (const NodeId joint : scene.skins[s].joints) skins_at[joint].push_back(static_cast<SkinId>(s));
     transforms.build();
     visibilities.build();
     deformations.build();
@@ -69,6 +73,8 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, double time)
     world_.resize(nodes);
     node_visible_.resize(nodes);
     visited_.assign(nodes, 0);
+    joints_.resize(scene_->skins.size());
+    skin_due_.assign(scene_->skins.size(), 0);
     for (std::size_t n = 0; n < nodes; ++n) {
         const Node& node = scene_->nodes[n];
         local_[n] = node.transform ? node.transform->evaluate(time_) : node.local;
@@ -105,6 +111,7 @@ const FrameChanges& SceneState::advance(double time)
     std::swap(lights_active_before_, changes_.lights_moved);
     changes_ = FrameChanges{};
     to_deform_.clear();
+    skins_due_.clear();
 
     // Evaluate the tracks that change in between, and note where.
     std::vector<NodeId> roots;
@@ -134,6 +141,10 @@ const FrameChanges& SceneState::advance(double time)
     sort_unique(roots);
     for (const NodeId root : roots) visit_below(root);
 
+    for (const SkinId skin : skins_due_) {
+        const std::vector<ObjectId>& bent = index_->skinned_by[skin];
+        to_deform_.insert(to_deform_.end(), bent.begin(), bent.end());
+    }
     index_->deformations.query(before, time, due_);
     changes_.touched_nodes += due_.size();
     to_deform_.insert(to_deform_.end(), due_.begin(), due_.end());
@@ -181,8 +192,9 @@ void SceneState::visit_below(NodeId root)
                 changes_.lights_moved.push_back(l);
             }
         if (index_->cameras_at.contains(n)) changes_.camera_moved = true;
-        if (const auto at = index_->skinned_by.find(n); moved && at != index_->skinned_by.end())
-            to_deform_.insert(to_deform_.end(), at->second.begin(), at->second.end());
+        if (const auto at = index_->skins_at.find(n); moved && at != index_->skins_at.end())
+            for (const SkinId skin : at->second)
+                if (std::exchange(skin_due_[skin], step_) != step_) skins_due_.push_back(skin);
 
         const auto begin = scene_->child_begin[n], end = scene_->child_begin[n + 1];
         stack_.insert(stack_.end(), scene_->child_list.begin() + begin, scene_->child_list.begin() + end);
@@ -232,14 +244,23 @@ void SceneState::deform(ObjectId id)
     weights.resize(mesh.morph_targets.size());
     if (node.weights) node.weights->evaluate(time_, weights);
 
-    std::vector<glm::mat4> joints;
-    if (object.skin != none) {
-        const Skin& skin = scene_->skins[object.skin];
-        joints.reserve(skin.joints.size());
-        for (std::size_t j = 0; j < skin.joints.size(); ++j)
-            joints.emplace_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
-    }
+    std::span<const glm::mat4> joints;
+    if (object.skin != none) joints = joints_of(object.skin);
     deform_mesh(mesh, time_, weights, joints, deformed_[deformed_slot_[id]]);
+}
+
+// Once a step, however many objects the skin bends.
+const std::vector<glm::mat4>& SceneState::joints_of(SkinId id)
+{
+    Joints& joints = joints_[id];
+    if (joints.step == step_) return joints.matrices;
+    const Skin& skin = scene_->skins[id];
+    joints.matrices.clear();
+    joints.matrices.reserve(skin.joints.size());
+    for (std::size_t j = 0; j < skin.joints.size(); ++j)
+        joints.matrices.emplace_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
+    joints.step = step_;
+    return joints.matrices;
 }
 
 glm::mat4 SceneState::object_matrix(ObjectId object) const

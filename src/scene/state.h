@@ -69,6 +69,7 @@ class SceneState {
     void note_lists();
     LightState light_at(LightId light) const;
     void deform(ObjectId object);
+    const std::vector<glm::mat4>& joints_of(SkinId skin);
 
     std::shared_ptr<const Scene> scene_;
     std::unique_ptr<Index> index_;   // which tracks change when; which lights, cameras, objects hang on a node
@@ -78,6 +79,11 @@ class SceneState {
     std::vector<LightState> lights_;
     std::vector<DeformedMesh> deformed_;         // by slot
     std::vector<std::uint32_t> deformed_slot_;   // by object; none for rigid ones
+    struct Joints {
+        std::vector<glm::mat4> matrices;   // world times inverse bind, of all that the skin bends
+        std::uint32_t step = none;         // that they are of
+    };
+    std::vector<Joints> joints_;   // by skin
     std::unordered_map<NodeId, glm::dmat4> overrides_;
     std::vector<NodeId> overrides_changed_;
     FrameChanges changes_;
@@ -87,6 +93,8 @@ class SceneState {
     std::uint32_t step_ = 0;
     std::vector<std::uint32_t> due_, stack_;   // scratch, kept for its memory
     std::vector<ObjectId> to_deform_;
+    std::vector<SkinId> skins_due_;
+    std::vector<std::uint32_t> skin_due_;   // by skin: the step that last listed it
 };
 
 }   // namespace gnomon::scene

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
+
+#include "sanitized.h"
 #include "scene/state.h"
 
 namespace gnomon::scene {
@@ -149,6 +152,21 @@ TEST(Emitters, TwoSidedOnesShineWhereThereIsRoom)
     const SceneState state(std::make_shared<const Scene>(scene), 0);
     ASSERT_FALSE(scene.lights.empty());
     EXPECT_NEAR(state.light(0).direction.y, -1, 1e-5f);
+}
+
+TEST(Emitters, DeepBelowOneAnother)
+{
+    Scene scene;
+    add_quad(scene, add_material(scene, {10, 10, 10}), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    for (int i = 0; i < 60'000; ++i) {
+        const NodeId node = scene.add_node("quad", static_cast<NodeId>(i), glm::dmat4(1));
+        scene.nodes[node].mesh = 0;
+    }
+    scene.finish();
+    const std::clock_t start = std::clock();
+    add_emitter_lights(scene);
+    EXPECT_FALSE(scene.lights.empty());
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 4.0 * test::k_patience);
 }
 
 TEST(Emitters, LightsMoveWithTheirSurface)

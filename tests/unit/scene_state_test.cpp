@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "sanitized.h"
 #include "scene/mobility.h"
 
 namespace gnomon::scene {
@@ -236,6 +238,33 @@ FrameChanges moving(std::vector<ObjectId> moved)
     FrameChanges changes;
     changes.moved = std::move(moved);
     return changes;
+}
+
+TEST(SceneState, ManyObjectsOnOneSkinOfManyJoints)
+{
+    constexpr int many = 20'000;
+    Scene scene = scene_with_triangle_mesh();
+    scene.meshes[0].skin.emplace();
+    scene.meshes[0].skin->joints[0].assign(3, glm::u16vec4(0));
+    scene.meshes[0].skin->weights[0].assign(3, glm::vec4(1, 0, 0, 0));
+    const NodeId mover = scene.add_node("mover", none);
+    scene.nodes[mover].transform = std::make_shared<Slide>(1, 2);
+    Skin skin;
+    for (int i = 0; i < many; ++i) skin.joints.push_back(scene.add_node("joint", mover));
+    skin.inverse_bind.assign(many, glm::dmat4(1));
+    scene.skins.push_back(skin);
+    for (int i = 0; i < many; ++i) scene.nodes[add_object(scene)].skin = 0;
+    scene.finish();
+
+    // Joints times objects would be 400 million.
+    const std::clock_t start = std::clock();
+    SceneState state(std::make_shared<const Scene>(std::move(scene)), 0);
+    EXPECT_EQ(state.advance(1.5).deformed.size(), static_cast<std::size_t>(many));
+    EXPECT_EQ(state.deformed(many - 1).positions[1], glm::vec3(1.5f, 0, 0));
+    EXPECT_EQ(state.advance(3).deformed.size(), static_cast<std::size_t>(many));
+    EXPECT_EQ(state.deformed(0).positions[1], glm::vec3(2, 0, 0));
+    EXPECT_TRUE(state.advance(4).deformed.empty());
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 2.0 * test::k_patience);
 }
 
 TEST(Mobility, WakesAtOnceAndSleepsAfterItsRest)
