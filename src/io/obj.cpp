@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "gnomon/error.h"
 #include "io/load.h"
@@ -27,17 +29,24 @@ std::string_view text_of(const std::vector<std::uint8_t>& bytes)
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Names of libraries on one line: the whole line if there is such a file (names may hold blanks), else its words.
-std::vector<std::string> library_names(const std::string& line, const SceneFolder& folder)
+// Names of libraries on one line that are not known: the whole line if there is such a file (names may hold blanks),
+// else its words, as far as they are read.
+std::vector<std::string> library_names(const std::string& line, const SceneFolder& folder,
+                                       std::unordered_set<std::string>& known)
 {
+    if (known.contains(line)) return {};
     std::string problem;
-    if (folder.find(line, problem)) return {line};
     std::vector<std::string> names;
-    for (std::size_t at = 0; at < line.size();) {
+    if (folder.find(line, problem)) {
+        known.insert(line);
+        return {line};
+    }
+    for (std::size_t at = 0; at < line.size() && known.size() <= k_most_libraries;) {
         const std::size_t begin = line.find_first_not_of(" \t", at);
         if (begin == std::string::npos) break;
         at = std::min(line.find_first_of(" \t", begin), line.size());
-        names.push_back(line.substr(begin, at - begin));
+        std::string name = line.substr(begin, at - begin);
+        if (known.insert(name).second) names.push_back(std::move(name));
     }
     return names;
 }
@@ -46,12 +55,12 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
                                         std::vector<std::string>& warnings)
 {
     std::vector<MtlMaterial> materials;
-    std::vector<std::string> done;
+    std::unordered_set<std::string> known;
+    std::set<std::filesystem::path> read;   // one file has many names: "a", "./a"
+    std::size_t count = 0;
     for (const std::string& line : data.libraries) {
-        for (const std::string& name : library_names(line, folder)) {
-            if (std::find(done.begin(), done.end(), name) != done.end()) continue;
-            done.push_back(name);
-            if (done.size() > k_most_libraries) {
+        for (const std::string& name : library_names(line, folder, known)) {
+            if (++count > k_most_libraries) {
                 warnings.emplace_back("too many material files: the rest is left out");
                 return materials;
             }
@@ -61,6 +70,7 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
                 warnings.push_back(fmt::format("material file '{}' is left out: {}", shown(name), problem));
                 continue;
             }
+            if (!read.insert(*path).second) continue;
             const auto bytes = read_whole_file(*path, name, k_largest_mtl);
             ObjText text(name, text_of(bytes));
             for (MtlMaterial& material : parse_mtl(text, warnings)) materials.push_back(std::move(material));

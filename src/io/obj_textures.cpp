@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
+#include <unordered_set>
 
 #include "base/tasks.h"
 #include "gnomon/error.h"
@@ -17,6 +19,9 @@ namespace gnomon::io {
 namespace {
 
 constexpr std::uint64_t k_largest_image_file = 1ull << 30;
+// One file can be made into many textures, by other options of its map or with other masks: texels beyond its own.
+constexpr std::uint64_t k_most_repeated_texels = 1ull << 26;
+constexpr std::size_t k_batch = 8;         // textures that are made before they are counted
 constexpr float k_texels_per_height = 4;   // a height of 1 (white) rises so far above black, in texels, for -bm 1
 constexpr int k_grey_tolerance = 12;       // of 255: channels of a JPEG's grey differ by rounding
 
@@ -35,21 +40,24 @@ struct Job {
 
 struct Made {
     std::optional<scene::Texture> texture;
+    std::vector<std::pair<std::filesystem::path, std::uint64_t>> files;   // and their pixels
     std::vector<std::string> warnings;
 };
 
-std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, std::vector<std::string>& warnings)
+std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, Made& made)
 {
     if (!map.used()) return std::nullopt;
     std::string problem;
     if (const auto path = folder.find(map.file, problem)) {
         try {
-            return decode_image(read_whole_file(*path, map.file, k_largest_image_file), map.file);
+            Image8 image = decode_image(read_whole_file(*path, map.file, k_largest_image_file), map.file);
+            made.files.emplace_back(*path, std::uint64_t{1} * image.width * image.height);
+            return image;
         } catch (const InputError& error) {
             problem = error.problem();
         }
     }
-    warnings.push_back(fmt::format("texture '{}' is left out: {}", shown(map.file), problem));
+    made.warnings.push_back(fmt::format("texture '{}' is left out: {}", shown(map.file), problem));
     return std::nullopt;
 }
 
@@ -159,10 +167,10 @@ Image8 roughness_metallic(const std::optional<Image8>& roughness, const std::opt
 Made make(const Job& job, const SceneFolder& folder)
 {
     Made made;
-    const std::optional<Image8> first = read(folder, job.first, made.warnings);
+    const std::optional<Image8> first = read(folder, job.first, made);
     std::optional<Image8> second;
     if (job.second.file != job.first.file)
-        second = read(folder, job.second, made.warnings);
+        second = read(folder, job.second, made);
     else
         second = first;
     if (!first && !second) return made;
@@ -240,15 +248,33 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
     // Read and decode them, several at a time.
     std::vector<Made> made(jobs.size());
     Tasks tasks;
-    tasks.for_each(jobs.size(), [&](std::size_t i, int) { made[i] = make(jobs[i], folder); });
+    std::set<std::filesystem::path> seen;
+    std::uint64_t repeated = 0;
+    for (std::size_t begin = 0; begin < jobs.size(); begin += k_batch) {
+        const std::size_t count = std::min(k_batch, jobs.size() - begin);
+        tasks.for_each(count, [&](std::size_t i, int) { made[begin + i] = make(jobs[begin + i], folder); });
+        for (std::size_t i = begin; i < begin + count; ++i) {
+            if (!made[i].texture) continue;
+            const scene::Texture& texture = *made[i].texture;
+            std::uint64_t own = 0;
+            for (const auto& [file, pixels] : made[i].files)
+                if (seen.insert(file).second) own += pixels;
+            const std::uint64_t texels = std::uint64_t{1} * texture.width() * texture.height();
+            repeated += texels - std::min(texels, own);
+            if (repeated > k_most_repeated_texels)
+                throw InputError(texture.name(), "",
+                                 fmt::format("is made into too many textures: more than {} texels that repeat files",
+                                             k_most_repeated_texels));
+        }
+    }
     if (progress && !progress({"loading", 1.0})) throw InterruptedError("interrupted");
 
     // Number them in the order of the jobs, which does not depend on threads.
     std::vector<scene::TextureId> ids(jobs.size(), scene::none);
+    std::unordered_set<std::string> told;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         for (std::string& warning : made[i].warnings)
-            if (std::find(scene.warnings.begin(), scene.warnings.end(), warning) == scene.warnings.end())
-                scene.warnings.push_back(std::move(warning));
+            if (told.insert(warning).second) scene.warnings.push_back(std::move(warning));
         if (!made[i].texture) continue;
         ids[i] = static_cast<scene::TextureId>(scene.textures.size());
         scene.textures.push_back(std::move(*made[i].texture));

@@ -73,6 +73,7 @@ const std::vector<glm::uvec3>& PolygonTriangulator::triangulate(std::span<const 
         if (clip == n && ++tried > left) clip = widest;   // a full round without an ear
         if (clip == n && budget_ == 0) clip = at;
         if (clip == n) {
+            --budget_;   // where most corners are none, looking for an ear takes the time
             at = after;
             continue;
         }

@@ -26,7 +26,7 @@ class PolygonTriangulator {
  private:
     bool is_ear(std::size_t previous, std::size_t corner, std::size_t next);
 
-    std::uint64_t budget_ = 200'000'000;   // point-in-triangle tests, over all polygons of a file
+    std::uint64_t budget_ = 200'000'000;   // point-in-triangle tests and corners passed, over all polygons of a file
     std::vector<glm::dvec2> flat_;
     std::vector<std::uint32_t> next_, previous_;
     std::vector<glm::uvec3> triangles_;

@@ -9,12 +9,14 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <sstream>
 
 #include "base/random.h"
 #include "gnomon/error.h"
 #include "io/load.h"
+#include "picture_bytes.h"
 #include "sanitized.h"
 #include "support.h"
 
@@ -171,6 +173,53 @@ TEST(ObjHostile, LargeInOneRespect)
     for (const auto& [what, bytes] : files) {
         write(folder / "a.obj", bytes);
         EXPECT_NE(import_in_child(folder / "a.obj"), Outcome::died) << what;
+    }
+}
+
+TEST(ObjHostile, ManyTexturesThatDoNotExist)
+{
+    test::ScratchFolder folder;
+    constexpr int count = 80'000;
+    std::string materials, faces = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (int i = 0; i < count; ++i) {
+        materials += fmt::format("newmtl m{0}\nmap_Kd {0}.png\n", i);
+        faces += fmt::format("usemtl m{}\nf 1 2 3\n", i);
+    }
+    write(folder / "a.mtl", materials);
+    write(folder / "a.obj", faces);
+    // Each is looked for among those that were told of.
+    const std::clock_t start = std::clock();
+    EXPECT_EQ(load_obj(folder / "a.obj").warnings.size(), static_cast<std::size_t>(count));
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 3.5 * test::k_patience);
+}
+
+TEST(ObjHostile, OneFileUnderManyNames)
+{
+    test::ScratchFolder folder;
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    std::string materials, dots, libraries;
+    for (int i = 0; i < 20'000; ++i) materials += "newmtl material " + std::to_string(i) + "\nKd 1 0 0\n";
+    for (int i = 0; i < 200; ++i, dots += "./") libraries += "mtllib " + dots + "a.mtl\n";
+    write(folder / "a.mtl", materials);
+    write(folder / "a.obj", libraries + triangle + "f 1 2 3\n");
+    EXPECT_EQ(import_in_child(folder / "a.obj"), Outcome::loaded);
+
+    // One picture, each time of another relief.
+    const auto png = test::png_bytes({2048, 2048, 1, PNG_COLOR_TYPE_GRAY}, {std::vector<std::uint8_t>(256)});
+    write(folder / "p.png", {png.begin(), png.end()});
+    std::string faces;
+    materials.clear();
+    for (int i = 0; i < 100; ++i) {
+        materials += fmt::format("newmtl m{0}\nmap_Bump -bm 0.{0:03} p.png\n", i);
+        faces += fmt::format("usemtl m{}\nf 1 2 3\n", i);
+    }
+    write(folder / "a.mtl", materials);
+    write(folder / "a.obj", "mtllib a.mtl\n" + triangle + faces);
+    try {
+        load_obj(folder / "a.obj");
+        FAIL() << "accepted";
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.file(), "p.png");
     }
 }
 

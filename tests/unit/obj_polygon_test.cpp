@@ -77,6 +77,17 @@ TEST(ObjPolygon, AlwaysGivesTwoLessThanItsCorners)
     }
 }
 
+TEST(ObjPolygon, HugeOnesWithoutEarsEnd)
+{
+    // All corners but one on a line, to and fro: every search for an ear goes round in vain.
+    std::vector<glm::vec3> points{{0, 1, 0}};
+    Random random(1);
+    for (int i = 0; i < 400000; ++i) points.emplace_back(random.uniform(-1, 1), 0, 0);
+    PolygonTriangulator triangulator;
+    EXPECT_EQ(triangulator.triangulate(points).size(), points.size() - 2);
+    EXPECT_TRUE(triangulator.exhausted());
+}
+
 TEST(ObjPolygon, HugeOnesEnd)
 {
     std::vector<glm::vec3> star;
