@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "base/check.h"
 #include "io/aff_mesh.h"
@@ -14,7 +15,7 @@ using scene::none;
 
 namespace {
 
-constexpr std::size_t k_names_in_a_warning = 5;
+constexpr std::size_t k_names_in_a_warning = 5, k_longest_name = 80;
 
 // What is drawn before the file says of what.
 scene::Material grey()
@@ -239,11 +240,12 @@ void AffBuilder::set_camera(const scene::Camera& camera, const scene::TransformP
 
 void AffBuilder::place_tracks()
 {
-    std::vector<std::string> without;
+    std::vector<std::string> without;   // each name once
+    std::unordered_set<std::string_view> seen;
     for (const auto& [node, name] : animated_) {
         const auto found = tracks_.find(name);
         if (found == tracks_.end()) {
-            if (std::find(without.begin(), without.end(), name) == without.end()) without.push_back(name);
+            if (seen.insert(name).second) without.push_back(name);
             continue;
         }
         scene_.nodes[node].transform = found->second.transform;
@@ -252,7 +254,8 @@ void AffBuilder::place_tracks()
     if (!without.empty()) {
         const std::size_t named = std::min(without.size(), k_names_in_a_warning);
         std::string names;
-        for (std::size_t i = 0; i < named; ++i) names += (i ? ", " : "") + utf8_from_latin1(without[i]);
+        for (std::size_t i = 0; i < named; ++i)
+            names += (i ? ", " : "") + utf8_from_latin1(without[i].substr(0, k_longest_name));
         scene_.warnings.push_back(
             fmt::format("animated without keys, hence still: {}{}", names, named < without.size() ? ", ..." : ""));
     }

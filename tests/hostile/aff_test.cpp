@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <ctime>
 #include <vector>
 
 #include "aff_files.h"
@@ -195,6 +196,27 @@ TEST(HostileAff, MessagesShowNoControlCharacters)
         EXPECT_LT(error.size(), 200u);
         for (const char c : error) EXPECT_TRUE(c >= 0x20 && c < 0x7f) << int(c);
     }
+}
+
+TEST(HostileAff, NamesInWarnings)
+{
+    const AffFolder folder;
+    // Latin-1 has control characters above 127, too.
+    const scene::Scene named = folder.load(
+        "x a\x9b"
+        "31m { }\nx " +
+        std::string(1 << 20, 'z') + " { }");
+    ASSERT_FALSE(named.warnings.empty());
+    for (const std::string& warning : named.warnings) {
+        EXPECT_EQ(warning.find("\xc2\x9b"), std::string::npos) << warning;
+        EXPECT_LT(warning.size(), 1000u);
+    }
+    // Each is looked for among those before.
+    std::string many;
+    for (int i = 0; i < 200'000; ++i) many += "x " + std::to_string(i) + " { }\n";
+    const std::clock_t start = std::clock();
+    EXPECT_EQ(folder.load(many).warnings.size(), 1u);
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 8.0 * test::k_patience);
 }
 
 TEST(HostileAff, CyclesAndDepth)
