@@ -94,7 +94,9 @@ TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
     test::ScratchFolder scratch, root;
     const std::filesystem::path scenes = root / "aff";   // an AFF's sibling TextureFiles counts as inside
     std::filesystem::create_directory(scenes);
-    std::ofstream(scenes / "empty.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    // With a texture, since threads load libraries of the system.
+    std::ofstream(scenes / "m.mtl") << "newmtl a\nmap_Kd none.ppm\n";
+    std::ofstream(scenes / "empty.obj") << "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const Trace usual = trace_info(scenes / "empty.obj", scratch);
     const std::string inside = std::filesystem::canonical(root.path()).string() + '/';
     const char* const outside[] = {"/etc/passwd", "../../../../../../etc/passwd", "http://localhost:1/x", "/dev/zero",
