@@ -197,6 +197,37 @@ TEST(ViewSession, AWholeFrameIsTheRefinedOneAtOnce)
     EXPECT_EQ(whole->number, 1u);
 }
 
+TEST(ViewSession, RoomForRememberedLightIsWhatIsAskedForNow)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0);
+    request.options.indirect_memory = 64;
+    request.size = {160, 120};
+    const auto before = finished(session, request);
+    request.options.indirect_memory = 1;
+    request.size = {48, 36};
+    const auto after = finished(session, request);
+    ASSERT_TRUE(before && after);
+    EXPECT_LT(after->remembered_bytes, before->remembered_bytes);
+}
+
+#ifdef GNOMON_VULKAN
+TEST(ViewSession, TheDeviceGathersBouncedLightWhereThatIsAskedFor)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0);
+    request.options.renderer = RenderMethod::raster;
+    for (const IndirectOn on : {IndirectOn::vulkan, IndirectOn::cpu}) {
+        request.options.indirect_on = on;
+        const auto picture = finished(session, request);
+        ASSERT_TRUE(picture);
+        EXPECT_EQ(picture->counters.indirect.gathered_by_vulkan, on == IndirectOn::vulkan);
+    }
+}
+#endif
+
 TEST(ViewSession, TheErrorOfAFrameGoesWithTheNextGoodOne)
 {
     ViewSession session(1);

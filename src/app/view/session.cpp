@@ -77,6 +77,7 @@ struct ViewSession::Kept {
     std::unique_ptr<light_quadtree::VisibleLight> visible;
     std::unique_ptr<light_quadtree::MapLight> map;
     RenderOptions map_options;   // that it, or the rasteriser, was made with
+    int visible_memory = 0;      // likewise `visible`
     std::unique_ptr<render::Rasterizer> raster;
     ShadowTextures raster_shadows{};   // it was made for this, and what follows
     int raster_filter = 0, raster_samples = 0;
@@ -117,7 +118,7 @@ struct ViewSession::Kept {
         raster.reset();
         if (options.shadow_culling != ShadowCulling::certified) certified.reset();
         if (options.shadow_culling != ShadowCulling::paper) paper.reset();
-        if (options.indirect != Indirect::visible) visible.reset();
+        if (options.indirect != Indirect::visible || options.indirect_memory != visible_memory) visible.reset();
         if (of_bounce(options) != of_bounce(map_options) || options.overlay == Overlay::shadow_states) map.reset();
         const bool wants_map = options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree;
         if (wants_map && !map && options.overlay != Overlay::shadow_states) {
@@ -135,9 +136,11 @@ struct ViewSession::Kept {
                 std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
         if (options.shadow_culling == ShadowCulling::paper && !paper)
             paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
-        if (options.indirect == Indirect::visible && !visible)
+        if (options.indirect == Indirect::visible && !visible) {
             visible = std::make_unique<light_quadtree::VisibleLight>(*state, *rays,
                                                                      render::visible_light_options(options), tasks);
+            visible_memory = options.indirect_memory;
+        }
     }
 
     void follow_raster(const RenderOptions& options)
@@ -150,6 +153,7 @@ struct ViewSession::Kept {
             raster->update(*state);
             return;
         }
+        raster.reset();   // a device may hold one of them, and not two
         raster = render::make_rasterizer(*state, {.samples = options.samples,
                                                   .shadows = options.shadow_textures,
                                                   .shadow_filter = static_cast<float>(options.shadow_filter),
@@ -158,6 +162,7 @@ struct ViewSession::Kept {
                                                   .indirect = options.indirect,
                                                   .map = render::map_light_options(options),
                                                   .visible = render::visible_light_options(options),
+                                                  .indirect_on = options.indirect_on,
                                                   .rays = rays.get(),
                                                   .tasks = &tasks});
         raster_shadows = options.shadow_textures;
