@@ -188,6 +188,27 @@ TEST(View, ReadsAFileAgainThatChanged)
     EXPECT_EQ(seen.json.at("loads"), 2);
 }
 
+// No film is of two scenes: it ends where its own does.
+TEST(View, ARecordingEndsWithItsScene)
+{
+    NEED_WINDOWS();
+    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    const ScratchFolder folder;
+    const auto write = [&](int size) {
+        std::ofstream(folder / "a.obj") << "v 0 0 0\nv " << size << " 0 0\nv 0 " << size << " 0\nf 1 2 3\n";
+    };
+    write(1);
+    std::jthread later([&] {
+        wait_until([&] { return std::filesystem::exists(folder / "gnomon-0001.png"); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        write(2);
+    });
+    const Seen seen =
+        drive(folder, "a.obj", "", "sleep 1\nkey r\nsleep 0.2\nkey p\nawait gnomon-0001.mp4\nkey Escape\n");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.json.at("loads"), 2);
+}
+
 TEST(View, TroubleIsAnExitCodeAndOneLine)
 {
     expect_failure(run({"view", "builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,

@@ -57,6 +57,20 @@ TEST_F(RecorderTest, AFilmsPicturesAreOfOneSize)
     EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
 }
 
+// Memory would fill with pictures that come faster than they are written.
+TEST_F(RecorderTest, SaysWhenItIsBehind)
+{
+    Recorder recorder;
+    EXPECT_FALSE(recorder.behind());
+    ASSERT_EQ(recorder.start(24), "");
+    int pictures = 0;
+    for (; pictures < 100 && !recorder.behind(); ++pictures) recorder.add(Image8(2000, 1000, 3));
+    EXPECT_LT(pictures, 100);
+    EXPECT_GT(pictures, 3);
+    recorder.finish();
+    EXPECT_FALSE(recorder.behind());
+}
+
 }   // namespace
 }   // namespace gnomon::app
 #endif

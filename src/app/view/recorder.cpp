@@ -78,6 +78,12 @@ bool Recorder::add(const Image8& image)
     return true;
 }
 
+bool Recorder::behind() const
+{
+    const std::lock_guard lock(mutex_);
+    return jobs_.size() >= k_most_waiting;
+}
+
 std::string Recorder::stop()
 {
     recording_ = false;

@@ -30,6 +30,8 @@ class Recorder {
     std::string start(double fps);
     /// @return false if it is not of the first one's size; then it is left out
     bool add(const Image8& image);
+    /// So many pictures wait to be written that the next had better come later: each holds its memory until then.
+    bool behind() const;
     /// @return the film that will be written; empty if there was no picture
     std::string stop();
     /// Waits until all is written. @throws what went wrong first
@@ -38,6 +40,7 @@ class Recorder {
  private:
     struct FramesFolder;
     void work(const std::stop_token& stop);
+    static constexpr std::size_t k_most_waiting = 4;
     void queue(std::function<void()> job);
     std::string free_name(const std::string& extension);
 
@@ -48,7 +51,7 @@ class Recorder {
     std::vector<std::filesystem::path> frames_;
     std::vector<std::string> taken_;   // names given away, perhaps not written yet
 
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::condition_variable_any changed_;
     std::deque<std::function<void()>> jobs_;
     bool working_ = false;

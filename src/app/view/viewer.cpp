@@ -208,6 +208,7 @@ void Viewer::Inside::take_scene()
 {
     const auto now = session.scene();
     if (now == scene) return;
+    if (scene && recorder.recording()) end_recording("another scene is there");   // no film is of two
     scene = now;
     playback.frames = scene->frame_count();
     playback.fps = scene->fps();
@@ -387,6 +388,8 @@ void Viewer::Inside::ask()
     if (!moved && !sharper) return;
     // One request at a time: a frame that was begun is finished, since it teaches the next.
     if (session.busy()) return;
+    // Pictures come faster than they are written: the film waits, and memory does not fill with them.
+    if (recorder.recording() && recorder.behind()) return;
     ViewRequest request;
     request.scene = scene;
     request.options = settings.render_options();
@@ -456,6 +459,10 @@ void Viewer::Inside::screenshot()
 void Viewer::Inside::toggle_recording()
 {
     if (recorder.recording()) return end_recording({});
+    if (!scene) {   // whose rate a film has
+        panel.message = "nothing to record yet";
+        return;
+    }
     panel.message = recorder.start(playback.fps);
     if (!panel.message.empty()) return;
     panel.message = "recording: every frame, at its own time";
