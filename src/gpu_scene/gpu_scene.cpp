@@ -175,9 +175,7 @@ void GpuScene::place(const scene::SceneState& state, scene::ObjectId o)
     g.normal_x = n[0], g.normal_y = n[1], g.normal_z = n[2];
     const double determinant = glm::determinant(glm::dmat3(world));
     g.mirrored = determinant < 0 ? 1 : 0;
-    // What is squeezed flat is not seen, as by rays.
-    const bool has_volume = std::isfinite(determinant) && glm::determinant(glm::mat3(g.to_world)) != 0;
-    g.shown = state.object_visible(o) && has_volume ? 1 : 0;
+    g.shown = state.object_there(o) && std::isfinite(determinant) ? 1 : 0;
 }
 
 // Sorts draws by how they are drawn, then by object and part; makes the groups and the indirect commands.

@@ -14,7 +14,7 @@ GNOMON_SHARED_BEGIN(gpu_scene)
 struct GpuObject {
     mat4 to_world;
     vec3 normal_x, normal_y, normal_z;   // columns of the inverse transpose, not normalised
-    uint shown;                          // visible, and not squeezed flat
+    uint shown;                          // SceneState::object_there
     uint mirrored;                       // the world winding is the reverse of the mesh's
     uint positions;
     uint normals;        // or none

@@ -48,7 +48,7 @@ const Box3& Casters::box(scene::ObjectId object) const
 
 Rect Casters::footprint(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const
 {
-    if (!casts_[object] || !state.object_visible(object)) return {};
+    if (!casts_[object] || !state.object_there(object)) return {};
     return light_views::footprint(view, state.object_matrix(object), box(object));
 }
 

@@ -23,7 +23,7 @@ class Casters {
     bool casts(scene::ObjectId object) const { return casts_[object]; }
     /// In the space that object_matrix() takes to the world.
     const Box3& box(scene::ObjectId object) const;
-    /// Where a visible caster falls in a view; empty for others.
+    /// Where a caster that is there (SceneState::object_there) falls in a view; empty for others.
     Rect footprint(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const;
     /// How far from the light it is.
     DistanceRange distance(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const

@@ -29,19 +29,6 @@ bool mirrors(const glm::dmat4& m)
     return glm::determinant(glm::dmat3(m)) < 0;
 }
 
-bool has_volume(const glm::mat4& m)
-{
-    // The determinant in float, since Embree inverts in float.
-    if (!std::isnormal(glm::determinant(glm::mat3(m)))) return false;
-    const glm::dmat3 inverse = glm::inverse(glm::dmat3(m));
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 3; ++row) {
-            if (!(std::abs(m[column][row]) <= k_largest_coordinate)) return false;
-            if (column < 3 && !(std::abs(inverse[column][row]) <= k_largest_inverse)) return false;
-        }
-    return true;
-}
-
 SceneHandle RayScene::Inside::new_scene(RTCBuildQuality quality, unsigned flags) const
 {
     SceneHandle handle(rtcNewScene(device.get()));

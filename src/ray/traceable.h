@@ -4,15 +4,9 @@
 
 #include <cmath>
 
-#include "base/math.h"
+#include "base/volume.h"
 
 namespace gnomon::ray {
-
-// Embree asserts, in release builds too, that rays are numbers within 1.8e18, also in the space of an instance. So rays
-// beyond k_largest_coordinate (scene units) meet nothing, nor do instances that magnify rays by more than
-// k_largest_inverse: together they stay below 6 * 1e9 * 1e8.
-inline constexpr float k_largest_coordinate = 1e9f;
-inline constexpr double k_largest_inverse = 1e8;
 
 /// Whether a ray may be handed to Embree; the others meet nothing. One that ends behind its beginning may not: Embree
 /// marks blocked rays by such an end.
@@ -24,9 +18,5 @@ inline bool traceable(float ox, float oy, float oz, float tnear, float dx, float
     return (fits(ox) & fits(oy) & fits(oz) & fits(dx) & fits(dy) & fits(dz) & at_least(tnear, 0) &
             at_least(k_infinity, tnear) & at_least(tfar, 0)) != 0;
 }
-
-/// Whether it can be inverted. Rays are taken into the space of an instance: a matrix without an inverse (a scale of 0
-/// is a usual way of hiding things) must not reach Embree, nor a device.
-bool has_volume(const glm::mat4& m);
 
 }   // namespace gnomon::ray

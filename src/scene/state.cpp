@@ -6,6 +6,7 @@
 
 #include "base/bits.h"
 #include "base/check.h"
+#include "base/volume.h"
 #include "scene/change_index.h"
 
 namespace gnomon::scene {
@@ -261,6 +262,14 @@ const std::vector<glm::mat4>& SceneState::joints_of(SkinId id)
         joints.matrices.emplace_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
     joints.step = step_;
     return joints.matrices;
+}
+
+bool SceneState::object_there(ObjectId object) const
+{
+    if (!object_visible(object)) return false;
+    const Object& o = scene_->objects[object];
+    if (!o.dynamic || o.skin != none) return true;
+    return has_volume(glm::mat4(world_[o.group != none ? scene_->groups[o.group].anchor : o.node]));
 }
 
 glm::mat4 SceneState::object_matrix(ObjectId object) const

@@ -53,6 +53,9 @@ class SceneState {
     bool visible(NodeId node) const { return node_visible_[node]; }
     glm::mat4 object_matrix(ObjectId object) const;
     bool object_visible(ObjectId object) const { return node_visible_[scene_->objects[object].node]; }
+    /// Visible, and not squeezed flat by what moves it: such things meet no ray, and so are not drawn either and cast
+    /// no shadow. What cannot move may be flat.
+    bool object_there(ObjectId object) const;
     bool group_visible(GroupId group) const { return node_visible_[scene_->groups[group].anchor]; }
     const LightState& light(LightId light) const { return lights_[light]; }
     /// For deforming objects only.

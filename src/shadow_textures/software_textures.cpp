@@ -64,7 +64,7 @@ ReceiverTexture texture_by_casters(const ViewProjection& view, const Casters& ca
     const light_views::DistanceRange mine =
         light_views::distance_range(view, state.object_matrix(receiver), casters.box(receiver));
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
-        if (o == receiver || !casters.casts(o) || !state.object_visible(o)) continue;
+        if (o == receiver || !casters.casts(o) || !state.object_there(o)) continue;
         if (light_views::distance_range(view, state.object_matrix(o), casters.box(o)).nearest > mine.farthest) continue;
         draw_object(shadowed, view, state, o, rect);
     }

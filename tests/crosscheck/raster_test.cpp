@@ -297,6 +297,47 @@ TEST_F(RasterCrosscheck, HardShadowsOfCutOuts)
     EXPECT_GT(through, 200u);
 }
 
+// Squeezed flat by what moves it, a thing meets no ray: it is not seen, and casts no shadow. One that cannot move does
+// both. By either frame.
+TEST_F(RasterCrosscheck, WhatIsFlatIsThereOrNotInBoth)
+{
+    const glm::dmat4 flat = test::translation(0, 2, 0) * glm::scale(glm::dmat4(1), glm::dvec3(1.5, 0, 1.5));
+    std::size_t seen[2] = {0, 0};
+    for (const bool moves : {false, true}) {
+        scene::Scene made;
+        test::add_materials(made);
+        made.meshes.push_back(test::ball(test::two_sided, 12, 18));
+        test::add_object(made, 0, scene::none,
+                         test::translation(0, -1, 0) * glm::scale(glm::dmat4(1), glm::dvec3(8, 0.1, 8)));
+        const scene::NodeId node = test::add_object(made, 0, scene::none, flat);
+        if (moves)
+            made.nodes[node].transform =
+                std::make_shared<test::JumpTrack>(1, flat, flat * test::translation(0.1, 0, 0));
+        scene::Scene whole = *test::finished(made);
+        scene::add_default_camera(whole);
+        const Scene scene =
+            Scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 2 9 1 300 280 260"});
+        const Size size{120, 90};
+        for (const ShadowTextures method :
+             {ShadowTextures::coherent, ShadowTextures::depth, ShadowTextures::per_caster}) {
+            RenderOptions raster = options_of(RenderMethod::raster, size);
+            raster.shadow_textures = method;
+            const Picture a = Renderer(options_of(RenderMethod::trace, size)).render(scene, 1),
+                          b = Renderer(raster).render(scene, 1);
+            const auto &za = layer(a, "depth").data, &zb = layer(b, "depth").data;
+            const auto &la = layer(a, "shadow").data, &lb = layer(b, "shadow").data;
+            std::size_t different = 0;
+            for (std::size_t i = 0; i < za.size(); ++i) {
+                different += !(std::abs(za[i] - zb[i]) <= k_depth_tolerance * za[i]) || la[i] != lb[i];
+                seen[moves] += za[i] > 0 && la[i] == 0;
+            }
+            EXPECT_EQ(test::count_of_no_numbers(b), 0u);
+            EXPECT_LT(different, za.size() / 250) << (moves ? "moves, " : "stands, ") << static_cast<int>(method);
+        }
+    }
+    EXPECT_GT(seen[0], seen[1] + 300) << "its shadow";
+}
+
 // What is remembered changes nothing: a film's frames are those of fresh renderers, by all three methods.
 TEST_F(RasterCrosscheck, FilmIsItsFrames)
 {

@@ -182,7 +182,7 @@ void DeviceRays::make_bottoms(const GpuScene& scene, const scene::SceneState& st
             add(bottom_of_mesh_[object.mesh], o, scene::none, false);
         // What stands still may be flat: its vertices are moved as they are, without an inverse.
         const glm::mat4 matrix = placed(state, o);
-        const bool flat = !dynamic_[o] && !ray::has_volume(matrix) && finite(matrix);
+        const bool flat = !dynamic_[o] && !has_volume(matrix) && finite(matrix);
         if (flat) matrices_host_.push_back(rows_of(matrix));
         if (flat || object.deforming)
             add(bottom_of_object_[o], o, flat ? static_cast<std::uint32_t>(matrices_host_.size() - 1) : scene::none,
@@ -264,7 +264,7 @@ void DeviceRays::place(const scene::SceneState& state, scene::ObjectId o)
             bottom = scene::none;   // somebody took it out of what stands still
     }
     if (bottom == scene::none) bottom = bottom_of_mesh_[scene_->objects[o].mesh];
-    const bool met = bottom != scene::none && state.object_visible(o) && ray::has_volume(matrix) && !broken(state, o);
+    const bool met = bottom != scene::none && state.object_visible(o) && has_volume(matrix) && !broken(state, o);
     instance.transform = rows_of(met ? matrix : glm::mat4(1));
     if (!met) return;
     instance.mask = dynamic_[o] ? GNOMON_RAYS_DYNAMIC : GNOMON_RAYS_STATIC;
@@ -393,7 +393,7 @@ void DeviceRays::blocked(vk::Commands& commands, const GpuScene& scene, const ra
     push.mask = against == ray::Against::static_only    ? GNOMON_RAYS_STATIC
                 : against == ray::Against::dynamic_only ? GNOMON_RAYS_DYNAMIC
                                                         : GNOMON_RAYS_STATIC | GNOMON_RAYS_DYNAMIC;
-    push.reach = ray::k_largest_coordinate;
+    push.reach = k_largest_coordinate;
     const std::size_t most = std::min<std::uint64_t>(k_rays_at_once, device_->ray_limits().most_rays);
     for (std::size_t begin = 0; begin < rays.size(); begin += most) {
         push.count = static_cast<std::uint32_t>(std::min(most, rays.size() - begin));

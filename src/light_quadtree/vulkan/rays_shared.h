@@ -18,7 +18,7 @@ struct RayPush {
     uint count;
     uint apart;   // floats from one array to the next
     uint mask;    // of instances that are asked
-    float reach;  // rays from beyond, or of longer directions, meet nothing: ray::k_largest_coordinate
+    float reach;  // rays from beyond, or of longer directions, meet nothing: k_largest_coordinate
 };
 
 // Instance masks.

@@ -229,7 +229,7 @@ void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews&
                 const std::vector<light_views::DistanceRange>& range = ranges_[receiver.view];
                 const float farthest = range[receiver.object].farthest;
                 for (scene::ObjectId o = 0; o < objects_; ++o) {
-                    if (!views.casters().casts(o) || !state.object_visible(o)) continue;
+                    if (!views.casters().casts(o) || !state.object_there(o)) continue;
                     if (o != receiver.object && range[o].nearest > farthest) continue;
                     const auto draw = [&](const CasterGeometry::Part& part, bool masked) {
                         const vk::Pipeline& wanted = caster_[view.projection.perspective ? 0 : 1][masked ? 1 : 0];
