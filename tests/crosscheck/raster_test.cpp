@@ -240,6 +240,40 @@ TEST_F(RasterCrosscheck, LightOfFiles)
     }
 }
 
+// Beside bounced light, too: a picture behind the windows is seen by its ambient colour, and a court is filled dimly.
+TEST_F(RasterCrosscheck, BackdropsAndTheFillOfCourts)
+{
+    scene::Scene scene;
+    scene::Material court, backdrop;
+    court.double_sided = true;
+    backdrop.model = scene::ShadingModel::whitted;
+    backdrop.double_sided = true;
+    backdrop.base_color = glm::vec3(0);
+    backdrop.ambient = {1, 0.5f, 0.25f};
+    scene.materials = {court, backdrop};
+    for (const scene::MaterialId material : {0u, 1u}) {
+        scene.meshes.push_back(test::ball(material, 12, 18));
+        test::add_object(scene, material, scene::none, test::translation(material == 0 ? -1.5 : 1.5, 0, 0));
+    }
+    scene::Scene whole = *test::finished(scene);
+    whole.ambient = glm::vec3(0.5f);
+    whole.background.kind = scene::Background::Kind::sky;
+    whole.background.color = glm::vec3(0.1f);
+    scene::add_default_camera(whole);
+    const Scene lit =
+        Scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 0 9 4 300 280 260"});
+    std::vector<float> seen[2];
+    for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
+        RenderOptions options = options_of(renderer, {96, 64});
+        options.indirect = Indirect::visible;
+        options.max_depth = 0;
+        seen[renderer == RenderMethod::raster] = Renderer(options).render(lit, 1).layers[0].data;
+    }
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < seen[0].size(); ++i) different += std::abs(seen[0][i] - seen[1][i]) > 0.02f;
+    EXPECT_LE(different, seen[0].size() / 100);   // at edges, of objects and shadows
+}
+
 TEST_F(RasterCrosscheck, LightOfKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");

@@ -54,6 +54,18 @@ vec3 unresolved_mirror(Surface s)
     return fresnel * (1 - traced) * s.coverage * background_ambient(normalize(reflected));
 }
 
+// What stands in for light from everywhere, and what of it is there beside bounced light (ambient_light in shading.cpp).
+vec3 ambient_light(Surface s)
+{
+    const bool whitted = s.model == GNOMON_MODEL_WHITTED;
+    const bool backdrop = whitted && s.diffuse == vec3(0) && s.specular == vec3(0) && s.transmitted == vec3(0);
+    vec3 result = frame.stand_in != 0 || backdrop ? s.ambient * frame.ambient : vec3(0);
+    if (frame.background == GNOMON_BACKGROUND_SKY)
+        result += (whitted ? s.diffuse : s.ambient) *
+                  (frame.stand_in != 0 ? background_ambient(s.normal) : frame.background_color);
+    return result;
+}
+
 // What is seen of what lies straight behind.
 vec3 passes(Surface s)
 {
@@ -110,10 +122,7 @@ void main()
     const Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread);
 
     vec3 own = s.emissive * s.coverage;
-    vec3 ambient = frame.stand_in != 0 ? s.ambient * frame.ambient : vec3(0);
-    if (frame.stand_in != 0 && frame.background == GNOMON_BACKGROUND_SKY)
-        ambient += (s.model == GNOMON_MODEL_WHITTED ? s.diffuse : s.ambient) * background_ambient(s.normal);
-    own += ambient * s.coverage + unresolved_mirror(s);
+    own += ambient_light(s) * s.coverage + unresolved_mirror(s);
     imageStore(color, at, sum + vec4(push.weight * here * own, 0));
     imageStore(share, at, vec4(push.weight * here, 0));
     imageStore(through, at, vec4(before_opaque ? here * passes(s) : vec3(0), 0));
