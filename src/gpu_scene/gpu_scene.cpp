@@ -114,6 +114,7 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
         g.normals = place_of.normals;
         std::copy(std::begin(place_of.texcoords), std::end(place_of.texcoords), g.texcoords);
         g.colors = place_of.colors;
+        g.tangents = mesh.tangents.empty() ? 0 : 1;
         g.first_index = place_of.first_index;
         place(state, static_cast<scene::ObjectId>(o));
         for (const scene::MeshPart& part : mesh.parts) {

@@ -21,6 +21,7 @@ struct GpuObject {
     uint texcoords[2];   // each or none
     uint colors;         // or none
     uint first_index;    // of the mesh's triangles
+    uint tangents;       // the file has its own: 1
 };
 
 /// One part of one object: one indirect draw, which has the same number.

@@ -73,12 +73,15 @@ void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3&
     frame.across = across * glm::vec2(-glm::dot(e2, forward), glm::dot(e1, forward));
 }
 
-// Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle.
+// Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle: as
+// the picture lies on it, or as the file's own tangents have it, which know nothing of a turned picture.
 glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
-                        const glm::vec3& normal)
+                        const glm::vec3& normal, bool front)
 {
-    const auto& t = frame.mesh.texcoords[material.normal_texture.texcoord];
-    const glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
+    const scene::TextureUse& use = material.normal_texture;
+    const auto& t = frame.mesh.texcoords[use.texcoord];
+    glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
+    if (frame.mesh.tangents.empty()) a = scene::apply_to_step(use, a), b = scene::apply_to_step(use, b);
     const float determinant = a.x * b.y - a.y * b.x;
     if (determinant == 0) return normal;
     const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
@@ -89,9 +92,10 @@ glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& fra
     glm::vec3 bitangent = glm::cross(normal, tangent);
     if (glm::dot(bitangent, along_v) > 0) bitangent = -bitangent;
     if (tangent == glm::vec3(0)) return normal;
-    const glm::vec4 texel = frame.look_up(material.normal_texture);
-    const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) *
-                        glm::vec3(material.normal_scale, material.normal_scale, 1);
+    const glm::vec4 texel = frame.look_up(use);
+    // What is a bump on the front is a dent on the back [glTF 2.0, 3.9.6: the whole normal is reversed].
+    const float scale = front ? material.normal_scale : -material.normal_scale;
+    const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) * glm::vec3(scale, scale, 1);
     return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
 }
 
@@ -191,7 +195,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     s.cone.spread = cone.spread;
     TextureFrame frame{scene, mesh, index, u, v};
     if (is_textured(material)) find_footprint(p, double_area, s.geometric_normal, direction, s.cone.width, frame);
-    if (frame.has(material.normal_texture)) s.normal = mapped_normal(material, frame, p, s.normal);
+    if (frame.has(material.normal_texture)) s.normal = mapped_normal(material, frame, p, s.normal, s.front);
 
     // Bend a shading normal that looks away from the viewer back to the horizon.
     if (const float facing = glm::dot(s.normal, s.to_viewer); facing < 0)

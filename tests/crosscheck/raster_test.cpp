@@ -230,6 +230,46 @@ TEST_F(RasterCrosscheck, LightOfAFloorToTheHorizon)
     expect_same_light(test::floor_to_the_horizon(), 1, 0.98);
 }
 
+// Bumps, from the front and from behind; turned with their picture, but not where the file has tangents.
+TEST_F(RasterCrosscheck, LightOfNormalMaps)
+{
+    scene::Scene scene;
+    Image8 bumps(16, 16, 3);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x) {
+            const std::uint8_t texel[] = {static_cast<std::uint8_t>(64 + 8 * x), static_cast<std::uint8_t>(192 - 8 * y),
+                                          220};
+            std::copy_n(texel, 3, bumps.pixel(x, y));
+        }
+    scene.textures.emplace_back("bumps", bumps, false, scene::Sampler());
+    scene::Material material;
+    material.double_sided = true;
+    material.normal_texture.texture = 0;
+    for (const float rotation : {0.0f, 2.0f}) {
+        material.normal_texture.rotation = rotation;
+        scene.materials.push_back(material);
+    }
+    for (int i = 0; i < 6; ++i) {
+        scene::Mesh mesh;
+        mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        mesh.texcoords[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+        if (i % 3 == 2) mesh.tangents.assign(4, {1, 0, 0, 1});
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        mesh.parts = {{i % 3 == 0 ? 0u : 1u, 0, 2}};
+        scene.meshes.push_back(mesh);
+        const glm::dmat4 place = test::translation(2.2 * (i % 3 - 1), i < 3 ? 1.1 : -1.1, 0);
+        const glm::dmat4 turned = glm::rotate(glm::dmat4(1), i < 3 ? 0.0 : k_pi, glm::dvec3(0, 1, 0));
+        test::add_object(scene, static_cast<scene::MeshId>(i), scene::none, place * turned);
+    }
+    scene::Camera camera;
+    camera.node = scene.add_node("camera", scene::none, test::translation(0, 0, 7));
+    scene.cameras.push_back(camera);
+    scene::Scene whole = *test::finished(scene);
+    const Scene lit =
+        Scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point -6 6 4 300 280 260"});
+    expect_same_light(lit, 1, 0.95);
+}
+
 TEST_F(RasterCrosscheck, LightOfFiles)
 {
     for (const char* name : {"gltf/CesiumMilkTruck.glb", "gltf/BoxAnimated.glb", "gltf/cannon.glb"}) {

@@ -128,5 +128,43 @@ TEST(Shading, ABackdropShinesWithItsAmbientColourAlone)
     EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));
 }
 
+// A quad that faces +z, whose normal map tilts all of it against u, seen from the front or from behind.
+glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
+{
+    scene::Scene scene;
+    Image8 leans(1, 1, 3);
+    const std::uint8_t texel[] = {218, 128, 218};
+    std::copy_n(texel, 3, leans.pixel(0, 0));
+    scene.textures.emplace_back("leans", leans, false, scene::Sampler());
+    scene::Material material;
+    material.double_sided = true;
+    material.normal_texture.texture = 0;
+    material.normal_texture.rotation = rotation;
+    scene.materials.push_back(material);
+    scene::Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}};
+    mesh.texcoords[0] = {{0, 1}, {1, 1}, {1, 0}};
+    if (own_tangents) mesh.tangents.assign(3, {1, 0, 0, 1});
+    mesh.triangles = {{0, 1, 2}};
+    mesh.parts = {{0, 0, 1}};
+    ray::ObjectGeometry geometry;
+    geometry.mesh = &mesh;
+    geometry.positions = mesh.positions.data();
+    SurfacePoint s;
+    surface_at(scene, geometry, 0, 0.3f, 0.3f, 1, {0, 0, front ? -1 : 1}, {}, s);
+    return s.normal;
+}
+
+TEST(Shading, NormalMapsTurnWithTheirPictureAndAreReversedBehind)
+{
+    const float half_turn = static_cast<float>(k_pi);
+    const glm::vec3 leans = mapped_normal(0, false, true);
+    EXPECT_NEAR(leans.x, std::sqrt(0.5f), 0.01f);
+    EXPECT_GT(leans.z, 0);
+    EXPECT_LT(glm::length(mapped_normal(0, false, false) + leans), 1e-3f);   // a bump in front is a dent behind
+    EXPECT_LT(mapped_normal(half_turn, false, true).x, -0.7f);
+    EXPECT_GT(mapped_normal(half_turn, true, true).x, 0.7f);   // the file's own tangents stay
+}
+
 }   // namespace
 }   // namespace gnomon::render

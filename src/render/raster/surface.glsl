@@ -78,7 +78,11 @@ vec3 mapped_normal(Triangle t, GpuTextureUse use, float scale, vec3 normal)
 {
     const uint first = objects.at[t.object].texcoords[use.texcoord];
     const vec2 t0 = texcoords.at[first + t.corner.x];
-    const vec2 a = texcoords.at[first + t.corner.y] - t0, b = texcoords.at[first + t.corner.z] - t0;
+    vec2 a = texcoords.at[first + t.corner.y] - t0, b = texcoords.at[first + t.corner.z] - t0;
+    if (objects.at[t.object].tangents == 0) {
+        a = apply_to_step(use, a);
+        b = apply_to_step(use, b);
+    }
     const float determinant = a.x * b.y - a.y * b.x;
     if (determinant == 0) return normal;
     const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
@@ -207,7 +211,8 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
     find_footprint(t, double_area, s.geometric_normal, direction, cone_width + s.distance * cone_spread);
     const GpuMaterial material = materials.at[draws.at[draw].material];
     if (has(t, material.normal_texture))
-        s.normal = mapped_normal(t, material.normal_texture, material.normal_scale, s.normal);
+        s.normal = mapped_normal(t, material.normal_texture, s.front ? material.normal_scale : -material.normal_scale,
+                                 s.normal);
     const float facing = dot(s.normal, s.to_viewer);
     if (facing < 0) s.normal = unit_or(s.normal - (facing - 1e-3) * s.to_viewer, s.geometric_normal);
     fill_material(t, material, s);
