@@ -28,7 +28,7 @@ class Materials {
         bool read = false;
         Image8 image;
     };
-    scene::TextureUse use(const TextureInfo& info, bool srgb, const std::string& pointer);
+    scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
     const Image8& picture(Index image);
@@ -43,7 +43,7 @@ class Materials {
     std::map<std::string, Index> by_source_;   // the first image of a file or a place in a buffer
     std::vector<Index> first_;                 // by image, once asked for
     std::map<Index, Picture> pictures_;        // by first image, as textures are
-    std::map<std::tuple<Index, int, int, int, int, bool>, scene::TextureId> textures_;
+    std::map<std::tuple<Index, int, int, int, int, bool, bool>, scene::TextureId> textures_;
 };
 
 /// Meshes of the document as those of the scene, each when first asked for.

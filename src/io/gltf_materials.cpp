@@ -65,6 +65,14 @@ std::string header_fault(std::span<const std::uint8_t> b)
     return {};
 }
 
+Image8 without_alpha(const Image8& image)
+{
+    Image8 result(image.width, image.height, image.channels - 1);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) std::copy_n(image.pixel(x, y), result.channels, result.pixel(x, y));
+    return result;
+}
+
 scene::Wrap wrap(int code)
 {
     constexpr int clamp_to_edge = 33071, mirrored_repeat = 33648;
@@ -180,7 +188,7 @@ void Materials::check_unused()
     pictures_.clear();
 }
 
-scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, const std::string& pointer)
+scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer)
 {
     scene::TextureUse result;
     if (info.texture == k_absent) return result;
@@ -201,9 +209,11 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, const std::
     const scene::Sampler sampler =
         texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
     const Index first = first_of(texture.source);
+    // Where alpha has no say it is not kept: coarser levels would weight the other channels by it.
+    const bool drop_alpha = !alpha && (image.channels == 2 || image.channels == 4);
     const std::tuple key(first, static_cast<int>(sampler.wrap_u), static_cast<int>(sampler.wrap_v),
                          static_cast<int>(sampler.magnify) * 2 + static_cast<int>(sampler.minify),
-                         static_cast<int>(sampler.mipmaps), srgb);
+                         static_cast<int>(sampler.mipmaps), srgb, drop_alpha);
     auto [made, fresh] = textures_.try_emplace(key, scene::none);
     if (fresh) {
         const auto pixels = static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
@@ -214,7 +224,7 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, const std::
                            : !source.name.empty() ? source.name
                                                   : fmt::format("image {}", texture.source);
         made->second = static_cast<scene::TextureId>(out_.textures.size());
-        out_.textures.emplace_back(std::move(name), image, srgb, sampler);
+        out_.textures.emplace_back(std::move(name), drop_alpha ? without_alpha(image) : image, srgb, sampler);
     }
     result.texture = made->second;
     result.texcoord = static_cast<int>(info.texcoord);
@@ -238,21 +248,23 @@ scene::MaterialId Materials::get(Index index)
     out.model = m.unlit ? scene::ShadingModel::unlit : scene::ShadingModel::metallic_roughness;
     out.base_color = {m.base_color[0], m.base_color[1], m.base_color[2]};
     out.alpha = m.base_color[3];
-    out.base_color_texture = use(m.base_color_texture, true, at(pbr, "baseColorTexture"));
     out.double_sided = m.double_sided;
     out.alpha_mode = m.alpha_mode == "MASK"    ? scene::AlphaMode::mask
                      : m.alpha_mode == "BLEND" ? scene::AlphaMode::blend
                                                : scene::AlphaMode::opaque;
     out.alpha_cutoff = m.alpha_cutoff;
+    const bool has_alpha = out.alpha_mode != scene::AlphaMode::opaque;
+    out.base_color_texture = use(m.base_color_texture, true, has_alpha, at(pbr, "baseColorTexture"));
     out.metallic = m.metallic;
     out.roughness = m.roughness;
-    out.metallic_roughness_texture = use(m.metallic_roughness_texture, false, at(pbr, "metallicRoughnessTexture"));
-    out.normal_texture = use(m.normal_texture, false, at(here, "normalTexture"));
+    out.metallic_roughness_texture =
+        use(m.metallic_roughness_texture, false, false, at(pbr, "metallicRoughnessTexture"));
+    out.normal_texture = use(m.normal_texture, false, false, at(here, "normalTexture"));
     out.normal_scale = m.normal_texture.factor;
-    out.occlusion_texture = use(m.occlusion_texture, false, at(here, "occlusionTexture"));
+    out.occlusion_texture = use(m.occlusion_texture, false, false, at(here, "occlusionTexture"));
     out.occlusion_strength = m.occlusion_texture.factor;
     out.emissive = m.emissive_strength * glm::vec3(m.emissive[0], m.emissive[1], m.emissive[2]);
-    out.emissive_texture = use(m.emissive_texture, true, at(here, "emissiveTexture"));
+    out.emissive_texture = use(m.emissive_texture, true, false, at(here, "emissiveTexture"));
     out.transmission = m.transmission;
     out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 stands for an old model of gloss [KHR_materials_ior]
 

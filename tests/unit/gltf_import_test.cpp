@@ -259,6 +259,35 @@ TEST(GltfImport, MaterialsTexturesAndExtensions)
     EXPECT_TRUE(s.warnings.empty()) << s.warnings.front();
 }
 
+// Alpha of an opaque material is nothing, and must not weigh the colours that are seen from afar.
+TEST(GltfImport, AlphaThatHasNoSayWeighsNothing)
+{
+    Document d;
+    Image8 image(2, 1, 4);
+    image.data = {255, 255, 255, 0, 0, 0, 0, 255};
+    io::write_png(d.folder() / "two.png", image);
+    const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    const int uv = d.floats({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+    const auto part = [&](int material) {
+        return fmt::format(R"({{"attributes":{{"POSITION":{},"TEXCOORD_0":{}}},"material":{}}})", p, uv, material);
+    };
+    const scene::Scene s = d.load(
+        one_mesh(part(0) + "," + part(1)) +
+        R"(,"images":[{"uri":"two.png"}],"textures":[{"source":0}],"materials":[{"name":"opaque","normalTexture":{"index":0},
+        "pbrMetallicRoughness":{"baseColorTexture":{"index":0}}},{"name":"blend","alphaMode":"BLEND",
+        "pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}])");
+    const auto from_afar = [&](const scene::TextureUse& use) {
+        return s.textures[use.texture].sample({0.5f, 0.5f}, 2);
+    };
+    ASSERT_EQ(s.materials.size(), 2u);
+    const bool first = s.materials[0].name == "opaque";
+    const scene::Material &opaque = s.materials[first ? 0 : 1], &blend = s.materials[first ? 1 : 0];
+    EXPECT_NEAR(from_afar(opaque.base_color_texture).x, 0.5f, 0.01f);
+    EXPECT_NEAR(from_afar(opaque.normal_texture).x, 0.5f, 0.01f);
+    EXPECT_NEAR(from_afar(blend.base_color_texture).x, 0, 0.01f);
+    EXPECT_NEAR(from_afar(blend.base_color_texture).w, 0.5f, 0.01f);
+}
+
 TEST(GltfImport, CamerasLightsAndTheDefaultScene)
 {
     Document d;
