@@ -29,6 +29,12 @@ bool mirrors(const glm::dmat4& m)
     return glm::determinant(glm::dmat3(m)) < 0;
 }
 
+Meeting meeting_by(const glm::mat4& m)
+{
+    if (!has_volume(m)) return Meeting::never;
+    return stray_of(m) <= k_true_stray ? Meeting::truly : Meeting::roughly;
+}
+
 SceneHandle RayScene::Inside::new_scene(RTCBuildQuality quality, unsigned flags) const
 {
     SceneHandle handle(rtcNewScene(device.get()));
@@ -54,7 +60,8 @@ void RayScene::Inside::build(const scene::SceneState& state)
     const auto instanced = [&](const scene::Object& object) {
         const std::size_t n = copies[object.mesh];
         return !object.deforming && n >= k_instancing_copies &&
-               n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles;
+               n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles &&
+               meeting_by(glm::mat4(state.world(object.node))) != Meeting::roughly;
     };
 
     // How far does everything static reach?
@@ -231,7 +238,8 @@ void RayScene::Inside::make_tree_of_one(Solid& solid)
 void RayScene::Inside::measure(Solid& solid, const scene::SceneState& state)
 {
     solid.visible = state.object_visible(solid.objects.front());
-    solid.has_volume = has_volume(solid.to_world);
+    solid.meeting = meeting_by(solid.to_world);
+    solid.has_volume = solid.meeting != Meeting::never;
     solid.reach = reach_of(solid.box, solid.to_world);
 }
 

@@ -45,13 +45,16 @@ struct Solid {
 
     glm::mat4 to_world{1};
     glm::mat3 normal_to_world{1};
-    bool mirrored = false;          // by to_world
-    bool visible = true;            // as the scene has it
+    bool mirrored = false;   // by to_world
+    bool visible = true;     // as the scene has it
+    Meeting meeting = Meeting::truly;
     bool has_volume = true;         // to_world can be inverted; what is squeezed flat is met by no ray
     bool enabled = true;            // in the tree: visible and with volume
     std::uint64_t touched_at = 0;   // the update that last touched it
 };
 
+/// Of what a matrix places.
+Meeting meeting_by(const glm::mat4& m);
 /// Largest coordinate of a placed box, and of its place.
 float reach_of(const Box3& box, const glm::mat4& to_world);
 /// How much larger the box of what is placed must be, in its own space, where coordinates reach so far.

@@ -130,6 +130,13 @@ bool RayScene::moves(scene::ObjectId object) const
     return inside_->scene->objects[object].dynamic || stands_alone(object);
 }
 
+Meeting RayScene::meeting(scene::ObjectId object) const
+{
+    if (const std::uint32_t s = inside_->solid_of(object); s != scene::none) return inside_->solids[s].meeting;
+    const glm::mat4* to_world = inside_->geometry[object].to_world;
+    return to_world ? meeting_by(*to_world) : Meeting::truly;
+}
+
 std::uint32_t RayScene::lifted() const
 {
     return inside_->lifted;

@@ -26,6 +26,10 @@ enum class Against : std::uint8_t { everything, static_only, dynamic_only, one_t
 /// What closest-hit rays see of one-sided surfaces: both sides, or their front alone (camera and mirror rays).
 enum class Sides : std::uint8_t { both, front };
 
+/// How rays meet an object. `never`: it is squeezed flat by the matrix that places it. `roughly`: so aslant that rays
+/// may meet it elsewhere than where its corners are.
+enum class Meeting : std::uint8_t { never, roughly, truly };
+
 /// One object's triangles as the rays meet them. Positions and normals are in world space if `to_world` is null, else
 /// in a space that `to_world` takes to the world.
 struct ObjectGeometry {
@@ -105,6 +109,8 @@ class RayScene {
     bool stands_alone(scene::ObjectId object) const;
     /// Whether an object is among what moves: what `static_only` does not meet.
     bool moves(scene::ObjectId object) const;
+    /// How rays meet it while it is visible.
+    Meeting meeting(scene::ObjectId object) const;
     /// How many static objects somebody moved by hand for the first time. Counts up: what was remembered of static
     /// things is void then.
     std::uint32_t lifted() const;

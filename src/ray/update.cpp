@@ -93,7 +93,8 @@ void RayScene::Inside::place(Solid& solid, const scene::SceneState& state)
         for (const scene::ObjectId o : solid.objects) geometry[o].mirrored = !geometry[o].mirrored;
     }
     solid.reach = reach_of(solid.box, solid.to_world);
-    solid.has_volume = has_volume(solid.to_world);
+    solid.meeting = meeting_by(solid.to_world);
+    solid.has_volume = solid.meeting != Meeting::never;
     if (solid.has_volume)
         rtcSetGeometryTransform(solid.instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &solid.to_world);
     show(solid, solid.visible);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/volume.h"
+
 namespace gnomon::shadow_culling {
 
 namespace {
@@ -19,6 +21,14 @@ Box3 widened(Box3 box)
     box.low -= k_widen * largest;
     box.high += k_widen * largest;
     return box;
+}
+
+// Where something is that rays meet, by the box of its corners.
+Box3 met(const Box3& box, ray::Meeting meeting)
+{
+    if (box.empty() || meeting == ray::Meeting::never) return Box3{};
+    if (meeting == ray::Meeting::truly) return widened(box);
+    return {glm::vec3(-k_largest_coordinate), glm::vec3(k_largest_coordinate)};
 }
 
 Box3 transformed(const Box3& box, const glm::mat4& m)
@@ -103,13 +113,15 @@ void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray:
 {
     mover.world = Box3{};
     if (mover.group != scene::none) {
-        const scene::NodeId anchor = state.scene().groups[mover.group].anchor;
-        if (state.group_visible(mover.group))
-            mover.world = widened(transformed(mover.own, glm::mat4(state.world(anchor))));
+        const scene::RigidGroup& group = state.scene().groups[mover.group];
+        const auto o = std::find_if(group.objects.begin(), group.objects.end(),
+                                    [&](scene::ObjectId object) { return !rays.stands_alone(object); });
+        if (o != group.objects.end() && state.group_visible(mover.group))
+            mover.world = met(transformed(mover.own, glm::mat4(state.world(group.anchor))), rays.meeting(*o));
     } else if (state.object_visible(mover.object)) {
         const ray::ObjectGeometry& geometry = rays.geometry(mover.object);
         const Box3 own = bounds_of(geometry);
-        mover.world = widened(geometry.to_world ? transformed(own, *geometry.to_world) : own);
+        mover.world = met(geometry.to_world ? transformed(own, *geometry.to_world) : own, rays.meeting(mover.object));
     }
     const auto index = static_cast<std::uint32_t>(&mover - movers_.data());
     if (index < tree_.size()) tree_.move(index, mover.world);

@@ -34,7 +34,7 @@ struct MoverMask::Print {
     float begins = -k_infinity, ends = k_infinity;        // in depth, margins included; known with the outline
     float stretch = 1;                                    // of its matrix, at most
     bool mirrored = false, masked = false;
-    bool blind = false;   // too near to the light's plane to be drawn: may be anywhere
+    bool blind = false;   // may be anywhere: too near to the light's plane to be drawn, or met roughly
 };
 
 struct MoverMask::Block {

@@ -19,6 +19,7 @@ void MoverMask::find_outline(LightMask& mask, Print& print)
             std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
         print.mirrored = glm::determinant(linear) < 0;
     }
+    if (rays_->meeting(unit.object) == ray::Meeting::roughly) print.stretch = k_infinity;   // any of it rises
     const MoverShape& shape = *unit.shape;
     if (print.blind) return;
     const LightSpace& space = mask.space;

@@ -40,7 +40,7 @@ void MoverMask::place_prints(LightMask& mask, std::uint32_t light)
     for (std::size_t u = 0; u < units_.size(); ++u) {
         const Unit& unit = *units_[u];
         placed[u].coordinate = 0;
-        if (!state_->object_visible(unit.object)) continue;
+        if (!state_->object_visible(unit.object) || rays_->meeting(unit.object) == ray::Meeting::never) continue;
         const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
         Box3 own = unit.own;
         if (unit.deforming) {
@@ -78,7 +78,16 @@ void MoverMask::place_prints(LightMask& mask, std::uint32_t light)
     for (std::size_t u = 0; u < units_.size(); ++u) {
         if (!(placed[u].coordinate > 0)) continue;
         const glm::dvec3 from_light = placed[u].middle - to.place;
+        const bool anywhere = rays_->meeting(units_[u]->object) == ray::Meeting::roughly;
         for (std::uint32_t face = 0; face < mask.space.faces(); ++face) {
+            if (anywhere) {
+                Print print;
+                print.unit = static_cast<std::uint32_t>(u);
+                print.face = face;
+                print.blind = true;
+                mask.prints.push_back(print);
+                continue;
+            }
             const double room = 2 * mask.margin;
             if (!to.directional) {
                 // Most boxes are far from most faces.

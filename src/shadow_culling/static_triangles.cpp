@@ -61,7 +61,9 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
     count_.assign(scene.objects.size(), 0);
     std::vector<scene::ObjectId> space;   // by triangle: none for the world's, else the instance's own
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].dynamic || rays.stands_alone(o) || !state.object_visible(o)) continue;
+        if (scene.objects[o].dynamic || rays.stands_alone(o) || !state.object_visible(o) ||
+            rays.meeting(o) == ray::Meeting::never)
+            continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "base/hash.h"
 #include "base/random.h"
@@ -187,6 +188,45 @@ TEST(CertifiedCulling, FollowsStaticObjectsMovedByHand)
         rays.update(state);
         compare(frame);
     }
+}
+
+// Movers without volume, as where they are hidden by a scale of 0, and movers squeezed aslant by another's scale, which
+// rays meet roughly or not at all: what is said of them without rays is what rays say.
+TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
+{
+    std::uint64_t skipped = 0;
+    for (const double thin : {0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1}) {
+        const auto scene = Soup(7, 6).take();
+        scene::SceneState state(scene, 0);
+        ray::RayScene rays(state);
+        shadow_culling::CertifiedOptions certified;
+        certified.mask.asked = 1;
+        certified.mask.edges_per_ray = k_infinity;
+        shadow_culling::CertifiedCulling culling(state, rays, certified);
+        Tasks one(1);
+        render::View view;
+        view.size = {64, 64};
+        view.eye = glm::vec3(0, 0, 4), view.forward = glm::vec3(0, 0, -1);
+        view.right = glm::vec3(0.8f, 0, 0), view.up = glm::vec3(0, 0.8f, 0);
+        view.pixel_spread = 0.025f;
+        for (int frame = 0; frame < 4; ++frame) {
+            for (std::size_t i = 1; i <= 6; ++i) {
+                const double turn = 0.3 + 0.2 * frame + static_cast<double>(i);
+                const glm::dmat4 squeezed =
+                    glm::scale(glm::dmat4(1), glm::dvec3(1, i % 2 ? thin : 1, i % 2 ? 1 : thin));
+                const glm::dmat4 turned = glm::rotate(glm::dmat4(1), turn, glm::normalize(glm::dvec3(1, 2, 3)));
+                const glm::dmat4 local = i % 3 ? squeezed * turned : turned * squeezed;
+                state.override_transform(scene->objects[scene->objects.size() - i].node, &local);
+            }
+            state.advance(0);
+            rays.update(state);
+            render::FrameBuffers remembered, plain;
+            skipped += render::trace_frame(state, rays, view, {}, one, remembered, &culling).shadow.rays_skipped;
+            render::trace_frame(state, rays, view, {}, one, plain);
+            EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame << ", as thin as " << thin;
+        }
+    }
+    EXPECT_GT(skipped, 1000u);
 }
 
 TEST(CertifiedCulling, NeverWrongOnRandomSoups)
