@@ -20,7 +20,7 @@ MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, 
     : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
 {
     const scene::Scene& scene = state.scene();
-    has_unit_.assign(scene.objects.size(), 0);
+    unit_of_.assign(scene.objects.size(), scene::none);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
         if (scene.objects[o].dynamic || rays.stands_alone(o)) take_in(o);
     // Instances of one mesh have one shape.
@@ -37,16 +37,23 @@ MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, 
 // An object that moves, from now on.
 MoverMask::Unit& MoverMask::take_in(scene::ObjectId object)
 {
+    unit_of_[object] = static_cast<std::uint32_t>(units_.size());
     units_.push_back(std::make_unique<Unit>());
-    has_unit_[object] = 1;
     Unit& unit = *units_.back();
     unit.object = object;
     unit.deforming = state_->scene().objects[object].deforming;
-    if (unit.deforming) return unit;
-    const ray::ObjectGeometry& geometry = rays_->geometry(object);
+    measure(unit);
+    return unit;
+}
+
+void MoverMask::measure(Unit& unit) const
+{
+    unit.alone = rays_->stands_alone(unit.object);
+    unit.own = Box3{};
+    if (unit.deforming) return;
+    const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
     for (const glm::uvec3& t : geometry.mesh->triangles)
         for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
-    return unit;
 }
 
 MoverMask::~MoverMask() = default;
@@ -58,11 +65,13 @@ void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene&
     view_ = view;
     const scene::FrameChanges& changes = state.changes();
     for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list)
-            if (!has_unit_[o]) {
-                Unit& unit = take_in(o);
-                unit.shape = std::make_shared<MoverShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
-            }
+        for (const scene::ObjectId o : *list) {
+            const bool known = unit_of_[o] != scene::none;
+            if (known && units_[unit_of_[o]]->alone == rays.stands_alone(o)) continue;
+            Unit& unit = known ? *units_[unit_of_[o]] : take_in(o);
+            if (known) measure(unit);   // taken out of its group
+            unit.shape = std::make_shared<MoverShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
+        }
     bool crowded = false;   // with blocks that an earlier view asked for
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;

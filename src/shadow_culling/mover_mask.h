@@ -95,6 +95,7 @@ class MoverMask {
     struct LightMask;
 
     Unit& take_in(scene::ObjectId object);
+    void measure(Unit& unit) const;
     LightMask& prepared(std::uint32_t light);
     void place_prints(LightMask& mask, std::uint32_t light);
     void forget_static_unless(LightMask& mask, const LightSpace& space, float coordinate) const;
@@ -113,7 +114,7 @@ class MoverMask {
     const StaticTriangles& triangles_;
     std::uint32_t frame_ = 1;
     std::vector<std::unique_ptr<Unit>> units_;
-    std::vector<char> has_unit_;   // by object
+    std::vector<std::uint32_t> unit_of_;   // by object; none: it stands still
     std::vector<std::unique_ptr<LightMask>> lights_;
 };
 

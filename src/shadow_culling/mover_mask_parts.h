@@ -22,7 +22,8 @@ struct Piece {
 struct MoverMask::Unit {
     scene::ObjectId object = scene::none;
     bool deforming = false;
-    Box3 own;   // in its own space, of a rigid one
+    bool alone = false;   // its corners are in its own space, else in its group's
+    Box3 own;             // in that space, of a rigid one
     std::shared_ptr<const MoverShape> shape;
 };
 

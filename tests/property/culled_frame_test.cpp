@@ -11,6 +11,7 @@
 #include "ray/ray_scene.h"
 #include "render/traced_frame.h"
 #include "scene/builtin.h"
+#include "scene_helpers.h"
 #include "shadow_culling/certified_culling.h"
 #include "soup.h"
 #include "support.h"
@@ -227,6 +228,46 @@ TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
         }
     }
     EXPECT_GT(skipped, 1000u);
+}
+
+// Who is taken by hand out of a group that moves casts its shadow from where it is.
+TEST(CertifiedCulling, FollowsPassengersTakenOutOfTheirGroup)
+{
+    scene::Scene made = test::scene_with_balls();
+    test::add_object(made, 0, scene::none, glm::scale(test::translation(0, -2, 0), glm::dvec3(4, 0.2, 4)));   // a floor
+    const scene::NodeId anchor = made.add_node("anchor", scene::none, test::translation(60, 0, 0));
+    made.nodes[anchor].animated = true;
+    const scene::NodeId arm =
+        made.add_node("arm", anchor, glm::scale(test::translation(-60, 0, 0), glm::dvec3(0.8, 0.5, 0.9)));
+    const scene::NodeId passenger = test::add_object(made, 0, arm);
+    test::add_object(made, 0, anchor, glm::scale(glm::dmat4(1), glm::dvec3(0.1)));
+    scene::Light light;
+    light.color = glm::vec3(100);
+    light.node = made.add_node("light", scene::none, test::translation(0.5, 5, 0.3));
+    made.lights.push_back(light);
+    const auto scene = test::finished(made);
+    scene::SceneState state(scene, 0);
+    ray::RayScene rays(state);
+    shadow_culling::CertifiedOptions certified;
+    certified.mask.asked = 1;
+    certified.mask.edges_per_ray = k_infinity;
+    shadow_culling::CertifiedCulling culling(state, rays, certified);
+    Tasks one(1);
+    render::View view;
+    view.size = {64, 48};
+    view.eye = glm::vec3(0, 0, 9), view.forward = glm::vec3(0, 0, -1);
+    view.right = glm::vec3(0.6f, 0, 0), view.up = glm::vec3(0, 0.45f, 0);
+    view.pixel_spread = 0.02f;
+    for (int frame = 0; frame < 6; ++frame) {
+        const glm::dmat4 place = test::translation(0.2 * frame, 0, 1);
+        if (frame > 1) state.override_transform(passenger, &place);
+        state.advance(0);
+        rays.update(state);
+        render::FrameBuffers remembered, plain;
+        render::trace_frame(state, rays, view, {}, one, remembered, &culling);
+        render::trace_frame(state, rays, view, {}, one, plain);
+        EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame;
+    }
 }
 
 TEST(CertifiedCulling, NeverWrongOnRandomSoups)
