@@ -9,15 +9,19 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Boxes are widened by this fraction of their largest coordinate: rays are traced in single precision.
+// Boxes are widened by this fraction of their largest coordinate, and of those between which a ray goes: rays are
+// traced in single precision.
 constexpr float k_widen = 1e-5f;
+
+float largest_of(const glm::vec3& p)
+{
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
 
 Box3 widened(Box3 box)
 {
     if (box.empty()) return box;
-    float largest = 0;
-    for (int axis = 0; axis < 3; ++axis)
-        largest = std::max({largest, std::abs(box.low[axis]), std::abs(box.high[axis])});
+    const float largest = std::max(largest_of(box.low), largest_of(box.high));
     box.low -= k_widen * largest;
     box.high += k_widen * largest;
     return box;
@@ -149,10 +153,12 @@ bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light,
 {
     const glm::vec3 slope_low = directional ? light : light - points.low;
     const glm::vec3 slope_high = directional ? light : light - points.high;
+    const float room =
+        k_widen * std::max({largest_of(points.low), largest_of(points.high), directional ? 0 : largest_of(light)});
     float first = 0, last = directional ? k_infinity : 1;
     for (int axis = 0; axis < 3; ++axis)
-        if (!narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis], blocker.low[axis],
-                    blocker.high[axis], first, last))
+        if (!narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis], blocker.low[axis] - room,
+                    blocker.high[axis] + room, first, last))
             return false;
     return true;
 }
@@ -176,10 +182,12 @@ void MoverBounds::select_of_all(const Box3& points, const glm::vec3& light, bool
 
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end)
 {
+    const bool endless = !(end < k_infinity);
+    const float room = k_widen * std::max(largest_of(origin), endless ? 0 : largest_of(origin + direction));
     float first = 0, last = end;
     for (int axis = 0; axis < 3; ++axis)
-        if (!narrow(origin[axis], direction[axis], origin[axis], direction[axis], box.low[axis], box.high[axis], first,
-                    last))
+        if (!narrow(origin[axis], direction[axis], origin[axis], direction[axis], box.low[axis] - room,
+                    box.high[axis] + room, first, last))
             return false;
     return true;
 }

@@ -86,6 +86,44 @@ TEST(MoverBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
     EXPECT_GT(selected_in_all, 3000u);
 }
 
+// Rays that come from afar are rounded by more than what is small and near the origin.
+TEST(MoverBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
+{
+    scene::Scene made = scene_with_balls();
+    scene::Mesh cube;
+    for (int i = 0; i < 8; ++i)
+        cube.positions.emplace_back(i & 1 ? 0.5f : -0.5f, i & 2 ? 0.5f : -0.5f, i & 4 ? 0.5f : -0.5f);
+    cube.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                      {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+    cube.parts = {{two_sided, 0, 12}};
+    made.meshes[0] = cube;
+    made.nodes[add_object(made, 0)].animated = true;
+    scene::SceneState state(finished(made), 0);
+    ray::RayScene rays(state);
+    const MoverBounds bounds(state, rays);
+    const glm::dvec3 light(0.3, 4, 0.2);
+    constexpr double k_far = -2000;
+    Random random(3);
+    std::size_t blocked = 0, missed = 0, selected = 0;
+    for (int i = 0; i < 40'000; ++i) {
+        // By an edge of the cube.
+        const glm::dvec3 edge(random.below(2) ? 0.5 : -0.5, random.below(2) ? 0.5 : -0.5,
+                              static_cast<double>(random.uniform(-0.5f, 0.5f)));
+        const glm::dvec3 by = edge + glm::dvec3(static_cast<double>(random.uniform(-5e-4f, 5e-4f)), 0, 0);
+        const glm::vec3 from(by + (k_far - by.y) / (by.y - light.y) * (by - light));
+        const glm::vec3 along = glm::vec3(light) - from;
+        if (!rays.blocked_single(from, 0, along, 0.9999f, ray::Against::dynamic_only)) continue;
+        ++blocked;
+        std::vector<Box3> boxes;
+        bounds.select({from, from}, glm::vec3(light), false, boxes);
+        selected += !boxes.empty();
+        missed += boxes.empty() || !shadow_culling::segment_meets(boxes[0], from, along, 0.9999f);
+    }
+    EXPECT_GT(blocked, 10'000u);
+    EXPECT_EQ(selected, blocked);
+    EXPECT_EQ(missed, 0u);
+}
+
 TEST(MoverBounds, CostFollowsWhatIsNear)
 {
     // Small movers all over a plain, under a lamp: a patch of points looks at those between it and the lamp.
