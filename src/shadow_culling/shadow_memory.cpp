@@ -58,9 +58,9 @@ std::uint32_t ShadowMemory::allocate_under_lock(std::uint32_t size_class)
             used_ += size;
             return end_ - size;
         }
-        // Cut up something larger.
+        // Cut up something larger. A deeper pyramid that lies in pieces takes less than a whole one.
         std::uint32_t larger = size_class + 1;
-        while (larger <= k_max_level && free_[larger].empty()) ++larger;
+        while (larger <= k_max_level && (free_[larger].empty() || size_of_class(larger) < size)) ++larger;
         if (larger > k_max_level) {
             full_.store(true, std::memory_order_relaxed);
             return k_no_slot;

@@ -59,6 +59,20 @@ TEST(ShadowMemory, KeepsWhatTheFrameSees)
 
 // A look-up may meet a record that is just being made: then there is none yet, or it is whole. (ThreadSanitizer sees
 // whether more was read than that.)
+// What a deeper pyramid left, the table of its pieces and the levels above, is smaller than a piece.
+TEST(ShadowMemory, CutsAPieceOutOfNothingSmaller)
+{
+    constexpr std::uint32_t k_in_pieces = shadow_culling::k_piece_levels + 1;
+    ShadowMemory memory(4, 1, 2 * 200);   // no room for a piece
+    for (const RecordId r : {0u, 1u}) {
+        ASSERT_TRUE(memory.create(r, k_in_pieces, RimCodes{}));
+        ASSERT_TRUE(memory.open(r, micro_at(0, 0), 0));
+    }
+    ASSERT_TRUE(memory.drop(1));
+    EXPECT_FALSE(memory.open(0, micro_at(2, 1), 1));
+    EXPECT_TRUE(memory.full());
+}
+
 TEST(ShadowMemory, LooksUpWhatAnotherThreadAdds)
 {
     constexpr RecordId k_records = 400;
