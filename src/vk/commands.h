@@ -86,6 +86,7 @@ class Recorder {
     void bind(const Pipeline& pipeline);
 
     /// Fills a binding, by its name in the shader. Texel buffers take a format.
+    /// @throws MissingError  more of a buffer than the device gives a shader
     void set(std::string_view binding, const Buffer& buffer, VkDeviceSize offset = 0,
              VkDeviceSize bytes = VK_WHOLE_SIZE);
     void set_texels(std::string_view binding, const Buffer& buffer, VkFormat format);

@@ -90,6 +90,13 @@ Device::~Device()
     vkDestroyDevice(handle_, nullptr);
 }
 
+void Device::check_storage_range(const std::string& name, VkDeviceSize bytes) const
+{
+    if (bytes > limits_.maxStorageBufferRange)
+        throw MissingError(fmt::format("Vulkan: '{}' takes {} MiB, and the device addresses {} MiB", name,
+                                       (bytes + (1 << 20) - 1) >> 20, limits_.maxStorageBufferRange >> 20));
+}
+
 void Device::name(VkObjectType type, std::uint64_t object, const std::string& text) const
 {
     if (!instance_->has_debug_utils()) return;

@@ -41,6 +41,8 @@ class Device : public std::enable_shared_from_this<Device> {
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     /// Whether it builds acceleration structures and has pipelines that trace rays against them (not ray queries).
     bool traces_rays() const { return info_.no_rays.empty(); }
+    /// @throws MissingError  more bytes of a buffer than a shader can be given at once as a storage buffer
+    void check_storage_range(const std::string& name, VkDeviceSize bytes) const;
     const RayLimits& ray_limits() const { return ray_limits_; }
     /// Nanoseconds a timestamp step; 0: no timestamps.
     double timestamp_period() const { return timestamp_period_; }

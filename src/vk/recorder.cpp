@@ -72,6 +72,8 @@ void Recorder::set(std::string_view name, const Buffer& buffer, VkDeviceSize off
         declared(&buffer, nullptr, {Use::storage_write});
     else
         declared(&buffer, nullptr, {Use::storage_read, Use::storage_write});
+    if (!uniform)
+        buffer.device().check_storage_range(buffer.name(), bytes == VK_WHOLE_SIZE ? buffer.bytes() - offset : bytes);
     const VkDescriptorBufferInfo info{buffer.handle(), offset, bytes};
     write(b, &info, nullptr, nullptr);
 }

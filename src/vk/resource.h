@@ -32,6 +32,7 @@ class Buffer {
            Access access = Access::device);
 
     VkBuffer handle() const { return handle_.get(); }
+    const Device& device() const { return *device_; }
     VkDeviceSize bytes() const { return bytes_; }
     const std::string& name() const { return name_; }
     explicit operator bool() const { return static_cast<bool>(handle_); }

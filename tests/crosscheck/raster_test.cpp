@@ -455,6 +455,35 @@ TEST_F(RasterCrosscheck, OverlayShowsWhatWasRedrawn)
     EXPECT_EQ(count(kept, colored), 0u);
 }
 
+// Limits of a device that a shader can be given little of at once.
+void forget_large_buffers(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties)
+{
+    VkPhysicalDeviceProperties2 all{};
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+    vkGetPhysicalDeviceProperties2(device, &all);
+    *properties = all.properties;
+    properties->limits.maxStorageBufferRange = 4 << 20;
+}
+
+// Of 9 lights, in batches of 8, the layers of 3 fit at once.
+TEST_F(RasterCrosscheck, LayersBeyondWhatAShaderIsGivenAtOnce)
+{
+    std::vector<std::string> lights;
+    for (int l = 0; l < 9; ++l) lights.push_back(fmt::format("point {} 0.5 1 {} 1 2", 0.4 * l - 2.2, 1 + l));
+    const Scene scene = test::light_at_a_corner().with_light_specs(lights);
+    RenderOptions options = options_of(RenderMethod::raster, {639, 481});
+    options.shadow_textures = ShadowTextures::depth;
+    options.shadow_filter = 1;
+    const Picture whole = Renderer(options).render(scene, 1);
+    const test::Replaced small(vkGetPhysicalDeviceProperties, forget_large_buffers);
+    const Picture parts = Renderer(options).render(scene, 1);
+    ASSERT_EQ(parts.layers.size(), whole.layers.size());
+    for (std::size_t l = 0; l < whole.layers.size(); ++l)
+        EXPECT_EQ(parts.layers[l].data, whole.layers[l].data) << whole.layers[l].name;
+    options.size = {1200, 900};
+    EXPECT_THROW(Renderer(options).render(scene, 1), MissingError);
+}
+
 TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsWhole)
 {
     const Scene scene = load("builtin:cornell");

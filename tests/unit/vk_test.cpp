@@ -343,6 +343,32 @@ TEST_F(Vulkan, FaultImageBeyondTheDevice)
                     "more than the device's"));
 }
 
+TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
+{
+    const Replaced small(
+        vkGetPhysicalDeviceProperties, +[](VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
+            VkPhysicalDeviceProperties2 all{};
+            all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+            vkGetPhysicalDeviceProperties2(device, &all);
+            *properties = all.properties;
+            properties->limits.maxStorageBufferRange = 1 << 20;
+        });
+    const std::shared_ptr<vk::Device> device = vk::Device::open();
+    const vk::Pipeline pipeline(device, vk::ComputeDesc{.name = "double", .code = k_double_code});
+    const vk::Buffer buffer(device, "many", (1 << 20) + 256);
+    vk::Commands commands(device);
+    const auto set = [&](VkDeviceSize offset, VkDeviceSize bytes) {
+        commands.pass("p").reads(buffer, vk::Use::storage_read).compute([&](vk::Recorder& r) {
+            r.bind(pipeline);
+            r.set(pipeline.bindings()[0].name, buffer, offset, bytes);
+        });
+    };
+    EXPECT_TRUE(has(thrown<MissingError>([&] { set(0, VK_WHOLE_SIZE); }),
+                    "'many' takes 2 MiB, and the device addresses 1 MiB"));
+    set(256, VK_WHOLE_SIZE);
+    set(0, 1 << 20);
+}
+
 TEST_F(Vulkan, FaultDeviceLost)
 {
     vk::Commands commands(device_);

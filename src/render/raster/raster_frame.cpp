@@ -68,6 +68,13 @@ std::vector<vk::BlockExpectation> all_of(vk::BlockExpectation push, const Lists&
     return all;
 }
 
+// From one light's layer of what is lit to the next. Each can be bound: whole multiples of 256 bytes always can.
+std::size_t lit_pixels(Size size)
+{
+    const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+    return (pixels + 63) / 64 * 64;
+}
+
 }   // namespace
 
 void frustum_planes(const View& view, glm::vec4 (&planes)[6])
@@ -192,8 +199,9 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
     visible.array = true;
     if (visibility_) visible.layers = std::max(1u, std::min(options.light_batch, static_cast<std::uint32_t>(lights)));
     fitting(lights_visible_, visible);
-    const VkDeviceSize lit_bytes =
-        options.layers ? std::max<VkDeviceSize>(lights, 1) * width * height * sizeof(float) : sizeof(float);
+    const VkDeviceSize one = lit_pixels(size) * sizeof(float);
+    if (options.layers) device_->check_storage_range("lit", one);
+    const VkDeviceSize lit_bytes = options.layers ? std::max<VkDeviceSize>(lights, 1) * one : sizeof(float);
     if (lit_.bytes() != lit_bytes) lit_ = vk::Buffer(device_, "lit", lit_bytes);
 }
 
@@ -382,15 +390,18 @@ void RasterFrame::resolve(const ResolvePush& push)
         });
 }
 
-// Adds all lights, a batch at a time where their shadows are asked for.
+// Adds all lights, a batch at a time where their shadows are asked for. Layers of what is lit can be more than a shader
+// can be given at once: it then goes over the batch again for others, and adds to the colours the first time alone, so
+// that these do not depend on it.
 void RasterFrame::light(const RasterOptions& options, bool layers)
 {
     const auto lights = static_cast<std::uint32_t>(described_->lights.size());
     const std::uint32_t batch = visibility_ ? std::max(1u, options.light_batch) : lights;
+    const VkDeviceSize one = lit_pixels(size_) * sizeof(float), most = device_->limits().maxStorageBufferRange;
+    const auto at_once = static_cast<std::uint32_t>(layers ? std::min<VkDeviceSize>(most / one, lights) : lights);
     for (std::uint32_t first = 0; first < lights; first += batch) {
         const std::uint32_t count = std::min(batch, lights - first);
         if (visibility_) visibility_->fill(commands_, surfaces_, first, count, lights_visible_);
-        const ShadePush push{first, count, visibility_ ? 1u : 0u, layers ? 1u : 0u};
         commands_.pass("lights")
             .reads(frame_, Use::storage_read)
             .reads(scene_.lights, Use::storage_read)
@@ -417,9 +428,13 @@ void RasterFrame::light(const RasterOptions& options, bool layers)
                 r.set("g_diffuse", surfaces_.diffuse);
                 r.set("g_specular", surfaces_.specular);
                 r.set("visibility", lights_visible_);
-                r.set("lit_layers", lit_);
-                r.push(push);
-                r.dispatch_over(static_cast<std::uint32_t>(size_.width), static_cast<std::uint32_t>(size_.height));
+                for (std::uint32_t lit = 0; lit < count; lit += at_once) {
+                    const std::uint32_t bound = std::min(at_once, count - lit);
+                    r.set("lit_layers", lit_, layers ? (first + lit) * one : 0, layers ? bound * one : lit_.bytes());
+                    r.push(ShadePush{first, count, visibility_ ? 1u : 0u, lit == 0 ? 1u : 0u, layers ? 1u : 0u, lit,
+                                     layers ? bound : 0, static_cast<std::uint32_t>(lit_pixels(size_))});
+                    r.dispatch_over(static_cast<std::uint32_t>(size_.width), static_cast<std::uint32_t>(size_.height));
+                }
             });
     }
 }
@@ -569,7 +584,8 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const View& vi
                 resize(out.shadow, static_cast<int>(lights));
                 const std::span<const float> values = lit->as<float>();
                 for (std::size_t l = 0; l < lights; ++l)
-                    for (std::size_t i = 0; i < pixels; ++i) out.shadow.data[i * lights + l] = values[l * pixels + i];
+                    for (std::size_t i = 0; i < pixels; ++i)
+                        out.shadow.data[i * lights + l] = values[l * lit_pixels(size) + i];
             }
         }
         if (progress && !progress({"drawing", static_cast<double>(sample + 1) / options.samples}))

@@ -20,7 +20,7 @@ layout(binding = 7) uniform texture2D g_geometric;
 layout(binding = 8) uniform texture2D g_diffuse;
 layout(binding = 9) uniform texture2D g_specular;
 layout(binding = 10) uniform texture2DArray visibility;   // one layer a light of the batch: 1 is lit
-layout(binding = 11, scalar) buffer Lit { float at[]; } lit_layers;   // light by light, pixel by pixel
+layout(binding = 11, scalar) buffer Lit { float at[]; } lit_layers;   // light by light, pixel by pixel; see ShadePush
 layout(push_constant, scalar) uniform Push { ShadePush push; };
 
 const float k_pi = 3.14159265358979;
@@ -109,9 +109,11 @@ void main()
         const float lit = push.shadowed != 0 ? texelFetch(visibility, ivec3(at, int(l)), 0).x : 1;
         if (!(lit > 0) || dot(p.normal, to_light) <= 0 || dot(p.geometric, to_light) <= 0) continue;
         sum += lit * irradiance * reflect_light(p, to_light, light.of_environment != 0);
-        if (push.layers != 0 && irradiance != vec3(0))
-            lit_layers.at[((push.first_light + l) * frame.height + uint(at.y)) * frame.width + uint(at.x)] += part.x * lit;
+        const uint bound = l - push.first_lit;   // wraps below the first
+        if (bound < push.lit_count && irradiance != vec3(0))
+            lit_layers.at[bound * push.lit_pixels + uint(at.y) * frame.width + uint(at.x)] += part.x * lit;
     }
+    if (push.colors == 0) return;
     imageStore(color, at, imageLoad(color, at) + vec4(part * sum, 0));
     if (push.layers != 0) imageStore(direct, at, imageLoad(direct, at) + vec4(part * sum, 0));
 }

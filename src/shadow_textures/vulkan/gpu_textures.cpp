@@ -101,9 +101,11 @@ void GpuTextures::drop_texture(std::size_t view, scene::ObjectId object)
 // Enlarges the buffer of words if it is too small, with what is in it.
 void GpuTextures::make_room(vk::Commands& commands, bool keep)
 {
-    const std::size_t bytes = static_cast<std::size_t>(std::max(arena_.words(), 1u)) * 4;
+    const VkDeviceSize bytes = std::max<VkDeviceSize>(arena_.words(), 1) * 4;
     if (words_ && words_.bytes() >= bytes) return;
-    vk::Buffer larger(device_, "shadow textures", std::bit_ceil(bytes));
+    device_->check_storage_range("shadow textures", bytes);
+    vk::Buffer larger(device_, "shadow textures",
+                      std::min<VkDeviceSize>(std::bit_ceil(bytes), device_->limits().maxStorageBufferRange));
     if (words_ && keep) {
         const VkBufferCopy whole{0, 0, words_.bytes()};
         commands.pass("shadow textures: move")

@@ -21,8 +21,8 @@ std::uint32_t TextureArena::take(std::uint32_t words)
         free_[c].pop_back();
         return place;
     }
-    const std::uint32_t place = end_;
-    end_ += 1u << c;
+    const auto place = static_cast<std::uint32_t>(end_);
+    end_ += std::uint64_t{1} << c;
     return place;
 }
 

@@ -19,15 +19,16 @@ class TextureArena {
     std::uint32_t take(std::uint32_t words);
     void give_back(std::uint32_t first_word, std::uint32_t words);
     void clear();
-    /// Words that were ever in use at once: what the buffer must hold.
-    std::uint32_t words() const { return end_; }
+    /// Words that were ever in use at once: what the buffer must hold. Beyond 2^32 places are wrong: no device has such
+    /// a buffer.
+    std::uint64_t words() const { return end_; }
 
     /// log2 of the room that a texture of so many words gets.
     static unsigned size_class(std::uint32_t words);
 
  private:
     std::array<std::vector<std::uint32_t>, 32> free_;
-    std::uint32_t end_ = 0;
+    std::uint64_t end_ = 0;
 };
 
 }   // namespace gnomon::shadow_textures
