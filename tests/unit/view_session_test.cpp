@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <functional>
 
 #include "support.h"
@@ -25,10 +26,10 @@ bool comes(const std::function<bool()>& what)
     return true;
 }
 
-void load(ViewSession& session, double fps = 0)
+void load(ViewSession& session, double fps = 0, const std::string& what = "builtin:cornell")
 {
     SceneRecipe recipe;
-    recipe.what = "builtin:cornell";
+    recipe.what = what;
     recipe.fps = fps;
     session.load(recipe);
     ASSERT_TRUE(comes([&] { return !session.load_state().loading; }));
@@ -85,6 +86,40 @@ TEST(ViewSession, AHandOnWhatTheSceneDoesNotHaveHoldsNothing)
     for (int i = 0; i < 2; ++i) EXPECT_TRUE(same(finished(session, request), plain));
     request.hands.push_back(lifted(node_called(*session.scene(), "ball")));
     EXPECT_FALSE(same(finished(session, request), plain));
+}
+
+// Hidden by its parent's scale of 0 when it was taken.
+TEST(ViewSession, AHandOnWhatIsSqueezedToNothingHoldsItStill)
+{
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "grows.gltf")
+        << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 2]}],
+        "nodes": [{"children": [1]}, {"mesh": 0, "name": "triangle"}, {"camera": 0, "translation": [0, 0, 4]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "scale"}}],
+                        "samplers": [{"input": 1, "output": 2}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+                        {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+        "buffers": [{"byteLength": 68, "uri": "data:application/octet-stream;base64,)"
+           "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAgD8="
+           R"("}]})";
+    ViewSession session(1), late(1);
+    for (ViewSession* s : {&session, &late}) load(*s, 0, folder / "grows.gltf");
+    const auto with_hand = [&](ViewSession& s, double time) {
+        ViewRequest request = at(time);
+        request.scene = s.scene();
+        request.hands = {lifted(node_called(*s.scene(), "triangle"))};
+        return finished(s, request);
+    };
+    ASSERT_TRUE(with_hand(session, 0));
+    const auto grown = with_hand(session, 1);
+    EXPECT_TRUE(same(grown, with_hand(late, 1)));
+    EXPECT_FALSE(same(grown, finished(late, at(0))));
 }
 
 // A request that was made for the scene before comes after the next one was loaded.

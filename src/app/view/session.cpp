@@ -190,10 +190,11 @@ struct ViewSession::Kept {
         hands = std::move(wanted);
     }
 
-    glm::dmat4 local_of(scene::NodeId node) const
+    // Of its track. Not from where it is: its parent may be squeezed to nothing.
+    glm::dmat4 local_of(scene::NodeId n) const
     {
-        const scene::NodeId parent = state->scene().nodes[node].parent;
-        return parent == scene::none ? state->world(node) : glm::inverse(state->world(parent)) * state->world(node);
+        const scene::Node& node = state->scene().nodes[n];
+        return node.transform ? node.transform->evaluate(state->time()) : node.local;
     }
 };
 
