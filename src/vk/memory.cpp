@@ -2,6 +2,7 @@
 #include "vk/memory.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -19,6 +20,18 @@ struct MemoryPiece::Block {
     bool image = false, alone = false;
     std::map<VkDeviceSize, VkDeviceSize> free;   // offset to size
 };
+
+namespace {
+
+// Bytes that the machine has.
+VkDeviceSize machine_memory()
+{
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGE_SIZE);
+    return pages > 0 && page > 0 ? static_cast<VkDeviceSize>(pages) * static_cast<VkDeviceSize>(page)
+                                 : ~VkDeviceSize{0};
+}
+
+}   // namespace
 
 MemoryPiece& MemoryPiece::operator=(MemoryPiece&& other) noexcept
 {
@@ -47,6 +60,10 @@ std::byte* MemoryPiece::mapped() const
 Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool addresses) : device_(device), addresses_(addresses)
 {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
+    VkPhysicalDeviceProperties2 all{};
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+    vkGetPhysicalDeviceProperties2(physical, &all);
+    if (all.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) most_ = machine_memory() / 8 * 7;
 }
 
 Memory::~Memory()
@@ -78,18 +95,22 @@ MemoryPiece::Block* Memory::new_block(VkDeviceSize size, std::uint32_t type, boo
     info.allocationSize = size;
     info.memoryTypeIndex = type;
     auto block = std::make_unique<MemoryPiece::Block>();
-    if (const VkResult result = vkAllocateMemory(device_, &info, nullptr, &block->memory); result != VK_SUCCESS)
-        fail(result, fmt::format("taking {} MiB for {}", (size + (1 << 20) - 1) >> 20, what));
+    // More than a heap holds may not be asked for. Software drivers give more than the machine has.
+    const VkDeviceSize heap = properties_.memoryHeaps[properties_.memoryTypes[type].heapIndex].size;
+    const VkDeviceSize left = most_ - std::min(most_, counts().bytes_allocated);
+    const VkResult result = size > std::min(heap, left) ? VK_ERROR_OUT_OF_DEVICE_MEMORY
+                                                        : vkAllocateMemory(device_, &info, nullptr, &block->memory);
+    if (result != VK_SUCCESS) fail(result, fmt::format("taking {} MiB for {}", (size + (1 << 20) - 1) >> 20, what));
     block->size = size;
     block->type = type;
     block->image = image;
     block->free[0] = size;
     if (properties_.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) {
         void* mapped = nullptr;
-        const VkResult result = vkMapMemory(device_, block->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-        if (result != VK_SUCCESS) {
+        const VkResult seen = vkMapMemory(device_, block->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
+        if (seen != VK_SUCCESS) {
             vkFreeMemory(device_, block->memory, nullptr);
-            fail(result, fmt::format("mapping memory for {}", what));
+            fail(seen, fmt::format("mapping memory for {}", what));
         }
         block->mapped = static_cast<std::byte*>(mapped);
     }

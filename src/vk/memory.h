@@ -77,6 +77,7 @@ class Memory {
     VkDevice device_;
     bool addresses_;
     VkPhysicalDeviceMemoryProperties properties_{};
+    VkDeviceSize most_ = ~VkDeviceSize{0};   // of all blocks together
     std::vector<std::unique_ptr<MemoryPiece::Block>> blocks_;
 };
 

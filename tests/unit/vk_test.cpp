@@ -4,6 +4,8 @@
 
 #ifdef GNOMON_VULKAN
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
 #include <numeric>
@@ -332,6 +334,39 @@ TEST_F(Vulkan, FaultTooLittleMemory)
     EXPECT_TRUE(
         has(thrown<MissingError>([&] { vk::Image(device_, {.name = "picture", .usage = VK_IMAGE_USAGE_SAMPLED_BIT}); }),
             "image 'picture'"));
+}
+
+// Where a driver gives whatever it is asked for, and is killed for it.
+TEST_F(Vulkan, FaultMoreThanTheMachineHas)
+{
+    const Replaced takes(
+        vkAllocateMemory,
+        +[](VkDevice, const VkMemoryAllocateInfo*, const VkAllocationCallbacks*, VkDeviceMemory* memory) -> VkResult {
+            *memory = VK_NULL_HANDLE;
+            return VK_SUCCESS;
+        });
+    const Replaced maps(
+        vkMapMemory,
+        +[](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** mapped) -> VkResult {
+            *mapped = nullptr;
+            return VK_SUCCESS;
+        });
+    vk::Memory memory(device_->physical(), device_->handle(), false);
+    VkPhysicalDeviceMemoryProperties has_heaps{};
+    vkGetPhysicalDeviceMemoryProperties(device_->physical(), &has_heaps);
+    VkMemoryRequirements needs{has_heaps.memoryHeaps[has_heaps.memoryTypes[0].heapIndex].size + 1, 256, 1};
+    const vk::Access any = vk::Access::device;
+    EXPECT_TRUE(has(thrown<MissingError>([&] { memory.take(needs, any, false, "wall"); }), "out of device memory"));
+    if (device_->info().kind != "software") return;
+    needs.size = 1 << 30;
+    const std::uint64_t machine =
+        static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+    std::vector<vk::MemoryPiece> pieces;
+    EXPECT_TRUE(has(thrown<MissingError>([&] {
+                        while (memory.counts().bytes_used <= machine)
+                            pieces.push_back(memory.take(needs, any, false, "brick"));
+                    }),
+                    "taking 1024 MiB for brick failed: out of device memory"));
 }
 
 TEST_F(Vulkan, FaultImageBeyondTheDevice)
