@@ -61,7 +61,7 @@ void RayScene::Inside::build(const scene::SceneState& state)
         const std::size_t n = copies[object.mesh];
         return !object.deforming && n >= k_instancing_copies &&
                n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles &&
-               meeting_by(glm::mat4(state.world(object.node))) != Meeting::roughly;
+               meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // flat ones are met where they lie
     };
 
     // How far does everything static reach?
@@ -152,9 +152,9 @@ void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene:
         constexpr float k_room = 4;
         shared->box = box_of(shared->vertices.front().positions, mesh);
         for (const scene::Object& other : scene->objects)
-            if (!other.dynamic && other.mesh == object.mesh)
-                shared->margin =
-                    std::max(shared->margin, margin_of(k_room * still_reach, glm::mat4(state.world(other.node))));
+            if (const glm::mat4 there(state.world(other.node));
+                !other.dynamic && other.mesh == object.mesh && meeting_by(there) == Meeting::truly)
+                shared->margin = std::max(shared->margin, margin_of(k_room * still_reach, there));
         shared->attach_margin(device.get());
         device.commit(shared->tree.get());
     }

@@ -394,6 +394,30 @@ TEST(RayScene, AnEmptySceneLetsEverythingPass)
     EXPECT_TRUE(ask(rays, ray::RayQueue()).both.empty());
 }
 
+// Many large copies share a tree; what stands flat among them cannot, and is there all the same.
+TEST(RayScene, MeetsTheFlatOneOfManyCopies)
+{
+    scene::Scene scene = scene_with_balls();
+    scene.meshes.assign(1, ball(two_sided, 256, 260));
+    constexpr int k_copies = 8;
+    for (int i = 0; i < k_copies; ++i) {
+        glm::dmat4 m = translation(4.0 * i, 0, 0);
+        if (i == 5) m = glm::scale(m, glm::dvec3(1, 1, 0));
+        add_object(scene, 0, scene::none, m);
+    }
+    const SceneState state(finished(scene), 0);
+    const ray::RayScene rays(state);
+    ASSERT_GE(rays.statistics().static_triangles, std::size_t{1} << 20) << "else they are no instances";
+    ray::RayQueue queue;
+    for (int i = 0; i < k_copies; ++i) queue.push(glm::vec3(4.0f * i + 0.2f, 0.1f, 5), 0, glm::vec3(0, 0, -1), 10);
+    const Answers answers = ask(rays, queue);
+    for (std::size_t i = 0; i < k_copies; ++i) {
+        EXPECT_EQ(answers.both[i].object, i);
+        EXPECT_TRUE(answers.blocked[i]);
+    }
+    EXPECT_NEAR(answers.both[5].t, 5, 1e-4);
+}
+
 // Not numbers, infinite and huge corners, triangles without area, objects squeezed to nothing: neither crash nor
 // disturb what else is there.
 TEST(RayScene, SurvivesDegenerateGeometry)
