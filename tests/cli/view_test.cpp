@@ -199,12 +199,14 @@ TEST(View, ARecordingEndsWithItsScene)
     };
     write(1);
     std::jthread later([&] {
-        wait_until([&] { return std::filesystem::exists(folder / "gnomon-0001.png"); });
+        wait_until([&] { return std::filesystem::exists(folder / "gnomon-0002.png"); });
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
         write(2);
     });
-    const Seen seen =
-        drive(folder, "a.obj", "", "sleep 1\nkey r\nsleep 0.2\nkey p\nawait gnomon-0001.mp4\nkey Escape\n");
+    // The first screenshot says that the scene is there, the second that it is recorded.
+    const Seen seen = drive(folder, "a.obj", "",
+                            "sleep 1\nkey p\nawait gnomon-0001.png\nkey r\nsleep 0.2\nkey p\nawait gnomon-0002.png\n"
+                            "await gnomon-0001.mp4\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
     EXPECT_EQ(seen.json.at("loads"), 2);
 }
