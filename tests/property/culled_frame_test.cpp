@@ -191,6 +191,26 @@ TEST(CertifiedCulling, FollowsStaticObjectsMovedByHand)
     }
 }
 
+// Blocks are drawn for whoever asks, however little that saves: so that all that can be wrong with them is.
+shadow_culling::CertifiedOptions every_block()
+{
+    shadow_culling::CertifiedOptions certified;
+    certified.mask.asked = 1;
+    certified.mask.edges_per_ray = k_infinity;
+    return certified;
+}
+
+render::View small_view(Size size, float away, float pixel)
+{
+    render::View view;
+    view.size = size;
+    view.eye = glm::vec3(0, 0, away), view.forward = glm::vec3(0, 0, -1);
+    view.right = glm::vec3(0.5f * pixel * static_cast<float>(size.width), 0, 0);
+    view.up = glm::vec3(0, 0.5f * pixel * static_cast<float>(size.height), 0);
+    view.pixel_spread = pixel;
+    return view;
+}
+
 // Movers without volume, as where they are hidden by a scale of 0, and movers squeezed aslant by another's scale, which
 // rays meet roughly or not at all: what is said of them without rays is what rays say.
 TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
@@ -200,16 +220,9 @@ TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
         const auto scene = Soup(7, 6).take();
         scene::SceneState state(scene, 0);
         ray::RayScene rays(state);
-        shadow_culling::CertifiedOptions certified;
-        certified.mask.asked = 1;
-        certified.mask.edges_per_ray = k_infinity;
-        shadow_culling::CertifiedCulling culling(state, rays, certified);
+        shadow_culling::CertifiedCulling culling(state, rays, every_block());
         Tasks one(1);
-        render::View view;
-        view.size = {64, 64};
-        view.eye = glm::vec3(0, 0, 4), view.forward = glm::vec3(0, 0, -1);
-        view.right = glm::vec3(0.8f, 0, 0), view.up = glm::vec3(0, 0.8f, 0);
-        view.pixel_spread = 0.025f;
+        const render::View view = small_view({64, 64}, 4, 0.025f);
         for (int frame = 0; frame < 4; ++frame) {
             for (std::size_t i = 1; i <= 6; ++i) {
                 const double turn = 0.3 + 0.2 * frame + static_cast<double>(i);
@@ -248,16 +261,9 @@ TEST(CertifiedCulling, FollowsPassengersTakenOutOfTheirGroup)
     const auto scene = test::finished(made);
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
-    shadow_culling::CertifiedOptions certified;
-    certified.mask.asked = 1;
-    certified.mask.edges_per_ray = k_infinity;
-    shadow_culling::CertifiedCulling culling(state, rays, certified);
+    shadow_culling::CertifiedCulling culling(state, rays, every_block());
     Tasks one(1);
-    render::View view;
-    view.size = {64, 48};
-    view.eye = glm::vec3(0, 0, 9), view.forward = glm::vec3(0, 0, -1);
-    view.right = glm::vec3(0.6f, 0, 0), view.up = glm::vec3(0, 0.45f, 0);
-    view.pixel_spread = 0.02f;
+    const render::View view = small_view({64, 48}, 9, 0.02f);
     for (int frame = 0; frame < 6; ++frame) {
         const glm::dmat4 place = test::translation(0.2 * frame, 0, 1);
         if (frame > 1) state.override_transform(passenger, &place);
