@@ -2,7 +2,7 @@
 # Makes a C++ source of a text file: cmake -DINPUT=page.css -DOUTPUT=page_css.cpp -DNAME=k_page_css -P EmbedText.cmake
 #
 # The text becomes raw string literals of a size that every compiler takes, as
-# `extern const std::string_view gnomon::app::NAME`. It must not hold the closing word of the literal.
+# `extern const std::string_view gnomon::bench::NAME`. It must not hold the closing word of the literal.
 file(READ "${INPUT}" text)
 string(FIND "${text}" ")embedded\"" found)
 if(NOT found EQUAL -1)
@@ -10,7 +10,7 @@ if(NOT found EQUAL -1)
 endif()
 string(LENGTH "${text}" length)
 set(piece 15000)
-set(source "// Made from a text file by EmbedText.cmake.\n#include <string_view>\n\nnamespace gnomon::app {\n\n")
+set(source "// Made from a text file by EmbedText.cmake.\n#include <string_view>\n\nnamespace gnomon::bench {\n\n")
 string(APPEND source "namespace {\nconstexpr char k_text[] =\n")
 set(at 0)
 while(at LESS length)
@@ -19,5 +19,5 @@ while(at LESS length)
     math(EXPR at "${at} + ${piece}")
 endwhile()
 string(APPEND source ";\n}\n\nextern const std::string_view ${NAME};\n")
-string(APPEND source "const std::string_view ${NAME}(k_text, sizeof k_text - 1);\n\n}   // namespace gnomon::app\n")
+string(APPEND source "const std::string_view ${NAME}(k_text, sizeof k_text - 1);\n\n}   // namespace gnomon::bench\n")
 file(WRITE "${OUTPUT}" "${source}")

@@ -6,17 +6,17 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-add_library(gnomon_shared SHARED $<TARGET_OBJECTS:gnomon_render>)
+add_library(gnomon_shared SHARED $<TARGET_OBJECTS:gnomon_api> $<TARGET_OBJECTS:gnomon_video>)
 add_library(gnomon::gnomon ALIAS gnomon_shared)
 set_target_properties(gnomon_shared PROPERTIES OUTPUT_NAME gnomon EXPORT_NAME gnomon VERSION "${PROJECT_VERSION}"
     SOVERSION "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
-target_link_libraries(gnomon_shared PRIVATE gnomon_render)   # what its objects need; the rest stays out
+target_link_libraries(gnomon_shared PRIVATE gnomon_video)   # what its objects need; the rest stays out
 target_include_directories(gnomon_shared INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 target_compile_features(gnomon_shared INTERFACE cxx_std_20)
 
-add_executable(gnomon_documents src/app/documents_main.cpp)
-target_link_libraries(gnomon_documents PRIVATE gnomon_app)
+add_executable(gnomon_documents cli/documents_main.cpp)
+target_link_libraries(gnomon_documents PRIVATE gnomon_cli)
 set(documents "${PROJECT_BINARY_DIR}/documents")
 file(MAKE_DIRECTORY "${documents}")
 set(made "${documents}/gnomon.1" "${documents}/gnomon.bash" "${documents}/_gnomon" "${documents}/gnomon.fish")

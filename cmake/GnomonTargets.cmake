@@ -38,25 +38,34 @@ if(GNOMON_SANITIZE)
     target_link_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE})
 endif()
 
-# gnomon_library(NAME [FOLDER f] [LINK targets...] [PRIVATE targets...]): all .cpp files of src/NAME, or of src/FOLDER;
-# public and private needs.
+# gnomon_library(NAME [FOLDER f] [SHADERS] [LINK targets...] [PRIVATE targets...]): all .cpp files of src/NAME, or of
+# src/FOLDER, and of the folders in it, but for vulkan/, which is a target of its own; shaders of the folder itself with
+# SHADERS; public and private needs.
 function(gnomon_library name)
-    cmake_parse_arguments(ARG "" "FOLDER" "LINK;PRIVATE" ${ARGN})
+    cmake_parse_arguments(ARG "SHADERS" "FOLDER" "LINK;PRIVATE" ${ARGN})
     if(NOT ARG_FOLDER)
         set(ARG_FOLDER "${name}")
     endif()
     set(from "${PROJECT_SOURCE_DIR}/src/${ARG_FOLDER}")
-    file(GLOB sources CONFIGURE_DEPENDS "${from}/*.cpp" "${from}/*.h")
-    if(NOT sources MATCHES "\\.cpp")
-        return()   # a room that is still empty
-    endif()
-    foreach(room base scene io ray)
-        if(NOT TARGET gnomon_${room})
-            list(REMOVE_ITEM ARG_LINK gnomon_${room})   # empty, too
-        endif()
-    endforeach()
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${from}/*.cpp" "${from}/*.h")
+    list(FILTER sources EXCLUDE REGEX "^${from}/vulkan/")
     add_library(gnomon_${name} STATIC ${sources})
     set_target_properties(gnomon_${name} PROPERTIES LINKER_LANGUAGE CXX)
+    target_link_libraries(gnomon_${name} PUBLIC gnomon_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
+    if(ARG_SHADERS)
+        gnomon_shaders(gnomon_${name} "src/${ARG_FOLDER}")
+    endif()
+endfunction()
+
+# gnomon_program_library(NAME [LINK targets...] [PRIVATE targets...]): the same of the folder NAME beside src/, whose
+# programs' own sources (main.cpp, NAME_main.cpp) are left out; its headers go by "NAME/file.h".
+function(gnomon_program_library name)
+    cmake_parse_arguments(ARG "" "" "LINK;PRIVATE" ${ARGN})
+    set(from "${PROJECT_SOURCE_DIR}/${name}")
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${from}/*.cpp" "${from}/*.h")
+    list(FILTER sources EXCLUDE REGEX "[/_]main\\.cpp$")
+    add_library(gnomon_${name} STATIC ${sources})
+    target_include_directories(gnomon_${name} PUBLIC "${PROJECT_SOURCE_DIR}")
     target_link_libraries(gnomon_${name} PUBLIC gnomon_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
 endfunction()
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "light_quadtree/anchors.h"
-#include "render/view.h"
+#include "irradiance_cache/points/anchors.h"
+#include "scene/view.h"
 #include "world.h"
 
 namespace gnomon::test {
@@ -14,11 +14,11 @@ namespace gnomon::test {
 /// At every pixel of a square picture, with shading as flat as the triangles.
 /// @param pixels  out, if given: where each is
 /// @param wanted  whether points of an object are; of all, if not given
-inline std::vector<light_quadtree::IndirectPoint> seen_points(const World& world, int side,
-                                                              std::vector<std::size_t>* pixels = nullptr,
-                                                              const std::function<bool(scene::ObjectId)>& wanted = {})
+inline std::vector<irradiance_cache::IndirectPoint> seen_points(const World& world, int side,
+                                                                std::vector<std::size_t>* pixels = nullptr,
+                                                                const std::function<bool(scene::ObjectId)>& wanted = {})
 {
-    const render::View view = render::make_view(world.state, 0, {side, side});
+    const scene::View view = scene::make_view(world.state, 0, {side, side});
     ray::RayQueue queue;
     for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x) {
@@ -30,7 +30,7 @@ inline std::vector<light_quadtree::IndirectPoint> seen_points(const World& world
     ray::Hits hits;
     hits.resize(queue.size());
     world.rays.closest(queue, 0, queue.size(), hits, ray::Sides::front);
-    std::vector<light_quadtree::IndirectPoint> points;
+    std::vector<irradiance_cache::IndirectPoint> points;
     for (std::size_t i = 0; i < queue.size(); ++i) {
         if (hits.object[i] == scene::none || (wanted && !wanted(hits.object[i]))) continue;
         glm::vec3 p[3];

@@ -9,7 +9,7 @@
 #include "ray/origin.h"
 #include "ray/ray_scene.h"
 #include "scene_helpers.h"
-#include "shadow_culling/certified_culling.h"
+#include "shadow_culling/certified/certified_culling.h"
 
 namespace gnomon::test {
 

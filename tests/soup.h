@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 #include "ray/ray_scene.h"
-#include "shadow_culling/shadow_point.h"
+#include "shadow_culling/certified/shadow_point.h"
 
 namespace gnomon {
 

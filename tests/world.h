@@ -7,7 +7,7 @@
 
 #include "base/tasks.h"
 #include "ray/ray_scene.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 
 namespace gnomon::test {
 

@@ -4,35 +4,68 @@
 
     check_layers.py [ROOT]
 
-Reads every #include "..." below ROOT's src, include and examples, and compares folder by folder with the table below.
+Reads every #include "..." below ROOT's src, include, examples, bench, viewer and cli, and compares folder by folder with the table below.
 Prints one line a fault, `file:line: what`; exit code 1 if there is any. Cost: one read of every source file.
 """
 import pathlib
 import re
 import sys
 
-# Who may include whom, besides itself and the plain types of include/gnomon, which are open to everybody.
+# Who may include whom, besides itself and the plain types of include/gnomon, which are open to everybody. Folders of
+# src/ first, from the lowest layer up; then those beside src/.
+k_scene = {"base", "scene"}
+k_rays = k_scene | {"ray"}
+k_techniques = {"shadow_culling", "shadow_textures", "light_quadtree", "irradiance_cache"}
+k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "shading", "light_views",
+                                   "trace", "raster", "reference"}
 k_may_include = {
     "base": set(),
+    "image": {"base"},
     "scene": {"base"},
-    "io": {"base", "scene"},
-    "ray": {"base", "scene"},
+    "io": k_scene,
+    "ray": k_scene,
     "vk": {"base"},
-    "gpu_scene": {"base", "scene", "vk"},
-    "light_views": {"base", "scene", "ray", "vk", "gpu_scene"},
-    "shadow_culling": {"base", "scene", "ray"},
-    "shadow_textures": {"base", "scene", "vk", "gpu_scene", "light_views"},
-    "light_quadtree": {"base", "scene", "ray", "vk", "gpu_scene", "light_views"},
-    "render": {"base", "scene", "io", "ray", "vk", "gpu_scene", "light_views",
-               "shadow_culling", "shadow_textures", "light_quadtree"},
+    "lighting": k_rays,
+    "visibility": k_rays,
+    "shading": k_rays | {"lighting"},
+    "gpu_scene": k_scene | {"vk"},
+    "ray/vulkan": k_rays | {"vk", "gpu_scene"},
+    "light_views": k_rays | {"vk", "gpu_scene"},
+    "shadow_culling": k_rays | {"visibility"},
+    "shadow_textures": k_scene | {"vk", "gpu_scene", "light_views"},
+    "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting"},
+    "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan"},
+    "reference": k_rays | {"lighting", "visibility", "shading"},
+    "trace": k_rays | {"lighting", "visibility", "shading", "shadow_culling", "light_quadtree", "irradiance_cache",
+                       "reference"},
+    "raster": k_rays | {"vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "shadow_textures",
+                        "light_quadtree", "irradiance_cache"},
+    "frame": k_frame,
+    "api": k_frame | {"frame"},
+    "video": k_frame | {"frame", "api"},
+    "options": {"base"},
 }
-k_may_include["app"] = k_may_include["render"] | {"render"}
+k_inside = k_frame | {"frame", "api", "video", "options"}
+k_may_include["bench"] = k_inside
+k_may_include["viewer"] = k_inside
+k_may_include["cli"] = k_inside | {"bench", "viewer"}
+k_beside_src = ("bench", "viewer", "cli")
 
-# Sources that must make do with the public interface and their own folder: what they lack is missing from it.
-k_public_only = re.compile(r"src/app/verb_(render|info)[^/]*\.(cpp|h)")
+# Sources that must make do with the public interface, the options, files that are written whole and their own folder: what
+# else they lack is missing from it.
+k_public_only = re.compile(r"cli/(subcommand_(render|info|compare)[^/]*|command_line|config_file|help|manual|output"
+                           r"|progress_line|program)\.(cpp|h)")
+k_public_also = ("options/", "base/", "io/file/")
 
 k_extensions = {".h", ".cpp", ".inl", ".glsl", ".comp", ".vert", ".frag", ".rgen", ".rmiss", ".rahit"}
 k_include = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
+
+
+def room_of(path: str) -> str:
+    """The folder of the table that a path below src/, or beside it, lies in: the longest that is named there."""
+    parts = path.split("/")
+    deep = "/".join(parts[:2])
+    return deep if len(parts) > 2 and deep in k_may_include else parts[0]
 
 
 def fault(file: pathlib.PurePosixPath, included: str) -> str | None:
@@ -48,13 +81,14 @@ def fault(file: pathlib.PurePosixPath, included: str) -> str | None:
         return f'"{included}": an example uses include/gnomon alone'
     if not has_folder:
         return f'"{included}" lacks its folder: write "folder/{included}"'
-    own = file.parts[1]
+    own = room_of(file.as_posix() if file.parts[0] in k_beside_src else "/".join(file.parts[1:]))
     if own not in k_may_include:
         return f"src/{own} is not a folder of the table in tools/check_layers.py"
+    target = room_of(included)
     if target == own:
         return None
-    if k_public_only.fullmatch(str(file)):
-        return f'"{included}": this verb uses include/gnomon alone'
+    if k_public_only.fullmatch(str(file)) and not included.startswith(k_public_also):
+        return f'"{included}": this file uses include/gnomon and src/options alone'
     if target not in k_may_include:
         return f'"{included}": no such folder in the table in tools/check_layers.py'
     if target in k_may_include[own]:
@@ -64,7 +98,7 @@ def fault(file: pathlib.PurePosixPath, included: str) -> str | None:
 
 def faults(root: pathlib.Path) -> tuple[list[str], int]:
     found, read = [], 0
-    for top in ("src", "include", "examples"):
+    for top in ("src", "include", "examples", *k_beside_src):
         for path in sorted((root / top).rglob("*")):
             if path.suffix not in k_extensions:
                 continue

@@ -4,9 +4,9 @@
 
 #include "gnomon/compare.h"
 #include "gnomon/error.h"
-#include "gnomon/film.h"
-#include "gnomon/picture.h"
+#include "gnomon/frame.h"
 #include "gnomon/renderer.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"
 #include "gnomon/version.h"
+#include "gnomon/video.h"

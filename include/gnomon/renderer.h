@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "gnomon/picture.h"
+#include "gnomon/frame.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"
 

@@ -7,8 +7,8 @@
 #include "base/bits.h"
 #include "base/check.h"
 #include "light_quadtree/ball_footprint.h"
-#include "light_quadtree/diffuse.h"
-#include "light_quadtree/texel_ray.h"
+#include "light_views/texel_ray.h"
+#include "lighting/diffuse.h"
 
 namespace gnomon::light_quadtree {
 
@@ -136,7 +136,7 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
     place.clear();
     for (TexelMask left_over = which; left_over; left_over &= left_over - 1) {
         const int i = std::countr_zero(left_over);
-        const TexelWay r = texel_way(view.projection, left + i % k_tile, top + i / k_tile);
+        const light_views::TexelWay r = light_views::texel_way(view.projection, left + i % k_tile, top + i / k_tile);
         queue.push(r.origin, 0, r.direction, reach[static_cast<std::size_t>(i)]);
         place.push_back(i);
     }
@@ -176,13 +176,14 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
                 if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
             }
             const auto t = static_cast<double>(hits.t[k]);
-            const double measure = texel_measure(view.projection, left + place[k] % k_tile, top + place[k] / k_tile);
+            const double measure =
+                light_views::texel_measure(view.projection, left + place[k] % k_tile, top + place[k] / k_tile);
             const double facing_area = measure * (view.projection.perspective ? t * t : 1.0);
             texel.position = position;
             texel.normal = normal;
             texel.depth = glm::dot(position - view.projection.origin, axis) / view.depth_range;
             texel.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
-            texel.flux = exitance_per_irradiance(scene, geometry, triangle, u, v) *
+            texel.flux = lighting::exitance_per_irradiance(scene, geometry, triangle, u, v) *
                          scene::illuminate(light, at, position).irradiance * static_cast<float>(facing_area);
             texel.members = 1;
         }

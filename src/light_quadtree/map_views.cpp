@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
-#include "light_quadtree/texel_ray.h"
+#include "light_views/texel_ray.h"
 
 namespace gnomon::light_quadtree {
 
@@ -32,7 +32,7 @@ std::vector<MapView> lay_out_views(const scene::Scene& scene, const light_views:
     std::vector<MapView> views;
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         if (scene.lights[l].of_environment) continue;
-        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds, k_projection); ++face) {
+        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds, light_views::k_projection); ++face) {
             MapView& view = views.emplace_back();
             view.light = l;
             view.face = face;
@@ -58,8 +58,8 @@ void aim_view(MapView& view, const scene::SceneState& state, const light_views::
     const scene::LightState& at = state.light(view.light);
     view.on = at.visible && light.color != glm::vec3(0);
     if (!view.on) return;
-    view.projection =
-        light_views::project(light, at, bounds, view.side(), k_projection)[static_cast<std::size_t>(view.face)];
+    view.projection = light_views::project(light, at, bounds, view.side(),
+                                           light_views::k_projection)[static_cast<std::size_t>(view.face)];
     view.depth_range = depth_range_of(view.projection, bounds.whole);
 }
 
@@ -68,7 +68,7 @@ bool leaves_out(const MapView& view, const scene::SceneState& state, const light
 {
     const scene::Light& light = state.scene().lights[view.light];
     if (light.type != scene::LightType::directional || view.face != 1) return false;
-    near = light_views::project(light, state.light(view.light), bounds, view.side(), k_projection)[0];
+    near = light_views::project(light, state.light(view.light), bounds, view.side(), light_views::k_projection)[0];
     return true;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnomon compare, .exr out and --environment, as a user meets them.
 #include "hdr_bytes.h"
-#include "io/image_file.h"
+#include "io/image/image_file.h"
 #include "run_program.h"
 
 namespace gnomon::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // --shadow-culling paper and --overlay shadow-states, as a user meets them.
-#include "io/image_file.h"
-#include "render/state_overlay.h"
+#include "frame/state_overlay.h"
+#include "io/image/image_file.h"
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -18,7 +18,7 @@ Words render(const std::string& out, const Words& more)
 }
 
 // Pixels of exactly that colour.
-std::size_t count_of(const std::filesystem::path& png, const render::Rgb8& color)
+std::size_t count_of(const std::filesystem::path& png, const frame::Rgb8& color)
 {
     const Image8 image = io::read_image(png);
     std::size_t count = 0;
@@ -57,11 +57,11 @@ TEST(Overlay, OneLightIsOnePanelWithItsLegend)
     const Image8 panel = io::read_image(one), panels = io::read_image(all);
     EXPECT_LT(panel.width, panels.width);
     const Size size{64, 48};
-    const render::PanelPlace at = render::panel_place(size, 1, 0), first = render::panel_place(size, 6, 0);
+    const frame::PanelPlace at = frame::panel_place(size, 1, 0), first = frame::panel_place(size, 6, 0);
     for (int y = 0; y < size.height; ++y)
         for (int x = 0; x < 3 * size.width; ++x)
             ASSERT_EQ(panel.pixel(at.left, at.top + y)[x], panels.pixel(first.left, first.top + y)[x]);
-    EXPECT_GT(count_of(one, render::state_color(render::StateMark::none)), 20u) << "the legend's square at least";
+    EXPECT_GT(count_of(one, frame::state_color(trace::StateMark::none)), 20u) << "the legend's square at least";
 }
 
 TEST(Overlay, PaperCountsAndShowsItsFaults)
@@ -73,14 +73,14 @@ TEST(Overlay, PaperCountsAndShowsItsFaults)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const nlohmann::json frames = outcome.json()["frames"];
     EXPECT_EQ(frames[0]["shadow"]["rays_wrong"], 0) << "everything is traced";
-    const std::size_t square = count_of(folder / "40.png", render::k_wrong_color);   // the legend's
+    const std::size_t square = count_of(folder / "40.png", frame::k_wrong_color);   // the legend's
     EXPECT_GT(square, 0u);
     int wrong = 0;
     for (const auto& frame : frames) {
         const int here = frame["shadow"]["rays_wrong"];
         wrong += here;
-        const std::size_t glaring = count_of(frame["file"].get<std::string>(), render::k_wrong_color) - square +
-                                    count_of(frame["file"].get<std::string>(), render::k_wrong_behind_color) - square;
+        const std::size_t glaring = count_of(frame["file"].get<std::string>(), frame::k_wrong_color) - square +
+                                    count_of(frame["file"].get<std::string>(), frame::k_wrong_behind_color) - square;
         EXPECT_LE(glaring, static_cast<std::size_t>(here));
         EXPECT_EQ(glaring > 0, here > 0);
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wrong usage: exit code 2 and one line that helps.
-#include "app/option_table.h"
-#include "app/option_values.h"
 #include "gnomon/version.h"
+#include "options/option_table.h"
+#include "options/option_values.h"
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -97,7 +97,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
 }
 
 // The first of an option's choices that is not among the built ones.
-std::string unbuilt_choice(const app::Option& option)
+std::string unbuilt_choice(const options::Option& option)
 {
     const auto among = [](const std::string& choice, std::string_view list) {
         return ("|" + std::string(list) + "|").find("|" + choice + "|") != std::string::npos;
@@ -118,11 +118,12 @@ TEST(Usage, WhatIsNotBuiltIsRefused)
 {
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
-    for (const app::Option& option : app::options()) {
-        if (!(option.verbs & app::bit(app::Verb::render))) continue;
+    for (const options::Option& option : options::options()) {
+        if (!(option.verbs & options::bit(options::Verb::render))) continue;
         std::vector<std::string> arguments{"render", "builtin:cornell", "-o", out, "--" + std::string(option.name)};
         if (!option.built) {
-            if (option.kind != app::Kind::flag) arguments.emplace_back(option.fallback.empty() ? "1" : option.fallback);
+            if (option.kind != options::Kind::flag)
+                arguments.emplace_back(option.fallback.empty() ? "1" : option.fallback);
             SCOPED_TRACE(option.name);
             expect_failure(run(arguments), 2, "not built yet");
         } else if (!option.built_choices.empty()) {
@@ -136,15 +137,15 @@ TEST(Usage, WhatIsNotBuiltIsRefused)
 
 TEST(Usage, DefaultsOfTheTableAreValidAndBuilt)
 {
-    for (const app::Option& option : app::options()) {
+    for (const options::Option& option : options::options()) {
         if (!option.built || option.fallback.empty()) continue;
-        EXPECT_NO_THROW(app::check_value(option, std::string(option.fallback))) << option.name;
+        EXPECT_NO_THROW(options::check_value(option, std::string(option.fallback))) << option.name;
     }
 }
 
 TEST(Usage, HelpNamesEveryOptionAndFitsALine)
 {
-    for (const app::VerbInfo& verb : app::verbs()) {
+    for (const options::VerbInfo& verb : options::verbs()) {
         std::vector<std::string> arguments;
         const std::size_t blank = verb.name.find(' ');
         arguments.emplace_back(verb.name.substr(0, blank));
@@ -153,13 +154,13 @@ TEST(Usage, HelpNamesEveryOptionAndFitsALine)
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.code, 0);
         EXPECT_EQ(outcome.err, "");
-        for (const app::Option& option : app::options()) {
+        for (const options::Option& option : options::options()) {
             const std::size_t at =
                 outcome.out.find("  --" + std::string(option.name) + (option.argument.empty() ? "" : " "));
             const bool short_form = outcome.out.find(", --" + std::string(option.name)) != std::string::npos;
             const bool with_file = outcome.out.find("  --" + std::string(option.name) + "[=") != std::string::npos;
             EXPECT_EQ(at != std::string::npos || short_form || with_file,
-                      app::find_option(verb.verb, option.name) != nullptr)
+                      options::find_option(verb.verb, option.name) != nullptr)
                 << verb.name << " " << option.name;
         }
         for (std::size_t at = 0; at < outcome.out.size();) {
@@ -176,33 +177,33 @@ TEST(Usage, VersionAndHelpWithoutAVerb)
     EXPECT_EQ(run({"info", "--version"}).out, run({"--version"}).out);
     const Outcome help = run({"--help"});
     EXPECT_EQ(help.code, 0);
-    for (const app::VerbInfo& verb : app::verbs()) EXPECT_NE(help.out.find(verb.name), std::string::npos) << verb.name;
+    for (const options::VerbInfo& verb : options::verbs())
+        EXPECT_NE(help.out.find(verb.name), std::string::npos) << verb.name;
 }
 
 TEST(Usage, NearestWord)
 {
     const std::vector<std::string> words{"render", "info", "devices"};
-    EXPECT_EQ(app::nearest("rendre", words), "render");
-    EXPECT_EQ(app::nearest("inf", words), "info");
-    EXPECT_EQ(app::nearest("xyzzy", words), "");
-    EXPECT_EQ(app::nearest("", words), "");
+    EXPECT_EQ(options::nearest("rendre", words), "render");
+    EXPECT_EQ(options::nearest("inf", words), "info");
+    EXPECT_EQ(options::nearest("xyzzy", words), "");
+    EXPECT_EQ(options::nearest("", words), "");
 }
 
 TEST(Usage, WordsForValues)
 {
-    using namespace app;
-    EXPECT_EQ(parse_size("640x480"), (Size{640, 480}));
-    EXPECT_EQ(parse_range("3-9"), (FrameRange{3, 9}));
-    EXPECT_EQ(parse_range("3"), (FrameRange{3, 3}));
-    EXPECT_EQ(parse_chunk("2/5")->of, 5);
-    EXPECT_EQ(parse_number("-2.5e1"), -25.0);
+    EXPECT_EQ(options::parse_size("640x480"), (Size{640, 480}));
+    EXPECT_EQ(options::parse_range("3-9"), (FrameRange{3, 9}));
+    EXPECT_EQ(options::parse_range("3"), (FrameRange{3, 3}));
+    EXPECT_EQ(options::parse_chunk("2/5")->of, 5);
+    EXPECT_EQ(options::parse_number("-2.5e1"), -25.0);
     for (const char* wrong : {"", "x", "1x", "x1", "1x-1", "1 x1", "0x0", "1,x1"})
-        EXPECT_FALSE(parse_size(wrong)) << wrong;
+        EXPECT_FALSE(options::parse_size(wrong)) << wrong;
     for (const char* wrong : {"", "-", "1-", "-1", "0-2", "2-1", "1-2-3", "a"})
-        EXPECT_FALSE(parse_range(wrong)) << wrong;
-    for (const char* wrong : {"", "/", "0/1", "2/1", "1/", "1"}) EXPECT_FALSE(parse_chunk(wrong)) << wrong;
+        EXPECT_FALSE(options::parse_range(wrong)) << wrong;
+    for (const char* wrong : {"", "/", "0/1", "2/1", "1/", "1"}) EXPECT_FALSE(options::parse_chunk(wrong)) << wrong;
     for (const char* wrong : {"", "inf", "nan", "1e999", "1.", "0x10", "1 "})
-        EXPECT_EQ(parse_number(wrong).has_value(), std::string(wrong) == "1.") << wrong;
+        EXPECT_EQ(options::parse_number(wrong).has_value(), std::string(wrong) == "1.") << wrong;
 }
 
 }   // namespace

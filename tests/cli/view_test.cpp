@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "io/image_file.h"
-#include "io/process.h"
+#include "io/image/image_file.h"
 #include "run_program.h"
+#include "video/process.h"
 
 namespace gnomon::test {
 namespace {
@@ -136,8 +136,8 @@ TEST(View, RecordsTheFilmThatIsRendered)
     ASSERT_EQ(seen.code, 0) << seen.err;
     const std::string film = folder / "gnomon-0001.mp4";
     EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.mp4"}));
-    io::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
-                         "stream=width,height,nb_read_frames", "-of", "csv=p=0", film});
+    video::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                            "stream=width,height,nb_read_frames", "-of", "csv=p=0", film});
     ASSERT_EQ(ffprobe.wait(), 0) << ffprobe.errors();
     int width = 0, height = 0, frames = 0;
     ASSERT_EQ(std::sscanf(ffprobe.output().c_str(), "%d,%d,%d", &width, &height, &frames), 3) << ffprobe.output();

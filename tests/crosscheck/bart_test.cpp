@@ -5,7 +5,7 @@
 #include <set>
 
 #include "gnomon/error.h"
-#include "io/aff.h"
+#include "io/aff/aff.h"
 #include "io/load.h"
 #include "support.h"
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "app/bench_points.h"
-#include "render/traced_frame.h"
-#include "scene/builtin.h"
+#include "bench/core/bench_points.h"
+#include "scene/builtin/builtin.h"
+#include "trace/traced_frame.h"
 
-namespace gnomon::app {
+namespace gnomon::bench {
 namespace {
 
 using RayValues = std::array<float, 8>;
@@ -34,16 +34,16 @@ BothRays trace_both(const std::string& name, int frame, int max_depth, Size size
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin(name));
     const scene::SceneState state(scene, scene->timeline.time_of(frame));
     const ray::RayScene rays(state);
-    const render::View view = render::make_view(state, 0, size);
+    const scene::View view = scene::make_view(state, 0, size);
     BothRays both;
 
-    render::TracedOptions options;
+    trace::TracedOptions options;
     options.max_depth = max_depth;
-    render::FrameBuffers buffers;
-    render::TraceLog log;
+    shading::FrameBuffers buffers;
+    trace::TraceLog log;
     Tasks one(1);
-    both.counters = render::trace_frame(state, rays, view, options, one, buffers, nullptr, &log);
-    for (const render::TraceLog::Entry& entry : log.entries)
+    both.counters = trace::trace_frame(state, rays, view, options, one, buffers, nullptr, &log);
+    for (const trace::TraceLog::Entry& entry : log.entries)
         if (!entry.any_hit) collect(entry.rays, both.frame);
 
     PointTracer tracer;
@@ -85,4 +85,4 @@ TEST(BenchPoints, DepthZeroIsPrimaryHitsAlone)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::bench

@@ -10,17 +10,17 @@
 #include <fmt/format.h>
 
 #include "gnomon/gnomon.h"
-#include "light_quadtree/vulkan/device_rays.h"
+#include "ray/vulkan/device_rays.h"
 #include "ray_helpers.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene_helpers.h"
 #include "support.h"
 
 namespace gnomon {
 namespace {
 
-using light_quadtree::DeviceRays;
 using ray::Against;
+using ray::DeviceRays;
 
 constexpr double k_differing = 1e-3;   // share of rays that may differ
 constexpr float k_neighbour = 2e-5f;   // of the scene's size: how far a ray's neighbours are

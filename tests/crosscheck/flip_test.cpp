@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // FLIP against its slow twin: the paper's two-dimensional filters, tap by tap, in double precision.
-#include "render/flip.h"
+#include "image/flip.h"
 
 #include <gtest/gtest.h>
 
@@ -144,7 +144,7 @@ TEST(FlipTwin, AgreesOnNoiseAndShapes)
     b.pixel(33, 30)[0] = b.pixel(33, 30)[1] = b.pixel(33, 30)[2] = 1;
 
     Tasks tasks(2);
-    const ImageF fast = flip_ldr(a, b, tasks);
+    const ImageF fast = image::flip_ldr(a, b, tasks);
     const std::vector<double> slow = SlowFlip{38, 35}.run(a, b);
     double largest = 0;
     for (std::size_t i = 0; i < slow.size(); ++i) {

@@ -8,16 +8,16 @@
 #include <random>
 
 #include "base/bits.h"
-#include "light_quadtree/visible_light.h"
-#include "light_quadtree/vulkan/gpu_points.h"
-#include "render/view.h"
+#include "irradiance_cache/irradiance_cache.h"
+#include "irradiance_cache/vulkan/gpu_points.h"
+#include "scene/view.h"
 #include "seen_points.h"
 #include "world.h"
 
 namespace gnomon {
 namespace {
 
-using namespace light_quadtree;
+using namespace irradiance_cache;
 using test::World;
 
 class GpuPointsTest : public test::VulkanTest {};
@@ -236,7 +236,7 @@ struct Lighting {
         }
         if (traces) {
             scene = std::make_unique<gpu_scene::GpuScene>(device, world.state);
-            engine->trace_with(std::make_unique<DeviceRays>(device, *scene, world.state, &world.rays), *scene);
+            engine->trace_with(std::make_unique<ray::DeviceRays>(device, *scene, world.state, &world.rays), *scene);
         }
         visible.limit_rays(most_rays);
         const auto follow = [&] {
@@ -322,7 +322,7 @@ TEST_F(GpuPointsTest, LightIsTheSameColdAndWarmAndForAnyNumberOfThreads)
 // Rays that graze an edge may fall otherwise: few points, each in one of its nodes.
 TEST_F(GpuPointsTest, LightByTheDevicesRaysIsTheProcessors)
 {
-    if (!DeviceRays::supported(*device_)) GTEST_SKIP() << "the device traces no rays";
+    if (!ray::DeviceRays::supported(*device_)) GTEST_SKIP() << "the device traces no rays";
     for (const char* name : {"cornell", "kinetic"}) {
         const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}, 64);
         Lighting by_rays{device_};

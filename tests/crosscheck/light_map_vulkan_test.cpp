@@ -8,7 +8,7 @@
 
 #include "gnomon/gnomon.h"
 #include "light_quadtree/vulkan/gpu_map_light.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene_helpers.h"
 #include "support.h"
 

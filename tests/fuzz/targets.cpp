@@ -11,15 +11,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "app/command_line.h"
+#include "cli/command_line.h"
 #include "fuzz/repair.h"
 #include "fuzz/seeds.h"
 #include "gnomon/error.h"
-#include "io/aff.h"
-#include "io/exr.h"
-#include "io/float_image.h"
-#include "io/hdr.h"
-#include "io/image_file.h"
+#include "io/aff/aff.h"
+#include "io/image/exr.h"
+#include "io/image/float_image.h"
+#include "io/image/hdr.h"
+#include "io/image/image_file.h"
 #include "io/load.h"
 #include "scene/state.h"
 
@@ -206,10 +206,10 @@ std::string run_config(Input bytes)
 {
     if (bytes.empty()) return "no verb";
     const fs::path file = folder().put("config.json", bytes.subspan(1));
-    const app::VerbInfo& verb = app::verbs()[bytes[0] % app::verbs().size()];
+    const options::VerbInfo& verb = options::verbs()[bytes[0] % options::verbs().size()];
     return reads([&] {
-        app::OptionValues values(verb.verb);
-        app::read_config(file, verb, values);
+        options::OptionValues values(verb.verb);
+        cli::read_config(file, verb, values);
     });
 }
 
@@ -222,8 +222,8 @@ std::string run_options(Input bytes)
     for (const std::string& word : words)
         if (word.find("config") != std::string::npos) return "not asked here";
     try {
-        const app::CommandLine line = app::parse_command_line(words);
-        if (line.help) app::help_text(line.verb);
+        const cli::CommandLine line = cli::parse_command_line(words);
+        if (line.help) cli::help_text(line.verb);
         return {};
     } catch (const UsageError& error) {   // repeats words as they were given; the program makes it one line
         return error.what();

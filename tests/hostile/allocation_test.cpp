@@ -17,13 +17,13 @@
 #include <limits>
 #include <new>
 
-#include "app/program.h"
-#include "app/signals.h"
+#include "cli/program.h"
+#include "cli/signals.h"
 #include "fuzz/targets.h"
 #include "gnomon/error.h"
 #include "gnomon/renderer.h"
-#include "io/image_file.h"
-#include "picture_bytes.h"
+#include "image_bytes.h"
+#include "io/image/image_file.h"
 #include "sanitized.h"
 
 namespace {
@@ -138,7 +138,7 @@ class Children {
             std::fflush(nullptr);
             const pid_t child = ::fork();
             if (child == 0) {
-                app::install_terminate_handler();
+                cli::install_terminate_handler();
                 ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
                 work();
                 ::_exit(0);
@@ -148,7 +148,7 @@ class Children {
             ASSERT_STREQ(shared.fault, "") << "allocation " << shared.at;
             ASSERT_TRUE(WIFEXITED(status)) << "allocation " << shared.at << ": signal " << WTERMSIG(status);
             if (WEXITSTATUS(status) == 0) continue;
-            ASSERT_EQ(WEXITSTATUS(status), app::k_exit_missing) << "allocation " << shared.at;
+            ASSERT_EQ(WEXITSTATUS(status), cli::k_exit_missing) << "allocation " << shared.at;
             ++ended_;
             shared.at = next(shared.at);
         }

@@ -9,9 +9,9 @@
 #include "base/random.h"
 #include "gnomon/error.h"
 #include "hdr_bytes.h"
-#include "io/exr.h"
-#include "io/float_image.h"
-#include "io/hdr.h"
+#include "io/image/exr.h"
+#include "io/image/float_image.h"
+#include "io/image/hdr.h"
 #include "support.h"
 
 namespace gnomon::io {

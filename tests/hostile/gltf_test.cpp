@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "gltf_child.h"
-#include "picture_bytes.h"
+#include "image_bytes.h"
 #include "support.h"
 
 namespace gnomon {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "hostile/made_scenes.h"
-#include "io/exr.h"
+#include "io/image/exr.h"
 #include "run_program.h"
 #include "sanitized.h"
 

@@ -15,8 +15,8 @@
 
 #include "base/random.h"
 #include "gnomon/error.h"
+#include "image_bytes.h"
 #include "io/load.h"
-#include "picture_bytes.h"
 #include "sanitized.h"
 #include "support.h"
 

@@ -2,7 +2,7 @@
 // Where surfaces meet: a pixel whose hit lies on the very edge is lit as those around it.
 #include <gtest/gtest.h>
 
-#include "render/traced_frame.h"
+#include "trace/traced_frame.h"
 #include "world.h"
 
 namespace gnomon {
@@ -12,12 +12,12 @@ TEST(Corners, NoPixelOnAnEdgeIsInTheShadowOfTheOtherSurface)
 {
     // The box's edges run through the centres of pixels here.
     test::World world("cornell", 1, 2);
-    render::TracedOptions options;
+    trace::TracedOptions options;
     options.layers = true;
-    render::FrameBuffers buffers;
+    shading::FrameBuffers buffers;
     constexpr int k_size = 512;
-    render::trace_frame(world.state, world.rays, render::make_view(world.state, 0, {k_size, k_size}), options,
-                        world.tasks, buffers, {});
+    trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {k_size, k_size}), options,
+                       world.tasks, buffers, {});
     const auto lit = [&](int x, int y) {
         const auto at = 3 * (static_cast<std::size_t>(y) * k_size + static_cast<std::size_t>(x));
         return buffers.direct.data[at] + buffers.direct.data[at + 1] + buffers.direct.data[at + 2] > 0;

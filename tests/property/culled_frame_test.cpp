@@ -9,12 +9,12 @@
 #include "base/random.h"
 #include "gnomon/gnomon.h"
 #include "ray/ray_scene.h"
-#include "render/traced_frame.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene_helpers.h"
-#include "shadow_culling/certified_culling.h"
+#include "shadow_culling/certified/certified_culling.h"
 #include "soup.h"
 #include "support.h"
+#include "trace/traced_frame.h"
 
 namespace gnomon {
 namespace {
@@ -83,17 +83,17 @@ TEST(CulledFrame, SameWheneverItsRaysAreJudged)
         scene::SceneState state(scene, 0);
         ray::RayScene rays(state);
         shadow_culling::CertifiedCulling culling(state, rays, {});
-        render::FrameBuffers buffers, plain;
+        shading::FrameBuffers buffers, plain;
         std::uint64_t skipped = 0;
         int stopped = 0;
         const auto frame_at = [&](int frame) {
             state.advance(scene->timeline.time_of(frame));
             rays.update(state);
-            const render::View view = render::make_view(state, 0, {160, 120});
-            render::Remembered remembered(&culling);
+            const scene::View view = scene::make_view(state, 0, {160, 120});
+            trace::Remembered remembered(&culling);
             remembered.judge_later = true;
-            skipped = render::trace_frame(state, rays, view, {}, tasks, buffers, remembered).shadow.rays_skipped;
-            render::trace_frame(state, rays, view, {}, tasks, plain);
+            skipped = trace::trace_frame(state, rays, view, {}, tasks, buffers, remembered).shadow.rays_skipped;
+            trace::trace_frame(state, rays, view, {}, tasks, plain);
             EXPECT_EQ(buffers.color.data, plain.color.data) << frame << ", " << every << " chunks";
         };
         for (int frame = 1; frame <= 8; ++frame) {
@@ -167,12 +167,12 @@ TEST(CertifiedCulling, FollowsStaticObjectsMovedByHand)
     ray::RayScene rays(state);
     shadow_culling::CertifiedCulling culling(state, rays, {});
     Tasks one(1);
-    render::TracedOptions options;
-    const render::View view = render::make_view(state, 0, {120, 120});
+    trace::TracedOptions options;
+    const scene::View view = scene::make_view(state, 0, {120, 120});
     const auto compare = [&](int frame) {
-        render::FrameBuffers remembered, plain;
-        render::trace_frame(state, rays, view, options, one, remembered, &culling);
-        render::trace_frame(state, rays, view, options, one, plain);
+        shading::FrameBuffers remembered, plain;
+        trace::trace_frame(state, rays, view, options, one, remembered, &culling);
+        trace::trace_frame(state, rays, view, options, one, plain);
         EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame;
     };
     scene::NodeId block = scene::none;   // the second static object above the floor: any will do
@@ -200,9 +200,9 @@ shadow_culling::CertifiedOptions every_block()
     return certified;
 }
 
-render::View small_view(Size size, float away, float pixel)
+scene::View small_view(Size size, float away, float pixel)
 {
-    render::View view;
+    scene::View view;
     view.size = size;
     view.eye = glm::vec3(0, 0, away), view.forward = glm::vec3(0, 0, -1);
     view.right = glm::vec3(0.5f * pixel * static_cast<float>(size.width), 0, 0);
@@ -222,7 +222,7 @@ TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
         ray::RayScene rays(state);
         shadow_culling::CertifiedCulling culling(state, rays, every_block());
         Tasks one(1);
-        const render::View view = small_view({64, 64}, 4, 0.025f);
+        const scene::View view = small_view({64, 64}, 4, 0.025f);
         for (int frame = 0; frame < 4; ++frame) {
             for (std::size_t i = 1; i <= 6; ++i) {
                 const double turn = 0.3 + 0.2 * frame + static_cast<double>(i);
@@ -234,9 +234,9 @@ TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
             }
             state.advance(0);
             rays.update(state);
-            render::FrameBuffers remembered, plain;
-            skipped += render::trace_frame(state, rays, view, {}, one, remembered, &culling).shadow.rays_skipped;
-            render::trace_frame(state, rays, view, {}, one, plain);
+            shading::FrameBuffers remembered, plain;
+            skipped += trace::trace_frame(state, rays, view, {}, one, remembered, &culling).shadow.rays_skipped;
+            trace::trace_frame(state, rays, view, {}, one, plain);
             EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame << ", as thin as " << thin;
         }
     }
@@ -263,15 +263,15 @@ TEST(CertifiedCulling, FollowsPassengersTakenOutOfTheirGroup)
     ray::RayScene rays(state);
     shadow_culling::CertifiedCulling culling(state, rays, every_block());
     Tasks one(1);
-    const render::View view = small_view({64, 48}, 9, 0.02f);
+    const scene::View view = small_view({64, 48}, 9, 0.02f);
     for (int frame = 0; frame < 6; ++frame) {
         const glm::dmat4 place = test::translation(0.2 * frame, 0, 1);
         if (frame > 1) state.override_transform(passenger, &place);
         state.advance(0);
         rays.update(state);
-        render::FrameBuffers remembered, plain;
-        render::trace_frame(state, rays, view, {}, one, remembered, &culling);
-        render::trace_frame(state, rays, view, {}, one, plain);
+        shading::FrameBuffers remembered, plain;
+        trace::trace_frame(state, rays, view, {}, one, remembered, &culling);
+        trace::trace_frame(state, rays, view, {}, one, plain);
         EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame;
     }
 }

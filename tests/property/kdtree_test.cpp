@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // CountingKdTree against every triangle asked one by one, against Embree, and against trees built afresh.
-#include "ray/kdtree.h"
+#include "ray/kdtree/kdtree.h"
 
 #include <gtest/gtest.h>
 
 #include "io/load.h"
 #include "ray/origin.h"
 #include "ray_helpers.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene_helpers.h"
 #include "support.h"
 

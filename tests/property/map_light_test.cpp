@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "light_quadtree/map_light.h"
-#include "render/traced_frame.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
+#include "trace/traced_frame.h"
 
 namespace gnomon {
 namespace {
@@ -36,17 +36,17 @@ Lit lit_after(const std::vector<int>& frames, int threads, const MapLightOptions
     ray::RayScene rays(state);
     Tasks tasks(threads);
     MapLight light(state, rays, options, tasks);
-    render::Remembered remembered;
+    trace::Remembered remembered;
     remembered.map = &light;
-    render::TracedOptions traced;
+    trace::TracedOptions traced;
     traced.layers = true;
-    render::FrameBuffers buffers;
+    shading::FrameBuffers buffers;
     for (std::size_t f = 0; f < frames.size(); ++f) {
         if (f > 0) {
             state.advance(scene->timeline.time_of(frames[f]));
             rays.update(state);
         }
-        render::trace_frame(state, rays, render::make_view(state, 0, {size, size}), traced, tasks, buffers, remembered);
+        trace::trace_frame(state, rays, scene::make_view(state, 0, {size, size}), traced, tasks, buffers, remembered);
     }
     return {buffers.indirect.data, light.counters()};
 }

@@ -6,11 +6,11 @@
 #include "base/hash.h"
 #include "gnomon/gnomon.h"
 #include "ray/ray_scene.h"
-#include "render/state_map.h"
-#include "render/traced_frame.h"
-#include "scene/builtin.h"
-#include "shadow_culling/paper_culling.h"
+#include "scene/builtin/builtin.h"
+#include "shadow_culling/nah2009/paper_culling.h"
 #include "support.h"
+#include "trace/state_map.h"
+#include "trace/traced_frame.h"
 
 namespace gnomon {
 namespace {
@@ -115,28 +115,28 @@ TEST(PaperFrame, MarksEveryWrongPixel)
     scene::SceneState state(scene, scene->timeline.time_of(50));
     ray::RayScene rays(state);
     shadow_culling::PaperCulling paper(state, rays);
-    render::StateMap states;
+    trace::StateMap states;
     for (int l = 0; l < static_cast<int>(scene->lights.size()); ++l) states.lights.push_back(l);
     Tasks tasks(2);
-    render::TracedOptions options;
+    trace::TracedOptions options;
     options.samples = 2;
     std::uint64_t wrong_pixels = 0, behind = 0;
     for (int frame = 50; frame < 55; ++frame) {
         state.advance(scene->timeline.time_of(frame));
         rays.update(state);
-        const render::View view = render::make_view(state, 0, {150, 110});
-        render::FrameBuffers remembered, plain;
-        render::Remembered memory;
+        const scene::View view = scene::make_view(state, 0, {150, 110});
+        shading::FrameBuffers remembered, plain;
+        trace::Remembered memory;
         memory.paper = &paper;
         memory.states = &states;
-        const FrameCounters counters = render::trace_frame(state, rays, view, options, tasks, remembered, memory);
-        render::trace_frame(state, rays, view, options, tasks, plain);
+        const FrameCounters counters = trace::trace_frame(state, rays, view, options, tasks, remembered, memory);
+        trace::trace_frame(state, rays, view, options, tasks, plain);
         std::uint64_t different = 0;
         for (int y = 0; y < view.size.height; ++y)
             for (int x = 0; x < view.size.width; ++x) {
                 bool marked = false;
                 for (std::size_t l = 0; l < states.lights.size(); ++l) {
-                    const render::StateCell cell = states.cell(l, x, y);
+                    const trace::StateCell cell = states.cell(l, x, y);
                     marked = marked || cell.wrong || cell.wrong_behind;
                     behind += cell.wrong_behind;
                 }

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reference: right where the answer is known, honest about its error, the same for any number of threads.
-#include "render/reference.h"
+#include "reference/reference.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/bits.h"
-#include "render/traced_frame.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene_helpers.h"
+#include "trace/traced_frame.h"
 
 namespace gnomon {
 namespace {
 
-using render::IrradianceEstimate;
-using render::IrradiancePoint;
-using render::ReferenceOptions;
+using reference::IrradianceEstimate;
+using reference::IrradiancePoint;
+using reference::ReferenceOptions;
 
 struct World {
     explicit World(std::shared_ptr<const scene::Scene> s, int frame = 1)
@@ -27,7 +27,7 @@ struct World {
                                                const ReferenceOptions& options, int threads = 2) const
     {
         Tasks tasks(threads);
-        return render::reference_irradiance(state, rays, points, options, tasks);
+        return reference::reference_irradiance(state, rays, points, options, tasks);
     }
     std::shared_ptr<const scene::Scene> scene;
     scene::SceneState state;
@@ -213,7 +213,7 @@ TEST(Reference, PassesGlass)
 std::vector<IrradiancePoint> points_of_cornell(const World& world, int side)
 {
     std::vector<IrradiancePoint> points;
-    const render::View view = render::make_view(world.state, 0, {side, side});
+    const scene::View view = scene::make_view(world.state, 0, {side, side});
     for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x) {
             glm::vec3 origin, direction;
@@ -221,8 +221,8 @@ std::vector<IrradiancePoint> points_of_cornell(const World& world, int side)
             view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
             const ray::Hit hit = world.rays.closest_single(origin, tnear, direction, tfar, ray::Sides::front);
             if (hit.object == scene::none) continue;
-            points.push_back(render::irradiance_point(*world.scene, world.rays, hit.object, hit.triangle, hit.u, hit.v,
-                                                      -direction, points.size()));
+            points.push_back(reference::irradiance_point(*world.scene, world.rays, hit.object, hit.triangle, hit.u,
+                                                         hit.v, -direction, points.size()));
         }
     return points;
 }
@@ -335,8 +335,8 @@ TEST(Reference, StopsWhenAsked)
     Tasks tasks(2);
     ReferenceOptions options;
     options.samples = 1000;
-    EXPECT_THROW(render::reference_irradiance(world.state, world.rays, points, options, tasks, nullptr,
-                                              [](const ProgressStep&) { return false; }),
+    EXPECT_THROW(reference::reference_irradiance(world.state, world.rays, points, options, tasks, nullptr,
+                                                 [](const ProgressStep&) { return false; }),
                  InterruptedError);
 }
 

@@ -7,7 +7,7 @@
 
 #include "gnomon/gnomon.h"
 #include "light_script.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "shadow_textures/software_textures.h"
 #include "shadow_textures/vulkan/gpu_textures.h"
 #include "support.h"

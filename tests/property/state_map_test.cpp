@@ -5,18 +5,18 @@
 
 #include "ray/origin.h"
 #include "ray/ray_scene.h"
-#include "render/state_map.h"
-#include "render/traced_frame.h"
-#include "scene/builtin.h"
-#include "shadow_culling/certified_culling.h"
-#include "shadow_culling/paper_culling.h"
+#include "scene/builtin/builtin.h"
+#include "shadow_culling/certified/certified_culling.h"
+#include "shadow_culling/nah2009/paper_culling.h"
 #include "support.h"
+#include "trace/state_map.h"
+#include "trace/traced_frame.h"
 
 namespace gnomon {
 namespace {
 
-using render::StateMark;
 using shadow_culling::ShadowPoint;
+using trace::StateMark;
 
 // The first hits of a picture.
 struct FirstHits {
@@ -26,7 +26,7 @@ struct FirstHits {
 
 // In the traced frame's own packets, tile by tile and along a Z curve: others may differ in which of two surfaces in
 // one place they meet, and in a hit's last bits, and so in its part.
-FirstHits first_hits(const ray::RayScene& rays, const render::View& view)
+FirstHits first_hits(const ray::RayScene& rays, const scene::View& view)
 {
     constexpr int k_tile = 32;
     FirstHits result;
@@ -78,12 +78,9 @@ class StateMapTest : public testing::Test {
     {
         state->advance(scene->timeline.time_of(frame));
         rays->update(*state);
-        view = render::make_view(*state, 0, {128, 96});
+        view = scene::make_view(*state, 0, {128, 96});
     }
-    void trace(const render::Remembered& memory)
-    {
-        render::trace_frame(*state, *rays, view, {}, tasks, buffers, memory);
-    }
+    void trace(const trace::Remembered& memory) { trace::trace_frame(*state, *rays, view, {}, tasks, buffers, memory); }
     glm::vec3 to_light(int l, const glm::vec3& from) const
     {
         const scene::LightState& at = state->light(static_cast<scene::LightId>(l));
@@ -100,9 +97,9 @@ class StateMapTest : public testing::Test {
     std::shared_ptr<const scene::Scene> scene;
     std::unique_ptr<scene::SceneState> state;
     std::unique_ptr<ray::RayScene> rays;
-    render::View view;
-    render::StateMap states;
-    render::FrameBuffers buffers;
+    scene::View view;
+    trace::StateMap states;
+    shading::FrameBuffers buffers;
     Tasks tasks{2};
 };
 
@@ -126,7 +123,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
     for (scene::Scene& made : std::array{scene::make_kinetic(), scene::make_cornell()}) {
         start(std::move(made), 20);
         shadow_culling::CertifiedCulling culling(*state, *rays, {});
-        std::size_t seen[render::k_state_marks] = {}, compared = 0;
+        std::size_t seen[trace::k_state_marks] = {}, compared = 0;
         for (int frame = 20; frame < 25; ++frame) {
             go_to(frame);
             const FirstHits hits = first_hits(*rays, view);
@@ -138,7 +135,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
             for (std::uint32_t p = 0; p < hits.points.size(); ++p)
                 for (const int l : states.lights) expected.push_back(culling.state_of(*batch, p, l));
 
-            render::Remembered memory(&culling);
+            trace::Remembered memory(&culling);
             memory.states = &states;
             trace(memory);
 
@@ -147,7 +144,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
                 for (const int l : states.lights) {
                     const auto [x, y] = hits.pixels[p];
                     const ShadowPoint& point = hits.points[p];
-                    const render::StateCell cell = states.cell(static_cast<std::size_t>(l), x, y);
+                    const trace::StateCell cell = states.cell(static_cast<std::size_t>(l), x, y);
                     const shadow_culling::ShadowState state_then = expected[at++];
                     ++seen[static_cast<std::size_t>(cell.mark)];
                     EXPECT_FALSE(cell.wrong || cell.wrong_behind || cell.untrusted);
@@ -180,14 +177,14 @@ TEST_F(StateMapTest, ShowsTheModesOfThePublishedCulling)
     using shadow_culling::OcclusionMode;
     start(scene::make_kinetic(), 20);
     shadow_culling::PaperCulling paper(*state, *rays);
-    std::size_t seen[render::k_state_marks][2] = {};
+    std::size_t seen[trace::k_state_marks][2] = {};
     for (int frame = 20; frame < 24; ++frame) {
         go_to(frame);
         const FirstHits hits = first_hits(*rays, view);
         paper.begin_frame(*state, *rays);
         const shadow_culling::Modes then = paper.modes();
 
-        render::Remembered memory;
+        trace::Remembered memory;
         memory.paper = &paper;
         memory.states = &states;
         trace(memory);
@@ -195,7 +192,7 @@ TEST_F(StateMapTest, ShowsTheModesOfThePublishedCulling)
             for (const int l : states.lights) {
                 const auto [x, y] = hits.pixels[p];
                 const ShadowPoint& point = hits.points[p];
-                const render::StateCell cell = states.cell(static_cast<std::size_t>(l), x, y);
+                const trace::StateCell cell = states.cell(static_cast<std::size_t>(l), x, y);
                 ++seen[static_cast<std::size_t>(cell.mark)][cell.untrusted];
                 if (cell.mark == StateMark::away) continue;
                 if (scene->objects[point.object].dynamic) {

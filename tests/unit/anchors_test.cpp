@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "gnomon/error.h"
-#include "light_quadtree/anchors.h"
+#include "irradiance_cache/points/anchors.h"
 
-namespace gnomon::light_quadtree {
+namespace gnomon::irradiance_cache {
 namespace {
 
 TEST(Anchors, PartsAreNoLargerThanWanted)
@@ -66,4 +66,4 @@ TEST(Anchors, MoreTrianglesThanNumbersAreRefused)
 }
 
 }   // namespace
-}   // namespace gnomon::light_quadtree
+}   // namespace gnomon::irradiance_cache

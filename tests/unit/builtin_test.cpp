@@ -7,7 +7,7 @@
 
 #include "base/hash.h"
 #include "gnomon/error.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/state.h"
 
 namespace gnomon::scene {

@@ -423,7 +423,7 @@ TEST(CertificateChecksByHand, OccluderIsInTheWay)
     const ray::RayScene rays(state);
     const shadow_culling::StaticTriangles triangles(state, rays);
     const glm::dvec3 piece[3] = {glm::dvec3(k_receiver[0]), glm::dvec3(k_receiver[1]), glm::dvec3(k_receiver[2])};
-    const shadow_culling::Shaft shaft(piece, {0, 0, 1}, {glm::dvec3(k_light), false}, 2e-6, {});
+    const visibility::Shaft shaft(piece, {0, 0, 1}, {glm::dvec3(k_light), false}, 2e-6, {});
     CertificateOptions rules;
     EXPECT_FALSE(certify_full(triangles, shaft, 1, rules));
     rules.left_out = Check::occluder_in_way;

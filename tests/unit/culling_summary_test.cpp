@@ -2,13 +2,13 @@
 // Medians and figures of bench culling, from frames made by hand; and whole benches of small scenes.
 #include <gtest/gtest.h>
 
-#include "app/culling_summary.h"
-#include "app/culling_window.h"
-#include "app/moving_lights.h"
+#include "bench/core/moving_lights.h"
+#include "bench/culling/summary.h"
+#include "bench/culling/window.h"
 #include "gnomon/error.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 
-namespace gnomon::app {
+namespace gnomon::bench {
 namespace {
 
 CullingFrame frame_of(int number, double off_ms, double certified_ms, std::uint64_t nodes)
@@ -131,4 +131,4 @@ TEST(CullingBench, StopsWhenAsked)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::bench

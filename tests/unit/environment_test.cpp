@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 #include "gnomon/gnomon.h"
-#include "io/exr.h"
+#include "io/image/exr.h"
 #include "scene/scene.h"
 #include "support.h"
 

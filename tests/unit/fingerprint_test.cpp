@@ -5,10 +5,10 @@
 #include <functional>
 #include <map>
 
-#include "render/frames_folder.h"
 #include "scene/environment.h"
 #include "scene/keyframe_track.h"
 #include "scene_helpers.h"
+#include "video/frames_folder.h"
 
 namespace gnomon::test {
 namespace {
@@ -168,7 +168,7 @@ TEST(Fingerprint, EveryEditGivesAnother)
         auto edited = std::make_shared<scene::Scene>(everything());
         edit(*edited);
         edited->finish();
-        const auto [place, fresh] = found.emplace(render::fingerprint_of(Scene(edited), {}), name);
+        const auto [place, fresh] = found.emplace(video::fingerprint_of(Scene(edited), {}), name);
         EXPECT_TRUE(fresh) << name << " as " << place->second;
     }
 }
@@ -179,7 +179,7 @@ TEST(Fingerprint, NamesOfThingsAreNoEdit)
         auto made = std::make_shared<scene::Scene>(everything());
         made->nodes[0].name = made->meshes[0].name = made->materials[0].name = made->lights[0].name = name;
         made->finish();
-        return render::fingerprint_of(Scene(made), {});
+        return video::fingerprint_of(Scene(made), {});
     };
     EXPECT_EQ(of("a"), of("b"));
 }
@@ -194,7 +194,7 @@ TEST(Fingerprint, TheRateOfATurntable)
     for (const double seconds : {0.0, 2.0}) {
         RenderOptions options;
         options.turntable_seconds = seconds;
-        EXPECT_EQ(render::fingerprint_of(scene, options) == render::fingerprint_of(scene.at_rate(12), options),
+        EXPECT_EQ(video::fingerprint_of(scene, options) == video::fingerprint_of(scene.at_rate(12), options),
                   seconds == 0);
     }
 }
@@ -206,7 +206,7 @@ TEST(Fingerprint, OfAClipWithoutEnd)
     made->timeline.end = 1e9, made->timeline.frames = scene::k_most_frames;
     made->nodes[2].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
     made->finish();
-    EXPECT_NE(render::fingerprint_of(Scene(made), {}), 0u);
+    EXPECT_NE(video::fingerprint_of(Scene(made), {}), 0u);
 }
 
 }   // namespace

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/flip.h"
+#include "image/flip.h"
 
 #include <gtest/gtest.h>
 
 #include "base/math.h"
 #include "base/random.h"
 
-namespace gnomon::render {
+namespace gnomon::image {
 namespace {
 
 ImageF even(int width, int height, const glm::vec3& color)
@@ -141,4 +141,4 @@ TEST(Flip, HeatMapRunsFromBlackToPaleYellow)
 }
 
 }   // namespace
-}   // namespace gnomon::render
+}   // namespace gnomon::image

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/float_image.h"
+#include "io/image/float_image.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 #include "base/random.h"
 #include "gnomon/error.h"
 #include "hdr_bytes.h"
-#include "io/exr.h"
-#include "io/exr_header.h"
-#include "io/hdr.h"
-#include "io/image_file.h"
+#include "io/image/exr.h"
+#include "io/image/exr_header.h"
+#include "io/image/hdr.h"
+#include "io/image/image_file.h"
 #include "support.h"
 
 namespace gnomon::io {

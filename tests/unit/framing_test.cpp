@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/framing.h"
+#include "scene/defaults/framing.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "gnomon/error.h"
-#include "io/image_file.h"
+#include "io/image/image_file.h"
 #include "io/load.h"
 #include "scene/state.h"
 #include "support.h"

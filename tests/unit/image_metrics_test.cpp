@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/image_metrics.h"
+#include "image/image_metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 
 #include "base/random.h"
 #include "gnomon/compare.h"
-#include "io/exr.h"
-#include "io/image_file.h"
+#include "io/image/exr.h"
+#include "io/image/image_file.h"
 #include "support.h"
 
-namespace gnomon::render {
+namespace gnomon::image {
 namespace {
 
 ImageF even(int channels, float value)
@@ -197,4 +197,4 @@ TEST(Compare, LayersSizesAndHeatMap)
 }
 
 }   // namespace
-}   // namespace gnomon::render
+}   // namespace gnomon::image

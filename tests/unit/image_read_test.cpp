@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures from files and memory: what they mean, and what is refused.
-#include "io/image_file.h"
+#include "io/image/image_file.h"
 
 #include <sys/stat.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 #include "gnomon/error.h"
-#include "picture_bytes.h"
+#include "image_bytes.h"
 #include "support.h"
 
 namespace gnomon::io {

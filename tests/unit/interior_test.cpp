@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/interior.h"
+#include "scene/defaults/interior.h"
 
 #include <gtest/gtest.h>
 

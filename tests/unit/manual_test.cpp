@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is written about options is all of them, and as the table has them.
-#include "app/manual.h"
+#include "cli/manual.h"
 
 #include <gtest/gtest.h>
 
@@ -9,16 +9,16 @@
 #include <sstream>
 #include <vector>
 
-#include "app/option_table.h"
+#include "options/option_table.h"
 
-namespace gnomon::app {
+namespace gnomon::cli {
 namespace {
 
 TEST(Manual, EveryOptionIsWhereAPersonLooks)
 {
     const std::string manual = manual_page(), bash = bash_completion(), zsh = zsh_completion(),
                       fish = fish_completion();
-    for (const Option& option : options()) {
+    for (const options::Option& option : options::options()) {
         if (!option.built) continue;
         const std::string name(option.name);
         std::string escaped;
@@ -34,9 +34,9 @@ TEST(Manual, EveryOptionIsWhereAPersonLooks)
 // What shows options takes their order from the table.
 TEST(Manual, OptionsOfOneGroupStandTogether)
 {
-    for (const VerbInfo& verb : verbs()) {
+    for (const options::VerbInfo& verb : options::verbs()) {
         std::vector<std::string_view> groups;
-        for (const Option& option : options())
+        for (const options::Option& option : options::options())
             if ((option.verbs & bit(verb.verb)) && (groups.empty() || groups.back() != option.group))
                 groups.push_back(option.group);
         const std::set<std::string_view> different(groups.begin(), groups.end());
@@ -53,4 +53,4 @@ TEST(Manual, TheGuidesPageOfOptionsIsTheTable)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::cli

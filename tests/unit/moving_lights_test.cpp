@@ -2,11 +2,11 @@
 // Lights that never stand still, in a scene that is otherwise the same.
 #include <gtest/gtest.h>
 
-#include "app/moving_lights.h"
-#include "scene/builtin.h"
+#include "bench/core/moving_lights.h"
+#include "scene/builtin/builtin.h"
 #include "scene/state.h"
 
-namespace gnomon::app {
+namespace gnomon::bench {
 namespace {
 
 TEST(MovingLights, EveryLightMovesALittleInEveryFrameAndNothingElse)
@@ -47,4 +47,4 @@ TEST(MovingLights, TheIndexOfChildrenStaysWhole)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::bench

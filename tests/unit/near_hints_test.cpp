@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hints of where near light is wanted: a name for every cell, however many large triangles there are, and no more
 // memory than is allowed beyond what frames show.
-#include "light_quadtree/near_hints.h"
+#include "irradiance_cache/near_field/near_hints.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace gnomon {
 namespace {
 
-using light_quadtree::NearHints;
+using irradiance_cache::NearHints;
 using State = NearHints::State;
 
 constexpr float k_radius = 0.01f;

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "gnomon/error.h"
-#include "io/image_file.h"
+#include "io/image/image_file.h"
 #include "io/load.h"
 #include "support.h"
 

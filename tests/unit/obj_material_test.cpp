@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "gnomon/error.h"
-#include "io/mtl.h"
+#include "io/obj/mtl.h"
 
 namespace gnomon::io {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
-#include "io/polygon.h"
+#include "io/obj/polygon.h"
 
 namespace gnomon::io {
 namespace {

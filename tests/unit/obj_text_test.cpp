@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/obj_text.h"
+#include "io/obj/text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifdef GNOMON_VIEWER
-#include "app/view/orbit_camera.h"
+#include "viewer/orbit_camera.h"
 
 #include <gtest/gtest.h>
 
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 
-namespace gnomon::app {
+namespace gnomon::viewer {
 namespace {
 
-render::View some_view()
+scene::View some_view()
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     const scene::SceneState state(scene, 0);
-    return render::make_view(state, 0, {64, 48});
+    return scene::make_view(state, 0, {64, 48});
 }
 
 void expect_near(const glm::vec3& a, const glm::vec3& b, float room)
@@ -23,10 +23,10 @@ void expect_near(const glm::vec3& a, const glm::vec3& b, float room)
 
 TEST(OrbitCamera, BeginsWhereTheSceneLooked)
 {
-    const render::View view = some_view();
+    const scene::View view = some_view();
     OrbitCamera camera;
     camera.follow(view, 2);
-    const render::View own = camera.view(view.size);
+    const scene::View own = camera.view(view.size);
     expect_near(own.eye, view.eye, 1e-5f);
     expect_near(own.forward, view.forward, 1e-5f);
     expect_near(own.right, view.right, 1e-5f);
@@ -41,7 +41,7 @@ TEST(OrbitCamera, CirclesItsPivotAndNeverTipsOver)
     const glm::vec3 pivot = camera.pivot();
     for (int i = 0; i < 20; ++i) {
         camera.orbit(0.3f, 0.2f);
-        const render::View view = camera.view({64, 48});
+        const scene::View view = camera.view({64, 48});
         EXPECT_NEAR(glm::length(view.eye - pivot), 2, 1e-4f);
         expect_near(view.eye + 2.0f * view.forward, pivot, 1e-4f);
         EXPECT_GT(view.up.y, 0) << "the sky stays above";
@@ -54,9 +54,9 @@ TEST(OrbitCamera, LooksAndFliesFromItsEye)
 {
     OrbitCamera camera;
     camera.follow(some_view(), 2);
-    const render::View before = camera.view({64, 48});
+    const scene::View before = camera.view({64, 48});
     camera.look(0.4f, 0.1f);
-    const render::View after = camera.view({64, 48});
+    const scene::View after = camera.view({64, 48});
     expect_near(after.eye, before.eye, 1e-4f);
     EXPECT_GT(glm::dot(after.forward, before.right), 0) << "to the right";
     EXPECT_GT(after.forward.y, before.forward.y);
@@ -64,7 +64,7 @@ TEST(OrbitCamera, LooksAndFliesFromItsEye)
     expect_near(camera.view({64, 48}).eye, after.eye + after.forward, 1e-4f);
     const glm::vec3 target(0.3f, 0.2f, -0.1f);
     camera.aim(target);
-    const render::View aimed = camera.view({64, 48});
+    const scene::View aimed = camera.view({64, 48});
     expect_near(aimed.eye + camera.distance() * aimed.forward, target, 1e-4f);
 }
 
@@ -74,7 +74,7 @@ TEST(OrbitCamera, PansByTheSameShareOfTheViewAtAnyDistance)
         OrbitCamera camera;
         camera.follow(some_view(), distance);
         const glm::vec3 before = camera.pivot();
-        const render::View view = camera.view({64, 48});
+        const scene::View view = camera.view({64, 48});
         camera.pan(0.5f, 0);   // half the height to the right: the scene follows the hand, the eye goes left
         const glm::vec3 went = camera.pivot() - before;
         EXPECT_LT(glm::dot(went, view.right), 0);
@@ -83,5 +83,5 @@ TEST(OrbitCamera, PansByTheSameShareOfTheViewAtAnyDistance)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::viewer
 #endif

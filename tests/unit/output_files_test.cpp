@@ -10,19 +10,19 @@
 
 #include "base/random.h"
 #include "gnomon/error.h"
-#include "gnomon/film.h"
-#include "io/atomic_file.h"
-#include "io/image_file.h"
-#include "render/bitmap_font.h"
-#include "render/film_files.h"
-#include "render/frames_folder.h"
+#include "gnomon/video.h"
+#include "image/bitmap_font.h"
+#include "io/file/atomic_file.h"
+#include "io/file/output_name.h"
+#include "io/image/image_file.h"
 #include "support.h"
+#include "video/frames_folder.h"
 
 namespace gnomon {
 namespace {
 
 namespace fs = std::filesystem;
-using render::OutputKind;
+using io::OutputKind;
 
 std::string bytes_of(const fs::path& file)
 {
@@ -45,33 +45,33 @@ Image8 noise(int width, int height, int channels)
 
 TEST(OutputKind, FollowsExtensionAndPattern)
 {
-    EXPECT_EQ(render::output_kind("a/b.png"), OutputKind::picture);
-    EXPECT_EQ(render::output_kind("b.PNG"), OutputKind::picture);
-    EXPECT_EQ(render::output_kind("a{frame}.png"), OutputKind::numbered);
-    EXPECT_EQ(render::output_kind("{frame:04}.png"), OutputKind::numbered);
-    EXPECT_EQ(render::output_kind("{frame}/still.png"), OutputKind::picture);   // folders are not patterns
-    EXPECT_EQ(render::output_kind("b.mp4"), OutputKind::film);
-    EXPECT_EQ(render::output_kind("b.Exr"), OutputKind::picture);
-    EXPECT_EQ(render::output_kind("{frame}.exr"), OutputKind::numbered);
-    EXPECT_TRUE(render::is_exr_name("b.EXR"));
-    EXPECT_FALSE(render::is_exr_name("exr.png"));
+    EXPECT_EQ(io::output_kind("a/b.png"), OutputKind::picture);
+    EXPECT_EQ(io::output_kind("b.PNG"), OutputKind::picture);
+    EXPECT_EQ(io::output_kind("a{frame}.png"), OutputKind::numbered);
+    EXPECT_EQ(io::output_kind("{frame:04}.png"), OutputKind::numbered);
+    EXPECT_EQ(io::output_kind("{frame}/still.png"), OutputKind::picture);   // folders are not patterns
+    EXPECT_EQ(io::output_kind("b.mp4"), OutputKind::film);
+    EXPECT_EQ(io::output_kind("b.Exr"), OutputKind::picture);
+    EXPECT_EQ(io::output_kind("{frame}.exr"), OutputKind::numbered);
+    EXPECT_TRUE(io::is_exr_name("b.EXR"));
+    EXPECT_FALSE(io::is_exr_name("exr.png"));
     for (const char* wrong : {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png",
                               "b{frame:0x}.png", "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", ""})
-        EXPECT_THROW(render::output_kind(wrong), UsageError) << wrong;
+        EXPECT_THROW(io::output_kind(wrong), UsageError) << wrong;
 }
 
 TEST(NumberedName, PadsWithZeros)
 {
-    EXPECT_EQ(render::numbered_name("x/name-{frame:04}.png", 7), fs::path("x/name-0007.png"));
-    EXPECT_EQ(render::numbered_name("name-{frame:02}.png", 1234), fs::path("name-1234.png"));
-    EXPECT_EQ(render::numbered_name("{frame}", 7), fs::path("7"));
-    EXPECT_EQ(render::numbered_name("plain.png", 7), fs::path("plain.png"));
+    EXPECT_EQ(io::numbered_name("x/name-{frame:04}.png", 7), fs::path("x/name-0007.png"));
+    EXPECT_EQ(io::numbered_name("name-{frame:02}.png", 1234), fs::path("name-1234.png"));
+    EXPECT_EQ(io::numbered_name("{frame}", 7), fs::path("7"));
+    EXPECT_EQ(io::numbered_name("plain.png", 7), fs::path("plain.png"));
 }
 
 TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
 {
     const test::ScratchFolder folder;
-    render::FramesFolder frames(folder / "a.mp4");
+    video::FramesFolder frames(folder / "a.mp4");
     ::signal(SIGXFSZ, SIG_IGN);
     rlimit before{};
     ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -96,24 +96,24 @@ TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
 TEST(FramesFolder, IsOneFilms)
 {
     const test::ScratchFolder folder;
-    const render::FilmIdentity film{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
+    const video::FilmIdentity film{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
     {
-        render::FramesFolder one(folder / "a.mp4");
+        video::FramesFolder one(folder / "a.mp4");
         one.open(film, false, false);
         std::ofstream(one.file(1)) << "a frame";
         for (const bool keep : {false, true}) {
-            render::FramesFolder two(folder / "a.mp4");
+            video::FramesFolder two(folder / "a.mp4");
             EXPECT_THROW(two.open(keep ? film : other, keep, false), MissingError);
         }
         EXPECT_EQ(bytes_of(one.file(1)), "a frame");
         one.remove();
         EXPECT_FALSE(fs::exists(one.path()));
-        render::FramesFolder next(folder / "a.mp4");
+        video::FramesFolder next(folder / "a.mp4");
         next.open(other, false, false);   // of another folder by that name
     }
 
     // Chunks work side by side, of one film: also before there is a first frame.
-    render::FramesFolder first(folder / "b.mp4"), second(folder / "b.mp4"), third(folder / "b.mp4");
+    video::FramesFolder first(folder / "b.mp4"), second(folder / "b.mp4"), third(folder / "b.mp4");
     first.open(film, false, true);
     second.open(film, false, true);
     EXPECT_THROW(third.open(other, false, true), UsageError);
@@ -126,7 +126,7 @@ TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
     std::vector<std::thread> chunks;
     for (int i = 0; i < 8; ++i)
         chunks.emplace_back([&] {
-            render::FramesFolder frames(folder / "a.mp4");
+            video::FramesFolder frames(folder / "a.mp4");
             EXPECT_NO_THROW(frames.open({"scene", {8, 8}, 1, "1.0"}, false, true));
         });
     for (std::thread& chunk : chunks) chunk.join();
@@ -278,9 +278,9 @@ TEST(BitmapFont, GlyphsDiffer)
 {
     const std::string characters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ .,:-_/+=()%";
     for (const char a : characters)
-        for (const char b : characters) EXPECT_EQ(a == b, render::glyph(a) == render::glyph(b)) << a << b;
-    EXPECT_EQ(render::glyph('q'), render::glyph('Q'));
-    EXPECT_EQ(render::glyph('\n'), render::glyph('~'));
+        for (const char b : characters) EXPECT_EQ(a == b, image::glyph(a) == image::glyph(b)) << a << b;
+    EXPECT_EQ(image::glyph('q'), image::glyph('Q'));
+    EXPECT_EQ(image::glyph('\n'), image::glyph('~'));
 }
 
 }   // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadow culling as published [Nah 2009]: its tables line by line, its memory, what a frame learns and forgets.
-#include "shadow_culling/paper_culling.h"
+#include "shadow_culling/nah2009/paper_culling.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 // What the published shadow culling gets wrong, and what it does not, against a full trace [Nah 2009, Fig. 5].
 #include <gtest/gtest.h>
 
-#include "app/culling_bench.h"
-#include "scene/builtin.h"
+#include "bench/culling/bench.h"
+#include "scene/builtin/builtin.h"
 #include "scene_helpers.h"
 
 namespace gnomon {
@@ -50,16 +50,16 @@ std::shared_ptr<const scene::Scene> seen_from(scene::Scene& scene, const glm::dv
     return test::finished(scene);
 }
 
-app::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene, int threads = 1, int last_frame = 4,
-                              const shadow_culling::PaperOptions& paper_options = {})
+bench::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene, int threads = 1, int last_frame = 4,
+                                const shadow_culling::PaperOptions& paper_options = {})
 {
-    app::CullingBenchOptions options;
+    bench::CullingBenchOptions options;
     options.paper_options = paper_options;
     options.frames = {1, last_frame};
     options.size = {k_pixels, k_pixels};
     options.threads = threads;
     options.certified = false;
-    return app::bench_culling(scene, options);
+    return bench::bench_culling(scene, options);
 }
 
 TEST(PaperWrongPixels, AShadowBetweenThePixelsIsMissed)
@@ -83,7 +83,7 @@ TEST(PaperWrongPixels, AShadowThatPixelsSeeIsPartialAndTracedAlways)
     scene::Scene scene = floor_under_lamp({{-0.5f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0, 0.7f, 0}});
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
-    for (const app::CullingFrame& frame : result.frames) {
+    for (const bench::CullingFrame& frame : result.frames) {
         EXPECT_EQ(frame.paper.wrong, 0u);
         EXPECT_EQ(frame.paper.skipped + frame.paper.dynamic_only, 0u);
         EXPECT_GT(frame.paper.rays, 50u);
@@ -129,7 +129,7 @@ TEST(PaperWrongPixels, AMovingLightIsNeverCulledNorWrong)
     scene.cameras[0].orthographic_height = 8;
     scene.nodes[scene.lights[0].node].transform = std::make_shared<test::SwayTrack>(glm::dvec3(9, 0, 9), 3);
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
-    for (const app::CullingFrame& frame : result.frames) {
+    for (const bench::CullingFrame& frame : result.frames) {
         EXPECT_EQ(frame.paper.skipped + frame.paper.dynamic_only, 0u);
         EXPECT_EQ(frame.paper.wrong, 0u);
     }

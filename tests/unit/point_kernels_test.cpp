@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner loops of indirect light against plain ones.
-#include "light_quadtree/point_kernels.h"
+#include "irradiance_cache/light_tree/point_kernels.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 
 namespace gnomon {
 namespace {
 
-using namespace light_quadtree;
+using namespace irradiance_cache;
 
 struct World {
     std::shared_ptr<const scene::Scene> scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line of progress on a terminal: one line, however narrow that is.
-#include "app/progress_line.h"
+#include "cli/progress_line.h"
 
 #include <gtest/gtest.h>
 
-namespace gnomon::app {
+namespace gnomon::cli {
 namespace {
 
 TEST(ProgressText, FitsTheTerminal)
@@ -17,4 +17,4 @@ TEST(ProgressText, FitsTheTerminal)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::cli

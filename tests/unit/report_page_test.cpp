@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Report pages as text: what goes in comes out, whole and harmless. tests/cli/report_test.cpp opens one.
-#include "app/report_page.h"
+#include "bench/report/page.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/stage_figures.h"
+#include "bench/report/stage_figures.h"
 #include "gnomon/error.h"
 #include "support.h"
 
-namespace gnomon::app {
+namespace gnomon::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -184,4 +184,4 @@ TEST(ReportFile, AFolderThatCannotBeIsNamed)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::bench

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/shading.h"
+#include "shading/shading.h"
 
 #include <gtest/gtest.h>
 
 #include "base/random.h"
 
-namespace gnomon::render {
+namespace gnomon::shading {
 namespace {
 
 SurfacePoint flat(scene::ShadingModel model)
@@ -167,4 +167,4 @@ TEST(Shading, NormalMapsTurnWithTheirPictureAndAreReversedBehind)
 }
 
 }   // namespace
-}   // namespace gnomon::render
+}   // namespace gnomon::shading

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "base/micro_triangles.h"
-#include "shadow_culling/look_up.h"
-#include "shadow_culling/rim.h"
+#include "shadow_culling/certified/look_up.h"
+#include "shadow_culling/certified/rim.h"
 
 namespace gnomon::shadow_culling {
 namespace {

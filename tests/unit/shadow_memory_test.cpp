@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What remembered shadows may take: a bound that holds, and what was not seen for longest goes first.
-#include "shadow_culling/shadow_memory.h"
+#include "shadow_culling/certified/shadow_memory.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "base/tasks.h"
-#include "shadow_culling/look_up.h"
+#include "shadow_culling/certified/look_up.h"
 #include "shadow_stage.h"
 
 namespace gnomon {

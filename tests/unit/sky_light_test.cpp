@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sky as directions.
-#include "light_quadtree/sky_light.h"
+#include "irradiance_cache/points/sky_light.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 namespace gnomon {
 namespace {
 
-using light_quadtree::k_sky_directions;
-using light_quadtree::SkyLight;
-using light_quadtree::SkyMask;
+using irradiance_cache::k_sky_directions;
+using irradiance_cache::SkyLight;
+using irradiance_cache::SkyMask;
 
 scene::Background blue_sky()
 {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "light_quadtree/sparse_pixels.h"
+#include "irradiance_cache/points/sparse_pixels.h"
 
-namespace gnomon::light_quadtree {
+namespace gnomon::irradiance_cache {
 namespace {
 
 std::vector<IndirectPoint> tile_of(float step_at)
@@ -78,4 +78,4 @@ TEST(SparsePixels, WhatIsExemptOrHasNoPlaceIsReckoned)
 }
 
 }   // namespace
-}   // namespace gnomon::light_quadtree
+}   // namespace gnomon::irradiance_cache

@@ -2,16 +2,16 @@
 // The picture of shadow states: where panels lie, which colours they have, what a renderer hands out.
 #include <gtest/gtest.h>
 
+#include "frame/state_overlay.h"
 #include "gnomon/gnomon.h"
-#include "render/state_overlay.h"
 
 namespace gnomon {
 namespace {
 
-using render::cell_color;
-using render::Rgb8;
-using render::StateCell;
-using render::StateMark;
+using frame::cell_color;
+using frame::Rgb8;
+using trace::StateCell;
+using trace::StateMark;
 
 int difference(const Rgb8& a, const Rgb8& b)
 {
@@ -20,9 +20,9 @@ int difference(const Rgb8& a, const Rgb8& b)
     return sum;
 }
 
-render::StateMap map_of(Size size, int lights)
+trace::StateMap map_of(Size size, int lights)
 {
-    render::StateMap map;
+    trace::StateMap map;
     for (int l = 0; l < lights; ++l) map.lights.push_back(l);
     map.start(size);
     for (std::size_t i = 0; i < map.cells.size(); ++i) map.cells[i] = static_cast<std::uint8_t>(i % 7);
@@ -32,8 +32,8 @@ render::StateMap map_of(Size size, int lights)
 
 TEST(StateOverlay, MarksAreToldApart)
 {
-    std::vector<Rgb8> colors{render::k_wrong_color, render::k_wrong_behind_color};
-    for (int m = 0; m < render::k_state_marks; ++m) colors.push_back(cell_color({static_cast<StateMark>(m)}, 255));
+    std::vector<Rgb8> colors{frame::k_wrong_color, frame::k_wrong_behind_color};
+    for (int m = 0; m < trace::k_state_marks; ++m) colors.push_back(cell_color({static_cast<StateMark>(m)}, 255));
     for (std::size_t a = 0; a < colors.size(); ++a)
         for (std::size_t b = 0; b < a; ++b) EXPECT_GT(difference(colors[a], colors[b]), 60) << a << " and " << b;
 }
@@ -42,10 +42,10 @@ TEST(StateOverlay, WrongOverrulesEverything)
 {
     for (int byte = 0; byte < 64; ++byte) {
         const StateCell cell = StateCell::of(static_cast<std::uint8_t>(byte));
-        if (static_cast<int>(cell.mark) >= render::k_state_marks) continue;
+        if (static_cast<int>(cell.mark) >= trace::k_state_marks) continue;
         const Rgb8 color = cell_color(cell, 40);
-        EXPECT_EQ(color == render::k_wrong_color, (byte & StateCell::k_wrong) != 0);
-        EXPECT_EQ(color == render::k_wrong_behind_color, (byte & 48) == 32);
+        EXPECT_EQ(color == frame::k_wrong_color, (byte & StateCell::k_wrong) != 0);
+        EXPECT_EQ(color == frame::k_wrong_behind_color, (byte & 48) == 32);
     }
     EXPECT_NE(cell_color({StateMark::none, true, false, false}, 255), cell_color({StateMark::none}, 255));
 }
@@ -54,7 +54,7 @@ TEST(StateOverlay, WrongOverrulesEverything)
 TEST(StateOverlay, AMarkThatIsNoneIsAnInternalError)
 {
     EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
-    EXPECT_THROW(render::state_color(static_cast<StateMark>(render::k_state_marks)), InternalError);
+    EXPECT_THROW(frame::state_color(static_cast<StateMark>(trace::k_state_marks)), InternalError);
 }
 
 TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
@@ -62,14 +62,14 @@ TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
     for (const Size size : {Size{1, 1}, Size{8, 3}, Size{65, 49}, Size{410, 20}})
         for (const int lights : {1, 2, 3, 6, 16})
             for (const bool paper : {false, true}) {
-                const render::StateMap map = map_of(size, lights);
+                const trace::StateMap map = map_of(size, lights);
                 const std::vector<std::string> titles(static_cast<std::size_t>(lights), "a title that is rather long");
-                const Image8 image = render::paint_states(map, titles, paper);
-                const Size whole = render::overlay_size(size, static_cast<std::size_t>(lights), paper);
+                const Image8 image = frame::paint_states(map, titles, paper);
+                const Size whole = frame::overlay_size(size, static_cast<std::size_t>(lights), paper);
                 EXPECT_EQ((Size{image.width, image.height}), whole);
                 EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "films want even sizes";
                 for (std::size_t p = 0; p < map.lights.size(); ++p) {
-                    const render::PanelPlace at = render::panel_place(size, map.lights.size(), p);
+                    const frame::PanelPlace at = frame::panel_place(size, map.lights.size(), p);
                     ASSERT_LE(at.left + size.width, image.width);
                     ASSERT_LE(at.top + size.height, image.height);
                     for (int y = 0; y < size.height; ++y)
@@ -95,11 +95,11 @@ TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
         renderer.render(scene, 1);
         const Picture picture = renderer.render(scene, 2);
         EXPECT_EQ(picture.size, picture_size(scene, options));
-        EXPECT_EQ(picture.size, render::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
+        EXPECT_EQ(picture.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
         EXPECT_EQ(picture.layers.size(), 1u);
         // Colours come out as they were painted.
         const std::vector<std::uint8_t> bytes = picture.to_srgb8();
-        const Rgb8 legend = render::state_color(StateMark::none);
+        const Rgb8 legend = frame::state_color(StateMark::none);
         const auto found = std::search(bytes.begin(), bytes.end(), legend.begin(), legend.end());
         EXPECT_NE(found, bytes.end());
     }

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "shadow_culling/texels.h"
+#include "shadow_culling/dynamic_mask/texels.h"
 
 namespace gnomon::shadow_culling {
 namespace {
@@ -16,7 +16,7 @@ TEST(Texels, ManyPointsAsOne)
     const CullingView view{{0.5f, 1, 4}, 0.003f, 0.0001f};
     for (const bool directional : {false, true})
         for (const std::size_t count : {1u, 15u, 16u, 17u, 5000u}) {
-            LightPoint light;
+            visibility::LightPoint light;
             light.directional = directional;
             light.place = directional ? glm::normalize(glm::dvec3(0.3, 1, -0.2)) : glm::dvec3(0.25, 0.5, -0.75);
             const LightSpace space(light, Box3{glm::vec3(-2), glm::vec3(2)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/tone_map.h"
+#include "image/tone_map.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "base/image.h"
 #include "base/random.h"
 
-namespace gnomon::render {
+namespace gnomon::image {
 namespace {
 
 constexpr ToneMap k_all[] = {ToneMap::none, ToneMap::neutral, ToneMap::agx, ToneMap::aces};
@@ -142,4 +142,4 @@ TEST(EncodeSrgb8, ExposureIsInStops)
 }
 
 }   // namespace
-}   // namespace gnomon::render
+}   // namespace gnomon::image

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/video.h"
+#include "video/encoder.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -9,9 +9,9 @@
 #include <iterator>
 
 #include "gnomon/error.h"
-#include "io/image_file.h"
-#include "io/process.h"
+#include "io/image/image_file.h"
 #include "support.h"
+#include "video/process.h"
 
 namespace gnomon::io {
 namespace {
@@ -44,8 +44,8 @@ std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
 // What `ffprobe` says about a film.
 std::string probe(const fs::path& film, const std::string& entries)
 {
-    Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=" + entries, "-of",
-                     "default=noprint_wrappers=1:nokey=1", film.string()});
+    video::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=" + entries, "-of",
+                            "default=noprint_wrappers=1:nokey=1", film.string()});
     EXPECT_EQ(ffprobe.wait(), 0) << ffprobe.errors();
     return ffprobe.output();
 }
@@ -67,11 +67,11 @@ void expect_no_film(const test::ScratchFolder& folder)
 
 TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
 {
-    if (!have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+    if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
     const std::vector<fs::path> frames = make_frames(folder, 9);
-    encode_video(frames, 39.95, folder / "-a film.mp4", {});
-    encode_video(frames, 39.95, folder / "b.mp4", {});
+    video::encode_video(frames, 39.95, folder / "-a film.mp4", {});
+    video::encode_video(frames, 39.95, folder / "b.mp4", {});
     EXPECT_EQ(bytes_of(folder / "-a film.mp4"), bytes_of(folder / "b.mp4"));
     EXPECT_EQ(probe(folder / "b.mp4", "width,height,pix_fmt,r_frame_rate,nb_read_frames"),
               "64\n48\nyuv420p\n799/20\n9\n");
@@ -81,9 +81,9 @@ TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
 
 TEST(Video, OneFrameIsAFilmToo)
 {
-    if (!have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
+    if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
-    encode_video(make_frames(folder, 1), 24, folder / "one.mp4", {});
+    video::encode_video(make_frames(folder, 1), 24, folder / "one.mp4", {});
     EXPECT_EQ(probe(folder / "one.mp4", "nb_read_frames"), "1\n");
 }
 
@@ -92,8 +92,8 @@ TEST(Video, WithoutFfmpegSaysSo)
     test::ScratchFolder folder;
     const std::vector<fs::path> frames = make_frames(folder, 2);
     const ScopedPath path(folder.path().string());
-    EXPECT_FALSE(have_ffmpeg());
-    EXPECT_THROW(encode_video(frames, 24, folder / "a.mp4", {}), MissingError);
+    EXPECT_FALSE(video::have_ffmpeg());
+    EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", {}), MissingError);
     expect_no_film(folder);
 }
 
@@ -113,7 +113,7 @@ std::string failure_with(const std::string& line)
     const ScopedPath path(programs.path().string() + ":/usr/bin:/bin");
     std::string message;
     try {
-        encode_video(frames, 24, folder / "a.mp4", {});
+        video::encode_video(frames, 24, folder / "a.mp4", {});
         ADD_FAILURE() << "nothing thrown with " << line;
     } catch (const MissingError& error) {
         message = error.what();
@@ -138,17 +138,17 @@ TEST(Video, CanBeInterrupted)
     install_script(programs.path(), "exec sleep 60");
     const ScopedPath path(programs.path().string() + ":/usr/bin:/bin");
     int asked = 0;
-    EXPECT_THROW(encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
+    EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
                  InterruptedError);
     expect_no_film(folder);
     // Before the rendering, too.
     asked = 0;
-    EXPECT_THROW(have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);
+    EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);
 }
 
 TEST(Process, ADeadProgramIsNoSignal)
 {
-    Process program({"true"});
+    video::Process program({"true"});
     const std::vector<std::uint8_t> much(1 << 22, 'x');
     EXPECT_FALSE(program.write(much));
     EXPECT_EQ(program.wait(), 0);
@@ -156,15 +156,15 @@ TEST(Process, ADeadProgramIsNoSignal)
 
 TEST(Process, ArgumentsArePassedAsTheyAre)
 {
-    Process program({"printf", "%s|", "a b", "$(x)", "'", ""});
+    video::Process program({"printf", "%s|", "a b", "$(x)", "'", ""});
     EXPECT_EQ(program.wait(), 0);
     EXPECT_EQ(program.output(), "a b|$(x)|'||");
-    EXPECT_THROW(Process({"no-such-program-anywhere"}), MissingError);
+    EXPECT_THROW(video::Process({"no-such-program-anywhere"}), MissingError);
 }
 
 TEST(Process, ReadsWhatItIsFed)
 {
-    Process program({"wc", "-c"});
+    video::Process program({"wc", "-c"});
     const std::vector<std::uint8_t> much(1 << 20, 'x');
     EXPECT_TRUE(program.write(much));
     EXPECT_EQ(program.wait(), 0);

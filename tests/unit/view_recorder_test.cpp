@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer writes, and what it leaves behind.
 #ifdef GNOMON_VIEWER
-#include "app/view/recorder.h"
+#include "viewer/recorder.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "gnomon/error.h"
 #include "support.h"
 
-namespace gnomon::app {
+namespace gnomon::viewer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,5 +77,5 @@ TEST_F(RecorderTest, SaysWhenItIsBehind)
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::viewer
 #endif

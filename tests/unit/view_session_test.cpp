@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer's window asks for and gets.
 #ifdef GNOMON_VIEWER
-#include "app/view/session.h"
+#include "viewer/session.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "support.h"
 
-namespace gnomon::app {
+namespace gnomon::viewer {
 namespace {
 
 constexpr std::uint64_t k_few_rays = 500;   // bounced light takes many frames
@@ -297,5 +297,5 @@ TEST(ViewSession, ACameraThatIsNotThereFailsTheFrameAndOfTheSceneBeforeIsNotAske
 }
 
 }   // namespace
-}   // namespace gnomon::app
+}   // namespace gnomon::viewer
 #endif

@@ -7,7 +7,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
-#include "light_quadtree/texel_ray.h"
+#include "light_views/texel_ray.h"
 
 namespace gnomon::light_quadtree {
 

@@ -17,7 +17,7 @@ struct MapSurfaces {
     const vk::Image* normal;     // unit, shading
     Size size;                   // of the picture
     glm::vec3 eye{0};
-    float pixel_width = 0, pixel_spread = 0;   // of the view, as render::View has them
+    float pixel_width = 0, pixel_spread = 0;   // of the view, as scene::View has them
 };
 
 class GpuMapLight {

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/culling/bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "bench/culling/counts.h"
+#include "bench/culling/images.h"
+#include "bench/culling/paper_bench.h"
+#include "bench/culling/summary.h"
+#include "gnomon/error.h"
+#include "shadow_culling/certified/certified_culling.h"
+
+namespace gnomon::bench {
+
+namespace {
+
+using shadow_culling::CertifiedCulling;
+using shadow_culling::CertifiedOptions;
+
+double cpu_ms()
+{
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+double wall_ms()
+{
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, std::vector<std::uint8_t> CullingTile::*method)
+{
+    std::uint64_t wrong = 0;
+    for (const CullingTile& tile : tiles)
+        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.asked[i] && tile.off[i] != (tile.*method)[i];
+    return wrong;
+}
+
+// One run over the frames: every method with a memory of its own, empty at first.
+class Run {
+ public:
+    Run(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options)
+        : options_(options),
+          scene_(*scene),
+          state_(scene, scene->timeline.time_of(options.frames.first)),
+          rays_(state_),
+          tasks_(options.threads),
+          tracers_(static_cast<std::size_t>(tasks_.threads())),
+          workers_(static_cast<std::size_t>(tasks_.threads()))
+    {
+        rays_.keep_one_tree();
+        CertifiedOptions certified_options;
+        certified_options.pixels_per_part = options.pixels_per_part;
+        ray_end_ = certified_options.ray_end;
+        if (options.certified) {
+            culling_ = std::make_unique<CertifiedCulling>(state_, rays_, certified_options);
+            for (int t = 0; t < tasks_.threads(); ++t) batches_.push_back(culling_->make_batch());
+        }
+        if (options.paper)
+            paper_ = std::make_unique<PaperBench>(state_, rays_, tasks_.threads(), options.paper_options, ray_end_);
+        if (options.counts) kdtree_ = std::make_unique<ray::CountingKdTree>(state_, rays_);
+        columns_ = (options.size.width + PointTracer::k_tile - 1) / PointTracer::k_tile;
+        const int rows = (options.size.height + PointTracer::k_tile - 1) / PointTracer::k_tile;
+        tiles_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows));
+    }
+
+    CullingFrame measure(int frame)
+    {
+        state_.advance(scene_.timeline.time_of(frame));
+        rays_.update(state_);
+        view_ = scene::make_view(state_, options_.camera, options_.size);
+        find_points();
+        CullingFrame record;
+        record.frame = frame;
+        trace_every_ray(record);
+        if (paper_) follow_paper(record);
+        if (culling_) follow_certified(record);
+        if (kdtree_) {
+            if (frame != options_.frames.first) kdtree_->update(state_, rays_);
+            count_on_kdtree(*kdtree_, state_, ray_end_, tiles_, tasks_, record);
+        }
+        return record;
+    }
+
+    /// Of the frame measured last.
+    WrongPictures pictures(const CullingFrame& record) const
+    {
+        return wrong_pictures(state_, options_.size, tiles_, record);
+    }
+
+    void sizes(CullingBenchResult& result) const
+    {
+        if (paper_) result.paper_bytes = paper_->culling().bytes();
+        if (!culling_) return;
+        result.bytes = culling_->bytes();
+        result.mask_bytes = culling_->mask_bytes();
+        result.most_evidence_bytes = culling_->most_evidence_bytes();
+        result.visible_triangles = culling_->visible_triangles();
+        const auto pairs = static_cast<double>(result.visible_triangles * scene_.lights.size());
+        if (pairs > 0) result.bytes_per_triangle_light = static_cast<double>(result.bytes) / pairs;
+    }
+
+ private:
+    struct Worker {
+        ray::RayQueue queue;
+        std::vector<std::uint32_t> whose;   // by ray
+        std::vector<std::uint8_t> answers;
+        std::uint64_t rays = 0;
+    };
+
+    void find_points()
+    {
+        if (paper_) paper_->clear_picture(options_.size);
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            CullingTile& tile = tiles_[t];
+            const int at = static_cast<int>(t);
+            tracers_[static_cast<std::size_t>(w)].trace(state_, rays_, view_, at % columns_ * PointTracer::k_tile,
+                                                        at / columns_ * PointTracer::k_tile, options_.max_depth, tile);
+            for (const SeenPixel& p : tile.pixels)
+                if (paper_) paper_->set_pixel(p.x, p.y, p.object, p.triangle, p.origin, p.direction);
+            const std::size_t pairs = tile.points.size() * scene_.lights.size();
+            tile.asked.assign(pairs, 0);
+            tile.off.assign(pairs, 1);
+            tile.paper.assign(paper_ ? pairs : 0, 1);
+            tile.certified.assign(culling_ ? pairs : 0, 1);
+            tile.paper_rays.assign(options_.counts ? pairs : 0, 0);
+            tile.certified_rays.assign(options_.counts ? pairs : 0, 0);
+        });
+    }
+
+    // The points of a tile that face a light, as rays.
+    void queue_facing(CullingTile& tile, std::size_t l, Worker& worker) const
+    {
+        const scene::Light& light = scene_.lights[l];
+        const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+        const bool directional = light.type == scene::LightType::directional;
+        worker.queue.clear();
+        worker.whose.clear();
+        for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
+            const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
+            if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
+            // Outside a spot's cone nothing is asked.
+            if (light.type == scene::LightType::spot &&
+                scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
+                continue;
+            worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray_end_);
+            worker.whose.push_back(p);
+            tile.asked[l * tile.points.size() + p] = 1;
+        }
+    }
+
+    // Off: every facing pair is a ray.
+    void trace_every_ray(CullingFrame& record)
+    {
+        const double cpu = cpu_ms(), wall = wall_ms();
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            Worker& worker = workers_[static_cast<std::size_t>(w)];
+            CullingTile& tile = tiles_[t];
+            for (std::size_t l = 0; l < scene_.lights.size(); ++l) {
+                queue_facing(tile, l, worker);
+                const std::size_t count = worker.queue.size();
+                worker.rays += count;
+                worker.answers.resize(count + ray::k_packet_pad);
+                rays_.blocked(worker.queue, 0, count, worker.answers.data(), ray::Against::one_tree);
+                std::uint8_t* out = tile.off.data() + l * tile.points.size();
+                for (std::size_t i = 0; i < count; ++i) out[worker.whose[i]] = worker.answers[i];
+            }
+        });
+        record.off.ms = cpu_ms() - cpu;
+        record.off.wall_ms = wall_ms() - wall;
+        for (Worker& worker : workers_) {
+            record.off.rays += worker.rays;
+            worker.rays = 0;
+        }
+    }
+
+    // Paper: what Table 2 leaves to trace, the occlusion test, and the merge.
+    void follow_paper(CullingFrame& record)
+    {
+        const double cpu = cpu_ms(), wall = wall_ms();
+        paper_->begin_frame(state_, rays_);
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            paper_->shadow(w, tiles_[t].points, tiles_[t].paper.data(),
+                           options_.counts ? tiles_[t].paper_rays.data() : nullptr);
+        });
+        paper_->end_frame();
+        record.paper.ms = cpu_ms() - cpu;
+        record.paper.wall_ms = wall_ms() - wall;
+        const shadow_culling::PaperCounters& p = paper_->culling().counters();
+        record.paper.rays = p.rays;
+        record.paper.skipped = p.skipped;
+        record.paper.dynamic_only = p.dynamic_only;
+        record.paper.extra_tests = p.extra_tests;
+        record.paper.extra_tests_per_pixel = paper_->extra_tests_per_pixel();
+        record.paper.wrong = wrong_of(tiles_, &CullingTile::paper);
+    }
+
+    // Certified: look-ups, what rays are left, and the judging of what they saw.
+    void follow_certified(CullingFrame& record)
+    {
+        const double cpu = cpu_ms(), wall = wall_ms();
+        culling_->begin_frame(state_, rays_, {view_.eye, view_.pixel_spread, view_.pixel_width});
+        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
+            std::vector<std::uint8_t>& answers = workers_[static_cast<std::size_t>(w)].answers;
+            CullingTile& tile = tiles_[t];
+            CertifiedCulling::Batch& batch = *batches_[static_cast<std::size_t>(w)];
+            culling_->classify(batch, tile.points);
+            answers.resize(tile.points.size() + ray::k_packet_pad);
+            for (std::size_t l = 0; l < scene_.lights.size(); ++l) {
+                const std::size_t at = l * tile.points.size();
+                culling_->shadow(batch, static_cast<int>(l), answers.data(),
+                                 options_.counts ? tile.certified_rays.data() + at : nullptr);
+                std::copy_n(answers.data(), tile.points.size(), tile.certified.data() + at);
+            }
+        });
+        const double before_judging = wall_ms();
+        culling_->end_frame(batches_, tasks_);
+        record.certified.ms = cpu_ms() - cpu;
+        record.certified.wall_ms = wall_ms() - wall;
+        record.certified.judge_ms = wall_ms() - before_judging;
+        const shadow_culling::CullingCounters& c = culling_->counters();
+        record.certified.rays = record.off.rays;
+        record.certified.dynamic_only = c.dynamic_only;
+        record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
+        record.certified.partial = c.partial;
+        record.certified.certificates = c.certificates;
+        record.certified.certified = c.certified;
+        record.certified.wrong = wrong_of(tiles_, &CullingTile::certified);
+    }
+
+    const CullingBenchOptions& options_;
+    const scene::Scene& scene_;
+    scene::SceneState state_;
+    ray::RayScene rays_;
+    Tasks tasks_;
+    float ray_end_ = 1;
+    std::unique_ptr<CertifiedCulling> culling_;
+    std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches_;   // by worker
+    std::unique_ptr<PaperBench> paper_;
+    std::unique_ptr<ray::CountingKdTree> kdtree_;
+    scene::View view_;
+    int columns_ = 0;
+    std::vector<CullingTile> tiles_;
+    std::vector<PointTracer> tracers_;   // by worker
+    std::vector<Worker> workers_;
+};
+
+}   // namespace
+
+CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
+                                 const Progress& progress, const std::function<void(const CullingFrame&)>& on_frame)
+{
+    CullingBenchResult result;
+    std::vector<std::vector<CullingFrame>> runs(static_cast<std::size_t>(options.repeat));
+    const double steps = static_cast<double>(options.repeat) * options.frames.count();
+    double done = 0;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        Run run(scene, options);
+        for (int frame = options.frames.first; frame <= options.frames.last; ++frame, ++done) {
+            if (progress && !progress({"measuring", done / steps})) throw InterruptedError("interrupted");
+            const CullingFrame& record = runs[r].emplace_back(run.measure(frame));
+            if (r > 0) continue;
+            if (options.pictures && options.paper && (!result.pictures || record.paper.wrong > result.pictures->wrong))
+                result.pictures = run.pictures(record);
+            if (on_frame) on_frame(record);
+        }
+        if (r == 0) run.sizes(result);
+    }
+    result.frames = medians_of(runs);
+    summarise(options, result);
+    return result;
+}
+
+}   // namespace gnomon::bench

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/culling/paper_bench.h"
+
+namespace gnomon::bench {
+
+using shadow_culling::PaperTracer;
+using shadow_culling::ShadowPoint;
+
+PaperBench::PaperBench(const scene::SceneState& state, const ray::RayScene& rays, int threads,
+                       const shadow_culling::PaperOptions& options, float ray_end)
+    : state_(&state),
+      rays_(&rays),
+      culling_(state, rays, options),
+      ray_end_(ray_end),
+      workers_(static_cast<std::size_t>(threads))
+{
+}
+
+void PaperBench::clear_picture(Size size)
+{
+    width_ = size.width;
+    picture_.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), {});
+}
+
+void PaperBench::begin_frame(const scene::SceneState& state, const ray::RayScene& rays)
+{
+    state_ = &state;
+    rays_ = &rays;
+    culling_.begin_frame(state, rays);
+}
+
+void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::uint8_t* blocked, std::uint8_t* rays)
+{
+    Worker& w = workers_[static_cast<std::size_t>(worker)];
+    const scene::Scene& scene = state_->scene();
+    for (int l = 0; l < static_cast<int>(scene.lights.size()); ++l, blocked += points.size()) {
+        const scene::LightState& at = state_->light(static_cast<scene::LightId>(l));
+        const bool directional = scene.lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
+
+        // Ask about every point that faces the light.
+        w.asked.clear();
+        w.point.clear();
+        w.origins.clear();
+        for (std::uint32_t p = 0; p < points.size(); ++p) {
+            const ShadowPoint& point = points[p];
+            const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
+            if (!(glm::dot(d, point.normal) > 0)) continue;
+            w.asked.push(point.origin, 0, d, directional ? k_infinity : ray_end_);
+            w.point.push_back(p);
+            w.origins.push_back(culling_.primitive(point.object, point.triangle));
+        }
+        w.hit.resize(w.point.size());
+        w.traced.resize(w.point.size());
+        w.tracer.answer(culling_, *rays_, l, w.asked, w.origins, w.hit.data(), w.traced.data());
+        for (std::size_t i = 0; i < w.point.size(); ++i) {
+            blocked[w.point[i]] = w.hit[i];
+            if (rays && w.traced[i]) rays[w.point[i]] = w.traced[i];
+        }
+        if (rays) rays += points.size();
+    }
+}
+
+void PaperBench::end_frame()
+{
+    culling_.see_picture(picture_, static_cast<std::size_t>(width_));
+    std::vector<PaperTracer::Notes> notes;
+    for (Worker& worker : workers_) notes.push_back(worker.tracer.take_notes());
+    culling_.end_frame(notes);
+}
+
+}   // namespace gnomon::bench

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/culling/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bench/culling/json.h"
+#include "bench/culling/tables.h"
+
+namespace gnomon::bench {
+
+namespace {
+
+using Style = ChartSeries::Style;
+
+// One figure of every frame as a line.
+template <class Value>
+ChartSeries line(const CullingBenchResult& result, const std::string& name, const std::string& color, Value value,
+                 Style style = Style::line)
+{
+    ChartSeries series{name, {}, color, style};
+    for (const CullingFrame& frame : result.frames)
+        series.points.emplace_back(frame.frame, static_cast<double>(value(frame)));
+    return series;
+}
+
+double percent(std::uint64_t part, std::uint64_t whole)
+{
+    return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+double ratio(double a, double b)
+{
+    return b > 0 ? a / b : 0;
+}
+
+// A printed mean as a line through the chart; a printed best as a mark at its frame, where that frame is shown.
+ChartSeries printed_mean(const CullingBenchResult& result, const std::string& name, double value,
+                         const std::string& color)
+{
+    return line(
+        result, name, color, [&](const CullingFrame&) { return value; }, Style::dashed);
+}
+
+void add_printed_best(Chart& chart, const CullingBenchResult& result, const std::string& name, int frame, double value,
+                      const std::string& color)
+{
+    if (frame < result.frames.front().frame || frame > result.frames.back().frame) return;
+    chart.series.push_back({name, {{static_cast<double>(frame), value}}, color, Style::points});
+}
+
+class Section {
+ public:
+    Section(ReportPage& page, const CullingWindow& window)
+        : page_(page),
+          window_(window),
+          options_(window.options),
+          result_(window.result),
+          printed_(printed_culling_of(window.scene))
+    {
+    }
+
+    void write(CullingCharts charts)
+    {
+        page_.section(fmt::format("Shadow culling: {}", name_of(window_)), window_.command);
+        page_.text(fmt::format(
+            "{} x {} pixels, {} light{}, {}; {} thread{}{}. Of every method the whole shadow pass is counted and timed "
+            "on the same points: off traces every ray in packets through one tree; published is the method of Nah, "
+            "Park and Han (2009); certified is Gnomon's own.{}",
+            options_.size.width, options_.size.height, window_.lights, window_.lights == 1 ? "" : "s",
+            options_.max_depth == 0 ? "primary hits alone"
+                                    : fmt::format("hits to reflection depth {}", options_.max_depth),
+            options_.threads, options_.threads == 1 ? "" : "s",
+            options_.repeat > 1 ? fmt::format("; times are medians of {} runs", options_.repeat) : "",
+            window_.moving_lights ? " Every light moves in every frame, so nothing can be remembered." : ""));
+        const bool all = charts != CullingCharts::brief;
+        if (options_.counts) {
+            if (charts == CullingCharts::all) page_.table(table_of_savings({&window_, 1}));
+            if (options_.paper && all) figure_of_the_paper();
+            if (options_.certified) savings();
+        }
+        if (options_.certified && all) certified();
+        if (options_.paper && all) rays_of_paper();
+        if (options_.paper) wrong();
+    }
+
+ private:
+    // Figures 7 and 8: counts of every frame.
+    void figure_of_the_paper()
+    {
+        const std::string figure = printed_ ? printed_->figure : "Figures 7 and 8";
+        const auto off_color = k_color_off;
+        Chart nodes{
+            fmt::format("{}: traversal steps of shadow rays", figure), "frame", "steps a frame", {}, {}, {}, {}, {}};
+        nodes.series.push_back(line(result_, "every ray", off_color, [](auto& f) { return f.off.nodes; }));
+        nodes.series.push_back(line(result_, "published", k_color_paper, [](auto& f) { return f.paper.nodes; }));
+        if (options_.certified)
+            nodes.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.nodes; }));
+        page_.chart(nodes,
+                    fmt::format("{} of the paper, redrawn: nodes of the kd-tree that shadow rays visit.", figure));
+
+        Chart tests{
+            fmt::format("{}: triangle tests of shadow rays", figure), "frame", "tests a frame", {}, {}, {}, {}, {}};
+        tests.series.push_back(line(result_, "every ray", off_color, [](auto& f) { return f.off.tests; }));
+        tests.series.push_back(line(result_, "published", k_color_paper, [](auto& f) { return f.paper.tests; }));
+        tests.series.push_back(line(result_, "extra tests of the occlusion test", k_color_second,
+                                    [](auto& f) { return f.paper.extra_tests; }));
+        if (options_.certified)
+            tests.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.tests; }));
+        page_.chart(tests, fmt::format("{} of the paper, redrawn: triangles that shadow rays are tested against, and "
+                                       "those that the published method tests besides to find occlusion.",
+                                       figure));
+
+        Chart saved{fmt::format("{}: saved by the published method", figure), "frame", "% saved", {}, {}, {}, {}, {}};
+        saved.series.push_back(line(result_, "steps, ours", k_color_ours,
+                                    [](auto& f) { return 100 - percent(f.paper.nodes, f.off.nodes); }));
+        saved.series.push_back(line(result_, "tests, ours", k_color_paper,
+                                    [](auto& f) { return 100 - percent(f.paper.tests, f.off.tests); }));
+        Chart extra{
+            fmt::format("{}: extra tests of the occlusion test", figure), "frame", "tests a pixel", {}, {}, {}, {}, {}};
+        extra.series.push_back(
+            line(result_, "ours", k_color_paper, [](auto& f) { return f.paper.extra_tests_per_pixel; }));
+        if (printed_) {
+            saved.series.push_back(printed_mean(result_, "steps, printed mean", printed_->nodes_mean, k_color_ours));
+            saved.series.push_back(printed_mean(result_, "tests, printed mean", printed_->tests_mean, k_color_paper));
+            add_printed_best(saved, result_, "steps, printed best", printed_->nodes_best_frame, printed_->nodes_best,
+                             k_color_ours);
+            add_printed_best(saved, result_, "tests, printed best", printed_->tests_best_frame, printed_->tests_best,
+                             k_color_paper);
+            extra.series.push_back(
+                printed_mean(result_, "printed mean", printed_->extra_tests_per_pixel, k_color_printed));
+        }
+        page_.chart(saved, printed_ ? fmt::format("What the two charts above save, in percent, beside what the paper "
+                                                  "prints of its {}: means as dashed lines, the best frames as marks "
+                                                  "where their numbers fall into the range.",
+                                                  figure)
+                                    : "What the two charts above save, in percent.");
+        page_.chart(extra, "Triangle tests that the published method adds, by pixel of the picture.");
+    }
+
+    void savings()
+    {
+        Chart saved{"Saved on the kd-tree", "frame", "% saved", {}, {}, {}, {}, 100.0};
+        saved.series.push_back(line(result_, "steps, certified", k_color_ours,
+                                    [](auto& f) { return 100 - percent(f.certified.nodes, f.off.nodes); }));
+        saved.series.push_back(line(result_, "tests, certified", k_color_third,
+                                    [](auto& f) { return 100 - percent(f.certified.tests, f.off.tests); }));
+        if (options_.paper) {
+            saved.series.push_back(line(result_, "steps, published", k_color_paper,
+                                        [](auto& f) { return 100 - percent(f.paper.nodes, f.off.nodes); }));
+            saved.series.push_back(line(result_, "tests, published", k_color_second,
+                                        [](auto& f) { return 100 - percent(f.paper.tests, f.off.tests); }));
+        }
+        page_.chart(saved, "Traversal steps and triangle tests spared by certified culling, by the published method.");
+    }
+
+    void certified()
+    {
+        const CullingBenchResult& r = result_;
+        page_.table(table_of_speed({&window_, 1}));
+        if (window_.moving_lights)
+            page_.text(
+                fmt::format("With every light moving, certified culling takes {:.3f} times the time of tracing "
+                            "every ray, from the second frame on.",
+                            r.later_frames_ratio));
+
+        Chart times{"Time of the shadow pass", "frame", "CPU ms a frame", {}, {}, {}, {}, {}};
+        times.series.push_back(line(r, "every ray", k_color_off, [](auto& f) { return f.off.ms; }));
+        if (options_.paper)
+            times.series.push_back(line(r, "published", k_color_paper, [](auto& f) { return f.paper.ms; }));
+        times.series.push_back(line(r, "certified", k_color_ours, [](auto& f) { return f.certified.ms; }));
+        page_.chart(times, "Process CPU time of the whole shadow pass, what each method keeps up and proves included.");
+
+        Chart speed{"Times as fast as tracing every ray", "frame", "times", {}, {}, {}, {}, {}};
+        speed.series.push_back(
+            line(r, "certified", k_color_ours, [](auto& f) { return ratio(f.off.ms, f.certified.ms); }));
+        if (options_.paper)
+            speed.series.push_back(
+                line(r, "published", k_color_paper, [](auto& f) { return ratio(f.off.ms, f.paper.ms); }));
+        speed.series.push_back(line(
+            r, "every ray", k_color_off, [](auto&) { return 1; }, Style::dashed));
+        page_.chart(speed, "Speed-up of the shadow pass, frame by frame.");
+
+        Chart rays{"Shadow rays by class, certified", "frame", "% of the rays", {}, true, {}, {}, 100.0};
+        rays.series.push_back(
+            line(r, "no ray", k_color_ours, [](auto& f) { return percent(f.certified.skipped, f.certified.rays); }));
+        rays.series.push_back(line(r, "movers alone", k_color_third,
+                                   [](auto& f) { return percent(f.certified.dynamic_only, f.certified.rays); }));
+        rays.series.push_back(line(r, "traced: known to be partial", k_color_second,
+                                   [](auto& f) { return percent(f.certified.partial, f.certified.rays); }));
+        rays.series.push_back(line(r, "traced: not known", k_color_off, [](auto& f) {
+            const std::uint64_t known = f.certified.skipped + f.certified.dynamic_only + f.certified.partial;
+            return percent(f.certified.rays - std::min(known, f.certified.rays), f.certified.rays);
+        }));
+        page_.chart(rays, "What certified culling does about each shadow ray that off traces.");
+
+        Chart proofs{"Certificates", "frame", "a frame", {}, {}, {}, {}, {}};
+        proofs.series.push_back(line(r, "tried", k_color_second, [](auto& f) { return f.certified.certificates; }));
+        proofs.series.push_back(line(r, "that held", k_color_ours, [](auto& f) { return f.certified.certified; }));
+        page_.chart(proofs, "Proofs tried at the end of each frame, and how many held.");
+    }
+
+    void rays_of_paper()
+    {
+        Chart rays{"Shadow rays by class, published", "frame", "% of the rays", {}, true, {}, {}, 100.0};
+        rays.series.push_back(
+            line(result_, "no ray", k_color_ours, [](auto& f) { return percent(f.paper.skipped, f.paper.rays); }));
+        rays.series.push_back(line(result_, "movers alone", k_color_third,
+                                   [](auto& f) { return percent(f.paper.dynamic_only, f.paper.rays); }));
+        rays.series.push_back(line(result_, "traced", k_color_off, [](auto& f) {
+            return percent(f.paper.rays - f.paper.skipped - f.paper.dynamic_only, f.paper.rays);
+        }));
+        page_.chart(rays, "What the published method does about each shadow ray.");
+    }
+
+    void wrong()
+    {
+        Chart chart{"Wrong results", "frame", "(point, light) results", {}, {}, {}, {}, {}};
+        chart.series.push_back(line(result_, "published", k_color_paper, [](auto& f) { return f.paper.wrong; }));
+        if (options_.certified)
+            chart.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.wrong; }));
+        page_.chart(chart, "Results of a shading point and a light that differ from tracing every ray.");
+        if (!result_.pictures) return;
+        const WrongPictures& p = *result_.pictures;
+        page_.comparison({fmt::format("The frame with most wrong results, {}: direct light at the primary hits, every "
+                                      "ray traced against the published method. {} results are wrong; the difference "
+                                      "shows those at primary hits in red.",
+                                      p.frame, p.wrong),
+                          "every ray", "published", p.off, p.paper, p.difference});
+    }
+
+    ReportPage& page_;
+    const CullingWindow& window_;
+    const CullingBenchOptions& options_;
+    const CullingBenchResult& result_;
+    const PrintedCulling* printed_;
+};
+
+}   // namespace
+
+void add_culling_section(ReportPage& page, const CullingWindow& window, CullingCharts charts)
+{
+    if (window.result.frames.empty()) return;
+    Section(page, window).write(charts);
+    page.attach(fmt::format("culling-{}-{}-{}.json", std::filesystem::path(window.scene).stem().string(),
+                            window.options.frames.first, window.options.frames.last),
+                culling_json(window));
+}
+
+}   // namespace gnomon::bench

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/indirect/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/indirect/images.h"
+#include "bench/indirect/printed.h"
+#include "bench/indirect/quality.h"
+#include "bench/report/image_figures.h"
+
+namespace gnomon::bench {
+
+namespace {
+
+constexpr int k_crop_samples = 64;   // whose pattern chooses what crops show
+constexpr double k_grey = 0.1;       // of the mean: shown as so many grey levels
+
+using Row = IndirectRow;
+
+std::string optional_number(const std::optional<double>& value, const char* form)
+{
+    return value ? fmt::format(fmt::runtime(form), *value) : "-";
+}
+
+std::string rates_text(const PrintedRates& rates)
+{
+    return fmt::format("{:.2f} / {:.2f}", rates.kept, rates.not_kept);
+}
+
+std::string times_text(double kept, double not_kept)
+{
+    return fmt::format("{:.1f} / {:.1f}", kept, not_kept);
+}
+
+// Times and thresholds of one scene.
+class Section {
+ public:
+    Section(ReportPage& page, const IndirectStudy& study)
+        : page_(page), study_(study), result_(study.result), settings_(study.options.methods.front().settings)
+    {
+    }
+
+    void write()
+    {
+        const IndirectBenchOptions& o = study_.options;
+        page_.text(fmt::format(
+            "Frames {} to {}, {} x {} pixels, light maps of 512 x 512 texels; receivers: {}. Times are of process CPU "
+            "time over all threads, without the primary hits; {} The paper's are frames a second (Radeon X1900 GTX, "
+            "2006): its ratios can be compared, its figures not.",
+            o.frames.first, o.frames.last, o.size.width, o.size.height,
+            settings_.full ? "every pixel" : "64 along the longer side, the others interpolated where that is fair",
+            o.frames.count() > 1
+                ? "means from the second frame on. Kept: the frame once more as it was, the paper's 'buffers kept'; "
+                  "not "
+                  "kept: as the scene moves."
+                : "of a scene that stands still. Kept: the frame once more, the paper's 'buffers kept'; not kept: map, "
+                  "tree and light made for the first time."));
+        page_.text(fmt::format(
+            "Errors are root mean squares of irradiance over the mean. Against all texels: against the sum over all "
+            "lights of the light map, whatever stands between, which quad-tree and sampling approximate. Against the "
+            "reference: path-traced, {} paths a point, its own noise {:.4f}; it knows what stands between, so what "
+            "both leave out shows. The reference stands in the place of the paper's photon mapping ({} s there).",
+            o.spp, result_.reference_noise, k_printed_photons_seconds));
+        levels();
+        thresholds();
+        sampling();
+        same_quality();
+        if (!result_.picture.reference.empty() && !study_.direct.layers.empty()) pictures();
+        everything();
+    }
+
+ private:
+    const Row* find(const std::string& method) const { return find(method, settings_); }
+    const Row* find(const std::string& method, const IndirectSettings& settings) const
+    {
+        return find_row(result_.rows, method, settings);
+    }
+
+    // A line of a table: what, then a cell for each row.
+    template <class Cell>
+    static void add_line(ReportTable& table, const std::string& what, const std::vector<const Row*>& rows,
+                         const Cell& cell)
+    {
+        ReportTable::Row line{{what}, false};
+        for (const Row* row : rows) line.cells.push_back(row ? cell(*row) : "-");
+        table.rows.push_back(std::move(line));
+    }
+    static void add_printed(ReportTable& table, const std::string& what, std::vector<std::string> cells)
+    {
+        cells.insert(cells.begin(), what);
+        table.rows.push_back({std::move(cells), true});
+    }
+    static void add_errors(ReportTable& table, const std::vector<const Row*>& rows)
+    {
+        add_line(table, "error against all texels", rows,
+                 [](const Row& r) { return optional_number(r.nrmse_brute, "{:.3f}"); });
+        add_line(table, "error against the reference", rows,
+                 [](const Row& r) { return optional_number(r.nrmse, "{:.3f}"); });
+        add_line(table, "light in all, of the reference's", rows,
+                 [](const Row& r) { return optional_number(r.energy_ratio, "{:.3f}"); });
+    }
+    static std::string kept_times(const Row& r) { return times_text(r.cpu_ms_static, r.cpu_ms_moving); }
+
+    void levels()
+    {
+        ReportTable table;
+        table.caption =
+            "Table 1 of the paper (and Figure 7): limit levels, thresholds 0.05 and 0.9. Kept / not kept. A finer "
+            "limit costs time as it adds clusters, and comes nearer to the sum over all texels.";
+        table.columns = {"", "level 6 (16 x 16)", "level 5 (32 x 32)", "level 4 (64 x 64)"};
+        std::vector<const Row*> rows;
+        std::vector<std::string> rates, ratios;
+        const PrintedRates& first = k_printed_levels[0].rates;
+        for (const PrintedLevel& p : k_printed_levels) {
+            rows.push_back(find(quadtree_name(p.level)));
+            rates.push_back(rates_text(p.rates));
+            ratios.push_back(
+                fmt::format("{:.2f} / {:.2f}", first.kept / p.rates.kept, first.not_kept / p.rates.not_kept));
+        }
+        add_printed(table, "printed: frames a second", rates);
+        add_printed(table, "printed: time, of level 6's", ratios);
+        add_line(table, "here: time, of level 6's", rows, [&](const Row& r) {
+            return rows[0] ? fmt::format("{:.2f} / {:.2f}", r.cpu_ms_static / rows[0]->cpu_ms_static,
+                                         r.cpu_ms_moving / rows[0]->cpu_ms_moving)
+                           : "-";
+        });
+        add_line(table, "here: ms", rows, kept_times);
+        add_line(table, "clusters", rows, [](const Row& r) { return fmt::format("{}", r.work.clusters); });
+        add_errors(table, rows);
+        page_.table(table);
+    }
+
+    void thresholds()
+    {
+        ReportTable table;
+        table.caption =
+            "Table 2 of the paper (and Figure 8): thresholds of depth and normal, limit level 5, kept. Looser "
+            "thresholds make fewer clusters of what is less alike. The paper's Buddha has 50,000 triangles.";
+        table.columns = {"", "0.45, 0.3", "0.25, 0.6", "0.05, 0.9"};
+        std::vector<const Row*> rows;
+        std::vector<std::string> cornell, buddha, ratios, buddha_ratios;
+        for (const PrintedThresholds& p : k_printed_thresholds) {
+            IndirectSettings settings = settings_;
+            settings.depth_threshold = p.depth, settings.normal_threshold = p.normal;
+            rows.push_back(find(quadtree_name(5), settings));
+            cornell.push_back(fmt::format("{:.2f}", p.cornell)), buddha.push_back(fmt::format("{:.2f}", p.buddha));
+            ratios.push_back(fmt::format("{:.2f}", k_printed_thresholds.back().cornell / p.cornell));
+            buddha_ratios.push_back(fmt::format("{:.2f}", k_printed_thresholds.back().buddha / p.buddha));
+        }
+        const Row* const last = rows.back();
+        add_printed(table, "printed: frames a second, Cornell box", cornell);
+        add_printed(table, "printed: frames a second, Happy Buddha", buddha);
+        add_printed(table, "printed: time, of 0.05, 0.9's, Cornell box", ratios);
+        add_printed(table, "printed: time, of 0.05, 0.9's, Happy Buddha", buddha_ratios);
+        add_line(table, "here: time, of 0.05, 0.9's", rows, [&](const Row& r) {
+            return last ? fmt::format("{:.2f}", r.cpu_ms_static / last->cpu_ms_static) : "-";
+        });
+        add_line(table, "here: ms", rows, [](const Row& r) { return fmt::format("{:.1f}", r.cpu_ms_static); });
+        add_line(table, "clusters", rows, [](const Row& r) { return fmt::format("{}", r.work.clusters); });
+        add_errors(table, rows);
+        page_.table(table);
+    }
+
+    void sampling()
+    {
+        ReportTable table;
+        table.caption = fmt::format(
+            "Table 3 of the paper (and Figure 9): the quad-tree against sampling the light map. Kept / not kept. The "
+            "paper does not say how wide its samples lie. Within {} of the map's side, as sampling was published in "
+            "2005, they miss most of a room's light; within {} they find it.",
+            k_published_radius, k_wide_radius);
+        table.columns = {"", "quad-tree, level 6", "level 5"};
+        std::vector<const Row*> rows{find(quadtree_name(6)), find(quadtree_name(5))};
+        std::vector<std::string> rates{rates_text(k_printed_levels[0].rates), rates_text(k_printed_levels[1].rates)};
+        for (const double radius : {k_wide_radius, k_published_radius})
+            for (const PrintedSampling& p : k_printed_sampling) {
+                table.columns.push_back(fmt::format("{} samples within {}", p.samples, radius));
+                rows.push_back(find(rsm_name(p.samples, radius)));
+                rates.push_back(rates_text(p.rates));
+            }
+        add_printed(table, "printed: frames a second", rates);
+        add_line(table, "here: ms", rows, kept_times);
+        add_errors(table, rows);
+        add_line(table, "flicker, percent", rows,
+                 [](const Row& r) { return r.flicker ? fmt::format("{:.2f}", 100 * *r.flicker) : "-"; });
+        page_.table(table);
+    }
+
+    void same_quality()
+    {
+        const std::vector<Sampled> samples = sampled_rows(result_.rows, settings_);
+        if (samples.size() < 2) return;
+        Chart chart{"Time against error", "error against all texels", "ms, not kept", {}, {}, {}, {}, {}};
+        chart.logarithmic = true;
+        ChartSeries tree{"quad-tree, levels 4 to 6", {}, k_color_paper}, sampled{"sampling", {}, k_color_off};
+        for (const int level : k_indirect_levels)
+            if (const Row* r = find(quadtree_name(level)); r && r->nrmse_brute)
+                tree.points.emplace_back(*r->nrmse_brute, r->cpu_ms_moving);
+        for (const Sampled& s : samples) sampled.points.emplace_back(s.error, s.not_kept);
+        for (ChartSeries* series : {&tree, &sampled}) {
+            std::sort(series->points.begin(), series->points.end());
+            chart.series.push_back(*series);
+        }
+        page_.chart(chart, fmt::format("What an error costs. Sampling: {} to {} samples within {} of the map's side.",
+                                       k_indirect_samples[0], samples.back().samples, k_wide_radius));
+
+        ReportTable table;
+        table.caption =
+            "The paper's headline (Figure 9): sampling of the same quality, and at the same speed. Same quality: "
+            "samples "
+            "whose error against all texels is the quad-tree's, between two that were measured; < and >: beyond what "
+            "was "
+            "measured. The paper judged by eye.";
+        table.columns = {"",
+                         "clusters",
+                         "samples, same quality",
+                         "times as fast, kept / not kept",
+                         "samples, same time",
+                         "their error, the quad-tree's"};
+        table.rows.push_back(
+            {{"printed", fmt::format("{}", k_printed_clusters), fmt::format("{}", k_printed_same_quality.samples),
+              times_text(k_printed_clusters_rates.kept / k_printed_same_quality.rates.kept,
+                         k_printed_clusters_rates.not_kept / k_printed_same_quality.rates.not_kept),
+              fmt::format("{}", k_printed_same_speed.samples), "not given"},
+             true});
+        for (const int level : k_indirect_levels) {
+            const Row* const r = find(quadtree_name(level));
+            if (!r || !r->nrmse_brute) continue;
+            const SampledAt good = sampled_of_error(samples, *r->nrmse_brute);
+            const SampledAt fast = sampled_of_time(samples, r->cpu_ms_moving);
+            table.rows.push_back(
+                {{fmt::format("here, limit level {}", level), fmt::format("{}", r->work.clusters),
+                  fmt::format("{}{:.0f}", good.beyond, good.at.samples),
+                  good.beyond + times_text(good.at.kept / r->cpu_ms_static, good.at.not_kept / r->cpu_ms_moving),
+                  fmt::format("{}{:.0f}", fast.beyond, fast.at.samples),
+                  fmt::format("{}{:.3f}, {:.3f}", *fast.beyond == '<' ? "> " : "", fast.at.error, *r->nrmse_brute)},
+                 false});
+        }
+        page_.table(table);
+    }
+
+    void pictures()
+    {
+        Tasks tasks(study_.options.threads);
+        const Image8 reference = lit_picture(study_, result_.picture.reference);
+        const auto show = [&](const Row* row, const std::string& caption, const Row* against = nullptr) {
+            if (!row || (against && against->picture.empty())) return;
+            page_.comparison(compare_pictures(caption, name_with_thresholds(*row), lit_picture(study_, row->picture),
+                                              against ? name_with_thresholds(*against) : "reference",
+                                              against ? lit_picture(study_, against->picture) : reference, tasks));
+        };
+        const std::string at =
+            fmt::format("Frame {}: direct light and one bounce, no reflections.", result_.picture.frame);
+        show(find("visible"), at + " Gnomon's default.");
+        for (const int level : k_indirect_levels)
+            show(find(quadtree_name(level)), fmt::format("{} In the manner of Figure 7: limit level {}.", at, level));
+        IndirectSettings loose = settings_;
+        loose.depth_threshold = k_printed_thresholds[0].depth, loose.normal_threshold = k_printed_thresholds[0].normal;
+        if (const Row* tight = find(quadtree_name(5)))
+            show(find(quadtree_name(5), loose),
+                 at + " In the manner of Figure 8: loose thresholds (0.45, 0.3) and tight.", tight);
+        if (const Row* tree = find(quadtree_name(6)); tree && tree->nrmse_brute) {
+            const auto speed = [&](const Row& r) { return r.cpu_ms_moving / tree->cpu_ms_moving; };
+            const auto error = [&](const Row& r) { return *r.nrmse_brute / *tree->nrmse_brute; };
+            show(nearest_sampling(speed), at + " In the manner of Figure 9: sampling at about the same speed.", tree);
+            show(nearest_sampling(error), at + " In the manner of Figure 9: sampling of about the same error.", tree);
+        }
+        crops();
+    }
+
+    // The one whose ratio is nearest to 1; null if there is none.
+    template <class Ratio>
+    const Row* nearest_sampling(const Ratio& ratio) const
+    {
+        const Row* nearest = nullptr;
+        const auto distance = [&](const Row& row) { return std::abs(std::log(ratio(row))); };
+        for (const int samples : k_indirect_samples)
+            if (const Row* row = find(rsm_name(samples, k_wide_radius)); row && row->nrmse_brute)
+                if (!nearest || distance(*row) < distance(*nearest)) nearest = row;
+        return nearest;
+    }
+
+    void crops()
+    {
+        const Row *smooth = find(quadtree_name(4)), *few = find(rsm_name(k_crop_samples, k_wide_radius));
+        if (!smooth || !few) return;
+        const Size size = study_.options.size;
+        const IndirectCrop crop = most_patterned(size, smooth->picture, few->picture);
+        std::vector<NamedPicture> list;
+        const auto add = [&](const std::string& name, const std::vector<glm::vec3>& light) {
+            list.push_back({name, contrast_crop(crop, size, light)});
+        };
+        add("reference", result_.picture.reference);
+        for (const Row& row : result_.rows)
+            if (!row.picture.empty()) add(name_with_thresholds(row), row.picture);
+        page_.gallery(
+            list, fmt::format("Irradiance of {} x {} pixels from ({}, {}), frame {}: the part of the picture "
+                              "in which few samples show the strongest pattern. Brightness around each one's "
+                              "own mean: a tenth of it is {:.0f} levels of grey of 256.",
+                              crop.side, crop.side, crop.x, crop.y, result_.picture.frame, 255 * k_grey * crop.gain));
+    }
+
+    std::string name_with_thresholds(const Row& row) const
+    {
+        if (row.settings.depth_threshold == settings_.depth_threshold &&
+            row.settings.normal_threshold == settings_.normal_threshold)
+            return row.method;
+        return fmt::format("{} ({}, {})", row.method, row.settings.depth_threshold, row.settings.normal_threshold);
+    }
+
+    void everything()
+    {
+        ReportTable table;
+        table.caption =
+            "Every method. Repair: the light map and its tree follow what moved; rebuild: made anew. Dirty: texels and "
+            "nodes that changed in a frame. Flicker: how much more or less than the reference's the light of surface "
+            "points changes from frame to frame, in percent of the mean; in brackets the same figure between two "
+            "references, below which nothing can be told.";
+        table.columns = {"method",
+                         "lights",
+                         "error, reference",
+                         "error, all texels",
+                         "energy",
+                         "flicker, %",
+                         "not kept, ms",
+                         "kept, ms",
+                         "first frame, ms",
+                         "repair, ms",
+                         "rebuild, ms",
+                         "dirty",
+                         "MB"};
+        for (const Row& r : result_.rows)
+            table.rows.push_back(
+                {{name_with_thresholds(r), fmt::format("{}", r.work.clusters), optional_number(r.nrmse, "{:.3f}"),
+                  optional_number(r.nrmse_brute, "{:.3f}"), optional_number(r.energy_ratio, "{:.3f}"),
+                  r.flicker ? fmt::format("{:.2f} ({:.2f})", 100 * *r.flicker, 100 * r.flicker_floor.value_or(0)) : "-",
+                  fmt::format("{:.1f}", r.cpu_ms_moving), fmt::format("{:.1f}", r.cpu_ms_static),
+                  fmt::format("{:.1f}", r.cpu_ms_cold), fmt::format("{:.2f}", r.cpu_ms_repair),
+                  fmt::format("{:.1f}", r.cpu_ms_rebuild),
+                  fmt::format("{} + {}", r.work.dirty_pixels, r.work.dirty_nodes),
+                  fmt::format("{:.1f}", static_cast<double>(r.work.bytes) / 1e6)},
+                 false});
+        page_.table(table);
+    }
+
+    ReportPage& page_;
+    const IndirectStudy& study_;
+    const IndirectBenchResult& result_;
+    IndirectSettings settings_;
+};
+
+}   // namespace
+
+std::vector<IndirectMethodInfo> indirect_methods_of_paper(const IndirectSettings& settings)
+{
+    std::vector<IndirectMethodInfo> methods{find_indirect_method("visible", settings)};
+    for (const int level : k_indirect_levels) methods.push_back(find_indirect_method(quadtree_name(level), settings));
+    for (const PrintedThresholds& p : k_printed_thresholds) {
+        IndirectSettings other = settings;
+        other.depth_threshold = p.depth, other.normal_threshold = p.normal;
+        if (p.depth != settings.depth_threshold || p.normal != settings.normal_threshold)
+            methods.push_back(find_indirect_method(quadtree_name(5), other));
+    }
+    for (const int samples : k_indirect_samples)
+        methods.push_back(find_indirect_method(rsm_name(samples, k_wide_radius), settings));
+    for (const PrintedSampling& p : k_printed_sampling)
+        methods.push_back(find_indirect_method(rsm_name(p.samples, k_published_radius), settings));
+    return methods;
+}
+
+void add_indirect_section(ReportPage& page, const IndirectStudy& study)
+{
+    page.section("Indirect light by a light quad-tree (Ki and Oh 2007): " + study.scene +
+                     (study.options.methods.front().settings.full ? ", every pixel" : ""),
+                 study.command);
+    Section(page, study).write();
+    page.attach("indirect.json", indirect_json(study));
+}
+
+}   // namespace gnomon::bench

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// The chapter of the whole frame: its time with every shadow ray traced and with certified culling, with and without
+// indirect light, by stage; how much of the work was not done; and what the pictures have to do with each other.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "bench/report/chapter.h"
+#include "bench/report/image_figures.h"
+#include "bench/report/stage_figures.h"
+#include "gnomon/renderer.h"
+#include "options/option_values.h"
+
+namespace gnomon::bench {
+
+namespace {
+
+constexpr FrameRange k_kitchen_frames{121, 140};   // the car drives
+constexpr FrameRange k_stand_in_frames{1, 20};
+constexpr int k_quick_frames = 6;
+
+struct Way {
+    std::string name;
+    ShadowCulling culling;
+    Indirect indirect;
+    int threads;
+    std::string color;
+    std::vector<FrameWork> frames{};
+
+    std::string full_name() const { return fmt::format("{}, {} thread{}", name, threads, threads == 1 ? "" : "s"); }
+    WayWork work() const { return {full_name(), frames}; }
+};
+
+// What stays from frame to frame is there from the second frame on.
+double steady_ms(const Way& way)
+{
+    return steady_median(way.work(), [](const FrameWork& frame) { return frame.ms; });
+}
+
+class FrameChapter : public BenchChapter {
+ public:
+    explicit FrameChapter(const BenchSettings& settings) : settings_(settings)
+    {
+        const bool kitchen = !settings.scenes.kitchen.empty();
+        scene_name_ = kitchen ? settings.scenes.kitchen : settings.scenes.stand_in;
+        frames_ = kitchen ? k_kitchen_frames : k_stand_in_frames;
+        if (settings.quick) frames_.last = frames_.first + k_quick_frames - 1;
+        const int all = settings.threads;
+        for (const int threads : {1, all}) {
+            if (all == 1 && !ways_.empty()) break;
+            ways_.push_back({"every shadow ray", ShadowCulling::off, Indirect::off, threads, k_color_off});
+            ways_.push_back({"certified shadows", ShadowCulling::certified, Indirect::off, threads, k_color_ours});
+        }
+        ways_.push_back(
+            {"certified shadows, indirect light", ShadowCulling::certified, Indirect::visible, all, k_color_fourth});
+    }
+
+    std::vector<BenchPart> parts() override
+    {
+        const double weight = 0.3 * frames_.count() * static_cast<double>(ways_.size()) / (settings_.quick ? 4 : 1);
+        return {{fmt::format("whole frames: {}, frames {} to {}", scene_name_, frames_.first, frames_.last), weight,
+                 [this](const Progress& progress) { measure(progress); }}};
+    }
+
+    std::vector<ReportTable::Row> lead() const override
+    {
+        if (!measured_) return {};
+        return {{{"whole frame, one thread: times as fast with remembered shadows", "none", "",
+                  fmt::format("{:.2f} x", steady_ms(ways_[0]) / steady_ms(ways_[1]))},
+                 false}};
+    }
+
+    void write(ReportPage& page) const override
+    {
+        if (!measured_) return;
+        page.section("Whole frames", command());
+        page.text(
+            fmt::format("{}, frames {} to {}, {} x {} pixels, reflections to depth 10. All ways take turns frame by "
+                        "frame; times are "
+                        "medians from the second frame on, when there is something to remember.",
+                        scene_name_, frames_.first, frames_.last, settings_.size().width, settings_.size().height));
+        ReportTable table;
+        table.caption =
+            "Time of whole frames, by wall clock, and the share of the work that was not done: shadow rays that memory "
+            "answered, those that were asked of what moves alone, and how many rays of bounced light fewer than in the "
+            "first frame, which had nothing to remember.";
+        table.columns = {"",
+                         "threads",
+                         "ms a frame",
+                         "shadow rays left out, %",
+                         "asked of movers alone, %",
+                         "rays of bounced light left out, %"};
+        for (const Way& way : ways_) {
+            const SavedWork saved = saved_of(way.work());
+            table.rows.push_back(
+                {{way.name, fmt::format("{}", way.threads), fmt::format("{:.1f}", steady_ms(way)),
+                  fmt::format("{:.1f}", saved.shadow_skipped), fmt::format("{:.1f}", saved.shadow_dynamic_only),
+                  way.indirect == Indirect::off ? "" : fmt::format("{:.1f}", saved.indirect)},
+                 false});
+        }
+        page.table(table);
+        Chart chart{"Time of whole frames", "frame", "ms", {}, {}, {}, {}, {}};
+        for (const Way& way : ways_) {
+            ChartSeries series{way.full_name(),
+                               {},
+                               way.color,
+                               way.threads == 1 ? ChartSeries::Style::line : ChartSeries::Style::dashed};
+            for (std::size_t i = 0; i < way.frames.size(); ++i)
+                series.points.emplace_back(frames_.first + static_cast<double>(i), way.frames[i].ms);
+            chart.series.push_back(std::move(series));
+        }
+        page.chart(chart, "The same, frame by frame.");
+        write_stages(page);
+        for (const PictureComparison& figure : figures_) page.comparison(figure);
+        page.attach("frames.json", json());
+    }
+
+    std::string name() const override { return "frames"; }
+    nlohmann::ordered_json json() const override
+    {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const Way& way : ways_)
+            list.push_back({{"scene", scene_name_},
+                            {"shadow_culling", way.culling == ShadowCulling::off ? "off" : "certified"},
+                            {"indirect", way.indirect == Indirect::off ? "off" : "visible"},
+                            {"threads", way.threads},
+                            {"first_frame", frames_.first},
+                            {"not_done_percent",
+                             {{"shadow_rays_skipped", saved_of(way.work()).shadow_skipped},
+                              {"shadow_rays_dynamic_only", saved_of(way.work()).shadow_dynamic_only},
+                              {"indirect_rays", saved_of(way.work()).indirect}}},
+                            {"frames", work_json(way.frames, frames_.first)}});
+        return list;
+    }
+
+ private:
+    // Where the time goes, and what of the work memory saves: of the last way, which has all of it.
+    void write_stages(ReportPage& page) const
+    {
+        std::vector<WayWork> ways;
+        for (const Way& way : ways_) ways.push_back(way.work());
+        page.table(stage_table(ways));
+        page.chart(stage_chart(ways.back(), frames_.first),
+                   "Where the time goes, from the second frame on; stages as the JSON of render names them.");
+        page.chart(saved_chart(ways.back(), frames_.first),
+                   "The share of the work that was not done, from the second frame on.");
+    }
+
+    std::string command() const
+    {
+        return fmt::format(
+            "gnomon render {} -o 'out/{{frame:04}}.png' --frames {}-{} --size {}x{} --shadow-culling "
+            "off|certified --indirect off|visible --threads N --json",
+            options::shell_word(scene_name_), frames_.first, frames_.last, settings_.size().width,
+            settings_.size().height);
+    }
+
+    void measure(const Progress& progress)
+    {
+        const Scene scene = load(scene_name_);
+        if (scene.frame_count() < frames_.last) frames_ = {1, scene.frame_count()};
+        std::vector<Renderer> renderers;
+        for (const Way& way : ways_)
+            renderers.emplace_back(RenderOptions{.size = settings_.size(),
+                                                 .exposure = exposure_,
+                                                 .shadow_culling = way.culling,
+                                                 .indirect = way.indirect,
+                                                 .threads = way.threads});
+        for (int frame = frames_.first; frame <= frames_.last; ++frame) {
+            for (std::size_t i = 0; i < ways_.size(); ++i) {
+                const double done =
+                    (frame - frames_.first + static_cast<double>(i) / static_cast<double>(ways_.size())) /
+                    frames_.count();
+                if (progress && !progress({"measuring", done})) throw InterruptedError("interrupted");
+                Picture picture = renderers[i].render(scene, frame);
+                ways_[i].frames.push_back(work_of(picture));
+                if (frame == frames_.last) last_.push_back(std::move(picture));
+            }
+        }
+        make_figures();
+        measured_ = true;
+    }
+
+    // Of the last frame, all exposed as the last one.
+    void make_figures()
+    {
+        const double exposure = last_.back().exposure;
+        std::vector<Image8> images;
+        for (Picture& picture : last_) {
+            picture.exposure = exposure;
+            images.push_back(image_of(picture));
+        }
+        Tasks tasks(settings_.threads);
+        const std::string frame = fmt::format("Frame {}", frames_.last);
+        figures_.push_back(compare_pictures(
+            frame + " with every shadow ray traced, and with shadows remembered since the first of these frames.",
+            ways_[0].name, images[0], ways_[1].name, images[1], tasks));
+        figures_.push_back(compare_pictures(frame + " without and with light of one bounce.", "direct light", images[1],
+                                            "indirect light, too", images.back(), tasks));
+        last_.clear();
+    }
+
+    BenchSettings settings_;
+    std::string scene_name_;
+    FrameRange frames_;
+    std::optional<double> exposure_;
+    std::vector<Way> ways_;
+    std::vector<Picture> last_;
+    std::vector<PictureComparison> figures_;
+    bool measured_ = false;
+};
+
+}   // namespace
+
+std::unique_ptr<BenchChapter> frame_chapter(const BenchSettings& settings)
+{
+    return std::make_unique<FrameChapter>(settings);
+}
+
+}   // namespace gnomon::bench

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Rendered pictures as figures of a report.
+
+#include "base/tasks.h"
+#include "bench/report/page.h"
+#include "gnomon/frame.h"
+
+namespace gnomon::bench {
+
+/// As it would be written: exposed, tone-mapped, sRGB.
+Image8 image_of(const Picture& picture);
+
+/// Two pictures of one size under a slider, and FLIP's error map in the colours of magma. The caption ends with how far
+/// they are apart.
+PictureComparison compare_pictures(const std::string& caption, const std::string& left_name, const Image8& left,
+                                   const std::string& right_name, const Image8& right, Tasks& tasks);
+
+}   // namespace gnomon::bench

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/shadow_textures/bench.h"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "gnomon/error.h"
+#ifdef GNOMON_VULKAN
+#include "scene/builtin/builtin.h"
+#include "scene/view.h"
+#include "shadow_textures/vulkan/plain_frame.h"
+#endif
+
+namespace gnomon::bench {
+
+const char* name_of(TextureMethod method)
+{
+    constexpr const char* k_names[] = {"per-caster", "depth", "coherent", "items"};
+    return k_names[static_cast<int>(method)];
+}
+
+std::vector<TextureMethod> usual_methods()
+{
+    return {TextureMethod::depth, TextureMethod::coherent, TextureMethod::items};
+}
+
+double growth_exponent(const std::vector<std::pair<double, double>>& points)
+{
+    GNOMON_CHECK_LE(2u, points.size());
+    const auto n = static_cast<double>(points.size());
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (const auto& [px, py] : points) {
+        const double lx = std::log(px), ly = std::log(py);
+        x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+    }
+    return (n * xy - x * y) / (n * xx - x * x);
+}
+
+#ifdef GNOMON_VULKAN
+
+namespace {
+
+using light_views::LightViews;
+using light_views::LightViewsOptions;
+
+double clock_ms(clockid_t clock)
+{
+    timespec t{};
+    clock_gettime(clock, &t);
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+double median(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, TextureMethod method)
+{
+    LightViewsOptions result;
+    result.atlas.view_size = options.view_size;
+    result.coherence = method == TextureMethod::coherent || method == TextureMethod::items;
+    result.receivers = method != TextureMethod::items;
+    return result;
+}
+
+glm::mat4 clip_from_world(const scene::View& view)
+{
+    constexpr float k_near = 0.1f;   // the camera stands well away from everything
+    const glm::vec3 right = view.right / glm::dot(view.right, view.right), down = -view.up / glm::dot(view.up, view.up);
+    const auto row = [&](const glm::vec3& axis) { return glm::vec4(axis, -glm::dot(axis, view.eye)); };
+    return glm::transpose(glm::mat4(row(right), row(down), glm::vec4(0, 0, 0, k_near), row(view.forward)));
+}
+
+// In the first frame everything is drawn, in the second those who move are found out.
+constexpr int k_warm_up = 2;
+
+// One method's everything: nothing is shared with the others but the motion.
+class Runner {
+ public:
+    Runner(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
+           const ShadowTexturesBenchOptions& options, TextureMethod method)
+        : method_(method),
+          by_timestamps_(device->info().kind != "software"),
+          views_(state, view_options(options, method)),
+          casters_(device, state),
+          buffers_(device, views_),
+          textures_(device, views_),
+          picture_(device, views_, static_cast<std::uint32_t>(options.size.width),
+                   static_cast<std::uint32_t>(options.size.height)),
+          commands_(device)
+    {
+    }
+
+    /// @return ms
+    double draw_picture(const scene::SceneState& state, const scene::View& view)
+    {
+        double ignored = 0;
+        return timed(ignored, [&] {
+            picture_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_,
+                            casters_, state, clip_from_world(view), view.eye);
+        });
+    }
+
+    void frame(const scene::SceneState& state, const scene::View& view, bool measured, bool with_picture)
+    {
+        double cpu = 0;
+        // The light's depths and items.
+        const double buffers = timed(cpu, [&] {
+            views_.update(state);
+            casters_.update(commands_, state);
+            if (method_ != TextureMethod::per_caster) buffers_.record(commands_, views_, casters_);
+        });
+        // The receivers' textures.
+        const double textures = method_ == TextureMethod::items ? 0 : timed(cpu, [&] {
+            if (method_ == TextureMethod::per_caster)
+                textures_.record_per_caster(commands_, views_, casters_, state);
+            else if (method_ != TextureMethod::items)
+                textures_.record(commands_, views_, buffers_, casters_, state);
+        });
+        // Distances within a receiver are compared, too, when it is looked up: not what this method pays for.
+        if (method_ == TextureMethod::per_caster) {
+            buffers_.record(commands_, views_, casters_);
+            commands_.submit();
+        }
+        const double picture = with_picture ? draw_picture(state, view) : 0;
+        if (!measured) return;
+        buffers_ms_.push_back(buffers), textures_ms_.push_back(textures), shadow_ms_.push_back(buffers + textures);
+        frame_ms_.push_back(buffers + textures + picture), cpu_ms_.push_back(cpu);
+        const light_views::LightViewsCounts& counts = views_.counts();
+        draws_ += static_cast<double>(textures_.counts().draws);
+        if (method_ != TextureMethod::per_caster) {
+            draws_ += static_cast<double>(counts.draws);
+            copies_ += static_cast<double>(counts.copies);
+        }
+        updated_ += static_cast<double>(textures_.counts().updated);
+        touched_ += static_cast<double>(counts.touched);
+    }
+
+    bool remembers() const { return method_ != TextureMethod::per_caster; }
+
+    ShadowTexturesRow row() const
+    {
+        const auto n = static_cast<double>(frame_ms_.size());
+        ShadowTexturesRow row;
+        row.method = method_;
+        row.buffers_ms = median(buffers_ms_), row.textures_ms = median(textures_ms_);
+        row.shadow_ms = median(shadow_ms_), row.frame_ms = median(frame_ms_), row.shadow_cpu_ms = median(cpu_ms_);
+        row.draws = draws_ / n, row.copies = copies_ / n, row.textures_updated = updated_ / n;
+        row.touched = touched_ / n;
+        return row;
+    }
+
+    /// Buffers and textures as they are, to be compared.
+    struct Contents {
+        std::vector<vk::Buffer> layers;
+        vk::Buffer words;
+    };
+    Contents contents()
+    {
+        Contents c;
+        for (std::uint32_t page = 0; page < buffers_.depth().desc().layers; ++page) {
+            c.layers.push_back(commands_.read_back(buffers_.depth(), page));
+            c.layers.push_back(commands_.read_back(buffers_.item(), page));
+        }
+        if (method_ != TextureMethod::items) c.words = commands_.read_back(textures_.textures());
+        commands_.submit();
+        return c;
+    }
+    bool same(const Contents& mine, const Runner& other, const Contents& others) const
+    {
+        for (std::size_t i = 0; i < mine.layers.size(); ++i) {
+            const auto a = mine.layers[i].as<std::uint32_t>(), b = others.layers[i].as<std::uint32_t>();
+            if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return false;
+        }
+        if (method_ == TextureMethod::items) return true;   // and items say what textures would: a test of theirs
+        const auto a = mine.words.as<std::uint32_t>(), b = others.words.as<std::uint32_t>();
+        for (std::size_t v = 0; v < views_.views().size(); ++v)
+            for (scene::ObjectId o = 0; o < views_.object_count(); ++o) {
+                const auto &p = textures_.place(v, o), &q = other.textures_.place(v, o);
+                if (p.row_words != q.row_words || p.rows != q.rows || p.corner != q.corner) return false;
+                const auto words = static_cast<std::ptrdiff_t>(p.row_words) * p.rows;
+                if (!std::equal(a.begin() + p.first_word, a.begin() + p.first_word + words, b.begin() + q.first_word))
+                    return false;
+            }
+        return true;
+    }
+
+    Image8 picture()
+    {
+        const vk::Buffer pixels = commands_.read_back(picture_.color());
+        commands_.submit();
+        const int width = static_cast<int>(picture_.color().width()),
+                  height = static_cast<int>(picture_.color().height());
+        Image8 image(width, height, 3);
+        const auto bytes = pixels.as<std::uint8_t>();
+        const std::size_t count = image.data.size() / 3;
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < 3; ++c) image.data[3 * i + c] = bytes[4 * i + c];
+        return image;
+    }
+
+ private:
+    // @param cpu  what was not the device's is added to it
+    template <class Body>
+    double timed(double& cpu, const Body& body)
+    {
+        const double begin = clock_ms(CLOCK_PROCESS_CPUTIME_ID), begin_thread = clock_ms(CLOCK_THREAD_CPUTIME_ID);
+        body();
+        cpu += clock_ms(CLOCK_THREAD_CPUTIME_ID) - begin_thread;
+        commands_.submit();
+        if (!by_timestamps_) return clock_ms(CLOCK_PROCESS_CPUTIME_ID) - begin;
+        double sum = 0;
+        for (const vk::PassTiming& timing : commands_.timings()) sum += timing.ms;
+        return sum;
+    }
+
+    TextureMethod method_;
+    bool by_timestamps_;
+    LightViews views_;
+    light_views::CasterGeometry casters_;
+    light_views::GpuLightViews buffers_;
+    shadow_textures::GpuTextures textures_;
+    shadow_textures::PlainFrame picture_;
+    vk::Commands commands_;
+    std::vector<double> buffers_ms_, textures_ms_, shadow_ms_, frame_ms_, cpu_ms_;
+    double draws_ = 0, copies_ = 0, updated_ = 0, touched_ = 0;
+};
+
+// All methods in one scene.
+class Setting {
+ public:
+    Setting(const std::shared_ptr<vk::Device>& device, const ShadowTexturesBenchOptions& options, int objects,
+            double dynamic)
+        : device_(device), options_(options), scene_(make_scene(options, objects, dynamic)), state_(scene_, 0)
+    {
+        for (const TextureMethod method : options.methods)
+            runners_.push_back(std::make_unique<Runner>(device, state_, options, method));
+    }
+
+    void frame(int frame)
+    {
+        state_.advance(frame / scene_->timeline.fps);
+        for (const auto& runner : runners_)
+            if (frame > 0 || runner->remembers())
+                runner->frame(state_, view(), frame >= k_warm_up, !options_.movers.has_value());
+    }
+
+    /// Is everything as if it had been drawn anew?
+    void finish(ShadowTexturesBenchResult& result)
+    {
+        Runner full(device_, state_, options_, TextureMethod::depth);
+        full.frame(state_, view(), false, false);
+        const Runner::Contents expected = full.contents();
+        for (const auto& runner : runners_) {
+            ShadowTexturesRow row = runner->row();
+            row.objects = static_cast<int>(scene_->objects.size());
+            row.movers = static_cast<int>(scene_->statistics().objects_dynamic);
+            row.dynamic_percent = 100.0 * row.movers / row.objects;
+            row.identical_to_full = runner->same(runner->contents(), full, expected);
+            if (options_.movers) row.frame_ms += runner->draw_picture(state_, view());
+            result.rows.push_back(row);
+        }
+        result.picture = runners_.back()->picture();
+    }
+
+ private:
+    static std::shared_ptr<const scene::Scene> make_scene(const ShadowTexturesBenchOptions& options, int objects,
+                                                          double dynamic)
+    {
+        scene::SpheresOptions spheres;
+        spheres.objects = objects;
+        spheres.dynamic = dynamic;
+        spheres.vertices = options.vertices;
+        if (options.movers) spheres.movers = *options.movers, spheres.crowd = true;
+        return std::make_shared<const scene::Scene>(scene::make_spheres(spheres));
+    }
+    scene::View view() const { return scene::make_view(state_, 0, options_.size); }
+
+    const std::shared_ptr<vk::Device>& device_;
+    const ShadowTexturesBenchOptions& options_;
+    std::shared_ptr<const scene::Scene> scene_;
+    scene::SceneState state_;
+    std::vector<std::unique_ptr<Runner>> runners_;
+};
+
+}   // namespace
+
+ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions& options, const Progress& progress)
+{
+    const auto device = vk::Device::open();
+    ShadowTexturesBenchResult result;
+    result.device = device->info().name;
+    result.clock = device->info().kind == "software" ? "process CPU" : "device";
+    const std::vector<double> shares = options.movers ? std::vector<double>{0} : options.dynamic;
+    const auto total =
+        static_cast<double>(options.objects.size() * shares.size() * static_cast<unsigned>(options.frames + k_warm_up));
+    double done = 0;
+    const auto before_frame = [&] {
+        if (progress && !progress({"measuring", done++ / total})) throw InterruptedError("interrupted");
+    };
+    const int frames = k_warm_up + options.frames;
+    for (const double dynamic : shares) {
+        if (!options.movers) {
+            for (const int objects : options.objects) {
+                Setting setting(device, options, objects, dynamic);
+                for (int frame = 0; frame < frames; ++frame) before_frame(), setting.frame(frame);
+                setting.finish(result);
+            }
+            continue;
+        }
+        // All crowds side by side, frame by frame: what else goes on in the machine meets all of them.
+        std::vector<std::unique_ptr<Setting>> crowds;
+        for (const int objects : options.objects)
+            crowds.push_back(std::make_unique<Setting>(device, options, objects, dynamic));
+        for (int frame = 0; frame < frames; ++frame)
+            for (const auto& crowd : crowds) before_frame(), crowd->frame(frame);
+        for (const auto& crowd : crowds) crowd->finish(result);
+    }
+
+    for (const TextureMethod method : options.methods) {
+        std::vector<std::pair<double, double>> points;
+        for (const ShadowTexturesRow& row : result.rows)
+            if (row.method == method && points.size() < options.objects.size())
+                points.emplace_back(row.objects, row.shadow_ms);
+        const auto [least, most] = std::minmax_element(points.begin(), points.end());
+        if (points.size() > 1 && least->first < most->first)
+            result.exponents.emplace_back(method, growth_exponent(points));
+    }
+    return result;
+}
+
+#else
+
+ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions&, const Progress&)
+{
+    throw MissingError("this program was built without Vulkan");
+}
+
+#endif
+
+}   // namespace gnomon::bench

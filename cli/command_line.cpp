@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+
+#include "gnomon/error.h"
+
+namespace gnomon::cli {
+
+namespace {
+constexpr const char* k_standard_output = "-";
+
+// "bench culling" is two words on the command line.
+const options::VerbInfo& take_verb(std::vector<std::string>& words)
+{
+    std::string name = words.front();
+    words.erase(words.begin());
+    if (name == "bench") {
+        if (words.empty() || words.front().starts_with("-"))
+            throw UsageError("bench needs to know what to measure; see gnomon --help");
+        name += " " + words.front();
+        words.erase(words.begin());
+    }
+    if (const options::VerbInfo* verb = options::find_verb(name)) return *verb;
+    std::vector<std::string> names;
+    for (const options::VerbInfo& verb : options::verbs()) names.emplace_back(verb.name);
+    const std::string near = options::nearest(name, names);
+    throw UsageError(fmt::format("no verb '{}'{}", name,
+                                 near.empty() ? "; see gnomon --help" : fmt::format("; did you mean '{}'?", near)));
+}
+
+void refuse_unknown(const options::VerbInfo& verb, const std::vector<std::string>& words)
+{
+    for (const std::string& word : words) {
+        if (!word.starts_with("-") || word == "-") continue;
+        const std::string name = word.substr(0, word.find('='));
+        std::vector<std::string> names;
+        for (const options::Option& option : options::options())
+            if (option.verbs & bit(verb.verb)) names.push_back(fmt::format("--{}", option.name));
+        const std::string near = options::nearest(name, names);
+        throw UsageError(fmt::format(
+            "{} has no option {}{}", verb.name, name,
+            near.empty() ? fmt::format("; see gnomon {} --help", verb.name) : fmt::format("; did you mean {}?", near)));
+    }
+}
+
+// "--resume=no" would be taken for --resume, and "--json=" for --json.
+void refuse_value(const options::Option& option, const std::vector<std::string>& results,
+                  const std::vector<std::string>& words)
+{
+    if (option.kind == options::Kind::flag)
+        for (const std::string& result : results)
+            if (result != "true") throw UsageError(fmt::format("--{} takes no value", option.name));
+    if (option.kind == options::Kind::optional_file &&
+        std::count(words.begin(), words.end(), fmt::format("--{}=", option.name)))
+        throw UsageError(fmt::format("--{}=: a value is missing", option.name));
+}
+
+CLI::Option* add(CLI::App& parser, const options::Option& option)
+{
+    std::string names = fmt::format("--{}", option.name);
+    if (option.kind == options::Kind::optional_file)
+        return parser.add_flag(fmt::format("{}{{{}}}", names, k_standard_output));
+    if (option.letter) names += fmt::format(",-{}", option.letter);
+    if (option.kind == options::Kind::flag) return parser.add_flag(names);
+    return parser.add_option(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+}
+
+// "--method paper certified" is "--method paper --method certified", and so are "--objects 25 50" and "--method visible
+// rsm:256": further words that are among the choices of an option that repeats, or begin like its values, or are
+// numbers where it takes numbers, belong to it, and nothing else does.
+void spell_out_lists(std::vector<std::string>& words)
+{
+    const auto among = [](const std::string& word, std::string_view choices) {
+        return !word.empty() && word.find('|') == std::string::npos &&
+               ("|" + std::string(choices) + "|").find("|" + word + "|") != std::string::npos;
+    };
+    const auto belongs = [&](const std::string& word, const options::Option& option) {
+        if (option.kind == options::Kind::integer || option.kind == options::Kind::number)
+            return options::parse_number(word).has_value();
+        return among(option.kind == options::Kind::text ? word.substr(0, word.find(':')) : word, option.choices);
+    };
+    for (const options::Option& option : options::options()) {
+        if (!option.repeats) continue;
+        const std::string flag = "--" + std::string(option.name);
+        for (std::size_t i = 0; i + 2 < words.size(); ++i)
+            if (words[i] == flag && words[i + 1] != flag && belongs(words[i + 2], option))
+                words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 2, flag);
+    }
+}
+}   // namespace
+
+CommandLine parse_command_line(const std::vector<std::string>& arguments)
+{
+    CommandLine line;
+    line.command = "gnomon";
+    for (const std::string& word : arguments) line.command += " " + options::shell_word(word);
+    std::vector<std::string> words = arguments;
+    if (words.empty()) throw UsageError("nothing to do; see gnomon --help");
+    if (words.front() == "--version") return line.version = true, line;
+    if (words.front() == "--help" || words.front() == "-h" || words.front() == "help") return line.help = true, line;
+    line.verb = &take_verb(words);
+    line.values = options::OptionValues(line.verb->verb);
+
+    // What stands behind "--" is no option, whatever it begins with.
+    const auto dashes = std::find(words.begin(), words.end(), "--");
+    const std::vector<std::string> plain(dashes == words.end() ? dashes : dashes + 1, words.end());
+    words.erase(dashes, words.end());
+    spell_out_lists(words);
+
+    // Build a parser of this verb's options from the table.
+    CLI::App parser;
+    parser.set_help_flag();
+    parser.allow_extras();
+    std::vector<std::pair<const options::Option*, CLI::Option*>> known;
+    for (const options::Option& option : options::options())
+        if (option.verbs & bit(line.verb->verb)) known.emplace_back(&option, add(parser, option));
+    try {
+        parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));   // CLI11 takes them from the back
+    } catch (const CLI::ArgumentMismatch& error) {
+        const std::string text = error.what();   // "--out: 1 required ..."
+        throw UsageError(fmt::format("{}: a value is missing", text.substr(0, text.find(':'))));
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(fmt::format("{}: {}", line.verb->name, error.what()));
+    }
+
+    // Read its results: unknown options first, since their values look like positionals.
+    std::vector<std::string> rest = parser.remaining();
+    refuse_unknown(*line.verb, rest);
+    rest.insert(rest.end(), plain.begin(), plain.end());
+    for (const auto& [option, parsed] : known) {
+        if (parsed->count() == 0) continue;
+        refuse_value(*option, parsed->results(), words);
+        if (option->name == "help") line.help = true;
+        if (option->name == "version") line.version = true;
+    }
+    if (line.help || line.version) return line;
+    if (!line.verb->built) throw UsageError(fmt::format("{}: not built yet", line.verb->name));
+    for (const auto& [option, parsed] : known)
+        if (parsed->count() > 0) line.values.set(*option, parsed->results());
+    line.positionals = rest;
+    if (line.positionals.size() != static_cast<std::size_t>(line.verb->positionals))
+        throw UsageError(fmt::format("{} takes {} argument{} and got {}: gnomon {} {}", line.verb->name,
+                                     line.verb->positionals, line.verb->positionals == 1 ? "" : "s",
+                                     line.positionals.size(), line.verb->name, line.verb->arguments));
+    if (line.values.given("config")) read_config(line.values.text("config"), *line.verb, line.values);
+    return line;
+}
+
+}   // namespace gnomon::cli

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.h"
+#include "gnomon/error.h"
+
+namespace gnomon::cli {
+
+namespace {
+constexpr std::uintmax_t k_limit = 1 << 20;   // bytes of a --config file
+
+std::string word_of(const nlohmann::json& value)
+{
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+}   // namespace
+
+void read_config(const std::filesystem::path& file, const options::VerbInfo& verb, options::OptionValues& values)
+{
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(file, error);
+    if (error) throw InputError(file.string(), "", error.message());
+    if (size > k_limit)
+        throw InputError(file.string(), "", fmt::format("{} bytes, at most {} are read", size, k_limit));
+    std::ifstream in(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    nlohmann::json document;
+    try {
+        document = nlohmann::json::parse(text);
+    } catch (const nlohmann::json::parse_error& problem) {
+        throw InputError(file.string(), fmt::format("byte {}", problem.byte), "no JSON there");
+    } catch (const nlohmann::json::exception&) {   // it does not say where
+        throw InputError(file.string(), "", "a number beyond all numbers");
+    }
+    if (!document.is_object()) throw InputError(file.string(), "", "expected a JSON object of options");
+
+    for (const auto& [key, value] : document.items()) {
+        const std::string place = "/" + key;
+        const options::Option* option = options::find_option(verb.verb, key);
+        if (!option || key == "config" || key == "help" || key == "version") {
+            std::vector<std::string> names;
+            for (const options::Option& candidate : options::options())
+                if ((candidate.verbs & bit(verb.verb)) && candidate.name != key) names.emplace_back(candidate.name);
+            const std::string near = options::nearest(key, names);
+            throw InputError(file.string(), place,
+                             fmt::format("{} has no such option{}", verb.name,
+                                         near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+        }
+
+        // A flag is a boolean, an option that repeats an array, the rest a word or a number.
+        std::vector<std::string> words;
+        if (option->kind == options::Kind::flag ||
+            (option->kind == options::Kind::optional_file && value.is_boolean())) {
+            if (!value.is_boolean()) throw InputError(file.string(), place, "expected true or false");
+            if (!value.get<bool>()) continue;
+            words.emplace_back(option->kind == options::Kind::flag ? "true" : "-");
+        } else if (value.is_array() && option->repeats) {
+            for (const nlohmann::json& element : value) {
+                if (!element.is_string()) throw InputError(file.string(), place, "expected an array of strings");
+                words.push_back(element.get<std::string>());
+            }
+        } else if (value.is_string() || value.is_number()) {
+            words.push_back(word_of(value));
+        } else {
+            throw InputError(file.string(), place, fmt::format("expected {}", option->argument));
+        }
+        if (values.given(key) || words.empty()) continue;   // the command line wins
+        try {
+            values.set(*option, std::move(words));
+        } catch (const UsageError& problem) {
+            throw InputError(file.string(), place, problem.what());
+        }
+    }
+}
+
+}   // namespace gnomon::cli

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cli/command_line.h"
+#include "gnomon/version.h"
+
+namespace gnomon::cli {
+
+namespace {
+constexpr std::size_t k_width = 100;
+constexpr std::size_t k_column = 32;   // where the explanations begin
+
+// Breaks text at blanks; later lines are indented.
+std::string wrapped(const std::string& text, std::size_t indent)
+{
+    std::string result;
+    std::size_t used = indent;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find(' ', at), text.size());
+        const std::size_t length = end - at;
+        if (at > 0 && used + 1 + length > k_width) {
+            result += "\n" + std::string(indent, ' ');
+            used = indent;
+        } else if (at > 0) {
+            result += ' ';
+            ++used;
+        }
+        result += text.substr(at, length);
+        used += length;
+        at = end + 1;
+    }
+    return result;
+}
+
+std::string row(const std::string& left, const std::string& right)
+{
+    std::string text = "  " + left;
+    if (text.size() + 2 > k_column) {
+        text += "\n" + std::string(k_column, ' ');
+    } else {
+        text.resize(k_column, ' ');
+    }
+    return text + wrapped(right, k_column) + "\n";
+}
+
+std::string left_of(const options::Option& option)
+{
+    std::string text = option.letter ? fmt::format("-{}, ", option.letter) : "    ";
+    text += fmt::format("--{}", option.name);
+    if (option.kind == options::Kind::optional_file) return text + fmt::format("[={}]", option.argument);
+    if (option.kind == options::Kind::choice)
+        return text + " " + (option.choices.size() < 22 ? std::string(option.choices) : std::string(option.argument));
+    return option.argument.empty() ? text : fmt::format("{} {}", text, option.argument);
+}
+
+std::string right_of(const options::Option& option)
+{
+    std::string text(option.help);
+    if (option.kind == options::Kind::choice && option.choices.size() >= 22)
+        text += fmt::format(": {}", option.choices);
+    if (!option.fallback.empty()) text += fmt::format(" ({})", option.fallback);
+    if (!option.built) text += "; not built yet";
+    if (!option.built_choices.empty()) text += fmt::format("; built so far: {}", option.built_choices);
+    return text;
+}
+}   // namespace
+
+std::string help_text(const options::VerbInfo* verb)
+{
+    std::string text;
+    if (!verb) {
+        text = fmt::format(
+            "gnomon {}: lights animated 3D scenes, and aims never to compute light twice that stood still\n\n"
+            "usage: gnomon VERB ...\n\n",
+            version());
+        for (const options::VerbInfo& each : options::verbs())
+            text += row(std::string(each.name) + (each.arguments.empty() ? "" : " ") + std::string(each.arguments),
+                        std::string(each.summary) + (each.built ? "" : "; not built yet"));
+        return text +
+               "\ngnomon VERB --help explains a verb's options.\n"
+               "SCENE: a file, or builtin:cornell, builtin:kinetic, builtin:spheres?objects=300&dynamic=10.\n"
+               "Exit codes: 0 done, 1 a comparison or check failed, 2 wrong usage, 3 bad input file, 4 something\n"
+               "needed is missing (device, driver, ffmpeg, disk), 5 internal error, 130 interrupted.\n";
+    }
+    text = fmt::format("gnomon {}: {}\n\nusage: gnomon {} {}{}[options]\n", verb->name, verb->summary, verb->name,
+                       verb->arguments, verb->arguments.empty() ? "" : " ");
+    std::string_view group;
+    for (const options::Option& option : options::options()) {
+        if (!(option.verbs & bit(verb->verb))) continue;
+        if (option.group != group) text += fmt::format("\n{}\n", option.group);
+        group = option.group;
+        text += row(left_of(option), right_of(option));
+    }
+    return text + "\nDefaults stand in brackets.\n";
+}
+
+}   // namespace gnomon::cli

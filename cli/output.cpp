@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/output.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/progress_line.h"
+#include "cli/signals.h"
+#include "gnomon/error.h"
+#include "io/file/atomic_file.h"
+
+namespace gnomon::cli {
+
+struct Output::Inside {
+    bool quiet = false, verbose = false;
+    bool json_to_standard_output = false;
+    std::optional<io::AtomicFile> json_file;
+    ProgressLine progress;
+
+    explicit Inside(bool be_quiet) : quiet(be_quiet), progress(be_quiet) {}
+};
+
+Output::Output(const options::OptionValues& values) : inside_(std::make_unique<Inside>(values.flag("quiet")))
+{
+    inside_->verbose = values.flag("verbose");
+    const std::string json = values.text("json");
+    if (json == "-") inside_->json_to_standard_output = true;
+    // Opened now, so that a name that cannot be written is found before the work.
+    if (!json.empty() && json != "-") inside_->json_file.emplace(json);
+}
+
+Output::~Output() = default;
+
+void Output::say(std::string_view line)
+{
+    if (inside_->quiet) return;
+    inside_->progress.clear();
+    const std::string text = fmt::format("{}\n", line);
+    if (inside_->json_to_standard_output)
+        std::fputs(text.c_str(), stderr);
+    else
+        write_standard_output(text);
+}
+
+void Output::detail(std::string_view line)
+{
+    if (inside_->verbose) say(line);
+}
+
+void Output::warn(std::string_view line)
+{
+    if (inside_->quiet) return;
+    inside_->progress.clear();
+    std::fputs(fmt::format("warning: {}\n", line).c_str(), stderr);
+}
+
+void Output::error(std::string_view line)
+{
+    inside_->progress.clear();
+    std::fputs(fmt::format("gnomon: {}\n", line).c_str(), stderr);
+}
+
+Progress Output::progress()
+{
+    return [inside = inside_.get()](const ProgressStep& step) {
+        inside->progress.show(step);
+        return !interrupted();
+    };
+}
+
+void Output::finish(const nlohmann::ordered_json& document)
+{
+    inside_->progress.clear();
+    if (!inside_->json_to_standard_output && !inside_->json_file) return;
+    // Names from files may be no UTF-8: their bad bytes are replaced, never a reason to fail.
+    const std::string text = document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    if (inside_->json_to_standard_output) write_standard_output(text);
+    if (inside_->json_file) {
+        inside_->json_file->write(text);
+        inside_->json_file->commit();
+    }
+}
+
+void write_standard_output(std::string_view text)
+{
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw MissingError(fmt::format("cannot write to standard output: {}", std::strerror(errno)));
+}
+
+std::uint64_t peak_memory_bytes()
+{
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;   // Linux counts in kilobytes
+}
+
+}   // namespace gnomon::cli

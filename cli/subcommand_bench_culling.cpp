@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/machine.h"
+#include "bench/core/moving_lights.h"
+#include "bench/culling/json.h"
+#include "bench/culling/report.h"
+#include "cli/subcommands.h"
+#include "scene/view.h"
+
+namespace gnomon::cli {
+
+namespace {
+
+constexpr int k_frames_by_default = 100;   // as the help says
+
+std::string line_of(const bench::CullingFrame& f, const bench::CullingBenchOptions& options)
+{
+    const auto share = [&](std::uint64_t n) {
+        return 100.0 * static_cast<double>(n) / std::max<double>(1, static_cast<double>(f.off.rays));
+    };
+    std::string text = fmt::format("frame {:4}  off {} rays, {:.1f} ms", f.frame, f.off.rays, f.off.ms);
+    if (options.paper)
+        text += fmt::format("; paper {:.1f} % skipped, {:.1f} % dynamic only, {} wrong, {:.1f} ms",
+                            share(f.paper.skipped), share(f.paper.dynamic_only), f.paper.wrong, f.paper.ms);
+    if (options.certified)
+        text +=
+            fmt::format("; certified {:.1f} % skipped, {:.2f} % dynamic only, {} wrong, {:.1f} ms",
+                        share(f.certified.skipped), share(f.certified.dynamic_only), f.certified.wrong, f.certified.ms);
+    return text;
+}
+
+bench::CullingBenchOptions options_of(const options::OptionValues& values, const Scene& scene)
+{
+    bench::CullingBenchOptions options;
+    options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
+    if (values.given("frames")) options.frames = *options::parse_range(values.text("frames"));
+    if (options.frames.last > scene.frame_count() || options.frames.count() < 1)
+        throw UsageError(fmt::format("no frames {} to {}: the clip has frames 1 to {}", options.frames.first,
+                                     options.frames.last, scene.frame_count()));
+    options.size = *options::parse_size(values.text("size"));
+    options.camera = scene::find_camera(*scene.inside(), values.text("camera"));
+    options.threads = values.integer("threads");
+    options.max_depth = values.integer("max-depth");
+    options.repeat = values.integer("repeat");
+    options.counts = !values.flag("no-counts");
+    options.paper_options.occlusion_test.test_marked = values.flag("as-printed");
+    options.paper_options.set_modes.remember_dynamic_blockers = values.flag("as-printed");
+    options.pictures = values.given("report");
+    if (const std::vector<std::string> methods = values.all("method"); !methods.empty()) {
+        options.paper = std::find(methods.begin(), methods.end(), "paper") != methods.end();
+        options.certified = std::find(methods.begin(), methods.end(), "certified") != methods.end();
+    }
+    if (values.flag("as-printed") && !options.paper) throw UsageError("--as-printed needs --method paper");
+    return options;
+}
+
+void say_summary(const bench::CullingWindow& window, Output& output)
+{
+    const bench::CullingBenchResult& result = window.result;
+    const bench::CullingBenchOptions& options = window.options;
+    const auto saved = [&](const char* method, const bench::CullingBenchResult::Saved& s) {
+        output.say(fmt::format(
+            "{:10} nodes saved {:.1f} % (best {:.1f}, frame {}; of totals {:.1f}), tests {:.1f} % (best {:.1f}, "
+            "frame {}; of totals {:.1f})",
+            method, s.nodes_mean, s.nodes_best, s.nodes_best_frame, s.nodes_of_totals, s.tests_mean, s.tests_best,
+            s.tests_best_frame, s.tests_of_totals));
+    };
+    if (options.paper) {
+        if (options.counts) saved("paper", result.paper_saved);
+        output.say(fmt::format("{:10} {:.3f} extra tests a pixel, {:.1f} wrong a frame; {:.1f} MB", "paper",
+                               result.paper_extra_tests_per_pixel, result.paper_wrong_mean,
+                               static_cast<double>(result.paper_bytes) / 1e6));
+    }
+    if (!options.certified) return;
+    if (options.counts) saved("certified", result.certified_saved);
+    output.say(
+        fmt::format("{:10} {:.2f} x faster, {:.2f} x over the second half; first frame {:.2f} x the time, worst "
+                    "later one {}; {} wrong",
+                    "certified", result.speedup_mean, result.speedup_steady, result.first_frame_ratio,
+                    result.frames.size() > 1 ? fmt::format("{:.2f} x", result.worst_frame_ratio) : std::string("-"),
+                    result.wrong_total));
+    output.say(fmt::format(
+        "{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light; for a while {:.2f} MB of evidence; "
+        "mask of movers {:.2f} MB",
+        "certified", static_cast<double>(result.bytes) / 1e6, result.visible_triangles, result.bytes_per_triangle_light,
+        static_cast<double>(result.most_evidence_bytes) / 1e6, static_cast<double>(result.mask_bytes) / 1e6));
+    if (window.moving_lights)
+        output.say(fmt::format("{:10} {:.3f} x the time while every light moves, from the second frame on", "certified",
+                               result.later_frames_ratio));
+}
+
+}   // namespace
+
+int run_bench_culling(const CommandLine& line, Output& output)
+{
+    const options::OptionValues& values = line.values;
+    const Scene scene = load_scene(line, output.progress());
+    bench::CullingWindow window{
+        line.positionals.at(0), line.command, values.flag("moving-lights"), 0, options_of(values, scene), {}};
+    // Made now, so that a folder that cannot be written is found before the work.
+    std::optional<bench::ReportFile> report;
+    if (values.given("report")) report.emplace(values.text("report"));
+
+    const auto inside = window.moving_lights ? bench::with_moving_lights(scene.inside()) : scene.inside();
+    window.lights = inside->lights.size();
+    const bool live = window.options.repeat == 1;   // else times are known at the end
+    window.result =
+        bench::bench_culling(inside, window.options, output.progress(), [&](const bench::CullingFrame& frame) {
+            if (live) output.say(line_of(frame, window.options));
+        });
+    for (const bench::CullingFrame& frame : window.result.frames)
+        if (!live) output.say(line_of(frame, window.options));
+    say_summary(window, output);
+    const nlohmann::ordered_json document = bench::culling_json(window);
+    if (report) {
+        const int threads = window.options.threads > 0 ? window.options.threads : gnomon::processor_threads();
+        bench::ReportPage page("Gnomon: shadow culling", bench::machine_line(threads));
+        bench::add_culling_section(page, window);
+        report->write(page);
+        output.say(fmt::format("report     {}", report->path().string()));
+    }
+    output.finish(document);
+    return 0;
+}
+
+}   // namespace gnomon::cli

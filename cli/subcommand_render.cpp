@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnomon render: through the public interface alone.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "base/machine.h"
+#include "cli/progress_line.h"
+#include "cli/subcommands.h"
+#include "gnomon/gnomon.h"
+#include "options/render_options.h"
+
+namespace gnomon::cli {
+
+namespace {
+nlohmann::ordered_json stages_json(const FrameTimes& times)
+{
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();
+    for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
+        json[FrameTimes::k_names[stage]] = times.ms[stage];
+    return json;
+}
+
+using Json = nlohmann::ordered_json;
+
+// Options of one renderer mean nothing to the other, and what was asked for is not left out silently.
+void refuse_the_others(const options::OptionValues& values)
+{
+    const auto refuse = [&](std::initializer_list<const char*> names, const char* renderer) {
+        for (const char* name : names)
+            if (values.given(name)) throw UsageError(fmt::format("--{} needs --renderer {}", name, renderer));
+    };
+    if (values.text("renderer") == "raster") {
+        refuse({"shadow-culling", "accelerator", "max-depth", "reference"}, "trace");
+    } else {
+        refuse({"shadow-textures", "shadow-filter"}, "raster");
+    }
+}
+
+RenderOptions render_options(const options::OptionValues& values)
+{
+    refuse_the_others(values);
+    RenderOptions options = options::read_picture_options(values);
+    if (values.flag("reference"))
+        options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
+                                                  static_cast<std::uint64_t>(values.integer("seed"))};
+    if (values.given("indirect") && values.flag("reference"))
+        throw UsageError("--reference is instead of --indirect: one of them");
+    for (const char* name : {"spp", "bounces", "seed"})
+        if (values.given(name) && !values.flag("reference"))
+            throw UsageError(fmt::format("--{} belongs to --reference", name));
+    std::string extension = std::filesystem::path(values.text("out")).extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    options.layers = extension == ".exr";
+    return options;
+}
+
+FilmJob film_job(const options::OptionValues& values, const Scene& scene)
+{
+    FilmJob job;
+    if (!values.given("out")) throw UsageError("render needs -o OUT: .png, .exr, .mp4, or name-{frame:04}.png");
+    job.out = values.text("out");
+    if (values.given("frame") && values.given("frames")) throw UsageError("--frame and --frames exclude each other");
+    if (values.given("frame")) job.frames = FrameRange{values.integer("frame"), values.integer("frame")};
+    if (values.given("frames")) job.frames = options::parse_range(values.text("frames"));
+    job.fps = scene.fps();
+    if (values.given("chunk")) {
+        const options::Chunk chunk = *options::parse_chunk(values.text("chunk"));
+        job.chunk = chunk.number, job.chunks = chunk.of;
+    }
+    job.resume = values.flag("resume");
+    if (values.given("warm-up")) job.warm_up = values.integer("warm-up");
+    job.contact_sheet = values.text("contact-sheet");
+    return job;
+}
+
+// Where the parts of a rasterised frame's bounced light run; of a traced one all of them are the processor's.
+void say_where(const FrameCounters::Indirect& counters, const RenderOptions& options, Json& json)
+{
+    if (options.renderer != RenderMethod::raster || options.indirect == Indirect::off) return;
+    const char* const gather = counters.gathered_by_vulkan ? "vulkan" : "cpu";
+    if (options.indirect == Indirect::visible)
+        json.update({{"cut", gather},
+                     {"visibility", counters.traced_by_vulkan ? "vulkan" : "cpu"},
+                     {"gather", gather},
+                     {"shading", "vulkan"}});
+    else
+        json.update({{"light_map", "vulkan"}, {"tree", "vulkan"}, {"gather", "vulkan"}, {"shading", "vulkan"}});
+}
+
+Json indirect_of(const FrameRecord& record, const RenderOptions& options)
+{
+    const FrameCounters::Indirect& counters = record.counters.indirect;
+    Json json = {{"clusters", counters.clusters}, {"rays", counters.rays}};
+    if (options.reference) json["noise"] = record.noise;
+    say_where(counters, options, json);
+    return json;
+}
+
+// Of a frame that an earlier run made, nobody knows any more what it took.
+Json kept_frame_of(const FrameRecord& record)
+{
+    return {{"frame", record.frame},
+            {"time", record.time},
+            {"file", record.file.string()},
+            {"kept", true},
+            {"ms", 0},
+            {"shadow", {{"rays", nullptr}, {"rays_skipped", nullptr}, {"rays_dynamic_only", nullptr}}},
+            {"indirect", {{"clusters", nullptr}, {"rays", nullptr}}},
+            {"draws", nullptr}};
+}
+
+Json frame_of(const FrameRecord& record, const RenderOptions& options)
+{
+    const FrameCounters& counters = record.counters;
+    Json shadow{{"rays", counters.shadow.rays},
+                {"rays_skipped", counters.shadow.rays_skipped},
+                {"rays_dynamic_only", counters.shadow.rays_dynamic_only}};
+    if (counters.shadow.rays_wrong) shadow["rays_wrong"] = *counters.shadow.rays_wrong;
+    Json frame{{"frame", record.frame},
+               {"time", record.time},
+               {"file", record.file.string()},
+               {"ms", record.milliseconds},
+               {"stages", stages_json(record.times)},
+               {"shadow", std::move(shadow)},
+               {"indirect", indirect_of(record, options)},
+               {"draws", counters.draws}};
+    if (counters.kdtree) {
+        const auto work = [](const FrameCounters::KdTree::Work& of) {
+            return Json{{"nodes", of.nodes}, {"tests", of.tests}};
+        };
+        frame["kdtree"] = {{"primary", work(counters.kdtree->primary)},
+                           {"reflection", work(counters.kdtree->reflection)},
+                           {"refraction", work(counters.kdtree->refraction)},
+                           {"shadow", work(counters.kdtree->shadow)},
+                           {"indirect", work(counters.kdtree->indirect)}};
+    }
+    return frame;
+}
+
+// A renderer by Vulkan that had no frame to render has met no device.
+Json device_of(const std::string& device, const RenderOptions& options)
+{
+    if (options.renderer == RenderMethod::trace) return gnomon::processor_name();
+    return device.empty() ? Json(nullptr) : Json(device);
+}
+
+Json document_of(const CommandLine& line, const FilmResult& result, const RenderOptions& options,
+                 const std::string& device)
+{
+    const bool reference = line.values.flag("reference");
+    Json frames = Json::array();
+    for (const FrameRecord& record : result.frames)
+        frames.push_back(record.kept ? kept_frame_of(record) : frame_of(record, options));
+    Json document = {{"version", std::string(version())},
+                     {"scene", line.positionals[0]},
+                     {"renderer", line.values.text("renderer")},
+                     {"device", device_of(device, options)},
+                     {"width", result.size.width},
+                     {"height", result.size.height}};
+    if (reference)
+        document["reference"] = {{"spp", line.values.integer("spp")},
+                                 {"bounces", line.values.integer("bounces")},
+                                 {"seed", line.values.integer("seed")}};
+    document["frames"] = std::move(frames);
+    document["peak_memory_bytes"] = peak_memory_bytes();
+    return document;
+}
+
+std::string summary_of(const FilmResult& result, double seconds)
+{
+    const std::size_t count = result.frames.size();
+    std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
+                                     result.size.height, duration_text(seconds));
+    if (result.files.empty()) return fmt::format("nothing to do ({})", frames);
+    // Of the noisiest frame.
+    double noise = 0;
+    for (const FrameRecord& record : result.frames) noise = std::max(noise, record.noise);
+    if (noise > 0) frames += fmt::format(", noise {:.2f} %", 100 * noise);
+    if (result.files.size() == 1) return fmt::format("{} ({})", result.files[0].string(), frames);
+    return fmt::format("{} ... {} ({})", result.files.front().string(), result.files.back().string(), frames);
+}
+
+// What the published method answers is no proof, and depends on where it began.
+void warn_of_guesses(const options::OptionValues& values, Output& output)
+{
+    const bool parts = values.given("chunk") || values.given("resume");
+    if (values.text("shadow-culling") != "paper") {
+        const std::string overlay = values.text("overlay");
+        if (parts && (overlay == "shadow-states" || overlay == "redrawn"))
+            output.warn(
+                fmt::format("--overlay {} shows what earlier frames left: with --chunk or --resume, pictures can "
+                            "differ from those of one run over all frames",
+                            overlay));
+        return;
+    }
+    if (!values.given("overlay"))
+        output.warn("--shadow-culling paper guesses: pictures can be wrong; --overlay shadow-states shows where");
+    if (parts)
+        output.warn(
+            "--shadow-culling paper remembers earlier frames: with --chunk or --resume, pictures can differ from those "
+            "of one run over all frames; --warm-up N renders the N frames before unseen");
+}
+
+std::string wrong_text(const FilmResult& result)
+{
+    std::uint64_t wrong = 0, asked = 0;
+    for (const FrameRecord& record : result.frames) {
+        wrong += record.counters.shadow.rays_wrong.value_or(0);
+        if (record.counters.shadow.rays_wrong) asked += record.counters.shadow.rays;
+    }
+    return fmt::format("{} of {} shadow results differ from a trace of every ray", wrong, asked);
+}
+}   // namespace
+
+int run_render(const CommandLine& line, Output& output)
+{
+    const auto start = std::chrono::steady_clock::now();
+    const options::OptionValues& values = line.values;
+    const Progress progress = output.progress();
+    Renderer renderer(render_options(values));   // refuses options before the scene is loaded
+    Scene scene = load_scene(line, progress);
+    if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
+
+    const FilmResult result =
+        render_film(scene, renderer, film_job(values, scene), progress, [&](const FrameRecord& r) {
+            if (values.flag("reference") && !r.kept)
+                output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
+            output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
+                                 : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted",
+                                               r.frame, r.milliseconds, r.counters.shadow.rays,
+                                               r.counters.reflection_rays, r.counters.refraction_rays));
+        });
+    for (const std::string& warning : scene.info().warnings) output.warn(warning);
+    warn_of_guesses(values, output);
+    const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
+    if (renderer.options().overlay == Overlay::shadow_states) output.say(wrong_text(result));
+    output.say(summary_of(result, span.count()));
+    output.finish(document_of(line, result, renderer.options(), renderer.device()));
+    return 0;
+}
+
+Scene load_scene(const CommandLine& line, const Progress& progress)
+{
+    const options::OptionValues& values = line.values;
+    const auto has = [&](const char* name) {
+        return options::find_option(line.verb->verb, name) && values.given(name);
+    };
+    Scene scene = load(line.positionals.at(0), {.progress = progress, .threads = values.integer("threads")});
+    if (has("fps")) scene = scene.at_rate(values.number("fps"));
+    if (has("light")) scene = scene.with_light_specs(values.all("light"));
+    if (has("lights")) scene = scene.with_lights(values.integer("lights"));
+    if (has("environment")) scene = scene.with_environment(values.text("environment"));
+    return scene;
+}
+
+}   // namespace gnomon::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnomon view.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/signals.h"
+#include "cli/subcommands.h"
+#include "gnomon/error.h"
+#include "gnomon/version.h"
+#ifdef GNOMON_VIEWER
+#include "viewer/viewer.h"
+#endif
+
+namespace gnomon::cli {
+
+int run_view(const CommandLine& line, Output& output)
+{
+#ifdef GNOMON_VIEWER
+    viewer::ViewSettings settings(line.values);
+    settings.render_options();   // refuses what excludes each other before a window is there
+    viewer::Viewer viewer(std::move(settings), line.positionals.at(0), line.values.integer("threads"));
+    const viewer::ViewSummary summary = viewer.run(interrupted);
+    for (const std::string& file : summary.files) output.say(file);
+    output.detail(fmt::format("{} pictures, median {:.1f} ms; longest window frame {:.1f} ms", summary.pictures,
+                              summary.median_picture_ms, summary.longest_ms));
+    output.finish({{"version", std::string(version())},
+                   {"scene", line.positionals[0]},
+                   {"window_frames", summary.window_frames},
+                   {"longest_frame_ms", summary.longest_ms},
+                   {"pictures", summary.pictures},
+                   {"median_picture_ms", summary.median_picture_ms},
+                   {"loads", summary.loads},
+                   {"files", summary.files},
+                   {"options_set", summary.options_set},
+                   {"frozen", summary.frozen},
+                   {"moved", summary.moved},
+                   {"peak_memory_bytes", peak_memory_bytes()}});
+    return 0;
+#else
+    (void)line, (void)output;
+    throw MissingError("this program was built without a window (needs GLFW, Dear ImGui and OpenGL)");
+#endif
+}
+
+}   // namespace gnomon::cli

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "gnomon/scene.h"
+#include "io/load.h"
+#include "scene/builtin/builtin.h"
+#include "scene/defaults/emissive_lights.h"
+
+namespace gnomon {
+
+Scene load(const std::string& what, const LoadOptions& options)
+{
+    constexpr std::string_view builtin = "builtin:";
+    scene::Scene loaded = what.starts_with(builtin) ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
+                                                    : io::load_scene(what, options.progress);
+    scene::add_emitter_lights(loaded);
+    scene::add_default_light(loaded);
+    scene::add_default_camera(loaded);
+    return Scene(std::make_shared<const scene::Scene>(std::move(loaded)));
+}
+
+}   // namespace gnomon

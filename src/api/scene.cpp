@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/check.h"
+#include "gnomon/scene.h"
+#include "io/image/float_image.h"
+#include "scene/environment.h"
+#include "scene/scene.h"
+
+namespace gnomon {
+
+namespace {
+constexpr double k_highest_fps = 1000;
+constexpr double k_longest_clip = 1e6;      // frames
+constexpr float k_widest_half_angle = 90;   // degrees
+
+std::vector<std::string> words_of(const std::string& text)
+{
+    std::vector<std::string> words;
+    for (std::size_t at = 0; (at = text.find_first_not_of(" \t,", at)) != std::string::npos;) {
+        const std::size_t end = std::min(text.find_first_of(" \t,", at), text.size());
+        words.push_back(text.substr(at, end - at));
+        at = end;
+    }
+    return words;
+}
+
+// "spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B" or "point X Y Z R G B".
+scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3& direction)
+{
+    const auto refuse = [&](const std::string& why) {
+        throw UsageError(
+            fmt::format("light '{}': {}; expected \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y "
+                        "Z R G B\"",
+                        spec, why));
+    };
+    const std::vector<std::string> words = words_of(spec);
+    if (words.empty() || (words[0] != "spot" && words[0] != "point")) refuse("unknown kind");
+    const bool spot = words[0] == "spot";
+    const std::size_t expected = spot ? 10 : 6;
+    if (words.size() != expected + 1) refuse(fmt::format("{} numbers instead of {}", words.size() - 1, expected));
+    std::vector<double> v;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        double value = 0;
+        const char* end = words[i].data() + words[i].size();
+        const auto [stop, error] = std::from_chars(words[i].data(), end, value);
+        if (error != std::errc() || stop != end || !std::isfinite(static_cast<float>(value)))
+            refuse(fmt::format("'{}' is no number", words[i]));
+        v.push_back(value);
+    }
+
+    scene::Light light;
+    light.falloff = scene::Falloff::inverse_square;
+    light.color = {v[expected - 3], v[expected - 2], v[expected - 1]};
+    if (light.color.x < 0 || light.color.y < 0 || light.color.z < 0) refuse("negative colour");
+    position = {v[0], v[1], v[2]};
+    direction = {0, 0, -1};
+    if (!spot) return light;
+    light.type = scene::LightType::spot;
+    light.profile = scene::SpotProfile::cosine;
+    direction = {v[3], v[4], v[5]};
+    if (!(glm::length(direction) > 0)) refuse("the direction has no length");
+    direction = glm::normalize(direction);
+    if (!(v[6] > 0 && v[6] <= k_widest_half_angle)) refuse("the half-angle must be above 0 and at most 90");
+    light.outer_angle = static_cast<float>(v[6] * k_pi / 180);
+    return light;
+}
+
+std::shared_ptr<scene::Scene> copy_of(const std::shared_ptr<const scene::Scene>& inside)
+{
+    return std::make_shared<scene::Scene>(*inside);
+}
+
+// A node from where a light travels along a direction, or looks there.
+scene::NodeId add_looking_node(scene::Scene& scene, const std::string& name, const glm::dvec3& position,
+                               const glm::dvec3& direction)
+{
+    const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
+    const scene::NodeId node =
+        scene.add_node(name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
+    scene.child_begin.push_back(scene.child_begin.back());   // no children: the index stays whole
+    return node;
+}
+
+// Lights that are gone leave no remark about them.
+void forget_default_light(scene::Scene& scene)
+{
+    std::erase_if(scene.warnings,
+                  [](const std::string& warning) { return warning.starts_with("no light in the scene"); });
+}
+}   // namespace
+
+Scene::Scene(std::shared_ptr<const scene::Scene> inside) : inside_(std::move(inside))
+{
+    GNOMON_CHECK(inside_ != nullptr);
+}
+
+int Scene::frame_count() const
+{
+    return inside_->timeline.frames;
+}
+
+double Scene::time_of(int frame) const
+{
+    return inside_->timeline.time_of(frame);
+}
+
+double Scene::fps() const
+{
+    return inside_->timeline.fps;
+}
+
+SceneInfo Scene::info() const
+{
+    const scene::Scene& scene = *inside_;
+    const scene::Statistics counts = scene.statistics();
+    SceneInfo info;
+    info.name = scene.name;
+    info.triangles = counts.triangles, info.triangles_dynamic = counts.triangles_dynamic;
+    info.objects = counts.objects, info.objects_dynamic = counts.objects_dynamic;
+    info.meshes = scene.meshes.size(), info.materials = scene.materials.size(), info.textures = scene.textures.size();
+    for (const scene::Light& light : scene.lights) info.lights.push_back(light.name);
+    for (const scene::Camera& camera : scene.cameras) info.cameras.push_back(camera.name);
+    info.frames = scene.timeline.frames;
+    info.fps = scene.timeline.fps;
+    info.start = scene.timeline.start, info.end = scene.timeline.end;
+    const Box3 box = scene.bounds(scene.timeline.start);
+    for (int axis = 0; axis < 3 && !box.empty(); ++axis) {
+        info.bounds_low[axis] = box.low[axis];
+        info.bounds_high[axis] = box.high[axis];
+    }
+    if (!scene.cameras.empty()) info.resolution = scene.cameras.front().resolution;
+    info.warnings = scene.warnings;
+    return info;
+}
+
+Scene Scene::at_rate(double fps) const
+{
+    if (!(fps > 0 && fps <= k_highest_fps))
+        throw UsageError(fmt::format("a rate of {} frames a second: expected above 0, at most {}", fps, k_highest_fps));
+    const double seconds = inside_->timeline.end - inside_->timeline.start;
+    if (!inside_->timeline.own_frames && seconds * fps >= scene::k_most_frames)
+        throw UsageError(fmt::format("a rate of {} frames a second: {} s of it are more than {} frames", fps, seconds,
+                                     scene::k_most_frames));
+    auto changed = copy_of(inside_);
+    changed->timeline = inside_->timeline.at_rate(fps);
+    return Scene(std::move(changed));
+}
+
+Scene Scene::lasting(double seconds) const
+{
+    const double frames = std::round(seconds * fps());
+    if (!(seconds > 0 && frames <= k_longest_clip))
+        throw UsageError(fmt::format("a clip of {} s: expected above 0 s, at most {} frames", seconds, k_longest_clip));
+    if (frame_count() > 1) return *this;
+    auto changed = copy_of(inside_);
+    changed->timeline.frames = std::max(1, static_cast<int>(frames));
+    changed->timeline.end = changed->timeline.start + (changed->timeline.frames - 1) / fps();
+    return Scene(std::move(changed));
+}
+
+Scene Scene::with_lights(int count) const
+{
+    if (count < 0) throw UsageError(fmt::format("{} lights: expected 0 or more", count));
+    if (static_cast<std::size_t>(count) >= inside_->lights.size()) return *this;
+    auto changed = copy_of(inside_);
+    changed->lights.resize(static_cast<std::size_t>(count));
+    return Scene(std::move(changed));
+}
+
+Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
+{
+    auto changed = copy_of(inside_);
+    changed->lights.clear();
+    forget_default_light(*changed);
+    for (const std::string& spec : specs) {
+        glm::dvec3 position, direction;
+        scene::Light light = light_of(spec, position, direction);
+        light.name = fmt::format("light {}", changed->lights.size());
+        light.node = add_looking_node(*changed, light.name, position, direction);
+        changed->lights.push_back(std::move(light));
+    }
+    return Scene(std::move(changed));
+}
+
+Scene Scene::with_environment(const std::filesystem::path& file, int lights) const
+{
+    if (lights < 1 || lights > 1024 || (lights & (lights - 1)) != 0)
+        throw UsageError(fmt::format("{} lights for an environment: expected a power of two from 1 to 1024", lights));
+    auto environment = std::make_shared<const scene::Environment>(io::read_float_image(file));
+    auto changed = copy_of(inside_);
+    std::erase_if(changed->lights, [](const scene::Light& light) { return light.by_default || light.of_environment; });
+    forget_default_light(*changed);
+    int number = 0;
+    for (const scene::EnvironmentLight& part : environment->lights(lights)) {
+        scene::Light light;
+        light.name = fmt::format("environment {}", number++);
+        light.type = scene::LightType::directional;
+        light.color = part.irradiance;
+        light.of_environment = true;
+        light.node = add_looking_node(*changed, light.name, glm::dvec3(0), -glm::dvec3(part.to_light));
+        changed->lights.push_back(std::move(light));
+    }
+    changed->background = {};
+    changed->background.kind = scene::Background::Kind::image;
+    changed->background.environment = std::move(environment);
+    return Scene(std::move(changed));
+}
+
+}   // namespace gnomon

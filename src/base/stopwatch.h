@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Tells a thread's time by stage: what passed since the last stage ended is this one's.
+
+#include <chrono>
+
+#include "gnomon/frame_times.h"
+
+namespace gnomon {
+
+class Stopwatch {
+ public:
+    explicit Stopwatch(FrameTimes& times) : times_(times) {}
+    void restart() { last_ = Clock::now(); }
+    void end(FrameTimes::Stage stage)
+    {
+        const Clock::time_point now = Clock::now();
+        times_.ms[stage] += std::chrono::duration<double, std::milli>(now - last_).count();
+        last_ = now;
+    }
+
+ private:
+    using Clock = std::chrono::steady_clock;
+    FrameTimes& times_;
+    Clock::time_point last_ = Clock::now();
+};
+
+}   // namespace gnomon

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame/rasterizer.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "gnomon/error.h"
+#ifdef GNOMON_VULKAN
+#include "raster/map_bounce.h"
+#include "raster/raster_frame.h"
+#include "raster/redrawn_overlay.h"
+#include "raster/shadow_visibility.h"
+#include "raster/visible_bounce.h"
+#endif
+
+namespace gnomon::frame {
+
+#ifdef GNOMON_VULKAN
+
+namespace {
+
+class VulkanRasterizer final : public Rasterizer {
+ public:
+    VulkanRasterizer(const scene::SceneState& state, const RasterSettings& settings)
+        : device_(vk::Device::open()), frame_(device_, state)
+    {
+        options_.samples = settings.samples;
+        options_.layers = settings.layers;
+        if (settings.redrawn) options_.ids = &ids_;
+        redrawn_stays_ = settings.redrawn_stays;
+        if (settings.indirect == Indirect::visible) {
+            GNOMON_CHECK(settings.rays && settings.tasks);
+            const bool software = device_->info().kind == "software";
+            const bool on_device = settings.indirect_on == IndirectOn::vulkan ||
+                                   (settings.indirect_on == IndirectOn::automatic && !software);
+            auto bounce = std::make_unique<raster::VisibleBounce>(device_, state, *settings.rays, settings.visible,
+                                                                  on_device, *settings.tasks);
+            visible_ = &bounce->light();
+            frame_.set_bounced(std::move(bounce));
+        } else if (settings.indirect != Indirect::off) {
+            frame_.set_bounced(std::make_unique<raster::MapBounce>(device_, state, settings.map));
+        }
+        if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
+        raster::ShadowOptions shadows;
+        shadows.method = settings.shadows;
+        shadows.look_up.filter = settings.shadow_filter;
+        auto visibility = std::make_unique<raster::ShadowVisibility>(device_, state, shadows);
+        views_ = &visibility->views();
+        frame_.set_visibility(std::move(visibility));
+    }
+    void update(const scene::SceneState& state) override { frame_.update(state); }
+    FrameCounters render(const scene::SceneState& state, const scene::View& view, shading::FrameBuffers& out,
+                         const Progress& progress) override
+    {
+        const FrameCounters counters = frame_.render(state, view, options_, out, progress);
+        if (options_.ids && views_) note_redrawn(state);
+        return counters;
+    }
+    void paint_redrawn(double exposure, ImageF& color) const override
+    {
+        GNOMON_CHECK(views_ && options_.ids);
+        raster::paint_redrawn(ids_, redrawn_, exposure, color);
+    }
+    std::string device() const override { return device_->info().name; }
+    std::size_t remembered_bytes() const override { return visible_ ? visible_->bytes() : 0; }
+
+ private:
+    void note_redrawn(const scene::SceneState& state)
+    {
+        std::vector<raster::Redrawn> now = raster::redrawn_objects(*views_);
+        const bool nothing =
+            std::all_of(now.begin(), now.end(), [](raster::Redrawn r) { return r == raster::Redrawn::kept; });
+        if (redrawn_stays_ && nothing && state.time() == redrawn_time_ && redrawn_.size() == now.size()) return;
+        redrawn_ = std::move(now);
+        redrawn_time_ = state.time();
+    }
+
+    std::shared_ptr<vk::Device> device_;
+    raster::RasterFrame frame_;
+    raster::RasterOptions options_;
+    raster::IdImage ids_;
+    std::vector<raster::Redrawn> redrawn_;   // by object
+    double redrawn_time_ = 0;
+    bool redrawn_stays_ = false;
+    const irradiance_cache::VisibleLight* visible_ = nullptr;   // of the frame's bounced light
+    const light_views::LightViews* views_ = nullptr;            // of the frame's visibility
+};
+
+}   // namespace
+
+std::unique_ptr<Rasterizer> make_rasterizer(const scene::SceneState& state, const RasterSettings& settings)
+{
+    return std::make_unique<VulkanRasterizer>(state, settings);
+}
+
+#else
+
+std::unique_ptr<Rasterizer> make_rasterizer(const scene::SceneState&, const RasterSettings&)
+{
+    throw MissingError("Vulkan: this program was built without it, and so without --renderer raster");
+}
+
+#endif
+
+}   // namespace gnomon::frame

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/file/output_name.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <string>
+
+#include "gnomon/video.h"
+#include "io/file/atomic_file.h"
+
+namespace gnomon {
+
+namespace io {
+
+namespace fs = std::filesystem;
+
+namespace {
+constexpr int k_widest = 9;   // digits of a frame number
+
+// {frame} or {frame:0N} in a file name.
+struct Pattern {
+    std::size_t begin = 0, end = 0;
+    int digits = 1;
+};
+
+std::optional<Pattern> find_pattern(const fs::path& file)
+{
+    const std::string name = file.filename().string();
+    const std::size_t begin = name.find("{frame");
+    if (begin == std::string::npos) return std::nullopt;
+    const auto refuse = [&] {
+        throw UsageError(fmt::format("{}: expected one {{frame}} or {{frame:04}} in the name", file.string()));
+    };
+    Pattern pattern{begin, name.find('}', begin), 1};
+    if (pattern.end == std::string::npos) refuse();
+    const std::string format = name.substr(begin + 6, pattern.end - begin - 6);
+    ++pattern.end;
+    if (!format.empty()) {
+        const bool sound = format.size() == 3 && format[0] == ':' && format[1] == '0' && format[2] >= '1' &&
+                           format[2] <= '0' + k_widest;
+        if (!sound) refuse();
+        pattern.digits = format[2] - '0';
+    }
+    if (name.find("{frame", pattern.end) != std::string::npos) refuse();
+    return pattern;
+}
+
+std::string extension_of(const fs::path& file)
+{
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+}   // namespace
+
+OutputKind output_kind(const fs::path& out)
+{
+    const std::string extension = extension_of(out);
+    const bool numbered = find_pattern(out).has_value();
+    if (extension == ".png" || extension == ".exr") return numbered ? OutputKind::numbered : OutputKind::picture;
+    if (extension != ".mp4")
+        throw UsageError(fmt::format("{}: cannot write '{}'; write .png, .exr or .mp4", out.string(), extension));
+    if (numbered) throw UsageError(fmt::format("{}: a film is one file; leave out {{frame}}", out.string()));
+    return OutputKind::film;
+}
+
+bool is_exr_name(const fs::path& out)
+{
+    return extension_of(out) == ".exr";
+}
+
+fs::path numbered_name(const fs::path& pattern, int frame)
+{
+    const std::optional<Pattern> place = find_pattern(pattern);
+    if (!place) return pattern;
+    const std::string name = pattern.filename().string();
+    return pattern.parent_path() /
+           (name.substr(0, place->begin) + fmt::format("{:0{}}", frame, place->digits) + name.substr(place->end));
+}
+
+void check_writable(const fs::path& out)
+{
+    io::AtomicFile probe(out);
+    static_cast<void>(probe);   // goes again with the scope
+}
+
+}   // namespace io
+
+FrameRange chunk_of(FrameRange range, int chunk, int chunks)
+{
+    if (chunks < 1 || chunk < 1 || chunk > chunks)
+        throw UsageError(fmt::format("chunk {}/{}: expected I/N with 1 <= I <= N", chunk, chunks));
+    const auto count = static_cast<std::int64_t>(range.count());
+    const auto begin_of = [&](int i) { return range.first + static_cast<int>(count * i / chunks); };
+    return {begin_of(chunk - 1), begin_of(chunk) - 1};
+}
+
+}   // namespace gnomon

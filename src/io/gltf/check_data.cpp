@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "io/gltf/check.h"
+
+namespace gnomon::io::gltf {
+
+namespace {
+
+// A little more than what storing in one byte a component can do to a length, or to a sum of weights.
+constexpr double k_unit_tolerance3 = 0.00674;
+constexpr double k_unit_tolerance4 = 0.00769;
+constexpr double k_sum_step = 0.0039216;
+
+double restart_value(Component type)
+{
+    return type == Component::u8 ? 255 : type == Component::u16 ? 65535 : 4294967295.0;
+}
+
+// Looks at the elements of one accessor, once.
+class ElementCheck {
+ public:
+    ElementCheck(const Accessor& accessor, const AccessorUse& use, std::string here, const Context& context)
+        : accessor_(accessor), use_(use), here_(std::move(here)), context_(context)
+    {
+    }
+
+    void element(std::uint64_t i, std::span<const double> v)
+    {
+        for (std::size_t c = 0; c < v.size(); ++c) {
+            if (!std::isfinite(v[c])) context_.fail(here_, fmt::format("element {} is not finite", i));
+            low_[c] = i == 0 ? v[c] : std::min(low_[c], v[c]);
+            high_[c] = i == 0 ? v[c] : std::max(high_[c], v[c]);
+        }
+        if (use_.unit || use_.tangent) vector(i, v);
+        if (use_.quaternion && (!use_.cubic || i % 3 == 1)) quaternion(i, v);
+        if (use_.role == AccessorUse::Role::index) index(i, v[0]);
+        if (use_.role == AccessorUse::Role::animation_input) key_time(i, v[0]);
+        if (use_.role == AccessorUse::Role::inverse_bind) inverse_bind(i, v);
+    }
+
+    void finish() const
+    {
+        bounds(accessor_.min, low_, "min", "minimum");
+        bounds(accessor_.max, high_, "max", "maximum");
+    }
+
+ private:
+    [[noreturn]] void fail(const std::string& problem) const { context_.fail(use_.user, problem); }
+    double value(double stored) const
+    {
+        return accessor_.normalized ? normalized_value(stored, accessor_.component) : stored;
+    }
+
+    void bounds(const std::vector<double>& declared, const double* actual, const char* name, const char* word) const
+    {
+        for (std::size_t c = 0; c < declared.size(); ++c) {
+            const double d = accessor_.component == Component::f32
+                                 ? static_cast<double>(static_cast<float>(declared[c]))
+                                 : declared[c];
+            if (d != actual[c])
+                context_.fail(at(at(here_, name), c),
+                              fmt::format("{} is declared, but the actual {} is {}", declared[c], word, actual[c]));
+        }
+    }
+
+    void vector(std::uint64_t i, std::span<const double> v) const
+    {
+        const double x = value(v[0]), y = value(v[1]), z = value(v[2]);
+        const double length = std::sqrt(x * x + y * y + z * z);
+        if (!(std::abs(length - 1) <= k_unit_tolerance3))
+            fail(fmt::format("vector {} is not of unit length: {}", i, length));
+        if (use_.tangent && std::abs(value(v[3])) != 1)
+            fail(fmt::format("tangent {} has w = {}, not 1 or -1", i, value(v[3])));
+    }
+
+    void quaternion(std::uint64_t i, std::span<const double> v) const
+    {
+        double square = 0;
+        for (const double c : v) square += value(c) * value(c);
+        if (!(std::abs(std::sqrt(square) - 1) <= k_unit_tolerance4))
+            fail(fmt::format("quaternion {} is not of unit length: {}", i, std::sqrt(square)));
+    }
+
+    void index(std::uint64_t i, double v) const
+    {
+        if (v == restart_value(accessor_.component))
+            fail(fmt::format("index {} is {}, which restarts primitives", i, v));
+        if (use_.vertices > 0 && v >= static_cast<double>(use_.vertices))
+            fail(fmt::format("index {} leads to vertex {}, but there are {}", i, v, use_.vertices));
+    }
+
+    void key_time(std::uint64_t i, double v)
+    {
+        if (v < 0) fail(fmt::format("key {} has the negative time {}", i, v));
+        if (i > 0 && v <= time_) fail(fmt::format("key {} is at {}, not after the key before it at {}", i, v, time_));
+        time_ = v;
+    }
+
+    void inverse_bind(std::uint64_t i, std::span<const double> v) const
+    {
+        for (std::size_t column = 0; column < 4; ++column)
+            if (v[column * 4 + 3] != (column == 3 ? 1.0 : 0.0))
+                fail(fmt::format("the last row of matrix {} is not 0 0 0 1", i));
+    }
+
+    const Accessor& accessor_;
+    const AccessorUse& use_;
+    std::string here_;
+    const Context& context_;
+    double low_[16] = {}, high_[16] = {};
+    double time_ = 0;
+};
+
+void check_sparse(const Accessor& accessor, const Data& data, const std::string& here, const Context& context)
+{
+    const std::vector<std::uint32_t> indices = data.sparse_indices(accessor);
+    const std::string place = at(here, "sparse");
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        if (i > 0 && indices[i] <= indices[i - 1])
+            context.fail(place, fmt::format("index {} is {}, not greater than the one before it", i, indices[i]));
+        if (indices[i] >= accessor.count)
+            context.fail(place,
+                         fmt::format("index {} is {}, but there are {} elements", i, indices[i], accessor.count));
+    }
+}
+
+// Which joints a vertex hangs on already, over all primitives.
+struct Hangers {
+    std::vector<std::uint64_t> last;   // by joint: the vertex that last hung on it, numbered through
+    std::uint64_t vertex = 0;
+};
+
+// Joints and weights of one primitive, vertex by vertex.
+void check_influences(const Model& model, const Data& data, const Primitive& primitive, std::size_t joint_count,
+                      Hangers& hangers, const std::string& here, const Context& context)
+{
+    std::vector<std::vector<std::uint32_t>> joints;
+    std::vector<std::vector<float>> weights;
+    for (int set = 0; primitive.has(fmt::format("JOINTS_{}", set).c_str()); ++set) {
+        const Accessor& j = model.accessors[primitive.find(fmt::format("JOINTS_{}", set))];
+        const Accessor& w = model.accessors[primitive.find(fmt::format("WEIGHTS_{}", set))];
+        if (!data.has_bytes(j) || !data.has_bytes(w)) return;
+        data.read(j, joints.emplace_back());
+        data.read(w, weights.emplace_back());
+    }
+    const auto place = [&](const char* what, std::size_t set) { return at(here, fmt::format("{}_{}", what, set)); };
+    const std::size_t vertices = joints.empty() ? 0 : joints[0].size() / 4;
+    for (std::size_t v = 0; v < vertices; ++v) {
+        ++hangers.vertex;
+        std::size_t used = 0;
+        double sum = 0;
+        for (std::size_t set = 0; set < joints.size(); ++set) {
+            for (std::size_t k = 4 * v; k < 4 * v + 4; ++k) {
+                const std::uint32_t joint = joints[set][k];
+                const float weight = weights[set][k];
+                if (joint >= joint_count)
+                    context.fail(place("JOINTS", set),
+                                 fmt::format("vertex {} hangs on joint {}, but a skin has {}", v, joint, joint_count));
+                if (weight < 0)
+                    context.fail(place("WEIGHTS", set), fmt::format("vertex {} has the negative weight {}", v, weight));
+                if (weight == 0) continue;
+                if (std::exchange(hangers.last[joint], hangers.vertex) == hangers.vertex)
+                    context.fail(place("JOINTS", set), fmt::format("vertex {} hangs on joint {} twice", v, joint));
+                ++used;
+                sum += weight;
+            }
+        }
+        // DEVIATION(validator): one step of tolerance for one and two joints, too; many exporters round.
+        const std::size_t pairs = (used + 1) / 2;
+        const double steps = std::max(1.0, static_cast<double>(pairs) - 1);
+        if (!(std::abs(sum - 1) <= k_sum_step * steps))
+            context.fail(place("WEIGHTS", 0), fmt::format("the weights of vertex {} sum to {}, not 1", v, sum));
+    }
+}
+
+}   // namespace
+
+void check_data(const Model& model, const Data& data, const std::vector<AccessorUse>& uses, Context& context)
+{
+    // Bound the work before it is done.
+    std::uint64_t left = context.limits.numbers + context.limits.numbers_per_byte * data.total_bytes();
+    const auto spend = [&](const Accessor& accessor, const std::string& here) {
+        const auto each = static_cast<std::uint64_t>(accessor.components());
+        if (accessor.count > left / each)
+            context.fail(here, "the accessors overlap so much that reading them would take too long");
+        left -= accessor.count * each;
+    };
+
+    for (std::size_t i = 0; i < model.accessors.size(); ++i) {
+        const Accessor& accessor = model.accessors[i];
+        if (!data.has_bytes(accessor)) continue;
+        const std::string here = at("/accessors", i);
+        spend(accessor, here);
+        if (accessor.sparse) check_sparse(accessor, data, here, context);
+        ElementCheck check(accessor, uses[i], here, context);
+        data.for_each(accessor, [&](std::uint64_t e, std::span<const double> v) { check.element(e, v); });
+        check.finish();
+    }
+
+    // The smallest skin that a mesh is used with decides.
+    std::vector<std::size_t> joints(model.meshes.size(), 0);
+    for (const Node& node : model.nodes) {
+        if (node.mesh == k_absent || node.skin == k_absent) continue;
+        const std::size_t count = model.skins[node.skin].joints.size();
+        joints[node.mesh] = joints[node.mesh] == 0 ? count : std::min(joints[node.mesh], count);
+    }
+    Hangers hangers;
+    if (!joints.empty()) hangers.last.resize(*std::max_element(joints.begin(), joints.end()));
+    for (std::size_t m = 0; m < model.meshes.size(); ++m) {
+        if (joints[m] == 0) continue;
+        for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
+            const Primitive& primitive = model.meshes[m].primitives[p];
+            const std::string here = at(at(at(at("/meshes", m), "primitives"), p), "attributes");
+            for (const auto& [name, index] : primitive.attributes)
+                if ((name.rfind("JOINTS", 0) == 0 || name.rfind("WEIGHTS", 0) == 0) &&
+                    data.has_bytes(model.accessors[index]))
+                    spend(model.accessors[index], at(here, name));
+            check_influences(model, data, primitive, joints[m], hangers, here, context);
+        }
+    }
+}
+
+}   // namespace gnomon::io::gltf

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/gltf/context.h"
+
+#include <fmt/format.h>
+
+#include "gnomon/error.h"
+
+namespace gnomon::io::gltf {
+
+void Context::fail(const std::string& pointer, const std::string& problem) const
+{
+    throw InputError(file_, pointer.empty() ? "/" : pointer, problem);
+}
+
+void Context::warn(const std::string& pointer, const std::string& problem)
+{
+    if (warnings_.size() >= limits.warnings) {
+        ++left_out_;
+        return;
+    }
+    warnings_.push_back(fmt::format("{}: {}", pointer.empty() ? "/" : pointer, problem));
+}
+
+std::vector<std::string> Context::take_warnings()
+{
+    if (left_out_ > 0) warnings_.push_back(fmt::format("{} further warnings left out", left_out_));
+    left_out_ = 0;
+    return std::move(warnings_);
+}
+
+std::string at(const std::string& pointer, std::string_view name)
+{
+    constexpr std::size_t longest = 120;   // what follows of a name tells nobody anything
+    const bool cut = name.size() > longest;
+    std::string result = pointer + '/';
+    for (const char c : name.substr(0, longest)) {
+        if (c == '~')
+            result += "~0";
+        else if (c == '/')
+            result += "~1";
+        else
+            result += c;
+    }
+    return cut ? result + "..." : result;
+}
+
+std::string at(const std::string& pointer, std::uint64_t index)
+{
+    return pointer + '/' + std::to_string(index);
+}
+
+}   // namespace gnomon::io::gltf

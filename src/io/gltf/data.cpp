@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/gltf/data.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "gnomon/error.h"
+#include "io/file/read_file.h"
+
+namespace gnomon::io::gltf {
+
+namespace {
+
+template <class T>
+double load(const std::uint8_t* bytes)
+{
+    T value;
+    std::memcpy(&value, bytes, sizeof value);
+    return static_cast<double>(value);
+}
+
+constexpr std::uint64_t k_glb_padding = 3;   // a binary chunk ends on a multiple of four
+
+}   // namespace
+
+double component_value(const std::uint8_t* bytes, Component type)
+{
+    switch (type) {
+        case Component::i8:
+            return load<std::int8_t>(bytes);
+        case Component::u8:
+            return load<std::uint8_t>(bytes);
+        case Component::i16:
+            return load<std::int16_t>(bytes);
+        case Component::u16:
+            return load<std::uint16_t>(bytes);
+        case Component::u32:
+            return load<std::uint32_t>(bytes);
+        case Component::f32:
+            return load<float>(bytes);
+        default:
+            return 0;
+    }
+}
+
+double normalized_value(double stored, Component type)
+{
+    switch (type) {
+        case Component::i8:
+            return std::max(stored / 127.0, -1.0);
+        case Component::u8:
+            return stored / 255.0;
+        case Component::i16:
+            return std::max(stored / 32767.0, -1.0);
+        case Component::u16:
+            return stored / 65535.0;
+        default:
+            return stored;
+    }
+}
+
+Data::Data(const Model& model, const std::filesystem::path& file, std::optional<std::span<const std::uint8_t>> bin,
+           bool binary, Context& context)
+    : model_(model), context_(context)
+{
+    std::error_code error;
+    folder_ = std::filesystem::canonical(file.has_parent_path() ? file.parent_path() : ".", error);
+    buffers_.resize(model.buffers.size());
+    for (std::size_t i = 0; i < model.buffers.size(); ++i) {
+        const Buffer& buffer = model.buffers[i];
+        Bytes& bytes = buffers_[i];
+        const std::string here = at("/buffers", i);
+        const std::string uri_place = at(here, "uri");
+        bool counted = true;
+        if (!buffer.uri) {
+            if (i != 0 || !binary) continue;   // a placeholder
+            if (!bin) context.fail(here, "is the GLB's binary chunk, but there is none");
+            bytes.span = *bin;
+            if (bytes.span.size() > buffer.length + k_glb_padding)
+                context.warn(here, "the GLB's binary chunk is longer than the buffer");
+        } else {
+            Resource resource = parse_uri(*buffer.uri, uri_place, context);
+            if (resource.kind == Resource::Kind::remote) {
+                context.warn(uri_place, "lies in the network, where nothing is fetched from");
+                bytes.remote = true;
+                continue;
+            }
+            if (resource.kind == Resource::Kind::data) {
+                if (resource.mime_type != "application/octet-stream" && resource.mime_type != "application/gltf-buffer")
+                    context.fail(uri_place, fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
+                bytes.owned = std::move(resource.bytes);
+                bytes.span = bytes.owned;
+            } else {
+                const auto [file_bytes, fresh] = files_.try_emplace(find_file(resource.path, uri_place));
+                if (fresh) file_bytes->second = read_file(resource.path, uri_place);
+                bytes.span = file_bytes->second;
+                counted = fresh;
+            }
+        }
+        if (bytes.span.size() < buffer.length)
+            context.fail(at(here, "byteLength"),
+                         fmt::format("claims {} bytes, but there are {}", buffer.length, bytes.span.size()));
+        bytes.span = bytes.span.first(buffer.length);
+        if (counted) total_bytes_ += buffer.length;
+    }
+    if (binary && bin && (model.buffers.empty() || model.buffers[0].uri))
+        context.warn("", "the GLB's binary chunk is used by no buffer");
+}
+
+std::filesystem::path Data::find_file(const std::string& path, const std::string& pointer) const
+{
+    std::string problem;
+    std::filesystem::path found = resolve_inside(folder_, path, {folder_}, problem);
+    if (found.empty()) context_.fail(pointer, fmt::format("'{}' {}", path.substr(0, 200), problem));
+    return found;
+}
+
+std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer) const
+{
+    const Resource resource = parse_uri(uri, pointer, context_);
+    return resource.kind == Resource::Kind::file ? find_file(resource.path, pointer) : std::filesystem::path();
+}
+
+std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::string& pointer) const
+{
+    const std::filesystem::path found = find_file(path, pointer);
+    const std::string shown = path.substr(0, 200);
+    try {
+        return read_whole_file(found, shown, context_.limits.file_bytes);
+    } catch (const InputError& error) {
+        context_.fail(pointer, fmt::format("'{}' {}", shown, error.problem()));
+    }
+}
+
+std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std::string& pointer,
+                                               std::string& mime_type)
+{
+    Resource resource = parse_uri(uri, pointer, context_);
+    if (resource.kind == Resource::Kind::remote) {
+        context_.warn(pointer, "lies in the network, where nothing is fetched from");
+        return {};
+    }
+    if (resource.kind == Resource::Kind::data) {
+        mime_type = resource.mime_type;
+        return std::move(resource.bytes);
+    }
+    return read_file(resource.path, pointer);
+}
+
+std::span<const std::uint8_t> Data::view_bytes(Index view) const
+{
+    const BufferView& v = model_.views[view];
+    const std::span<const std::uint8_t> all = buffers_[v.buffer].span;
+    return all.empty() ? all : all.subspan(v.offset, v.length);
+}
+
+bool Data::has_bytes(const Accessor& accessor) const
+{
+    if (!accessor.known()) return false;
+    const auto filled = [&](Index view) { return view != k_absent && !view_bytes(view).empty(); };
+    if (accessor.view == k_absent && !accessor.sparse) return false;
+    if (accessor.view != k_absent && !filled(accessor.view)) return false;
+    return !accessor.sparse || (filled(accessor.sparse->index_view) && filled(accessor.sparse->value_view));
+}
+
+std::string Data::unreachable(const Accessor& accessor) const
+{
+    if (!accessor.known()) return "has a type that is not known";
+    std::vector<Index> views;
+    if (accessor.view != k_absent) views.push_back(accessor.view);
+    if (accessor.sparse) views.insert(views.end(), {accessor.sparse->index_view, accessor.sparse->value_view});
+    for (const Index view : views) {
+        if (buffers_[model_.views[view].buffer].remote)
+            return fmt::format("lies in buffer {}, which is in the network", model_.views[view].buffer);
+        if (model_.views[view].compressed && view_bytes(view).empty())
+            return fmt::format("lies in buffer view {}, which EXT_meshopt_compression alone can read", view);
+    }
+    return {};
+}
+
+std::vector<std::uint32_t> Data::sparse_indices(const Accessor& accessor) const
+{
+    std::vector<std::uint32_t> indices;
+    if (!accessor.sparse || !has_bytes(accessor)) return indices;
+    const Sparse& sparse = *accessor.sparse;
+    const std::uint8_t* from = view_bytes(sparse.index_view).data() + sparse.index_offset;
+    const std::uint64_t size = sparse.index_type == Component::u8 ? 1 : sparse.index_type == Component::u16 ? 2 : 4;
+    indices.reserve(sparse.count);
+    for (std::uint64_t i = 0; i < sparse.count; ++i)
+        indices.push_back(static_cast<std::uint32_t>(component_value(from + i * size, sparse.index_type)));
+    return indices;
+}
+
+void Data::read(const Accessor& accessor, std::vector<float>& out) const
+{
+    out.clear();
+    out.reserve(accessor.count * static_cast<std::uint64_t>(accessor.components()));
+    for_each(accessor, [&](std::uint64_t, std::span<const double> element) {
+        for (const double v : element)
+            out.push_back(static_cast<float>(accessor.normalized ? normalized_value(v, accessor.component) : v));
+    });
+}
+
+void Data::read_double(const Accessor& accessor, std::vector<double>& out) const
+{
+    out.clear();
+    out.reserve(accessor.count * static_cast<std::uint64_t>(accessor.components()));
+    for_each(accessor, [&](std::uint64_t, std::span<const double> element) {
+        for (const double v : element) out.push_back(accessor.normalized ? normalized_value(v, accessor.component) : v);
+    });
+}
+
+void Data::read(const Accessor& accessor, std::vector<std::uint32_t>& out) const
+{
+    out.clear();
+    out.reserve(accessor.count * static_cast<std::uint64_t>(accessor.components()));
+    for_each(accessor, [&](std::uint64_t, std::span<const double> element) {
+        for (const double v : element) out.push_back(static_cast<std::uint32_t>(v));
+    });
+}
+
+}   // namespace gnomon::io::gltf

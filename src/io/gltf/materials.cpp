@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "gnomon/error.h"
+#include "io/gltf/build.h"
+#include "io/image/image_file.h"
+
+namespace gnomon::io::gltf {
+
+namespace {
+
+enum class PictureFormat : std::uint8_t { png, jpeg, other };
+
+PictureFormat format_of(std::span<const std::uint8_t> bytes)
+{
+    constexpr std::uint8_t png[] = {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
+    constexpr std::uint8_t jpeg[] = {0xff, 0xd8, 0xff};
+    const auto begins = [&](std::span<const std::uint8_t> magic) {
+        return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+    };
+    return begins(png) ? PictureFormat::png : begins(jpeg) ? PictureFormat::jpeg : PictureFormat::other;
+}
+
+constexpr int k_most_looked_at = 1000;   // chunks or markers of a picture that nobody uses
+
+// What is wrong with a picture up to where its pixels begin; empty: nothing.
+std::string header_fault(std::span<const std::uint8_t> b)
+{
+    const auto u16 = [&](std::size_t i) { return static_cast<std::size_t>(b[i]) << 8 | b[i + 1]; };
+    const char* ends = "the picture ends within its header";
+    if (format_of(b) == PictureFormat::png) {
+        int chunks = 0;
+        for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_most_looked_at;) {
+            const std::size_t length = u16(i) << 16 | u16(i + 2);
+            if (std::memcmp(&b[i + 4], "IDAT", 4) == 0) return {};
+            if (i == 8 && (std::memcmp(&b[i + 4], "IHDR", 4) != 0 || length != 13))
+                return "the PNG has no proper header";
+            constexpr std::size_t around = 12;   // length, type and checksum of a chunk
+            if (length > b.size() - i - 8) return ends;
+            i += length + around;
+        }
+        return chunks > k_most_looked_at ? "" : ends;
+    }
+    if (format_of(b) == PictureFormat::jpeg) {
+        int markers = 0;
+        for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_most_looked_at;) {
+            if (b[i] != 0xff) return "the JPEG's markers are broken";
+            const std::uint8_t marker = b[i + 1];
+            if (marker == 0xff) {
+                ++i;   // fill byte
+                continue;
+            }
+            const std::size_t length = u16(i + 2);
+            if (length < 2) return "a JPEG marker's length is too small";
+            const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+            if (i + 2 + length > b.size()) return ends;
+            if (frame) return length < 8 ? "a JPEG frame header is too short" : "";
+            i += 2 + length;
+        }
+        return markers > k_most_looked_at ? "" : ends;
+    }
+    return {};
+}
+
+Image8 without_alpha(const Image8& image)
+{
+    Image8 result(image.width, image.height, image.channels - 1);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) std::copy_n(image.pixel(x, y), result.channels, result.pixel(x, y));
+    return result;
+}
+
+scene::Wrap wrap(int code)
+{
+    constexpr int clamp_to_edge = 33071, mirrored_repeat = 33648;
+    return code == clamp_to_edge     ? scene::Wrap::clamp
+           : code == mirrored_repeat ? scene::Wrap::mirror
+                                     : scene::Wrap::repeat;
+}
+
+scene::Sampler sampler_of(const Sampler& s)
+{
+    // GL's codes: NEAREST, LINEAR, then both with mipmaps.
+    constexpr int nearest = 9728, linear = 9729, nearest_mip_nearest = 9984, nearest_mip_linear = 9986;
+    scene::Sampler result;
+    result.wrap_u = wrap(s.wrap_s);
+    result.wrap_v = wrap(s.wrap_t);
+    if (s.magnify == nearest) result.magnify = scene::Filter::nearest;
+    if (s.minify == nearest || s.minify == nearest_mip_nearest || s.minify == nearest_mip_linear)
+        result.minify = scene::Filter::nearest;
+    result.mipmaps = s.minify != nearest && s.minify != linear;
+    return result;
+}
+
+}   // namespace
+
+Materials::Materials(const Model& model, Data& data, scene::Scene& out, Context& context)
+    : model_(model),
+      data_(data),
+      out_(out),
+      context_(context),
+      made_(model.materials.size(), scene::none),
+      first_(model.images.size(), k_absent)
+{
+    // Images may overlap in a buffer, as accessors may.
+    pixels_left_ = context.limits.pixels + context.limits.pixels_per_byte * data.total_bytes();
+    view_bytes_left_ = context.limits.numbers + context.limits.numbers_per_byte * data.total_bytes();
+}
+
+// Of images with one source all but the first are only other names of it.
+Index Materials::first_of(Index index)
+{
+    Index& first = first_[index];
+    if (first != k_absent) return first;
+    const Image& image = model_.images[index];
+    std::string source;
+    if (image.uri) {
+        source = data_.resource_file(*image.uri, at(at("/images", index), "uri")).string();
+    } else if (image.view != k_absent) {
+        const BufferView& view = model_.views[image.view];
+        source = fmt::format("{} {} {}", view.buffer, view.offset, view.length);   // no path: those are absolute
+    }
+    first = source.empty() ? index : by_source_.try_emplace(std::move(source), index).first->second;
+    return first;
+}
+
+std::vector<std::uint8_t> Materials::bytes_of(Index index)
+{
+    const Image& image = model_.images[index];
+    const std::string here = at("/images", index);
+    if (image.uri) {
+        std::string mime_type = image.mime_type;
+        return data_.resource_bytes(*image.uri, at(here, "uri"), mime_type);
+    }
+    if (image.view == k_absent) return {};
+    const auto bytes = data_.view_bytes(image.view);
+    return {bytes.begin(), bytes.end()};
+}
+
+const Image8& Materials::picture(Index index)
+{
+    index = first_of(index);
+    Picture& picture = pictures_[index];
+    if (picture.read) return picture.image;
+    picture.read = true;
+    const std::string here = at("/images", index);
+    const std::vector<std::uint8_t> bytes = bytes_of(index);
+    if (bytes.empty()) {
+        context_.warn(here, "has no data: its textures are left out");
+        return picture.image;
+    }
+    if (format_of(bytes) == PictureFormat::other) {
+        context_.warn(here, "is neither PNG nor JPEG: its textures are left out");
+        return picture.image;
+    }
+    // What the data can stand for bounds what is decoded; that of buffers counts already.
+    if (model_.images[index].uri) {
+        pixels_left_ += bytes.size() * context_.limits.pixels_per_byte;
+    } else {
+        if (bytes.size() > view_bytes_left_)
+            context_.fail(here, "the images overlap so much that reading them would take too long");
+        view_bytes_left_ -= bytes.size();
+    }
+    ImageLimits limits;
+    limits.stored_values = true;   // [glTF 2.0, 3.8.3]: what PNG says of colour spaces is to be ignored
+    limits.max_pixels = std::min(limits.max_pixels, pixels_left_);
+    try {
+        picture.image = decode_image(bytes, here, limits);
+    } catch (const InputError& error) {
+        context_.fail(here, error.problem());
+    }
+    return picture.image;
+}
+
+void Materials::check_unused()
+{
+    for (Index i = 0; i < model_.images.size(); ++i) {
+        if (first_of(i) != i) continue;
+        if (const auto known = pictures_.find(i); known != pictures_.end() && known->second.read) continue;
+        const Image& image = model_.images[i];
+        const std::string fault = !image.uri && image.view != k_absent ? header_fault(data_.view_bytes(image.view))
+                                                                       : header_fault(bytes_of(i));
+        if (!fault.empty()) context_.fail(at("/images", i), fault);
+    }
+    pictures_.clear();
+}
+
+scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer)
+{
+    scene::TextureUse result;
+    if (info.texture == k_absent) return result;
+    const Texture& texture = model_.textures[info.texture];
+    if (texture.source == k_absent) {
+        context_.warn(pointer, fmt::format("texture {} has no image: left out", info.texture));
+        return result;
+    }
+    constexpr std::uint64_t sets = 2;
+    if (info.texcoord >= sets) {
+        context_.warn(pointer,
+                      fmt::format("uses texture coordinates {}: only 0 and 1 are supported; left out", info.texcoord));
+        return result;
+    }
+    const Image8& image = picture(texture.source);
+    if (image.empty()) return result;
+
+    const scene::Sampler sampler =
+        texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
+    const Index first = first_of(texture.source);
+    // Where alpha has no say it is not kept: coarser levels would weight the other channels by it.
+    const bool drop_alpha = !alpha && (image.channels == 2 || image.channels == 4);
+    const std::tuple key(first, static_cast<int>(sampler.wrap_u), static_cast<int>(sampler.wrap_v),
+                         static_cast<int>(sampler.magnify) * 2 + static_cast<int>(sampler.minify),
+                         static_cast<int>(sampler.mipmaps), srgb, drop_alpha);
+    auto [made, fresh] = textures_.try_emplace(key, scene::none);
+    if (fresh) {
+        const auto pixels = static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
+        if (pixels > pixels_left_) context_.fail(pointer, "the textures are far larger than the file has bytes for");
+        pixels_left_ -= pixels;
+        const Image& source = model_.images[texture.source];
+        std::string name = !texture.name.empty()  ? texture.name
+                           : !source.name.empty() ? source.name
+                                                  : fmt::format("image {}", texture.source);
+        made->second = static_cast<scene::TextureId>(out_.textures.size());
+        out_.textures.emplace_back(std::move(name), drop_alpha ? without_alpha(image) : image, srgb, sampler);
+    }
+    result.texture = made->second;
+    result.texcoord = static_cast<int>(info.texcoord);
+    result.offset = info.offset;
+    result.scale = info.scale;
+    result.rotation = info.rotation;
+    return result;
+}
+
+scene::MaterialId Materials::get(Index index)
+{
+    scene::MaterialId& id = index == k_absent ? default_ : made_[index];
+    if (id != scene::none) return id;
+    const Material fallback;
+    const Material& m = index == k_absent ? fallback : model_.materials[index];
+    const std::string here = at("/materials", index);
+    const std::string pbr = at(here, "pbrMetallicRoughness");
+
+    scene::Material out;
+    out.name = m.name;
+    out.model = m.unlit ? scene::ShadingModel::unlit : scene::ShadingModel::metallic_roughness;
+    out.base_color = {m.base_color[0], m.base_color[1], m.base_color[2]};
+    out.alpha = m.base_color[3];
+    out.double_sided = m.double_sided;
+    out.alpha_mode = m.alpha_mode == "MASK"    ? scene::AlphaMode::mask
+                     : m.alpha_mode == "BLEND" ? scene::AlphaMode::blend
+                                               : scene::AlphaMode::opaque;
+    out.alpha_cutoff = m.alpha_cutoff;
+    const bool has_alpha = out.alpha_mode != scene::AlphaMode::opaque;
+    out.base_color_texture = use(m.base_color_texture, true, has_alpha, at(pbr, "baseColorTexture"));
+    out.metallic = m.metallic;
+    out.roughness = m.roughness;
+    out.metallic_roughness_texture =
+        use(m.metallic_roughness_texture, false, false, at(pbr, "metallicRoughnessTexture"));
+    out.normal_texture = use(m.normal_texture, false, false, at(here, "normalTexture"));
+    out.normal_scale = m.normal_texture.factor;
+    out.occlusion_texture = use(m.occlusion_texture, false, false, at(here, "occlusionTexture"));
+    out.occlusion_strength = m.occlusion_texture.factor;
+    out.emissive = m.emissive_strength * glm::vec3(m.emissive[0], m.emissive[1], m.emissive[2]);
+    out.emissive_texture = use(m.emissive_texture, true, false, at(here, "emissiveTexture"));
+    out.transmission = m.transmission;
+    out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 stands for an old model of gloss [KHR_materials_ior]
+
+    id = static_cast<scene::MaterialId>(out_.materials.size());
+    out_.materials.push_back(std::move(out));
+    return id;
+}
+
+}   // namespace gnomon::io::gltf

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// A glTF document as plain structures: what the importer reads of it, defaults filled in. Indices lead somewhere (the
+// schema walk saw to that); nothing else is promised before check_model().
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "io/gltf/context.h"
+
+namespace gnomon::io::gltf {
+
+using Index = std::uint32_t;
+inline constexpr Index k_absent = 0xffffffffu;
+
+enum class Component : std::uint8_t { unknown, i8, u8, i16, u16, u32, f32 };
+enum class Shape : std::uint8_t { unknown, scalar, vec2, vec3, vec4, mat2, mat3, mat4 };
+
+struct Sparse {
+    std::uint64_t count = 0;
+    Index index_view = k_absent, value_view = k_absent;
+    std::uint64_t index_offset = 0, value_offset = 0;
+    Component index_type = Component::unknown;
+};
+
+struct Accessor {
+    Index view = k_absent;   // absent: zeros
+    std::uint64_t offset = 0, count = 0;
+    Component component = Component::unknown;
+    Shape shape = Shape::unknown;
+    bool normalized = false;
+    std::vector<double> min, max;
+    std::optional<Sparse> sparse;
+
+    std::uint64_t component_bytes() const;
+    /// Numbers an element has.
+    int components() const;
+    /// Bytes of an element: columns of matrices begin at multiples of four, what follows the last does not count.
+    std::uint64_t element_bytes() const;
+    /// Distance of tightly packed elements.
+    std::uint64_t packed_stride() const;
+    /// Where a component lies within an element.
+    std::uint64_t component_offset(int component) const;
+    bool known() const { return component != Component::unknown && shape != Shape::unknown; }
+    /// "VEC3 of float", for messages.
+    std::string format() const;
+};
+
+struct BufferView {
+    Index buffer = 0;
+    std::uint64_t offset = 0, length = 0, stride = 0;   // 0: tightly packed
+    int target = 0;
+    bool compressed = false;   // by EXT_meshopt_compression; its plain bytes may be missing
+};
+
+struct Buffer {
+    std::optional<std::string> uri;
+    std::uint64_t length = 0;
+};
+
+struct Image {
+    std::optional<std::string> uri;
+    Index view = k_absent;
+    std::string mime_type, name;
+    bool extended = false;   // what it is stands in an extension
+};
+
+struct Sampler {
+    int magnify = 0, minify = 0;   // 0: not said
+    int wrap_s = 10497, wrap_t = 10497;
+};
+
+struct Texture {
+    Index sampler = k_absent, source = k_absent;
+    std::string name;
+};
+
+struct TextureInfo {
+    Index texture = k_absent;
+    std::uint64_t texcoord = 0;
+    glm::vec2 offset{0}, scale{1};
+    float rotation = 0;
+    float factor = 1;   // normal scale, occlusion strength
+};
+
+struct Material {
+    std::string name;
+    std::array<float, 4> base_color{1, 1, 1, 1};
+    float metallic = 1, roughness = 1;
+    std::array<float, 3> emissive{0, 0, 0};
+    TextureInfo base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture;
+    std::string alpha_mode = "OPAQUE";
+    float alpha_cutoff = 0.5f;
+    bool double_sided = false;
+    bool unlit = false;
+    float emissive_strength = 1, ior = 1.5f, transmission = 0;
+};
+
+using Attributes = std::map<std::string, Index>;
+
+struct Primitive {
+    Attributes attributes;
+    Index indices = k_absent, material = k_absent;
+    int mode = 4;
+    std::vector<Attributes> targets;
+    bool draco = false;
+    bool has(const char* semantic) const { return attributes.contains(semantic); }
+    Index find(const std::string& semantic) const;
+};
+
+struct Mesh {
+    std::string name;
+    std::vector<Primitive> primitives;
+    std::optional<std::vector<float>> weights;
+};
+
+struct Node {
+    std::string name;
+    std::vector<Index> children;
+    Index mesh = k_absent, skin = k_absent, camera = k_absent, light = k_absent;
+    std::optional<std::array<double, 16>> matrix;
+    std::optional<std::array<double, 3>> translation, scale;
+    std::optional<std::array<double, 4>> rotation;   // x y z w
+    std::optional<std::vector<float>> weights;
+};
+
+struct Skin {
+    std::string name;
+    Index inverse_bind = k_absent, skeleton = k_absent;
+    std::vector<Index> joints;
+};
+
+enum class Path : std::uint8_t { translation, rotation, scale, weights, pointer, unknown };
+enum class Interpolation : std::uint8_t { linear, step, cubic_spline, unknown };
+
+struct Channel {
+    std::uint64_t sampler = 0;
+    Index node = k_absent;
+    Path path = Path::unknown;
+    std::string path_word;
+    bool has_pointer = false;
+};
+
+struct AnimationSampler {
+    Index input = 0, output = 0;
+    Interpolation interpolation = Interpolation::linear;
+};
+
+struct Animation {
+    std::string name;
+    std::vector<Channel> channels;
+    std::vector<AnimationSampler> samplers;
+};
+
+struct Camera {
+    std::string name, type;
+    bool has_perspective = false, has_orthographic = false;
+    std::optional<double> aspect, far;
+    double yfov = 0, near = 0, xmag = 0, ymag = 0;
+};
+
+struct Light {
+    std::string name, type;
+    std::array<float, 3> color{1, 1, 1};
+    float intensity = 1;
+    float range = 0;   // 0: unlimited
+    bool has_spot = false;
+    float inner = 0, outer = static_cast<float>(k_pi / 4);
+};
+
+struct SceneEntry {
+    std::string name;
+    std::vector<Index> nodes;
+};
+
+struct Model {
+    std::string version, min_version;
+    std::vector<std::string> extensions_used, extensions_required;
+    std::vector<Accessor> accessors;
+    std::vector<BufferView> views;
+    std::vector<Buffer> buffers;
+    std::vector<Image> images;
+    std::vector<Sampler> samplers;
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Mesh> meshes;
+    std::vector<Node> nodes;
+    std::vector<Skin> skins;
+    std::vector<Animation> animations;
+    std::vector<Camera> cameras;
+    std::vector<Light> lights;
+    std::vector<SceneEntry> scenes;
+    std::optional<Index> scene;
+};
+
+/// @param document  that has passed check_schema()
+Model read_model(const nlohmann::json& document);
+
+}   // namespace gnomon::io::gltf

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "gnomon/error.h"
+#include "io/file/read_file.h"
+#include "io/gltf/build.h"
+#include "io/gltf/text.h"
+#include "io/load.h"
+
+namespace gnomon::io {
+
+namespace gltf {
+
+namespace {
+
+glm::dmat4 local_matrix(const Node& node)
+{
+    if (!node.matrix) return rest_parts(node).matrix();
+    glm::dmat4 m;
+    auto value = node.matrix->begin();   // by columns
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) m[c][r] = *value++;
+    for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1 : 0;   // it is, but for rounding
+    return m;
+}
+
+scene::Camera make_camera(const Camera& source, scene::NodeId node, const std::string& node_name)
+{
+    scene::Camera camera;
+    camera.name = source.name.empty() ? node_name : source.name;
+    camera.node = node;
+    camera.near = source.near;
+    camera.far = source.far.value_or(0);
+    constexpr double widest = 3.1;   // a little less than pi
+    if (source.has_perspective)
+        camera.vertical_fov = std::min(source.yfov, widest);
+    else
+        camera.orthographic_height = 2 * std::abs(source.ymag);
+    return camera;
+}
+
+std::optional<scene::Light> make_light(const Light& source, scene::NodeId node, const std::string& node_name)
+{
+    scene::Light light;
+    if (source.type == "directional")
+        light.type = scene::LightType::directional;
+    else if (source.type == "point")
+        light.type = scene::LightType::point;
+    else if (source.type == "spot")
+        light.type = scene::LightType::spot;
+    else
+        return std::nullopt;
+    light.name = source.name.empty() ? node_name : source.name;
+    light.color = source.intensity * glm::vec3(source.color[0], source.color[1], source.color[2]);
+    light.inner_angle = source.inner;
+    light.outer_angle = source.outer;
+    light.range = light.type == scene::LightType::directional ? 0 : source.range;
+    light.node = node;
+    return light;
+}
+
+std::vector<Index> roots_of(const Model& model, const std::vector<Index>& parent)
+{
+    if (!model.scenes.empty()) return model.scenes[model.scene.value_or(0)].nodes;
+    std::vector<Index> roots;
+    for (Index i = 0; i < model.nodes.size(); ++i)
+        if (parent[i] == k_absent) roots.push_back(i);
+    return roots;
+}
+
+void build_skins(const Model& model, const Data& data, const std::vector<scene::NodeId>& ids,
+                 const std::vector<scene::SkinId>& skin_ids, scene::Scene& out, Context& context)
+{
+    for (std::size_t i = 0; i < model.skins.size(); ++i) {
+        if (skin_ids[i] == scene::none) continue;
+        const Skin& source = model.skins[i];
+        scene::Skin skin;
+        skin.name = source.name;
+        for (const Index joint : source.joints) skin.joints.push_back(ids[joint]);
+        skin.inverse_bind.assign(skin.joints.size(), glm::dmat4(1));
+        if (source.inverse_bind != k_absent) {
+            const Accessor& accessor = model.accessors[source.inverse_bind];
+            const std::string pointer = at(at("/skins", i), "inverseBindMatrices");
+            if (const std::string reason = data.unreachable(accessor); !reason.empty()) context.fail(pointer, reason);
+            if (data.has_bytes(accessor))
+                data.for_each(accessor, [&](std::uint64_t k, std::span<const double> m) {
+                    if (k >= skin.inverse_bind.size()) return;
+                    for (std::size_t e = 0; e < 16; ++e)
+                        skin.inverse_bind[k][static_cast<int>(e / 4)][static_cast<int>(e % 4)] = m[e];
+                });
+        }
+        out.skins[skin_ids[i]] = std::move(skin);
+    }
+}
+
+}   // namespace
+
+void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
+                 scene::Scene& out, Context& context)
+{
+    // Parents before children, in the file's order of siblings; without recursion, since a chain can be long.
+    std::vector<scene::NodeId> ids(model.nodes.size(), scene::none);
+    std::vector<scene::SkinId> skin_ids(model.skins.size(), scene::none);
+    std::vector<Index> stack = roots_of(model, parent);
+    std::reverse(stack.begin(), stack.end());
+    std::set<scene::MeshId> placed;
+    std::uint64_t repeated = 0;
+    while (!stack.empty()) {
+        const Index index = stack.back();
+        stack.pop_back();
+        const Node& source = model.nodes[index];
+        const Index above = parent[index];
+        const scene::NodeId id =
+            out.add_node(source.name, above == k_absent ? scene::none : ids[above], local_matrix(source));
+        ids[index] = id;
+        stack.insert(stack.end(), source.children.rbegin(), source.children.rend());
+
+        if (source.mesh != k_absent) {
+            const scene::MeshId mesh = meshes.get(source.mesh);
+            scene::Node& node = out.nodes[id];
+            node.mesh = mesh;
+            if (mesh != scene::none && !placed.insert(mesh).second)
+                repeated += std::max(out.meshes[mesh].triangles.size(), out.meshes[mesh].positions.size());
+            if (repeated > context.limits.repeated_triangles)
+                context.fail(at("/nodes", index), fmt::format("more than {} triangles or vertices in repeated meshes",
+                                                              context.limits.repeated_triangles));
+            if (source.weights && mesh != scene::none) node.morph_weights = *source.weights;
+            if (source.skin != k_absent && mesh != scene::none && out.meshes[mesh].skin) {
+                if (skin_ids[source.skin] == scene::none) {
+                    skin_ids[source.skin] = static_cast<scene::SkinId>(out.skins.size());
+                    out.skins.emplace_back();
+                }
+                node.skin = skin_ids[source.skin];
+            }
+        }
+        if (source.camera != k_absent &&
+            (model.cameras[source.camera].type == "perspective" || model.cameras[source.camera].type == "orthographic"))
+            out.cameras.push_back(make_camera(model.cameras[source.camera], id, source.name));
+        if (source.light != k_absent)
+            if (auto light = make_light(model.lights[source.light], id, source.name)) out.lights.push_back(*light);
+    }
+    build_skins(model, data, ids, skin_ids, out, context);
+    build_animations(model, data, ids, out, context);
+}
+
+}   // namespace gltf
+
+scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress)
+{
+    using namespace gltf;
+    const auto step = [&](double done) {
+        if (progress && !progress({"loading", done})) throw InterruptedError("interrupted");
+    };
+    step(0);
+    Context context(file.string());
+    const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    const Container container = open_container(text, extension == ".glb", context);
+
+    // The document goes as soon as all is read out of it.
+    Model model;
+    std::vector<TextureBinding> bindings;
+    {
+        const nlohmann::json document = parse_json(container, context);
+        bindings = check_schema(document, context);
+        model = read_model(document);
+    }
+    step(0.1);
+    check_extensions(model, context);
+    check_layout(model, context);
+    const std::vector<AccessorUse> uses = check_links(model, bindings, context);
+    const std::vector<Index> parent = check_nodes(model, context);
+    Data data(model, file, container.bin, container.binary, context);
+    step(0.2);
+    check_data(model, data, uses, context);
+    step(0.4);
+
+    scene::Scene scene;
+    scene.name = file.stem().string();
+    Materials materials(model, data, scene, context);
+    Meshes meshes(model, data, materials, scene, context);
+    build_scene(model, data, parent, meshes, scene, context);
+    materials.check_unused();
+    step(0.9);
+    scene.warnings = context.take_warnings();
+    scene.finish();
+    step(1);
+    return scene;
+}
+
+}   // namespace gnomon::io

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/gltf/schema.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace gnomon::io::gltf {
+
+namespace {
+
+using json = nlohmann::json;
+
+constexpr double k_exact_integers = 9007199254740992.0;   // 2^53: what a JSON number surely holds
+
+const char* type_name(const json& value)
+{
+    if (value.is_object()) return "an object";
+    if (value.is_array()) return "an array";
+    if (value.is_string()) return "a string";
+    if (value.is_boolean()) return "a boolean";
+    if (value.is_null()) return "null";
+    return "a number";
+}
+
+// A name or an index of the way down to a value; becomes text only when something is wrong.
+struct Step {
+    std::string_view name;
+    std::uint64_t index = 0;
+};
+
+class Walk {
+ public:
+    Walk(const json& document, Context& context) : document_(document), context_(context) {}
+
+    std::vector<TextureBinding> run()
+    {
+        if (!document_.is_object())
+            context_.fail("", fmt::format("expected an object, found {}", type_name(document_)));
+        if (const auto used = document_.find("extensionsUsed"); used != document_.end() && used->is_array())
+            for (const json& name : *used)
+                if (name.is_string()) used_.insert(name.get<std::string>());
+        check_object(document_, document_table());
+        return std::move(bindings_);
+    }
+
+ private:
+    std::string pointer() const
+    {
+        std::string result;
+        for (const Step& step : path_) result = step.name.data() ? at(result, step.name) : at(result, step.index);
+        return result;
+    }
+    [[noreturn]] void fail(const std::string& problem) const { context_.fail(pointer(), problem); }
+    [[noreturn]] void wrong_type(const json& value, const char* expected) const
+    {
+        fail(fmt::format("expected {}, found {}", expected, type_name(value)));
+    }
+
+    template <class Body>
+    void below(std::string_view name, Body body)
+    {
+        path_.push_back({name, 0});
+        body();
+        path_.pop_back();
+    }
+    template <class Body>
+    void below(std::uint64_t index, Body body)
+    {
+        path_.push_back({{}, index});
+        body();
+        path_.pop_back();
+    }
+
+    void check_object(const json& value, const Table& table)
+    {
+        if (!value.is_object()) wrong_type(value, "an object");
+        for (const Rule& rule : table.rules) {
+            const auto found = value.find(rule.name);
+            if (found == value.end()) {
+                if (rule.required) fail(fmt::format("'{}' is missing", rule.name));
+                continue;
+            }
+            below(rule.name, [&] {
+                if (rule.needs && !value.contains(rule.needs)) fail(fmt::format("needs '{}' beside it", rule.needs));
+                check_value(*found, rule);
+            });
+        }
+        check_names(value, table);
+        if (const auto extensions = value.find("extensions"); extensions != value.end())
+            below("extensions", [&] { check_extensions(*extensions, table); });
+        note_texture(value, table);
+    }
+
+    // Names that no table knows do no harm, but may be misspelt ones.
+    void check_names(const json& value, const Table& table)
+    {
+        for (auto item = value.begin(); item != value.end(); ++item) {
+            const std::string& name = item.key();
+            if (name == "extensions" || name == "extras") continue;
+            if (std::any_of(table.rules.begin(), table.rules.end(),
+                            [&](const Rule& rule) { return name == rule.name; }))
+                continue;
+            // The tables of some extensions are not whole.
+            const std::string_view owner = path_.size() > 1 ? path_[path_.size() - 2].name : std::string_view();
+            if (owner != "extensions") context_.warn(at(pointer(), name), "unknown property");
+        }
+    }
+
+    void check_extensions(const json& value, const Table& owner)
+    {
+        if (!value.is_object()) wrong_type(value, "an object");
+        const auto places = extension_places();
+        for (auto item = value.begin(); item != value.end(); ++item) {
+            below(item.key(), [&] {
+                if (!used_.contains(item.key())) fail("the extension is not declared in 'extensionsUsed'");
+                const auto names = [&](const ExtensionPlace& place) { return item.key() == place.extension; };
+                if (std::none_of(places.begin(), places.end(), names)) return;   // unknown to us
+                const auto place = std::find_if(places.begin(), places.end(),
+                                                [&](const ExtensionPlace& p) { return names(p) && p.owner == &owner; });
+                if (place == places.end()) fail(fmt::format("the extension has no place in a {}", owner.name));
+                check_object(item.value(), *place->inner);
+                if (item.key() == "KHR_materials_ior" && item->contains("ior")) {
+                    const double ior = item->at("ior").get<double>();
+                    if (ior != 0 && ior < 1)
+                        below("ior", [&] { fail(fmt::format("{} is neither 0 nor from 1 up", ior)); });
+                }
+            });
+        }
+    }
+
+    // Remembers which set of texture coordinates a material's texture needs.
+    void note_texture(const json& value, const Table& table)
+    {
+        if (path_.empty() || path_.front().name != "materials" || path_.size() < 2) return;
+        const bool is_texture = std::any_of(table.rules.begin(), table.rules.end(), [](const Rule& rule) {
+            return rule.kind == Kind::index && rule.target && std::strcmp(rule.target, "/textures") == 0;
+        });
+        if (!is_texture) return;
+        const json* set = value.contains("texCoord") ? &value["texCoord"] : nullptr;
+        std::string place = pointer();
+        if (const auto extensions = value.find("extensions"); extensions != value.end())
+            if (const auto moved = extensions->find("KHR_texture_transform");
+                moved != extensions->end() && moved->contains("texCoord"))
+                set = &(*moved)["texCoord"];
+        bindings_.push_back(
+            {std::move(place), path_[1].index, set ? static_cast<std::uint64_t>(set->get<double>()) : 0});
+    }
+
+    void check_value(const json& value, const Rule& rule)
+    {
+        switch (rule.kind) {
+            case Kind::boolean:
+                if (!value.is_boolean()) wrong_type(value, "a boolean");
+                break;
+            case Kind::integer:
+                check_integer(value, rule);
+                break;
+            case Kind::number:
+                check_number(value, rule);
+                break;
+            case Kind::string:
+                if (!value.is_string()) wrong_type(value, "a string");
+                break;
+            case Kind::version:
+                check_version(value);
+                break;
+            case Kind::code: {
+                check_integer(value, {.name = rule.name, .kind = Kind::integer, .low = 0});
+                if (std::find(rule.codes.begin(), rule.codes.end(), value.get<double>()) == rule.codes.end())
+                    context_.warn(pointer(), fmt::format("{} is none of the known values", value.get<double>()));
+                break;
+            }
+            case Kind::word: {
+                if (!value.is_string()) wrong_type(value, "a string");
+                const std::string& word = value.get_ref<const std::string&>();
+                if (std::find(rule.words.begin(), rule.words.end(), word) == rule.words.end())
+                    context_.warn(pointer(), fmt::format("'{}' is none of the known values", word.substr(0, 64)));
+                break;
+            }
+            case Kind::index:
+                check_index(value, rule);
+                break;
+            case Kind::object:
+                check_object(value, *rule.inner);
+                break;
+            case Kind::attributes:
+                check_attributes(value, rule);
+                break;
+            default:
+                check_array(value, rule);
+        }
+    }
+
+    void check_array(const json& value, const Rule& rule)
+    {
+        if (!value.is_array()) wrong_type(value, "an array");
+        if (value.empty()) fail("must not be empty");
+        if (rule.kind == Kind::objects && value.size() > context_.limits.elements)
+            fail(fmt::format("has {} elements, the limit is {}", value.size(), context_.limits.elements));
+        if (value.size() < rule.min_items || value.size() > rule.max_items) {
+            if (rule.min_items == rule.max_items)
+                fail(fmt::format("expected {} elements, found {}", rule.min_items, value.size()));
+            fail(fmt::format("expected {} to {} elements, found {}", rule.min_items, rule.max_items, value.size()));
+        }
+        std::unordered_set<std::uint64_t> seen;
+        std::unordered_set<std::string_view> seen_text;
+        for (std::size_t i = 0; i < value.size(); ++i) {
+            const json& element = value[i];
+            below(i, [&] {
+                switch (rule.kind) {
+                    case Kind::numbers:
+                        check_number(element, rule);
+                        break;
+                    case Kind::strings:
+                        if (!element.is_string()) wrong_type(element, "a string");
+                        if (!seen_text.insert(element.get_ref<const std::string&>()).second) fail("is there twice");
+                        break;
+                    case Kind::indices:
+                        check_index(element, rule);
+                        if (!seen.insert(static_cast<std::uint64_t>(element.get<double>())).second)
+                            fail("is there twice");
+                        break;
+                    case Kind::objects:
+                        check_object(element, *rule.inner);
+                        break;
+                    default:
+                        check_attributes(element, rule);
+                }
+            });
+        }
+    }
+
+    void check_attributes(const json& value, const Rule& rule)
+    {
+        if (!value.is_object()) wrong_type(value, "an object");
+        if (value.empty()) fail("must not be empty");
+        for (auto item = value.begin(); item != value.end(); ++item)
+            below(item.key(), [&] { check_index(item.value(), rule); });
+    }
+
+    void check_number(const json& value, const Rule& rule)
+    {
+        if (!value.is_number()) wrong_type(value, "a number");
+        const double number = value.get<double>();
+        if (!std::isfinite(number)) fail("is not finite");
+        if (number < rule.low || (rule.above_low && number == rule.low) || number > rule.high)
+            fail(fmt::format("{} is out of range", number));
+    }
+
+    void check_integer(const json& value, const Rule& rule)
+    {
+        if (!value.is_number()) wrong_type(value, "an integer");
+        const double number = value.get<double>();
+        if (number != std::floor(number)) fail(fmt::format("{} is not an integer", number));
+        if (number < rule.low || number > rule.high || number > k_exact_integers)
+            fail(fmt::format("{} is out of range", number));
+    }
+
+    void check_index(const json& value, const Rule& rule)
+    {
+        check_integer(value, {.name = rule.name, .kind = Kind::integer, .low = 0});
+        if (!rule.target) return;
+        const std::uint64_t size = size_of(rule.target);
+        const double number = value.get<double>();
+        if (number >= static_cast<double>(size))
+            fail(fmt::format("leads to {} of '{}', which has {}", number, rule.target, size));
+    }
+
+    void check_version(const json& value)
+    {
+        if (!value.is_string()) wrong_type(value, "a string");
+        const std::string& text = value.get_ref<const std::string&>();
+        const auto dot = text.find('.');
+        const auto digits = [](std::string_view part) {
+            return !part.empty() && part.size() < 6 &&
+                   std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
+        };
+        if (dot == std::string::npos || !digits(std::string_view(text).substr(0, dot)) ||
+            !digits(std::string_view(text).substr(dot + 1)))
+            fail(fmt::format("'{}' is no version of the form major.minor", text.substr(0, 64)));
+    }
+
+    std::uint64_t size_of(const char* target)
+    {
+        if (const auto known = sizes_.find(target); known != sizes_.end()) return known->second;
+        const json::json_pointer where{std::string(target)};
+        std::uint64_t size = 0;
+        try {
+            if (document_.contains(where) && document_.at(where).is_array()) size = document_.at(where).size();
+        } catch (const json::exception&) {
+            size = 0;   // something on the way is no object; reported where it stands
+        }
+        return sizes_[target] = size;
+    }
+
+    const json& document_;
+    Context& context_;
+    std::vector<Step> path_;
+    std::unordered_set<std::string> used_;
+    std::unordered_map<std::string, std::uint64_t> sizes_;
+    std::vector<TextureBinding> bindings_;
+};
+
+}   // namespace
+
+std::vector<TextureBinding> check_schema(const json& document, Context& context)
+{
+    return Walk(document, context).run();
+}
+
+}   // namespace gnomon::io::gltf

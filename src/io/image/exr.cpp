@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/image/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <new>
+
+#include "base/check.h"
+#include "gnomon/error.h"
+#include "io/file/atomic_file.h"
+#include "io/image/exr_header.h"
+
+namespace gnomon::io {
+
+namespace {
+constexpr int k_threads = 0;      // the library's: none beside ours
+constexpr int k_zip_lines = 16;   // of a chunk
+
+class MemoryOut : public Imf::OStream {
+ public:
+    MemoryOut() : Imf::OStream("picture") {}
+    void write(const char data[], int count) override
+    {
+        const auto size = static_cast<std::size_t>(count);
+        if (at_ + size > bytes.size()) bytes.resize(at_ + size);
+        std::memcpy(bytes.data() + at_, data, size);
+        at_ += size;
+    }
+    std::uint64_t tellp() override { return at_; }
+    void seekp(std::uint64_t position) override { at_ = static_cast<std::size_t>(position); }
+
+    std::vector<char> bytes;
+
+ private:
+    std::size_t at_ = 0;
+};
+
+class MemoryIn : public Imf::IStream {
+ public:
+    MemoryIn(std::span<const std::uint8_t> bytes, const std::string& name) : Imf::IStream(name.c_str()), bytes_(bytes)
+    {
+    }
+    bool read(char to[], int count) override
+    {
+        const auto size = static_cast<std::size_t>(std::max(count, 0));
+        if (size > bytes_.size() - at_) throw std::runtime_error("unexpected end of file");
+        std::memcpy(to, bytes_.data() + at_, size);
+        at_ += size;
+        return at_ < bytes_.size();
+    }
+    std::uint64_t tellg() override { return at_; }
+    void seekg(std::uint64_t position) override { at_ = std::min<std::uint64_t>(position, bytes_.size()); }
+
+ private:
+    std::span<const std::uint8_t> bytes_;
+    std::size_t at_ = 0;
+};
+
+struct ChannelName {
+    std::string layer, channel;
+};
+
+ChannelName split(const std::string& full)
+{
+    const std::size_t dot = full.rfind('.');
+    if (dot == std::string::npos) return {"", full};
+    return {full.substr(0, dot), full.substr(dot + 1)};
+}
+
+std::string join(const std::string& layer, const std::string& channel)
+{
+    return layer.empty() ? channel : layer + "." + channel;
+}
+
+// Files sort channels by name; people think R G B A, and L2 before L10.
+bool before(const std::string& a, const std::string& b)
+{
+    constexpr std::string_view colors = "RGBA";
+    const auto rank = [&](const std::string& s) { return s.size() == 1 ? colors.find(s[0]) : std::string::npos; };
+    if (rank(a) != rank(b)) return rank(a) < rank(b);
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+}
+
+std::vector<Layer> layers_of(const std::vector<std::string>& channels, const std::optional<std::string>& only)
+{
+    std::map<std::string, std::vector<std::string>> found;
+    for (const std::string& full : channels) {
+        const ChannelName name = split(full);
+        if (!only || name.layer == *only) found[name.layer].push_back(name.channel);
+    }
+    // No such layer: perhaps one channel is meant.
+    if (found.empty() && only && std::find(channels.begin(), channels.end(), *only) != channels.end()) {
+        const ChannelName name = split(*only);
+        found[name.layer].push_back(name.channel);
+    }
+    std::vector<Layer> layers;
+    for (auto& [layer, names] : found) {
+        std::sort(names.begin(), names.end(), before);
+        layers.push_back({layer, std::move(names), {}});
+    }
+    return layers;
+}
+}   // namespace
+
+std::size_t room_in_exr(Size size)
+{
+    // OpenEXR writes larger chunks, but does not read them; it counts all lines, be they there or not.
+    const std::size_t chunk = sizeof(float) * k_zip_lines * static_cast<std::size_t>(size.width);
+    return std::min<std::size_t>(k_max_exr_channels, std::numeric_limits<std::int32_t>::max() / chunk);
+}
+
+void write_exr(const std::filesystem::path& file, Size size, std::span<const Layer> layers)
+{
+    GNOMON_CHECK(size.width > 0 && size.height > 0 && !layers.empty());
+    std::size_t channels = 0;
+    for (const Layer& layer : layers) channels += layer.channels.size();
+    if (channels > room_in_exr(size))
+        throw UsageError(fmt::format("{}: {} channels; an .exr of {} x {} pixels has room for {}", file.string(),
+                                     channels, size.width, size.height, room_in_exr(size)));
+    AtomicFile out(file);
+    MemoryOut memory;
+    try {
+        Imf::Header header(size.width, size.height);
+        header.compression() = Imf::ZIP_COMPRESSION;
+        Imf::FrameBuffer frame;
+        for (const Layer& layer : layers) {
+            const std::size_t count = layer.channels.size();
+            GNOMON_CHECK_EQ(layer.data.size(), count * static_cast<std::size_t>(size.width) * size.height);
+            for (std::size_t c = 0; c < count; ++c) {
+                const std::string name = join(layer.name, layer.channels[c]);
+                header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+                // The library asks for writable memory and does not write.
+                char* base = const_cast<char*>(reinterpret_cast<const char*>(layer.data.data() + c));
+                const std::size_t step = count * sizeof(float);
+                frame.insert(name, Imf::Slice(Imf::FLOAT, base, step, step * static_cast<std::size_t>(size.width)));
+            }
+        }
+        Imf::OutputFile exr(memory, header, k_threads);
+        exr.setFrameBuffer(frame);
+        exr.writePixels(size.height);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        throw MissingError(fmt::format("cannot write {}: {}", file.string(), e.what()));
+    }
+    out.write(memory.bytes.data(), memory.bytes.size());
+    out.commit();
+}
+
+ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
+                      const std::optional<std::string>& only, const FloatImageLimits& limits)
+{
+    const ExrHeader header = check_exr(bytes, name, limits);
+    ExrPicture picture{header.size, layers_of(header.channels, only)};
+    const std::size_t pixels =
+        static_cast<std::size_t>(header.size.width) * static_cast<std::size_t>(header.size.height);
+
+    // Take memory for the layers that are wanted.
+    std::size_t values = 0;
+    for (const Layer& layer : picture.layers) values += layer.channels.size() * pixels;
+    if (values > limits.max_values) throw InputError(name, "", fmt::format("{} values are more than allowed", values));
+    if (picture.layers.empty()) return picture;
+    Imf::FrameBuffer frame;
+    for (Layer& layer : picture.layers) {
+        const std::size_t count = layer.channels.size();
+        layer.data.assign(count * pixels, 0.0f);
+        for (std::size_t c = 0; c < count; ++c) {
+            const std::size_t step = count * sizeof(float);
+            frame.insert(
+                join(layer.name, layer.channels[c]),
+                Imf::Slice::Make(Imf::FLOAT, layer.data.data() + c, {header.x, header.y}, header.size.width,
+                                 header.size.height, step, step * static_cast<std::size_t>(header.size.width)));
+        }
+    }
+
+    // Decode. The library throws exceptions of its own kind.
+    try {
+        MemoryIn memory(bytes, name);
+        Imf::InputFile exr(memory, k_threads);
+        if (!exr.isComplete()) throw std::runtime_error("the file is not complete");
+        exr.setFrameBuffer(frame);
+        exr.readPixels(header.y, header.y + header.size.height - 1);
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        std::string what = e.what();
+        if (what.find("bad_alloc") != std::string::npos)
+            throw std::bad_alloc();   // OpenEXR wraps it in an error of its own
+        std::replace(what.begin(), what.end(), '\n', ' ');
+        throw InputError(name, "", "OpenEXR: " + what);
+    }
+    return picture;
+}
+
+bool is_whole_exr(const std::filesystem::path& file, Size size)
+{
+    // Of a size that we write ourselves, be it more than is read from anywhere.
+    FloatImageLimits own;
+    own.max_side = std::max(size.width, size.height);
+    own.max_pixels = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+    own.max_file_bytes = std::numeric_limits<std::uint64_t>::max();
+    try {
+        return check_exr(read_picture_bytes(file, own), file.string(), own).size == size;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+std::vector<std::string> exr_layer_names(std::span<const std::uint8_t> bytes, const std::string& name)
+{
+    std::vector<std::string> names;
+    for (const Layer& layer : layers_of(check_exr(bytes, name, {}).channels, {})) names.push_back(layer.name);
+    return names;
+}
+
+}   // namespace gnomon::io

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/obj/data.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <unordered_map>
+
+#include "gnomon/error.h"
+
+namespace gnomon::io {
+
+namespace {
+
+constexpr std::size_t k_most_unknown_keywords = 10;      // named in warnings; a binary file has thousands
+constexpr std::uint32_t k_statements_a_step = 1 << 16;   // between two looks at the progress callback
+
+class Parser {
+ public:
+    Parser(ObjText& text, std::vector<std::string>& warnings) : text_(text), warnings_(warnings)
+    {
+        data_.materials.emplace_back();
+        material_ids_.emplace("", 0);
+    }
+
+    ObjData run(const Progress& progress)
+    {
+        std::uint32_t statements = 0;
+        for (std::string_view keyword = text_.next_statement(); !keyword.empty(); keyword = text_.next_statement()) {
+            statement(keyword);
+            if (++statements % k_statements_a_step == 0 && progress && !progress({"loading", 0.8 * text_.done()}))
+                throw InterruptedError("interrupted");
+        }
+        finish();
+        return std::move(data_);
+    }
+
+ private:
+    void statement(std::string_view keyword)
+    {
+        if (keyword == "v") return position();
+        if (keyword == "vt") return texcoord();
+        if (keyword == "vn") {
+            const float x = text_.number("a number"), y = text_.number("a number"), z = text_.number("a number");
+            data_.normals.emplace_back(x, y, z);
+            return known();
+        }
+        if (keyword == "f" || keyword == "fo") return face();
+        if (keyword == "usemtl") {
+            const auto [at, added] = material_ids_.try_emplace(text_.rest(), data_.materials.size());
+            if (added) data_.materials.push_back(at->first);
+            material_ = static_cast<std::uint32_t>(at->second);
+            return known();
+        }
+        if (keyword == "mtllib") {
+            data_.libraries.push_back(text_.rest());
+            return known();
+        }
+        if (keyword == "o") return object_ = text_.rest(), group_.clear(), current_ = k_no_index, known();
+        if (keyword == "g") return group_ = text_.rest(), current_ = k_no_index, known();
+        if (keyword == "s") return smoothing();
+        if (keyword == "l" || keyword == "p") {
+            warn_once("lines and points are not drawn");
+            return known();
+        }
+        unknown(keyword);
+    }
+
+    void position()
+    {
+        float p[3];
+        for (float& x : p) {
+            x = text_.number("a coordinate");
+            if (std::abs(x) > k_largest_coordinate) text_.fail("coordinate is out of range");
+        }
+        data_.positions.emplace_back(p[0], p[1], p[2]);
+        // A weight (for curves), a colour, or both.
+        int more = 0;
+        while (!text_.at_end()) text_.number("a number"), ++more;
+        if (more >= 3) warn_once("vertex colours are ignored");
+        known();
+    }
+
+    void texcoord()
+    {
+        glm::vec2 t(0);
+        t.x = text_.number("a texture coordinate");
+        if (!text_.at_end()) t.y = text_.number("a texture coordinate");
+        if (!text_.at_end()) text_.number("a texture coordinate");
+        data_.texcoords.push_back(t);
+        known();
+    }
+
+    void smoothing()
+    {
+        const std::string_view word = text_.word();
+        std::size_t at = 0;
+        std::int64_t group = 0;
+        if (word == "on")
+            group = 1;
+        else if (word != "off" && !word.empty() &&
+                 (!ObjText::integer(word, at, group) || at != word.size() || group < 0 || group >= ObjFace::k_unset))
+            text_.fail(fmt::format("expected a smoothing group, found '{}'", shown(word)));
+        smoothing_ = static_cast<std::uint32_t>(group);
+        known();
+    }
+
+    void face()
+    {
+        const std::size_t first = data_.corners.size();
+        while (!text_.at_end()) data_.corners.push_back(corner(text_.word()));
+        const std::size_t count = data_.corners.size() - first;
+        known();
+        if (count < 3) {
+            data_.corners.resize(first);
+            return warn_once("faces with fewer than three corners are left out");
+        }
+        if (data_.corners.size() >= k_no_index) text_.fail("too many corners");
+        data_.faces.push_back(
+            {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count), object(), material_, smoothing_});
+    }
+
+    // position[/[texcoord][/normal]]
+    ObjCorner corner(std::string_view word)
+    {
+        ObjCorner result;
+        std::size_t at = 0;
+        result.position = index(word, at, data_.positions.size(), ahead_[0], "vertex");
+        if (at < word.size() && word[at] == '/') {
+            ++at;
+            if (at < word.size() && word[at] != '/')
+                result.texcoord = index(word, at, data_.texcoords.size(), ahead_[1], "texture coordinate");
+            if (at < word.size() && word[at] == '/') {
+                ++at;
+                if (at < word.size()) result.normal = index(word, at, data_.normals.size(), ahead_[2], "normal");
+            }
+        }
+        if (at != word.size()) text_.fail(fmt::format("expected a face corner, found '{}'", shown(word)));
+        return result;
+    }
+
+    // An index that points ahead in the file: right if the file brings that many in the end.
+    struct Ahead {
+        std::int64_t largest = -1;
+        std::string place;
+    };
+
+    std::uint32_t index(std::string_view word, std::size_t& at, std::size_t have, Ahead& ahead, const char* what)
+    {
+        std::int64_t value = 0;
+        if (!ObjText::integer(word, at, value))
+            text_.fail(fmt::format("expected a face corner, found '{}'", shown(word)));
+        const auto count = static_cast<std::int64_t>(have);
+        // Negative: from the last one backwards.
+        if (value < 0 ? value < -count : value == 0 || value >= k_no_index)
+            text_.fail(fmt::format("{} {} is out of range: there are {}", what, value, count));
+        if (value < 0) return static_cast<std::uint32_t>(count + value);
+        if (value > count && value - 1 > ahead.largest) ahead = {value - 1, text_.place()};
+        return static_cast<std::uint32_t>(value - 1);
+    }
+
+    std::uint32_t object()
+    {
+        if (current_ != k_no_index) return current_;
+        // Faces of one name are one object, wherever they stand.
+        std::string name = object_;
+        if (!group_.empty()) name += (name.empty() ? "" : "/") + group_;
+        const auto [at, added] = object_ids_.try_emplace(name, data_.objects.size());
+        if (added) data_.objects.push_back(name);
+        return current_ = static_cast<std::uint32_t>(at->second);
+    }
+
+    void finish()
+    {
+        if (!any_known_) throw InputError(text_.file(), "", "holds no OBJ statement");
+        const std::size_t have[3] = {data_.positions.size(), data_.texcoords.size(), data_.normals.size()};
+        const char* const what[3] = {"vertex", "texture coordinate", "normal"};
+        // Normals can be computed: a file that left out all of them, but not their indices, is whole without.
+        if (data_.normals.empty() && ahead_[2].largest >= 0) {
+            warnings_.emplace_back("faces name normals, but there are none: computed instead");
+            for (ObjCorner& corner : data_.corners) corner.normal = k_no_index;
+            ahead_[2].largest = -1;
+        }
+        for (int i = 0; i < 3; ++i) {
+            if (ahead_[i].largest >= static_cast<std::int64_t>(have[i]))
+                throw InputError(
+                    text_.file(), ahead_[i].place,
+                    fmt::format("{} {} is out of range: there are {}", what[i], ahead_[i].largest + 1, have[i]));
+        }
+        if (unknown_.size() > k_most_unknown_keywords)
+            warnings_.emplace_back("further unknown keywords are ignored, too");
+    }
+
+    void known() { any_known_ = true; }
+    void unknown(std::string_view keyword)
+    {
+        if (unknown_.size() > k_most_unknown_keywords) return;
+        if (!unknown_.emplace(keyword).second || unknown_.size() > k_most_unknown_keywords) return;
+        warnings_.push_back(
+            fmt::format("line {}: keyword '{}' is not supported and ignored", text_.line(), shown(keyword)));
+    }
+    void warn_once(const char* what)
+    {
+        if (said_.insert(what).second) warnings_.push_back(fmt::format("line {}: {}", text_.line(), what));
+    }
+
+    ObjText& text_;
+    std::vector<std::string>& warnings_;
+    ObjData data_;
+    std::unordered_map<std::string, std::size_t> material_ids_, object_ids_;
+    std::string object_, group_;
+    std::uint32_t current_ = k_no_index;   // the object of the next face, if it has one already
+    std::uint32_t material_ = 0;
+    std::uint32_t smoothing_ = ObjFace::k_unset;
+    Ahead ahead_[3];
+    std::set<std::string, std::less<>> unknown_;
+    std::set<std::string_view> said_;
+    bool any_known_ = false;
+};
+
+}   // namespace
+
+ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings, const Progress& progress)
+{
+    return Parser(text, warnings).run(progress);
+}
+
+}   // namespace gnomon::io

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What an OBJ file says, statement by statement [Wavefront, Advanced Visualizer, appendix B1, polygonal part]: checked,
+// but not yet triangles. Memory is bounded by the size of the text: every element costs at least two bytes of it.
+
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "gnomon/types.h"
+#include "io/obj/text.h"
+
+namespace gnomon::io {
+
+inline constexpr std::uint32_t k_no_index = 0xffffffffu;
+
+/// Indices from 0 into the file's positions, texture coordinates and normals.
+struct ObjCorner {
+    std::uint32_t position = k_no_index, texcoord = k_no_index, normal = k_no_index;
+};
+
+struct ObjFace {
+    std::uint32_t first_corner = 0;
+    std::uint32_t corner_count = 0;   // 3 or more
+    std::uint32_t object = 0;
+    std::uint32_t material = 0;
+    std::uint32_t smoothing = 0;   // group; 0: off; k_unset: the file says nothing
+    static constexpr std::uint32_t k_unset = 0xffffffffu;
+};
+
+struct ObjData {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec2> texcoords;   // as the file has them: v = 0 is the bottom row
+    std::vector<glm::vec3> normals;     // as the file has them: any length, also zero
+    std::vector<ObjCorner> corners;
+    std::vector<ObjFace> faces;
+    std::vector<std::string> objects;     // names; faces refer to them
+    std::vector<std::string> materials;   // names as `usemtl` has them; the first is empty: none set
+    std::vector<std::string> libraries;   // `mtllib`, the whole line's names
+};
+
+/// Positions beyond this are refused: the square of a triangle's area must fit a float.
+inline constexpr float k_largest_coordinate = 1e9f;
+
+/// @param warnings  one for each kind of thing that was passed over
+/// @throws InputError, InterruptedError
+ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings, const Progress& progress);
+
+}   // namespace gnomon::io

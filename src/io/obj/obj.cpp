@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// OBJ scenes: text, materials, meshes, textures, in that order; see the headers of each.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "gnomon/error.h"
+#include "io/file/scene_folder.h"
+#include "io/load.h"
+#include "io/obj/data.h"
+#include "io/obj/mesh.h"
+#include "io/obj/mtl.h"
+#include "io/obj/textures.h"
+
+namespace gnomon::io {
+
+namespace {
+
+constexpr std::uint64_t k_largest_obj = 4ull << 30;
+constexpr std::uint64_t k_largest_mtl = 64ull << 20;
+constexpr std::size_t k_most_libraries = 256;   // files
+constexpr glm::vec3 k_default_grey{0.6f};       // of faces without a material
+
+std::string_view text_of(const std::vector<std::uint8_t>& bytes)
+{
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Names of libraries on one line that are not known: the whole line if there is such a file (names may hold blanks),
+// else its words, as far as they are read.
+std::vector<std::string> library_names(const std::string& line, const SceneFolder& folder,
+                                       std::unordered_set<std::string>& known)
+{
+    if (known.contains(line)) return {};
+    std::string problem;
+    std::vector<std::string> names;
+    if (folder.find(line, problem)) {
+        known.insert(line);
+        return {line};
+    }
+    for (std::size_t at = 0; at < line.size() && known.size() <= k_most_libraries;) {
+        const std::size_t begin = line.find_first_not_of(" \t", at);
+        if (begin == std::string::npos) break;
+        at = std::min(line.find_first_of(" \t", begin), line.size());
+        std::string name = line.substr(begin, at - begin);
+        if (known.insert(name).second) names.push_back(std::move(name));
+    }
+    return names;
+}
+
+std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& folder,
+                                        std::vector<std::string>& warnings)
+{
+    std::vector<MtlMaterial> materials;
+    std::unordered_set<std::string> known;
+    std::set<std::filesystem::path> read;   // one file has many names: "a", "./a"
+    std::size_t count = 0;
+    for (const std::string& line : data.libraries) {
+        for (const std::string& name : library_names(line, folder, known)) {
+            if (++count > k_most_libraries) {
+                warnings.emplace_back("too many material files: the rest is left out");
+                return materials;
+            }
+            std::string problem;
+            const auto path = folder.find(name, problem);
+            if (!path) {
+                warnings.push_back(fmt::format("material file '{}' is left out: {}", shown(name), problem));
+                continue;
+            }
+            if (!read.insert(*path).second) continue;
+            const auto bytes = read_whole_file(*path, name, k_largest_mtl);
+            ObjText text(name, text_of(bytes));
+            for (MtlMaterial& material : parse_mtl(text, warnings)) materials.push_back(std::move(material));
+        }
+    }
+    return materials;
+}
+
+}   // namespace
+
+scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress)
+{
+    if (progress && !progress({"loading", 0.0})) throw InterruptedError("interrupted");
+    scene::Scene scene;
+    scene.name = file.stem().string();
+    const SceneFolder folder(file);
+
+    ObjData data;
+    {
+        const auto bytes = read_whole_file(file, file.string(), k_largest_obj);
+        ObjText text(file.string(), text_of(bytes));
+        data = parse_obj(text, scene.warnings, progress);
+    }
+
+    // Give every name that is used its material; of two with one name the first counts.
+    const std::vector<MtlMaterial> library = read_libraries(data, folder, scene.warnings);
+    std::unordered_map<std::string, std::size_t> by_name;
+    for (std::size_t i = 0; i < library.size(); ++i) by_name.try_emplace(library[i].name, i);
+    std::vector<char> used(data.materials.size(), 0);
+    for (const ObjFace& face : data.faces) used[face.material] = 1;
+    std::vector<scene::MaterialId> material_of(data.materials.size(), scene::none);
+    std::vector<MtlMaterial> mtl;   // of scene.materials
+    scene::MaterialId grey = scene::none;
+    std::size_t missing = 0;
+    std::string first_missing;
+    for (std::size_t m = 0; m < data.materials.size(); ++m) {
+        if (!used[m]) continue;
+        const auto found = by_name.find(data.materials[m]);
+        if (found != by_name.end() && !data.materials[m].empty()) {
+            material_of[m] = static_cast<scene::MaterialId>(scene.materials.size());
+            mtl.push_back(library[found->second]);
+            scene.materials.push_back(material_from_mtl(mtl.back(), scene.warnings));
+            continue;
+        }
+        if (!data.materials[m].empty() && ++missing == 1) first_missing = data.materials[m];
+        if (grey == scene::none) {
+            grey = static_cast<scene::MaterialId>(scene.materials.size());
+            MtlMaterial plain;
+            plain.diffuse = k_default_grey;
+            plain.name = "default";
+            mtl.push_back(plain);
+            scene.materials.push_back(material_from_mtl(plain, scene.warnings));
+        }
+        material_of[m] = grey;
+    }
+    if (missing > 0)
+        scene.warnings.push_back(missing == 1
+                                     ? fmt::format("material '{}' is not defined: grey instead", shown(first_missing))
+                                     : fmt::format("material '{}' and {} more are not defined: grey instead",
+                                                   shown(first_missing), missing - 1));
+
+    add_obj_meshes(scene, data, material_of, {}, progress);
+    data = {};
+    add_obj_textures(scene, mtl, folder, progress);
+    scene.finish();
+    return scene;
+}
+
+}   // namespace gnomon::io

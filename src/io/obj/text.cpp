@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/obj/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "gnomon/error.h"
+
+namespace gnomon::io {
+
+namespace {
+
+enum class Parsed : std::uint8_t { number, malformed, too_large };
+
+Parsed parse(std::string_view word, float& value)
+{
+    if (word.starts_with('+')) {
+        word.remove_prefix(1);
+        if (word.starts_with('-')) return Parsed::malformed;
+    }
+    double wide = 0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), wide);
+    if (error == std::errc::invalid_argument || stop != word.data() + word.size()) return Parsed::malformed;
+    if (error == std::errc::result_out_of_range) {
+        // Too small for a double is zero; too large is an error. A large one has no negative exponent.
+        const std::size_t exponent = word.find_first_of("eE");
+        const bool tiny = exponent != std::string_view::npos && word.substr(exponent + 1).starts_with('-');
+        if (!tiny) return Parsed::too_large;
+        wide = 0;
+    }
+    if (!std::isfinite(wide)) return Parsed::malformed;
+    if (std::abs(wide) > static_cast<double>(std::numeric_limits<float>::max())) return Parsed::too_large;
+    value = static_cast<float>(wide);
+    return Parsed::number;
+}
+
+}   // namespace
+
+std::string shown(std::string_view text)
+{
+    constexpr std::size_t longest = 60;
+    std::string result(text.substr(0, longest));
+    for (char& c : result)
+        if (c < ' ' || c > '~') c = '?';
+    if (text.size() > longest) result += "...";
+    return result;
+}
+
+ObjText::ObjText(std::string file, std::string_view text)
+    : file_(std::move(file)), begin_(text.data()), end_(text.data() + text.size()), at_(begin_), line_begin_(begin_)
+{
+    if (text.starts_with("\xef\xbb\xbf")) at_ = line_begin_ = begin_ + 3;   // a byte order mark
+    if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
+        throw InputError(file_, fmt::format("byte {}", zero), "holds a zero byte: not a text file");
+}
+
+std::size_t ObjText::continuation(const char* p) const
+{
+    if (p == end_ || *p != '\\') return 0;
+    if (end_ - p >= 2 && p[1] == '\n') return 2;
+    if (end_ - p >= 3 && p[1] == '\r' && p[2] == '\n') return 3;
+    return 0;
+}
+
+bool ObjText::ends_line(const char* p) const
+{
+    return p == end_ || *p == '\n';
+}
+
+void ObjText::skip_blanks()
+{
+    while (at_ != end_) {
+        if (is_blank(*at_)) {
+            ++at_;
+        } else if (const std::size_t length = continuation(at_)) {
+            at_ += length;
+            ++line_;
+            line_begin_ = at_;
+        } else {
+            return;
+        }
+    }
+}
+
+std::string_view ObjText::next_statement()
+{
+    // Leave the statement, over the lines that it continues on.
+    while (inside_ && !ends_line(at_)) {
+        const std::size_t length = continuation(at_);
+        at_ += std::max<std::size_t>(length, 1);
+        if (length) ++line_, line_begin_ = at_;
+    }
+    inside_ = true;
+
+    // Pass empty lines and comments; a comment does not continue.
+    while (true) {
+        skip_blanks();
+        if (at_ == end_) return {};
+        if (*at_ == '\n') {
+            ++at_, ++line_;
+            line_begin_ = at_;
+            continue;
+        }
+        if (*at_ != '#') return word();
+        while (!ends_line(at_)) ++at_;
+    }
+}
+
+std::string_view ObjText::word()
+{
+    skip_blanks();
+    word_line_ = line_;
+    word_column_ = static_cast<std::size_t>(at_ - line_begin_) + 1;
+    const char* const start = at_;
+    while (!ends_line(at_) && !is_blank(*at_) && !continuation(at_)) ++at_;
+    return {start, static_cast<std::size_t>(at_ - start)};
+}
+
+bool ObjText::at_end()
+{
+    skip_blanks();
+    return ends_line(at_) || *at_ == '#';
+}
+
+std::string ObjText::rest()
+{
+    std::string result;
+    for (std::string_view first = word(); !first.empty();) {
+        result += first;
+        // Blanks inside a name are part of it.
+        const char* const blank = at_;
+        skip_blanks();
+        if (ends_line(at_)) break;
+        const std::string_view between(blank, static_cast<std::size_t>(at_ - blank));
+        result += between.find('\n') == std::string_view::npos ? between : std::string_view(" ");
+        const char* const start = at_;
+        while (!ends_line(at_) && !is_blank(*at_) && !continuation(at_)) ++at_;
+        first = {start, static_cast<std::size_t>(at_ - start)};
+    }
+    return result;
+}
+
+float ObjText::number(const char* what)
+{
+    const std::string_view text = word();
+    if (text.empty()) fail(fmt::format("{} is missing", what));
+    float value = 0;
+    switch (parse(text, value)) {
+        case Parsed::malformed:
+            fail(fmt::format("expected {}, found '{}'", what, shown(text)));
+        case Parsed::too_large:
+            fail(fmt::format("{} is out of range: '{}'", what, shown(text)));
+        case Parsed::number:
+            break;
+    }
+    return value;
+}
+
+bool ObjText::try_number(float& value)
+{
+    const ObjText before = *this;
+    const std::string_view text = word();
+    if (!text.empty() && parse(text, value) == Parsed::number) return true;
+    *this = before;
+    return false;
+}
+
+bool ObjText::integer(std::string_view word, std::size_t& at, std::int64_t& value)
+{
+    const char* const first = word.data() + at;
+    const auto [stop, error] = std::from_chars(first, word.data() + word.size(), value);
+    if (error == std::errc::invalid_argument) return false;
+    if (error == std::errc::result_out_of_range)
+        value = *first == '-' ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
+    at = static_cast<std::size_t>(stop - word.data());
+    return true;
+}
+
+std::string ObjText::place() const
+{
+    return fmt::format("{}:{}", word_line_, word_column_);
+}
+
+double ObjText::done() const
+{
+    return end_ == begin_ ? 1.0 : static_cast<double>(at_ - begin_) / static_cast<double>(end_ - begin_);
+}
+
+void ObjText::fail(const std::string& what) const
+{
+    throw InputError(file_, place(), what);
+}
+
+}   // namespace gnomon::io

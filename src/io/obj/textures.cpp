@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/obj/textures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <unordered_set>
+
+#include "base/tasks.h"
+#include "gnomon/error.h"
+#include "io/image/image_file.h"
+
+namespace gnomon::io {
+
+namespace {
+
+constexpr std::uint64_t k_largest_image_file = 1ull << 30;
+// One file can be made into many textures, by other options of its map or with other masks: texels beyond its own.
+constexpr std::uint64_t k_most_repeated_texels = 1ull << 26;
+constexpr std::size_t k_batch = 8;         // textures that are made before they are counted
+constexpr float k_texels_per_height = 4;   // a height of 1 (white) rises so far above black, in texels, for -bm 1
+constexpr int k_grey_tolerance = 12;       // of 255: channels of a JPEG's grey differ by rounding
+
+enum class Role : std::uint8_t { color, masked_color, bump, normal, roughness_metallic };
+
+// One texture to make, of one or two files.
+struct Job {
+    Role role = Role::color;
+    MtlMap first, second;   // colour and mask; roughness and metallic
+    auto key() const
+    {
+        return std::tuple(role, first.file, second.file, first.clamp, second.channel, first.bump, second.range.x,
+                          second.range.y);
+    }
+};
+
+struct Made {
+    std::optional<scene::Texture> texture;
+    std::vector<std::pair<std::filesystem::path, std::uint64_t>> files;   // and their pixels
+    std::vector<std::string> warnings;
+};
+
+std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, Made& made)
+{
+    if (!map.used()) return std::nullopt;
+    std::string problem;
+    if (const auto path = folder.find(map.file, problem)) {
+        try {
+            Image8 image = decode_image(read_whole_file(*path, map.file, k_largest_image_file), map.file);
+            made.files.emplace_back(*path, std::uint64_t{1} * image.width * image.height);
+            return image;
+        } catch (const InputError& error) {
+            problem = error.problem();
+        }
+    }
+    made.warnings.push_back(fmt::format("texture '{}' is left out: {}", shown(map.file), problem));
+    return std::nullopt;
+}
+
+// A channel of the pixel that stands where (x, y) of a picture of another size is.
+const std::uint8_t* nearest(const Image8& image, int x, int y, const Image8& like)
+{
+    return image.pixel(static_cast<int>(static_cast<std::int64_t>(x) * image.width / like.width),
+                       static_cast<int>(static_cast<std::int64_t>(y) * image.height / like.height));
+}
+
+// Opacity, 0 to 255: the channel that -imfchan names, else alpha if the picture has some, else its brightness.
+std::uint8_t opacity(const std::uint8_t* p, int channels, const MtlMap& map)
+{
+    const bool has_alpha = channels == 2 || channels == 4;
+    float value = p[0];
+    if (channels >= 3) {
+        if (map.channel == 'g')
+            value = p[1];
+        else if (map.channel == 'b')
+            value = p[2];
+        else if (map.channel != 'r')
+            value = (p[0] + p[1] + p[2]) / 3.0f;
+    }
+    if (has_alpha && (map.channel == 0 || map.channel == 'm')) value = p[channels - 1];
+    value = 255 * map.range.x + map.range.y * value;
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+}
+
+Image8 with_mask(const std::optional<Image8>& color, const Image8& mask, const MtlMap& map)
+{
+    // The larger of both decides the size.
+    const bool mask_larger = !color || static_cast<std::int64_t>(mask.width) * mask.height >
+                                           static_cast<std::int64_t>(color->width) * color->height;
+    const Image8& like = mask_larger ? mask : *color;
+    Image8 result(like.width, like.height, 4);
+    for (int y = 0; y < result.height; ++y) {
+        for (int x = 0; x < result.width; ++x) {
+            std::uint8_t* const out = result.pixel(x, y);
+            out[0] = out[1] = out[2] = 255;
+            if (color) {
+                const std::uint8_t* const p = nearest(*color, x, y, result);
+                const bool grey = color->channels < 3;
+                for (int c = 0; c < 3; ++c) out[c] = p[grey ? 0 : c];
+            }
+            out[3] = opacity(nearest(mask, x, y, result), mask.channels, map);
+        }
+    }
+    return result;
+}
+
+Image8 without_alpha(const Image8& image)
+{
+    if (image.channels == 1 || image.channels == 3) return image;
+    Image8 result(image.width, image.height, image.channels - 1);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) std::copy_n(image.pixel(x, y), result.channels, result.pixel(x, y));
+    return result;
+}
+
+bool is_grey(const Image8& image)
+{
+    if (image.channels < 3) return true;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const std::uint8_t* const p = image.pixel(x, y);
+            const auto [low, high] = std::minmax({p[0], p[1], p[2]});
+            if (high - low > k_grey_tolerance) return false;
+        }
+    }
+    return true;
+}
+
+// The normals of a height field: x to the right, y up the picture, z out of it.
+Image8 normals_from_heights(const Image8& heights, float bump)
+{
+    const int w = heights.width, h = heights.height;
+    const auto height = [&](int x, int y) { return heights.pixel((x + w) % w, (y + h) % h)[0] / 255.0f; };
+    Image8 result(w, h, 3);
+    for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+            const float scale = 0.5f * bump * k_texels_per_height;
+            const glm::vec3 n = glm::normalize(glm::vec3(scale * (height(x - 1, y) - height(x + 1, y)),
+                                                         scale * (height(x, y + 1) - height(x, y - 1)), 1.0f));
+            for (int c = 0; c < 3; ++c)
+                result.pixel(x, y)[c] =
+                    static_cast<std::uint8_t>(std::clamp((0.5f * n[c] + 0.5f) * 255.0f + 0.5f, 0.0f, 255.0f));
+        }
+    }
+    return result;
+}
+
+Image8 roughness_metallic(const std::optional<Image8>& roughness, const std::optional<Image8>& metallic)
+{
+    const Image8& like = roughness ? *roughness : *metallic;
+    Image8 result(like.width, like.height, 3);
+    for (int y = 0; y < result.height; ++y) {
+        for (int x = 0; x < result.width; ++x) {
+            std::uint8_t* const out = result.pixel(x, y);
+            out[0] = 255;
+            out[1] = roughness ? nearest(*roughness, x, y, result)[0] : 255;
+            out[2] = metallic ? nearest(*metallic, x, y, result)[0] : 255;
+        }
+    }
+    return result;
+}
+
+Made make(const Job& job, const SceneFolder& folder)
+{
+    Made made;
+    const std::optional<Image8> first = read(folder, job.first, made);
+    std::optional<Image8> second;
+    if (job.second.file != job.first.file)
+        second = read(folder, job.second, made);
+    else
+        second = first;
+    if (!first && !second) return made;
+
+    // A colour file that names itself as its mask means its alpha.
+    const bool own_mask = job.second.file == job.first.file && job.second.channel == 0 && first &&
+                          (first->channels == 1 || first->channels == 3);
+    Image8 image;
+    switch (job.role) {
+        case Role::color:
+            image = without_alpha(*first);
+            break;
+        case Role::masked_color:
+            if (own_mask) made.warnings.push_back(fmt::format("mask '{}' has no alpha", shown(job.second.file)));
+            image = second && !own_mask ? with_mask(first, *second, job.second) : without_alpha(*first);
+            break;
+        case Role::bump:
+            image = is_grey(*first) ? normals_from_heights(*first, job.first.bump) : without_alpha(*first);
+            break;
+        case Role::normal:
+            image = without_alpha(*first);
+            break;
+        case Role::roughness_metallic:
+            image = roughness_metallic(first, second);
+            break;
+    }
+    const bool srgb = job.role == Role::color || job.role == Role::masked_color;
+    scene::Sampler sampler;
+    if (job.first.clamp) sampler.wrap_u = sampler.wrap_v = scene::Wrap::clamp;
+    made.texture.emplace(job.first.used() ? job.first.file : job.second.file, image, srgb, sampler);
+    return made;
+}
+
+}   // namespace
+
+void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
+                      const Progress& progress)
+{
+    // List what is to be made, each once.
+    struct Use {
+        std::size_t job;
+        std::size_t material;
+        scene::TextureUse scene::Material::*slot;
+        scene::TextureUse placed;
+    };
+    std::vector<Job> jobs;
+    std::vector<Use> uses;
+    std::map<decltype(Job().key()), std::size_t> known;
+    const auto want = [&](std::size_t material, scene::TextureUse scene::Material::*slot, Job job) {
+        if (!job.first.used() && !job.second.used()) return;
+        const auto [at, added] = known.try_emplace(job.key(), jobs.size());
+        const MtlMap& map = job.first.used() ? job.first : job.second;
+        // v runs from the bottom row here and from the top row in the scene: 1 - (o + s v) = (1 - o - s) + s (1 - v).
+        scene::TextureUse placed;
+        placed.scale = map.scale;
+        placed.offset = {map.offset.x, 1 - map.offset.y - map.scale.y};
+        uses.push_back({at->second, material, slot, placed});
+        if (added) jobs.push_back(std::move(job));
+    };
+    for (std::size_t i = 0; i < mtl.size(); ++i) {
+        const MtlMaterial& m = mtl[i];
+        if (m.dissolve_map.used())
+            want(i, &scene::Material::base_color_texture, {Role::masked_color, m.diffuse_map, m.dissolve_map});
+        else
+            want(i, &scene::Material::base_color_texture, {Role::color, m.diffuse_map, {}});
+        if (m.normal_map.used())
+            want(i, &scene::Material::normal_texture, {Role::normal, m.normal_map, {}});
+        else
+            want(i, &scene::Material::normal_texture, {Role::bump, m.bump_map, {}});
+        want(i, &scene::Material::emissive_texture, {Role::color, m.emissive_map, {}});
+        want(i, &scene::Material::metallic_roughness_texture,
+             {Role::roughness_metallic, m.roughness_map, m.metallic_map});
+    }
+
+    // Read and decode them, several at a time.
+    std::vector<Made> made(jobs.size());
+    Tasks tasks;
+    std::set<std::filesystem::path> seen;
+    std::uint64_t repeated = 0;
+    for (std::size_t begin = 0; begin < jobs.size(); begin += k_batch) {
+        const std::size_t count = std::min(k_batch, jobs.size() - begin);
+        tasks.for_each(count, [&](std::size_t i, int) { made[begin + i] = make(jobs[begin + i], folder); });
+        for (std::size_t i = begin; i < begin + count; ++i) {
+            if (!made[i].texture) continue;
+            const scene::Texture& texture = *made[i].texture;
+            std::uint64_t own = 0;
+            for (const auto& [file, pixels] : made[i].files)
+                if (seen.insert(file).second) own += pixels;
+            const std::uint64_t texels = std::uint64_t{1} * texture.width() * texture.height();
+            repeated += texels - std::min(texels, own);
+            if (repeated > k_most_repeated_texels)
+                throw InputError(texture.name(), "",
+                                 fmt::format("is made into too many textures: more than {} texels that repeat files",
+                                             k_most_repeated_texels));
+        }
+    }
+    if (progress && !progress({"loading", 1.0})) throw InterruptedError("interrupted");
+
+    // Number them in the order of the jobs, which does not depend on threads.
+    std::vector<scene::TextureId> ids(jobs.size(), scene::none);
+    std::unordered_set<std::string> told;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        for (std::string& warning : made[i].warnings)
+            if (told.insert(warning).second) scene.warnings.push_back(std::move(warning));
+        if (!made[i].texture) continue;
+        ids[i] = static_cast<scene::TextureId>(scene.textures.size());
+        scene.textures.push_back(std::move(*made[i].texture));
+    }
+    for (const Use& use : uses) {
+        scene::Material& material = scene.materials[use.material];
+        material.*use.slot = use.placed;
+        (material.*use.slot).texture = ids[use.job];
+    }
+    // A mask that could not be read masks nothing.
+    for (scene::Material& material : scene.materials) {
+        if (material.alpha_mode != scene::AlphaMode::mask) continue;
+        const scene::TextureId texture = material.base_color_texture.texture;
+        if (texture == scene::none || !scene.textures[texture].has_alpha())
+            material.alpha_mode = scene::AlphaMode::opaque;
+    }
+}
+
+}   // namespace gnomon::io

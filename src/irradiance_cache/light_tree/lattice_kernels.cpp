@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "irradiance_cache/light_tree/lattice_kernels.cpp"
+#include <hwy/foreach_target.h>   // first of all
+
+#include <hwy/highway.h>
+
+#include "irradiance_cache/light_tree/lattice_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gnomon::irradiance_cache::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, const LatticePoints& points,
+                         std::size_t first, std::size_t count, LatticeLight& out)
+{
+    const hn::CappedTag<float, LatticePoints::k_pad> d;
+    using V = hn::Vec<decltype(d)>;
+    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    const auto per_plane = hn::Set(d, 1 / reach.plane), facing_from = hn::Set(d, reach.facing),
+               per_facing = hn::Set(d, 1 / (1 - reach.facing));
+    const std::vector<float>* const place[3] = {&points.x, &points.y, &points.z};
+    const float* const anchor[3] = {cell.x, cell.y, cell.z};
+    const float *anchor_b = anchor[(cell.axis + 1) % 3], *anchor_c = anchor[(cell.axis + 2) % 3];
+    const float *at_b = place[(cell.axis + 1) % 3]->data(), *at_c = place[(cell.axis + 2) % 3]->data();
+    for (std::size_t k = first; k < first + count; k += hn::Lanes(d)) {
+        const auto x = hn::LoadU(d, points.x.data() + k), y = hn::LoadU(d, points.y.data() + k),
+                   z = hn::LoadU(d, points.z.data() + k);
+        const auto gx = hn::LoadU(d, points.gx.data() + k), gy = hn::LoadU(d, points.gy.data() + k),
+                   gz = hn::LoadU(d, points.gz.data() + k);
+        const auto nx = hn::LoadU(d, points.nx.data() + k), ny = hn::LoadU(d, points.ny.data() + k),
+                   nz = hn::LoadU(d, points.nz.data() + k);
+        const auto fx = hn::LoadU(d, points.fx.data() + k), fy = hn::LoadU(d, points.fy.data() + k);
+        const auto b = hn::LoadU(d, at_b + k), c = hn::LoadU(d, at_c + k);
+        const auto gx1 = hn::Sub(one, fx), fy1 = hn::Sub(one, fy);
+        const V between[4] = {hn::Mul(gx1, fy1), hn::Mul(fx, fy1), hn::Mul(gx1, fy), hn::Mul(fx, fy)};
+        V w[4], red[4], green[4], blue[4];
+        for (int i = 0; i < 4; ++i) {
+            const auto off = hn::Mul(hn::Add(hn::Add(hn::Mul(hn::Sub(hn::Set(d, cell.x[i]), x), gx),
+                                                     hn::Mul(hn::Sub(hn::Set(d, cell.y[i]), y), gy)),
+                                             hn::Mul(hn::Sub(hn::Set(d, cell.z[i]), z), gz)),
+                                     per_plane);
+            const auto near = hn::Sub(one, hn::Abs(off));   // NaN where there is no anchor
+            const auto agree =
+                hn::Add(hn::Add(hn::Mul(hn::Set(d, cell.nx[i]), nx), hn::Mul(hn::Set(d, cell.ny[i]), ny)),
+                        hn::Mul(hn::Set(d, cell.nz[i]), nz));
+            const auto facing = hn::Min(hn::Max(hn::Mul(hn::Sub(agree, facing_from), per_facing), zero), one);
+            const auto along = hn::Mul(hn::IfThenElseZero(hn::Gt(near, zero), near), facing);
+            auto weight = hn::Mul(between[i], along);
+            if (reach.open_only) {
+                const auto db = hn::Sub(hn::Set(d, anchor_b[i]), b), dc = hn::Sub(hn::Set(d, anchor_c[i]), c);
+                // Where the wall comes nearer; behind one that recedes there may be anything.
+                const auto nearer = [&](int way, V along_other)
+                                        HWY_ATTR { return hn::Mul(hn::Set(d, cell.slope[way][i]), along_other); };
+                const auto low = [&](V at, float from, int way, V along_other) HWY_ATTR {
+                    return hn::Ge(at, hn::Add(hn::Set(d, from), hn::Max(nearer(way, along_other), zero)));
+                };
+                const auto high = [&](V at, float from, int way, V along_other) HWY_ATTR {
+                    return hn::Le(at, hn::Add(hn::Set(d, from), hn::Min(nearer(way, along_other), zero)));
+                };
+                const auto open = hn::And(hn::And(low(b, cell.low_b[i], 0, dc), high(b, cell.high_b[i], 1, dc)),
+                                          hn::And(low(c, cell.low_c[i], 2, db), high(c, cell.high_c[i], 3, db)));
+                weight = hn::IfThenElseZero(open, weight);
+            }
+            const auto colour = [&](int from) HWY_ATTR {
+                const auto light = hn::Add(hn::Add(hn::Mul(hn::Set(d, cell.light[from][i]), nx),
+                                                   hn::Mul(hn::Set(d, cell.light[from + 1][i]), ny)),
+                                           hn::Mul(hn::Set(d, cell.light[from + 2][i]), nz));
+                return hn::Mul(weight, hn::Max(light, zero));
+            };
+            w[i] = weight, red[i] = colour(0), green[i] = colour(3), blue[i] = colour(6);
+        }
+        const auto sum = [](const V(&v)[4]) HWY_ATTR { return hn::Add(hn::Add(v[0], v[1]), hn::Add(v[2], v[3])); };
+        const auto weight = sum(w);
+        const auto any = hn::Gt(weight, zero);
+        const auto safe = hn::IfThenElse(any, weight, one);
+        hn::StoreU(weight, d, out.weight.data() + k);
+        hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(red), safe)), d, out.r.data() + k);
+        hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(green), safe)), d, out.g.data() + k);
+        hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(blue), safe)), d, out.b.data() + k);
+    }
+}
+
+}   // namespace gnomon::irradiance_cache::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace gnomon::irradiance_cache {
+
+HWY_EXPORT(interpolate_cell_of);
+
+void LatticePoints::resize(std::size_t count)
+{
+    for (auto* lane : {&x, &y, &z, &gx, &gy, &gz, &nx, &ny, &nz, &fx, &fy})
+        if (lane->size() < count + k_pad) lane->resize(count + k_pad);
+}
+
+void LatticeLight::resize(std::size_t count)
+{
+    for (auto* lane : {&r, &g, &b, &weight})
+        if (lane->size() < count + LatticePoints::k_pad) lane->resize(count + LatticePoints::k_pad);
+}
+
+void interpolate_cell(const CellAnchors& cell, const LatticeReach& reach, const LatticePoints& points,
+                      std::size_t first, std::size_t count, LatticeLight& light)
+{
+    HWY_DYNAMIC_DISPATCH(interpolate_cell_of)(cell, reach, points, first, count, light);
+}
+
+}   // namespace gnomon::irradiance_cache
+#endif

@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/light_tree/light_tree.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <unordered_map>
+
+#include "base/check.h"
+#include "light_views/texel_ray.h"
+#include "lighting/diffuse.h"
+#include "ray/origin.h"
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+constexpr NodeId k_none = scene::none;
+
+float luminance(const glm::vec3& c)
+{
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
+
+std::uint32_t spread(std::uint32_t x)
+{
+    x &= 0xffff;
+    x = (x | (x << 8)) & 0x00ff00ff;
+    x = (x | (x << 4)) & 0x0f0f0f0f;
+    x = (x | (x << 2)) & 0x33333333;
+    return (x | (x << 1)) & 0x55555555;
+}
+
+// Leaves in Morton order: the children of a node lie together.
+std::uint32_t morton(int x, int y)
+{
+    return spread(static_cast<std::uint32_t>(x)) | (spread(static_cast<std::uint32_t>(y)) << 1);
+}
+
+std::uint32_t gathered(std::uint32_t x)
+{
+    x &= 0x55555555;
+    x = (x | (x >> 1)) & 0x33333333;
+    x = (x | (x >> 2)) & 0x0f0f0f0f;
+    x = (x | (x >> 4)) & 0x00ff00ff;
+    return (x | (x >> 8)) & 0x0000ffff;
+}
+
+constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
+constexpr int k_smallest_side = 2;   // one level
+
+// Of a view's pyramid, from the level of four nodes down.
+std::size_t nodes_of(int side)
+{
+    return (4 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) - 4) / 3;
+}
+
+// All of them, where their views fit; else the strongest, in the scene's order.
+std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const light_views::SceneBounds& bounds,
+                                            const EmitterOptions& options)
+{
+    const auto views = [&](scene::LightId l) {
+        return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, light_views::k_projection));
+    };
+    std::vector<scene::LightId> lights(scene.lights.size());
+    std::iota(lights.begin(), lights.end(), 0u);
+    std::stable_sort(lights.begin(), lights.end(), [&](scene::LightId a, scene::LightId b) {
+        return luminance(scene.lights[a].color) > luminance(scene.lights[b].color);
+    });
+    std::size_t taken = 0, kept = 0;
+    while (kept < lights.size() && taken + views(lights[kept]) <= options.views) taken += views(lights[kept++]);
+    lights.resize(kept);
+    std::sort(lights.begin(), lights.end());
+    return lights;
+}
+
+}   // namespace
+
+EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options,
+                         Tasks& tasks)
+    : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene())), state_(&state), rays_(&rays)
+{
+    const scene::Scene& scene = state.scene();
+    find_dynamics();
+    for (const scene::LightId l : bouncing_lights(scene, bounds_, options))
+        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, light_views::k_projection);
+             ++face) {
+            View& view = views_.emplace_back();
+            view.light = l;
+            view.face = face;
+        }
+    int side = options.side;
+    while (side > options.least_side &&
+           views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options.leaves)
+        side /= 2;
+    while (side > k_smallest_side && views_.size() * nodes_of(side) > k_most_nodes) side /= 2;
+    NodeId end = 0;
+    for (View& view : views_) {
+        view.side = side;
+        while ((1 << view.levels) < side) ++view.levels;
+        view.first = end;
+        end = first_of_level(view, view.levels + 1);
+        view.blocked.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
+    }
+    quads_.resize(end / 4);
+    GNOMON_CHECK(end <= k_most_nodes);
+    samples_.places.resize(end);
+    for (Flux* flux : {&flux_, &still_})
+        for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->resize(end);
+    children_.assign(end, k_none);
+    for (const View& view : views_)
+        for (int level = 1; level < view.levels; ++level)
+            for (std::uint32_t i = 0; i < 1u << (2 * level); ++i)
+                children_[first_of_level(view, level) + i] = first_of_level(view, level + 1) / 4 + i;
+    tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(views_[v]); });
+    find_roots();
+    mark_changes();
+    gather_movers();
+}
+
+void EmitterTree::find_dynamics()
+{
+    dynamics_.clear();
+    for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
+        if (rays_->moves(o) && casters_.casts(o)) dynamics_.push_back(o);
+    lifted_ = rays_->lifted();
+}
+
+void EmitterTree::find_roots()
+{
+    roots_.clear();
+    for (const View& view : views_) {
+        const EmitterQuad& top = quads_[view.first / 4];
+        if (std::max({top.flux[0], top.flux[1], top.flux[2], top.flux[3]}) > 0) roots_.push_back(view.first / 4);
+    }
+}
+
+// What a light map's ray hits, as a light; area 0: nothing.
+EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits,
+                                       std::size_t i, double measure) const
+{
+    if (hits.object[i] == scene::none) return {};
+    const scene::Scene& scene = state_->scene();
+    const scene::Light& light = scene.lights[view.light];
+    const scene::LightState& at = state_->light(view.light);
+    const ray::ObjectGeometry& geometry = rays_->geometry(hits.object[i]);
+    glm::vec3 p[3];
+    geometry.corners(hits.triangle[i], p);
+    const float u = hits.u[i], v = hits.v[i];
+    const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
+    glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const float length = glm::length(normal);
+    if (!(length > 0)) return {};
+    normal /= length;
+    float cosine = -glm::dot(normal, queue.direction(i));
+    if (cosine < 0) normal = -normal, cosine = -cosine;
+    // The wide view of a directional light leaves out what the near one has.
+    if (light.type == scene::LightType::directional && view.face == 1) {
+        const glm::vec4 clip = view.near_clip * glm::vec4(position, 1);
+        if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) return {};
+    }
+    const scene::LightSample sample = scene::illuminate(light, at, position);
+    if (sample.irradiance == glm::vec3(0)) return {};
+    const auto t = static_cast<double>(hits.t[i]);
+    const double facing_area = view.projection.perspective ? measure * t * t : measure;
+    Leaf leaf;
+    leaf.object = hits.object[i];
+    leaf.position = position;
+    leaf.normal = normal;
+    leaf.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
+    leaf.sample = position + ray::origin_lift(p) * normal;
+    leaf.flux = lighting::exitance_per_irradiance(scene, geometry, hits.triangle[i], u, v) * sample.irradiance *
+                static_cast<float>(facing_area);
+    return leaf;
+}
+
+// Casts the static layer, builds the pyramid, and darkens what moving objects shadow.
+void EmitterTree::make_view(View& view)
+{
+    const scene::SceneState& state = *state_;
+    const ray::RayScene& rays = *rays_;
+    const scene::Scene& scene = state.scene();
+    const scene::Light& light = scene.lights[view.light];
+    const scene::LightState& at = state.light(view.light);
+    const NodeId leaves = first_of_level(view, view.levels);
+    const auto count = static_cast<std::uint32_t>(view.side * view.side);
+    const NodeId end = leaves + count;
+    std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, EmitterQuad{});
+    for (NodeId id = view.first; id < end; ++id) {
+        flux_.set(id, glm::vec3(0));
+        still_.set(id, glm::vec3(0));
+        view.dirty.push_back(id);
+    }
+    std::fill(view.blocked.begin(), view.blocked.end(), 0);
+    view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
+    view.movers.clear();
+    if (!view.on) return;
+    const auto projections = light_views::project(light, at, bounds_, view.side, light_views::k_projection);
+    view.projection = projections[static_cast<std::size_t>(view.face)];
+    view.near_clip = projections[0].clip_from_world;
+
+    // Cast one ray a leaf, in tree order: neighbours share packets.
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    std::vector<double> measure(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const light_views::TexelRay r =
+            light_views::texel_ray(view.projection, static_cast<int>(gathered(i)), static_cast<int>(gathered(i >> 1)));
+        queue.push(r.origin, 0, r.direction, k_infinity);
+        measure[i] = r.measure;
+    }
+    struct Node {
+        glm::vec3 position{0}, normal{0}, sample{0};
+        float radius = 0, area = 0, flux = 0;
+    };
+    std::vector<Node> nodes(end - view.first);
+    const auto node_of = [&](NodeId id) -> Node& { return nodes[id - view.first]; };
+    ray::Hits hits;
+    hits.resize(count);
+    rays.closest(queue, 0, count, hits, ray::Sides::both, ray::Against::static_only);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+        if (!(leaf.area > 0)) continue;
+        Node& node = node_of(leaves + i);
+        node.position = leaf.position;
+        node.normal = leaf.normal;
+        node.sample = leaf.sample;
+        node.area = leaf.area;
+        node.radius = std::sqrt(leaf.area * static_cast<float>(1 / k_pi));
+        node.flux = luminance(leaf.flux);
+        still_.set(leaves + i, leaf.flux);
+        flux_.set(leaves + i, leaf.flux);
+    }
+
+    // Pull up: means weighted by flux; four children in one fixed order.
+    for (int level = view.levels - 1; level > 0; --level)
+        for (std::uint32_t i = 0; i < 1u << (2 * level); ++i) {
+            const NodeId id = first_of_level(view, level) + i, child = 4 * children_[id];
+            Node& node = node_of(id);
+            glm::vec3 position(0), normal(0);
+            for (NodeId c = child; c < child + 4; ++c) {
+                const Node& part = node_of(c);
+                if (!(part.flux > 0)) continue;
+                node.flux += part.flux;
+                node.area += part.area;
+                position += part.flux * part.position;
+                normal += part.flux * part.normal;
+            }
+            sum_children(flux_, id);
+            still_.set(id, flux_.at(id));
+            if (!(node.flux > 0)) continue;
+            node.position = position / node.flux;
+            node.normal = normal / node.flux;
+            float nearest = k_infinity;
+            for (NodeId c = child; c < child + 4; ++c) {
+                const Node& part = node_of(c);
+                if (!(part.flux > 0)) continue;
+                node.radius = std::max(node.radius, glm::length(part.position - node.position) + part.radius);
+                const float distance = glm::length(part.sample - node.position);
+                if (distance < nearest) nearest = distance, node.sample = part.sample;
+            }
+        }
+    for (NodeId id = view.first; id < end; ++id) {
+        const Node& node = node_of(id);
+        EmitterQuad& quad = quads_[id / 4];
+        const NodeId lane = id % 4;
+        quad.x[lane] = node.position.x, quad.y[lane] = node.position.y, quad.z[lane] = node.position.z;
+        quad.nx[lane] = node.normal.x, quad.ny[lane] = node.normal.y, quad.nz[lane] = node.normal.z;
+        quad.radius[lane] = node.radius, quad.area[lane] = node.area, quad.flux[lane] = node.flux;
+        samples_.places[id] = glm::vec4(node.sample, samples_.places[id].w);   // see mark_changes()
+    }
+    find_movers(view);
+    block_leaves(view, view.movers);
+}
+
+// Four children in one fixed order.
+void EmitterTree::sum_children(Flux& flux, NodeId id) const
+{
+    glm::vec3 sum(0);
+    for (NodeId c = 4 * children_[id]; c < 4 * children_[id] + 4; ++c) sum += flux.at(c);
+    flux.set(id, sum);
+}
+
+void EmitterTree::find_movers(View& view) const
+{
+    view.movers.clear();
+    if (!view.on) return;
+    for (const scene::ObjectId o : dynamics_) {
+        const light_views::Rect rect = casters_.footprint(view.projection, *state_, o);
+        if (!rect.empty()) view.movers.push_back(rect);
+    }
+}
+
+// Asks for the leaves in some rectangles anew whether something that moves keeps the light from them, and repairs the
+// flux above those that changed.
+void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>& where)
+{
+    if (where.empty()) return;
+    const NodeId leaves = first_of_level(view, view.levels);
+    std::vector<std::uint32_t> asked;
+    for (const light_views::Rect& rect : where)
+        for (int y = rect.y0; y < rect.y1; ++y)
+            for (int x = rect.x0; x < rect.x1; ++x) {
+                const std::uint32_t i = morton(x, y);
+                if (quads_[(leaves + i) / 4].flux[i % 4] > 0) asked.push_back(i);
+            }
+    std::sort(asked.begin(), asked.end());
+    asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    const scene::LightState& at = state_->light(view.light);
+    for (const std::uint32_t i : asked) {
+        const glm::vec3 from = samples_.at(leaves + i);
+        if (view.projection.perspective)
+            queue.push(from, 0, at.position - from, options_.ray_end);
+        else
+            queue.push(from, 0, -at.direction, k_infinity);
+    }
+    std::vector<std::uint8_t> blocked(asked.size() + ray::k_packet_pad);
+    rays_->blocked(queue, 0, asked.size(), blocked.data(), ray::Against::dynamic_only);
+
+    std::vector<std::uint32_t> dirty;
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+        const std::uint32_t i = asked[k];
+        if (view.blocked[i] == blocked[k]) continue;
+        view.blocked[i] = blocked[k];
+        flux_.set(leaves + i, blocked[k] ? glm::vec3(0) : still_.at(leaves + i));
+        dirty.push_back(i);
+        view.dirty.push_back(leaves + i);
+    }
+    dirty_leaves_ += dirty.size();
+    for (int level = view.levels - 1; level > 0; --level) {
+        for (std::uint32_t& i : dirty) i >>= 2;
+        dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
+        dirty_nodes_ += dirty.size();
+        for (const std::uint32_t i : dirty) {
+            sum_children(flux_, first_of_level(view, level) + i);
+            view.dirty.push_back(first_of_level(view, level) + i);
+        }
+    }
+}
+
+// Notes which nodes have another flux than when nothing that moves stands in the light.
+void EmitterTree::mark_changes()
+{
+    changed_.clear();
+    for (View& view : views_) {
+        changed_.insert(changed_.end(), view.dirty.begin(), view.dirty.end());
+        for (const NodeId id : view.dirty) {
+            float& mark = samples_.places[id].w;
+            differing_ -= mark != 0;
+            mark = flux_.at(id) == still_.at(id) ? 0.0f : 1.0f;
+            differing_ += mark != 0;
+        }
+        view.dirty.clear();
+    }
+}
+
+// What the lights shine on that moves, anew for every frame in which anything does: by owner and by the octant in which
+// it faces.
+void EmitterTree::gather_movers()
+{
+    movers_.clear();
+    struct Lit {
+        glm::vec3 position, sample;
+        std::size_t of;
+    };
+    std::vector<Lit> lit;
+    std::unordered_map<std::uint64_t, std::size_t> found;
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    ray::Hits hits;
+    std::vector<double> measure;
+    std::vector<std::uint32_t> asked;
+    for (const View& view : views_) {
+        // Their texels; of large movers not every one.
+        std::size_t area = 0;
+        for (const light_views::Rect& rect : view.movers)
+            area += static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
+        int step = 1;
+        while (area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) > options_.mover_rays)
+            step *= 2;
+        asked.clear();
+        for (const light_views::Rect& rect : view.movers)
+            for (int y = rect.y0 / step * step; y < rect.y1; y += step)
+                for (int x = rect.x0 / step * step; x < rect.x1; x += step) asked.push_back(morton(x, y));
+        std::sort(asked.begin(), asked.end());
+        asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+        if (asked.empty()) continue;
+        queue.clear();
+        measure.clear();
+        for (const std::uint32_t i : asked) {
+            const light_views::TexelRay r = light_views::texel_ray(view.projection, static_cast<int>(gathered(i)),
+                                                                   static_cast<int>(gathered(i >> 1)));
+            queue.push(r.origin, 0, r.direction, k_infinity);
+            measure.push_back(r.measure * step * step);
+        }
+        hits.resize(asked.size());
+        rays_->closest(queue, 0, asked.size(), hits, ray::Sides::both);
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            if (hits.object[i] == scene::none || !rays_->moves(hits.object[i])) continue;
+            const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+            if (!(leaf.area > 0)) continue;
+            const std::uint32_t octant =
+                (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
+            const std::uint32_t owner = owner_of(leaf.object);
+            const auto [at, first] =
+                found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, movers_.size());
+            if (first) movers_.push_back({.owner = owner});
+            MoverEmitter& emitter = movers_[at->second];
+            const float flux = luminance(leaf.flux);
+            emitter.flux += leaf.flux;
+            emitter.area += leaf.area;
+            emitter.position += flux * leaf.position;
+            emitter.normal += flux * leaf.normal;
+            lit.push_back({leaf.position, leaf.sample, at->second});
+        }
+    }
+    std::vector<float> nearest(movers_.size(), k_infinity);
+    for (MoverEmitter& emitter : movers_) {
+        const float flux = luminance(emitter.flux), length = glm::length(emitter.normal);
+        if (flux > 0) emitter.position /= flux;
+        if (length > 0) emitter.normal /= length;
+    }
+    for (const Lit& leaf : lit) {
+        const float distance = glm::length(leaf.position - movers_[leaf.of].position);
+        if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, movers_[leaf.of].sample = leaf.sample;
+    }
+    // The brightest, in the order in which they were met.
+    if (movers_.size() > options_.mover_emitters) {
+        std::vector<float> flux;
+        for (const MoverEmitter& emitter : movers_) flux.push_back(luminance(emitter.flux));
+        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.mover_emitters), flux.end(),
+                         std::greater<>());
+        const float least = flux[options_.mover_emitters];
+        std::erase_if(movers_, [&](const MoverEmitter& emitter) { return !(luminance(emitter.flux) > least); });
+    }
+    std::erase_if(movers_, [](const MoverEmitter& emitter) { return emitter.flux == glm::vec3(0); });
+}
+
+std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
+{
+    const scene::GroupId group = state_->scene().objects[object].group;
+    constexpr std::uint32_t k_alone = 1u << 31;   // apart from all groups, and from k_no_owner
+    return group == scene::none || rays_->stands_alone(object) ? object | k_alone : group;
+}
+
+void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+{
+    state_ = &state;
+    rays_ = &rays;
+    casters_.update(state);
+    changed_.clear();
+    dirty_leaves_ = dirty_nodes_ = 0;
+    const scene::FrameChanges& changes = state.changes();
+    const bool lifted = rays.lifted() != lifted_;
+    geometry_changed_ = lifted || !changes.lights_moved.empty();
+    if (lifted) find_dynamics();
+    if (geometry_changed_) {
+        tasks.for_each(views_.size(), [&](std::size_t v, int) {
+            if (lifted || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
+                make_view(views_[v]);
+        });
+        find_roots();
+        ++geometry_version_, ++flux_version_;
+    }
+    const bool still =
+        changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
+    if (still && !geometry_changed_) return;
+    if (!still && !lifted) follow_movers(changes);
+    mark_changes();
+    gather_movers();
+}
+
+void EmitterTree::follow_movers(const scene::FrameChanges& changes)
+{
+    for (View& view : views_) {
+        if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
+            continue;
+        std::vector<light_views::Rect> where = view.movers;
+        find_movers(view);
+        where.insert(where.end(), view.movers.begin(), view.movers.end());
+        const std::uint64_t before = dirty_leaves_;
+        block_leaves(view, where);
+        if (dirty_leaves_ != before) ++flux_version_;
+    }
+}
+
+float EmitterTree::leaf_spacing() const
+{
+    std::vector<float> area;
+    for (const View& view : views_) {
+        if (!view.on) continue;
+        const NodeId leaves = first_of_level(view, view.levels);
+        for (NodeId id = leaves; id < leaves + static_cast<NodeId>(view.side * view.side); ++id)
+            if (quads_[id / 4].flux[id % 4] > 0) area.push_back(quads_[id / 4].area[id % 4]);
+    }
+    if (area.empty()) return 0;
+    const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
+    std::nth_element(area.begin(), middle, area.end());
+    return std::sqrt(*middle);
+}
+
+std::size_t EmitterTree::bytes() const
+{
+    return quads_.size() * sizeof(EmitterQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
+}
+
+}   // namespace gnomon::irradiance_cache

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/near_field/near_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lighting/diffuse.h"
+#include "ray/origin.h"
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+// At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
+constexpr float k_least_cosine = 0.1f;
+constexpr float k_ray_end = 0.9999f;
+
+}   // namespace
+
+std::vector<glm::vec3> cosine_directions(int count)
+{
+    constexpr double k_golden_angle = 2.399963229728653;
+    std::vector<glm::vec3> directions;
+    for (int i = 0; i < count; ++i) {
+        const double r = std::sqrt((i + 0.5) / count), phi = i * k_golden_angle;
+        directions.emplace_back(r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r * r));
+    }
+    return directions;
+}
+
+NearLight::NearLight(const NearOptions& options) : options_(options), directions_(cosine_directions(options.rays)) {}
+
+void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                    std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+{
+    const scene::Scene& scene = state.scene();
+    const std::size_t n = directions_.size();
+    ray::RayQueue& queue = scratch.rays;
+    queue.clear();
+    queue.purpose = scratch.shadow_rays.purpose = ray::RayClass::indirect;
+    for (std::size_t k = 0; k < count; ++k) {
+        glm::vec3 t, b;
+        make_basis(receivers[k].normal, t, b);
+        for (const glm::vec3& d : directions_)
+            queue.push(receivers[k].origin, 0, d.x * t + d.y * b + d.z * receivers[k].normal, options_.radius);
+    }
+    scratch.hits.resize(queue.size());
+    rays.closest(queue, 0, queue.size(), scratch.hits, ray::Sides::both, against);
+    scratch.cast += queue.size();
+
+    // What do they meet, and how is it lit?
+    scratch.shadow_rays.clear();
+    scratch.lit.clear();
+    const auto share = static_cast<float>(k_pi) / static_cast<float>(n);
+    for (std::size_t k = 0; k < count; ++k) {
+        answers[k] = {};
+        for (std::size_t i = k * n; i < k * n + n; ++i) {
+            const scene::ObjectId object = scratch.hits.object[i];
+            if (object == scene::none) continue;
+            answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
+            const glm::vec3 direction = queue.direction(i);
+            if (!(glm::dot(direction, receivers[k].geometric_normal) > 0)) continue;
+            const float near = 1 - far_share(scratch.hits.t[i], options_.radius);
+            if (rays.moves(object)) continue;
+            const ray::ObjectGeometry& geometry = rays.geometry(object);
+            const std::uint32_t triangle = scratch.hits.triangle[i];
+            glm::vec3 p[3];
+            geometry.corners(triangle, p);
+            const float u = scratch.hits.u[i], v = scratch.hits.v[i];
+            glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+            const float length = glm::length(normal);
+            if (!(length > 0)) continue;
+            normal /= length;
+            if (glm::dot(normal, direction) > 0) normal = -normal;
+            const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
+            const glm::vec3 from = position + ray::origin_lift(p) * normal;
+            glm::vec3 exitance(-1);
+            for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
+                const scene::Light& light = scene.lights[l];
+                const scene::LightState& at = state.light(l);
+                if (!at.visible || light.of_environment) continue;
+                const scene::LightSample sample = scene::illuminate(light, at, position);
+                const float cosine = glm::dot(normal, sample.to_light);
+                if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
+                if (exitance.x < 0) exitance = lighting::exitance_per_irradiance(scene, geometry, triangle, u, v);
+                if (exitance == glm::vec3(0)) break;
+                if (light.type == scene::LightType::directional)
+                    scratch.shadow_rays.push(from, 0, -at.direction, k_infinity);
+                else
+                    scratch.shadow_rays.push(from, 0, at.position - from, k_ray_end);
+                const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
+                const float at_point = std::max(glm::dot(direction, receivers[k].normal), k_least_cosine);
+                scratch.lit.push_back({k, radiance * (near * share), direction / at_point});
+            }
+        }
+    }
+    const std::size_t asked = scratch.shadow_rays.size();
+    scratch.cast += asked;
+    scratch.blocked.resize(asked + ray::k_packet_pad);
+    rays.blocked(scratch.shadow_rays, 0, asked, scratch.blocked.data(), against);
+    for (std::size_t s = 0; s < asked; ++s) {
+        if (scratch.blocked[s]) continue;
+        const Scratch::Lit& lit = scratch.lit[s];
+        for (int colour = 0; colour < 3; ++colour)
+            answers[lit.receiver].light[colour] += lit.light[colour] * lit.direction;
+    }
+}
+
+}   // namespace gnomon::irradiance_cache

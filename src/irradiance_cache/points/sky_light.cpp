@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/points/sky_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::irradiance_cache {
+
+SkyLight::SkyLight(const scene::Background& background)
+{
+    scene::Background sky = background;
+    sky.sun_radiance = glm::vec3(0);
+    constexpr double k_golden = 2.399963229728653;   // radians; pi (3 - sqrt 5)
+    constexpr double k_share = 4 * k_pi / static_cast<double>(k_sky_directions);
+    for (std::size_t i = 0; i < k_sky_directions; ++i) {
+        const double up = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(k_sky_directions);
+        const double across = std::sqrt(1 - up * up), angle = k_golden * static_cast<double>(i);
+        x_[i] = static_cast<float>(across * std::cos(angle));
+        y_[i] = static_cast<float>(up);
+        z_[i] = static_cast<float>(across * std::sin(angle));
+        if (background.kind != scene::Background::Kind::sky) continue;
+        light_[i] = sky.radiance(direction(i)) * static_cast<float>(k_share);
+        any_ = any_ || light_[i] != glm::vec3(0);
+    }
+}
+
+SkyMask SkyLight::towards(const glm::vec3& at, float radius) const
+{
+    // Within the angle whose sine is radius over distance; from inside the sphere, everywhere.
+    const float square = glm::dot(at, at) - radius * radius;
+    const float least = square > 0 ? std::sqrt(square) : -k_infinity;
+    SkyMask mask;
+    for (std::size_t w = 0; w < mask.bits.size(); ++w) {
+        std::array<std::uint8_t, 64> in{};
+        for (std::size_t k = 0; k < 64; ++k) {
+            const std::size_t i = 64 * w + k;
+            in[k] = static_cast<std::uint8_t>(x_[i] * at.x + y_[i] * at.y + z_[i] * at.z >= least);
+        }
+        for (std::size_t k = 0; k < 64; ++k) mask.bits[w] |= static_cast<std::uint64_t>(in[k]) << k;
+    }
+    return mask;
+}
+
+}   // namespace gnomon::irradiance_cache

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The sky as directions: the same for every point, so that which of them a point sees past everything static is one bit
+// each, and what moves takes from it only the bits in its cone.
+//
+// Each direction stands for an equal share of the sphere (a spherical Fibonacci lattice) with the sky's gradient there;
+// the sun is a light of its own. Environment pictures are lights, too (scene/environment.h), and are not meant here.
+
+#include <array>
+#include <cstdint>
+
+#include "scene/light.h"
+
+namespace gnomon::irradiance_cache {
+
+inline constexpr std::size_t k_sky_directions = 128;
+
+/// A bit by direction.
+struct SkyMask {
+    std::array<std::uint64_t, k_sky_directions / 64> bits{};
+    void set(std::size_t i) { bits[i / 64] |= std::uint64_t{1} << (i % 64); }
+    bool any() const
+    {
+        for (const std::uint64_t word : bits)
+            if (word != 0) return true;
+        return false;
+    }
+    SkyMask operator&(const SkyMask& other) const
+    {
+        SkyMask both;
+        for (std::size_t w = 0; w < bits.size(); ++w) both.bits[w] = bits[w] & other.bits[w];
+        return both;
+    }
+    void operator|=(const SkyMask& other)
+    {
+        for (std::size_t w = 0; w < bits.size(); ++w) bits[w] |= other.bits[w];
+    }
+    /// Calls body(i) for every bit that is set, rising.
+    template <typename Body>
+    void for_each(const Body& body) const
+    {
+        for (std::size_t w = 0; w < bits.size(); ++w)
+            for (std::uint64_t word = bits[w]; word != 0; word &= word - 1)
+                body(64 * w + static_cast<std::size_t>(__builtin_ctzll(word)));
+    }
+};
+
+class SkyLight {
+ public:
+    /// @param background  of the scene; gives light if it is a sky
+    explicit SkyLight(const scene::Background& background);
+    bool any() const { return any_; }
+    glm::vec3 direction(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+    /// Radiance times solid angle: irradiance on a surface that faces the direction.
+    const glm::vec3& light(std::size_t i) const { return light_[i]; }
+    /// Directions whose rays from a point may meet a sphere.
+    /// @param at  its centre, from the point
+    SkyMask towards(const glm::vec3& at, float radius) const;
+
+ private:
+    bool any_ = false;
+    alignas(64) std::array<float, k_sky_directions> x_{}, y_{}, z_{};
+    std::array<glm::vec3, k_sky_directions> light_{};
+};
+
+}   // namespace gnomon::irradiance_cache

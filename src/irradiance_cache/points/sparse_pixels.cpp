@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/points/sparse_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+// What is one plane: normals this close, and no further from it than this share of a pixel.
+constexpr float k_same_normal = 0.9999f, k_off_plane = 0.25f;
+// Both normals, object and triangle.
+constexpr std::size_t k_plane_bytes = 2 * sizeof(glm::vec3) + 2 * sizeof(std::uint32_t);
+
+bool in_plane(const IndirectPoint& a, const IndirectPoint& b)
+{
+    return glm::dot(a.geometric_normal, b.geometric_normal) > k_same_normal &&
+           glm::dot(a.normal, b.normal) > k_same_normal &&
+           std::abs(glm::dot(b.position - a.position, a.geometric_normal)) < k_off_plane * a.width;
+}
+
+// In the tile.
+constexpr std::size_t place_of(int x, int y)
+{
+    return static_cast<std::size_t>(y) * SparsePixels::k_side + static_cast<std::size_t>(x);
+}
+
+}   // namespace
+
+// Pixels that follow each other in a row or a column and lie in one plane get its number.
+void SparsePixels::number_planes(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt)
+{
+    at_.fill(-1);
+    plane_.fill(-1);
+    first_of_plane_.clear();
+    direct_.assign(points.size(), 0);
+    // These lie side by side in memory.
+    static_assert(offsetof(IndirectPoint, triangle) + sizeof(IndirectPoint::triangle) ==
+                  offsetof(IndirectPoint, geometric_normal) + k_plane_bytes);
+    const auto plane_bytes = [](const IndirectPoint& p) {
+        return reinterpret_cast<const unsigned char*>(&p) + offsetof(IndirectPoint, geometric_normal);
+    };
+    const auto same = [&](std::int16_t plane, const IndirectPoint& p) {
+        if (plane < 0) return false;
+        const IndirectPoint& first = points[first_of_plane_[static_cast<std::size_t>(plane)]];
+        return std::memcmp(plane_bytes(first), plane_bytes(p), k_plane_bytes) == 0 || in_plane(first, p);
+    };
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        const IndirectPoint& p = points[i];
+        const bool inside = p.x >= 0 && p.y >= 0 && p.x < k_side && p.y < k_side;
+        const auto place = place_of(p.x, p.y);
+        if (!inside || at_[place] >= 0) {
+            direct_[i] = 1;
+            continue;
+        }
+        at_[place] = static_cast<std::int32_t>(i);
+        if (exempt[i]) continue;
+        const std::int16_t left = p.x > 0 ? plane_[place - 1] : std::int16_t{-1};
+        const std::int16_t above = p.y > 0 ? plane_[place - k_side] : std::int16_t{-1};
+        std::int16_t& plane = plane_[place];
+        if (same(left, p)) {
+            plane = left;
+        } else if (above != left && same(above, p)) {
+            plane = above;
+        } else {
+            plane = static_cast<std::int16_t>(first_of_plane_.size());
+            first_of_plane_.push_back(i);
+        }
+    }
+    for (std::size_t row = 0; row < plane_.size(); row += k_side) {
+        run_[row + k_side - 1] = 1;
+        for (std::size_t place = row + k_side - 1; place-- > row;)
+            run_[place] =
+                plane_[place] == plane_[place + 1] ? static_cast<std::int16_t>(run_[place + 1] + 1) : std::int16_t{1};
+    }
+}
+
+// A block of one plane: its corners are reckoned, and the rest is filled in.
+bool SparsePixels::take(int x0, int y0, int step)
+{
+    const Block b{x0, y0, std::min(x0 + step, k_side - 1), std::min(y0 + step, k_side - 1)};
+    const auto first = place_of(x0, y0);
+    if (plane_[first] < 0) return false;
+    for (int y = y0; y <= b.y1; ++y) {
+        const auto row = place_of(x0, y);
+        if (plane_[row] != plane_[first] || run_[row] < b.x1 - x0 + 1) return false;
+    }
+    blocks_.push_back(b);
+    for (const int y : {y0, b.y1})
+        for (const int x : {x0, b.x1}) direct_[static_cast<std::size_t>(at_[place_of(x, y)])] = 1;
+    return true;
+}
+
+void SparsePixels::choose(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt)
+{
+    blocks_.clear();
+    reckoned_.clear();
+    number_planes(points, exempt);
+    for (int y = 0; y < k_side; y += k_step)
+        for (int x = 0; x < k_side; x += k_step) {
+            if (take(x, y, k_step)) continue;
+            for (const int y0 : {y, y + k_least_step})
+                for (const int x0 : {x, x + k_least_step})
+                    if (!take(x0, y0, k_least_step)) reckon_all(x0, y0);
+        }
+    for (std::uint32_t i = 0; i < direct_.size(); ++i)
+        if (direct_[i]) reckoned_.push_back(i);
+}
+
+// The far rows and columns are the next blocks' as well, but of the last ones.
+void SparsePixels::reckon_all(int x0, int y0)
+{
+    for (int y = y0; y < y0 + k_least_step; ++y)
+        for (int x = x0; x < x0 + k_least_step; ++x)
+            if (const std::int32_t i = at_[place_of(x, y)]; i >= 0) direct_[static_cast<std::size_t>(i)] = 1;
+}
+
+template <class Value>
+void SparsePixels::fill_blocks(Value* values) const
+{
+    const auto point = [&](int x, int y) { return static_cast<std::size_t>(at_[place_of(x, y)]); };
+    for (const Block& b : blocks_) {
+        const Value low0 = values[point(b.x0, b.y0)], low1 = values[point(b.x1, b.y0)],
+                    high0 = values[point(b.x0, b.y1)], high1 = values[point(b.x1, b.y1)];
+        const float per_x = 1 / static_cast<float>(b.x1 - b.x0), per_y = 1 / static_cast<float>(b.y1 - b.y0);
+        for (int y = b.y0; y <= b.y1; ++y) {
+            const float v = static_cast<float>(y - b.y0) * per_y;
+            const Value left = low0 + v * (high0 - low0), right = low1 + v * (high1 - low1);
+            for (int x = b.x0; x <= b.x1; ++x) {
+                const std::size_t i = point(x, y);
+                if (direct_[i]) continue;
+                values[i] = left + static_cast<float>(x - b.x0) * per_x * (right - left);
+            }
+        }
+    }
+}
+
+void SparsePixels::fill(glm::vec3* values) const
+{
+    fill_blocks(values);
+}
+
+void SparsePixels::fill(float* values) const
+{
+    fill_blocks(values);
+}
+
+}   // namespace gnomon::irradiance_cache

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lighting/diffuse.h"
+
+namespace gnomon::lighting {
+
+glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGeometry& geometry,
+                                  std::uint32_t triangle, float u, float v)
+{
+    const scene::Mesh& mesh = *geometry.mesh;
+    const glm::uvec3 index = mesh.triangles[triangle];
+    const scene::Material& material = scene.materials[mesh.part_of(triangle).material];
+    if (material.model == scene::ShadingModel::unlit) return glm::vec3(0);
+    const float w = std::max(0.0f, 1 - u - v);
+    const auto look_up = [&](const scene::TextureUse& use) {
+        const auto& t = mesh.texcoords[use.texcoord];
+        return scene.textures[use.texture].sample(use.apply(w * t[index[0]] + u * t[index[1]] + v * t[index[2]]), 0);
+    };
+    const auto has = [&](const scene::TextureUse& use) { return use.used() && !mesh.texcoords[use.texcoord].empty(); };
+
+    glm::vec3 diffuse = material.base_color;
+    if (has(material.base_color_texture)) diffuse *= glm::vec3(look_up(material.base_color_texture));
+    if (material.model == scene::ShadingModel::whitted) return static_cast<float>(k_pi) * diffuse;
+    if (!mesh.colors.empty())
+        diffuse *= glm::vec3(w * mesh.colors[index[0]] + u * mesh.colors[index[1]] + v * mesh.colors[index[2]]);
+    float metallic = material.metallic;
+    if (has(material.metallic_roughness_texture)) metallic *= look_up(material.metallic_roughness_texture).z;
+    return diffuse * ((1 - metallic) * (1 - material.transmission));
+}
+
+}   // namespace gnomon::lighting

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Every verb and every option, as data: the command line, --config, --help, and whatever else speaks of options are
+// made from these two tables and from nothing else.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace gnomon::options {
+
+enum class Verb : std::uint8_t {
+    render,
+    view,
+    info,
+    compare,
+    devices,
+    bench_trace,
+    bench_culling,
+    bench_shadow_textures,
+    bench_indirect,
+    bench_all,
+};
+
+struct VerbInfo {
+    Verb verb;
+    std::string_view name;        // "render", "bench trace"
+    std::string_view arguments;   // as --help shows them
+    int positionals;              // how many arguments that are no options
+    std::string_view summary;
+    bool built;
+};
+
+enum class Kind : std::uint8_t {
+    flag,
+    optional_file,    // a flag that may name a file: --json or --json=FILE
+    integer,          // in low ... high
+    number,           // in low ... high
+    number_or_auto,   // a number, or the word auto
+    text,
+    choice,   // one of `choices`
+    size,     // WxH
+    range,    // A-B
+    chunk,    // I/N
+};
+
+struct Option {
+    std::string_view name{};       // without dashes
+    char letter = 0;               // the short form, if there is one
+    std::string_view argument{};   // as --help shows it; empty for flags
+    Kind kind = Kind::flag;
+    std::string_view fallback{};        // the default, as it would be typed; empty: none, or said in `help`
+    std::string_view choices{};         // "a|b|c"; of text: how values of a list begin, up to a colon
+    std::string_view built_choices{};   // those of them that are built, if not all
+    double low = 0, high = 0;
+    bool repeats = false;
+    bool built = true;
+    std::uint32_t verbs = 0;   // set of bit(Verb)
+    std::string_view group{};
+    std::string_view help{};
+};
+
+constexpr std::uint32_t bit(Verb verb)
+{
+    return 1u << static_cast<unsigned>(verb);
+}
+
+std::span<const VerbInfo> verbs();
+/// In the order in which --help shows them; a verb's options of one group stand together.
+std::span<const Option> options();
+
+/// nullptr if there is none.
+const VerbInfo* find_verb(std::string_view name);
+/// @param name  without dashes
+const Option* find_option(Verb verb, std::string_view name);
+
+/// The value must be what the option wants, and built.
+/// @throws UsageError in one line that says what was expected
+void check_value(const Option& option, const std::string& value);
+
+/// The word most like `word`, or empty if none is near: for "did you mean".
+std::string nearest(std::string_view word, std::span<const std::string> words);
+
+}   // namespace gnomon::options

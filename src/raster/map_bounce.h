@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Bounced light from light maps in the rasterised frame: all of it on the device (light_quadtree/vulkan).
+
+#include "light_quadtree/vulkan/gpu_map_light.h"
+#include "raster/gbuffer.h"
+
+namespace gnomon::raster {
+
+class MapBounce final : public BouncedLight {
+ public:
+    /// @throws MissingError  too little device memory
+    MapBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
+              const light_quadtree::MapLightOptions& options)
+        : light_(device, state, options)
+    {
+    }
+
+    void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) override
+    {
+        light_.map().record(commands, scene, state);
+        count_ = light_.read_count(commands);
+    }
+    void fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
+              const vk::Image& irradiance) override
+    {
+        const light_quadtree::MapSurfaces seen{&surfaces.position, &surfaces.normal, view.size,
+                                               view.eye,           view.pixel_width, view.pixel_spread};
+        light_.record_grid(commands, seen);
+        light_.record_light(commands, seen, irradiance);
+    }
+    FrameCounters::Indirect end_frame() override { return {light_.lights(count_), 0}; }
+
+ private:
+    light_quadtree::GpuMapLight light_;
+    vk::Buffer count_;   // of this frame's clusters
+};
+
+}   // namespace gnomon::raster

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// One frame by rasterisation, with deferred shading:
+//
+//   cull -> ids of opaque surfaces -> per layer: ids of transparent surfaces -> surfaces -> (shadows) -> lights
+//                                                                                -> (bounced light)
+//
+// What is drawn is ids alone (draw and triangle). A compute pass then makes each pixel's surface from its triangle, by
+// the formulas and with the ray cone of the traced frame; so both frames see the same surface, texel and normal, and
+// differ where a ray and the rasteriser disagree about an edge.
+//
+// Transparent surfaces are peeled, nearest first, k_transparent_layers of them, and composed front to back. What is
+// left out, against the traced frame: reflection and refraction (as it with max depth 0), except that what lies behind
+// a transparent surface is seen, straight through it.
+//
+// CPU cost a frame: what moved, and a constant number of passes; no loop over what stands still. A frame depends on the
+// scene, the view and the options alone.
+
+#include "base/image.h"
+#include "gnomon/types.h"
+#include "raster/gbuffer.h"
+#include "raster/raster_shared.h"
+#include "shading/frame_buffers.h"
+
+namespace gnomon::raster {
+
+/// Object + 1 (0: nothing) and triangle of each pixel's nearest surface, as in GBuffer::ids.
+using IdImage = Image<std::uint32_t>;
+
+struct RasterOptions {
+    int samples = 1;                 // per pixel
+    bool layers = false;             // fill all of shading::FrameBuffers, not `color` alone
+    int transparent_layers = 4;      // surfaces in a row that one sees through; the rest of the light is lost
+    std::uint32_t light_batch = 8;   // lights whose shadows are kept at once
+    IdImage* ids = nullptr;          // filled, too: of the first sample
+};
+
+class RasterFrame {
+ public:
+    /// Opens a device and sends the scene there.
+    /// @throws MissingError  no suitable device, or too little memory
+    explicit RasterFrame(const scene::SceneState& state);
+    RasterFrame(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state);
+
+    /// Shadows from now on; null: none.
+    void set_visibility(std::unique_ptr<LightVisibility> visibility) { visibility_ = std::move(visibility); }
+    /// Bounced light from now on; null: ambient light stands in for it.
+    void set_bounced(std::unique_ptr<BouncedLight> bounced) { bounced_ = std::move(bounced); }
+
+    /// Follows one advance() of the state it was made from; takes effect in the next render(). Call once an advance.
+    void update(const scene::SceneState& state);
+
+    /// @throws MissingError      the device has too little memory, or was lost
+    /// @throws InterruptedError  progress returned false
+    FrameCounters render(const scene::SceneState& state, const scene::View& view, const RasterOptions& options,
+                         shading::FrameBuffers& out, const Progress& progress = {});
+
+    const gpu_scene::GpuScene& scene() const { return scene_; }
+    const vk::Device& device() const { return *device_; }
+    /// Of the last frame's passes.
+    const std::vector<vk::PassTiming>& timings() const { return commands_.timings(); }
+
+ private:
+    void make_pipelines();
+    void fit(Size size, const RasterOptions& options, std::size_t lights);
+    void send_frame(const scene::View& view);
+    shared::DrawPush draw_push(const scene::View& view, glm::vec2 offset) const;
+    void draw_ids(const shared::DrawPush& push);
+    void peel(const shared::DrawPush& push, const vk::Image& last_depth, const vk::Image& depth);
+    void draw_groups(vk::Recorder& r, scene::SurfaceClass surface) const;
+    void resolve(const shared::ResolvePush& push);
+    void light(const RasterOptions& options, bool layers);
+    void bounce(const scene::View& view, bool layers);
+    void clear(const vk::Image& image, float value);
+
+    std::shared_ptr<vk::Device> device_;
+    std::shared_ptr<const scene::Scene> described_;
+    gpu_scene::GpuScene scene_;
+    vk::Commands commands_;
+    std::unique_ptr<LightVisibility> visibility_;
+    std::unique_ptr<BouncedLight> bounced_;
+    vk::Pipeline opaque_, masked_, peel_, resolve_, shade_, bounce_;
+    vk::Buffer frame_, environment_, lit_;
+
+    Size size_{};
+    GBuffer surfaces_;
+    vk::Image opaque_ids_, peeled_ids_, opaque_depth_, peel_depth_[2];
+    vk::Image color_, direct_, indirect_, irradiance_, through_, share_, lights_visible_;
+    float unlimited_far_ = 0;   // where an orthographic view without a far plane ends
+};
+
+/// Planes of a view that point inwards, for culling: left, right, bottom, top, near, far.
+void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6]);
+
+}   // namespace gnomon::raster

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef GNOMON_RASTER_SHARED_H
+#define GNOMON_RASTER_SHARED_H
+// What the rasterised frame's shaders share with the host. Layout: scalar.
+
+#include "vk/shared_types.h"
+
+GNOMON_SHARED_BEGIN(raster)
+
+/// Constant over a frame.
+struct RasterFrame {
+    vec3 eye;
+    uint orthographic;
+    vec3 right;   // scaled by half the view's extent, as in View
+    uint width;
+    vec3 up;
+    uint height;
+    vec3 forward;
+    float pixel_spread;
+    float pixel_width;
+    uint background;   // as scene::Background::Kind: color, sky, image
+    uint stand_in;     // ambient light stands in for bounced light
+    vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
+    vec3 ambient;
+    uint environment_width, environment_height;
+    vec3 harmonics[9];
+};
+
+#define GNOMON_BACKGROUND_COLOR 0u
+#define GNOMON_BACKGROUND_SKY 1u
+#define GNOMON_BACKGROUND_IMAGE 2u
+
+/// Of drawing ids.
+struct DrawPush {
+    mat4 clip_from_offset;   // of a point's offset from the eye
+    vec3 eye;
+};
+
+/// Of making surfaces from ids.
+struct ResolvePush {
+    vec2 sample_offset;   // in the pixel
+    float weight;         // of the sample
+    uint first;           // the sample's first layer
+    uint peeled;          // a transparent layer's ids lie over the opaque ones
+    uint last;            // of the sample's layers
+};
+
+/// Of lighting.
+struct ShadePush {
+    uint first_light, light_count;
+    uint shadowed;   // `visibility` counts
+    uint colors;     // add to the picture and, of `layers`, to direct light
+    uint layers;
+    uint first_lit, lit_count;   // of the lights: those whose layers of what is lit are bound; add to them
+    uint lit_pixels;             // from one such layer to the next
+};
+
+/// Of adding bounced light.
+struct BouncePush {
+    uint layers;   // also add to the layer of indirect light
+};
+
+GNOMON_SHARED_END
+#endif

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "raster/visible_bounce.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/check.h"
+#include "irradiance_cache/vulkan/gpu_points.h"
+
+namespace gnomon::raster {
+
+namespace {
+
+constexpr int k_tile = 32;   // pixels a side, asked for together
+
+// Where a point of a triangle lies on it.
+glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
+{
+    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = at - p[0];
+    const float aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
+    const float determinant = aa * bb - ab * ab;
+    if (!(determinant > 0)) return glm::vec2(0);
+    const float u = (glm::dot(a, c) * bb - glm::dot(b, c) * ab) / determinant;
+    const float v = (glm::dot(b, c) * aa - glm::dot(a, c) * ab) / determinant;
+    return glm::clamp(glm::vec2(u, v), 0.0f, 1.0f);
+}
+
+}   // namespace
+
+VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
+                             const ray::RayScene& rays, const irradiance_cache::VisibleOptions& options, bool on_device,
+                             Tasks& tasks)
+    : device_(device),
+      rays_(rays),
+      tasks_(tasks),
+      light_(state, rays, options, tasks),
+      scratch_(static_cast<std::size_t>(tasks.threads()))
+{
+    if (!on_device) return;
+    auto points = std::make_unique<irradiance_cache::GpuPoints>(device);
+    on_device_ = points.get();
+    light_.set_engine(std::move(points));
+}
+
+void VisibleBounce::update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state)
+{
+    using ray::DeviceRays;
+    if (on_device_ && on_device_->rays()) {
+        on_device_->rays()->update(commands, scene, state);
+    } else if (on_device_ && DeviceRays::supported(*device_)) {
+        commands.submit();   // it builds from the scene as it is on the device
+        on_device_->trace_with(std::make_unique<DeviceRays>(device_, scene, state, &rays_), scene);
+    }
+    light_.begin_frame(state, rays_, tasks_);
+    batches_.clear();
+    for (std::size_t t = 0; t < scratch_.size(); ++t) batches_.push_back(light_.make_batch());
+}
+
+void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
+                         const vk::Image& irradiance)
+{
+    const vk::Buffer positions = commands.read_back(surfaces.position), normals = commands.read_back(surfaces.normal),
+                     geometric = commands.read_back(surfaces.geometric), diffuse = commands.read_back(surfaces.diffuse),
+                     ids = commands.read_back(surfaces.ids);
+    commands.submit();
+
+    // Light the surfaces, tile by tile, as the traced frame does.
+    const int width = view.size.width, height = view.size.height;
+    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    arrives_.assign(pixels, glm::vec4(0));
+    const std::span<const glm::vec4> at = positions.as<glm::vec4>(), shading = normals.as<glm::vec4>(),
+                                     faces = geometric.as<glm::vec4>(), colors = diffuse.as<glm::vec4>();
+    const std::span<const glm::uvec2> id = ids.as<glm::uvec2>();
+    const int columns = (width + k_tile - 1) / k_tile, rows = (height + k_tile - 1) / k_tile;
+    std::vector<int> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    std::iota(tiles.begin(), tiles.end(), 0);
+    const auto light_tile = [&](int tile, int w) {
+        Scratch& own = scratch_[static_cast<std::size_t>(w)];
+        own.points.clear(), own.pixels.clear();
+        const int x0 = tile % columns * k_tile, y0 = tile / columns * k_tile;
+        for (int y = y0; y < std::min(y0 + k_tile, height); ++y)
+            for (int x = x0; x < std::min(x0 + k_tile, width); ++x) {
+                const std::size_t i =
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+                const bool unlit = static_cast<std::uint32_t>(colors[i].w) == GNOMON_MODEL_UNLIT;
+                if (id[i].x == 0 || unlit || glm::vec3(colors[i]) == glm::vec3(0)) continue;
+                irradiance_cache::IndirectPoint& point = own.points.emplace_back();
+                point.position = glm::vec3(at[i]);
+                point.geometric_normal = glm::vec3(faces[i]);
+                point.normal = glm::vec3(shading[i]);
+                point.object = id[i].x - 1;
+                point.triangle = id[i].y;
+                glm::vec3 corners[3];
+                rays_.geometry(point.object).corners(point.triangle, corners);
+                const glm::vec2 place = barycentric(corners, point.position);
+                point.u = place.x, point.v = place.y;
+                const float distance = glm::length(point.position - view.eye);
+                point.width = view.pixel_width + distance * view.pixel_spread;
+                point.to_viewer = view.orthographic ? -view.forward : (view.eye - point.position) / distance;
+                own.pixels.push_back(static_cast<std::uint32_t>(i));
+            }
+        own.light.resize(own.points.size());
+        if (!light_.shade(*batches_[static_cast<std::size_t>(w)], own.points, own.light.data())) return false;
+        for (std::size_t k = 0; k < own.pixels.size(); ++k) arrives_[own.pixels[k]] = glm::vec4(own.light[k], 0);
+        return true;
+    };
+    // With an engine, tiles want points first, and have light once it made theirs.
+    while (!tiles.empty()) {
+        std::vector<std::uint8_t> done(tiles.size());
+        tasks_.for_each(tiles.size(), [&](std::size_t k, int w) { done[k] = light_tile(tiles[k], w) ? 1 : 0; });
+        std::size_t left = 0;
+        for (std::size_t k = 0; k < tiles.size(); ++k)
+            if (!done[k]) tiles[left++] = tiles[k];
+        tiles.resize(left);
+        if (left > 0) light_.light_waiting(batches_, tasks_);
+    }
+
+    // Send what arrives.
+    if (sent_.bytes() != pixels * sizeof(glm::vec4))
+        sent_ = vk::Buffer(device_, "bounced light", pixels * sizeof(glm::vec4));
+    const vk::Upload upload = vk::upload_of(sent_, std::span<const glm::vec4>(arrives_));
+    commands.upload("send bounced light", {&upload, 1});
+    commands.pass("bounced light to image")
+        .reads(sent_, vk::Use::copy_source)
+        .writes(irradiance, vk::Use::copy_target)
+        .copy([&](vk::Recorder& r) {
+            VkBufferImageCopy all{};
+            all.imageSubresource = {irradiance.aspect(), 0, 0, 1};
+            all.imageExtent = {irradiance.width(), irradiance.height(), 1};
+            r.copy(sent_, irradiance, {&all, 1});
+        });
+}
+
+FrameCounters::Indirect VisibleBounce::end_frame()
+{
+    light_.end_frame(batches_);
+    return {light_.counters().nodes, light_.counters().rays, on_device_ != nullptr, on_device_ && on_device_->traces()};
+}
+
+}   // namespace gnomon::raster

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// Construction: which triangles go where.
+#include <algorithm>
+
+#include "ray/embree/impl.h"
+#include "ray/embree/packets.h"
+
+namespace gnomon::ray {
+
+namespace {
+
+// A mesh that this many static objects share, with at least so many triangles in all, is kept once and instanced;
+// below, flattened copies trace faster than instances.
+constexpr std::size_t k_instancing_copies = 8;
+constexpr std::size_t k_instancing_triangles = 1u << 20;
+
+}   // namespace
+
+glm::mat3 normal_matrix(const glm::mat4& m)
+{
+    const glm::mat3 linear(m);
+    const glm::mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                             glm::cross(linear[0], linear[1]));
+    return glm::determinant(linear) < 0 ? -1.0f * cofactor : cofactor;
+}
+
+bool mirrors(const glm::dmat4& m)
+{
+    return glm::determinant(glm::dmat3(m)) < 0;
+}
+
+Meeting meeting_by(const glm::mat4& m)
+{
+    if (!has_volume(m)) return Meeting::never;
+    return stray_of(m) <= k_true_stray ? Meeting::truly : Meeting::roughly;
+}
+
+SceneHandle RayScene::Inside::new_scene(RTCBuildQuality quality, unsigned flags) const
+{
+    SceneHandle handle(rtcNewScene(device.get()));
+    rtcSetSceneFlags(handle.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | flags));
+    rtcSetSceneBuildQuality(handle.get(), quality);
+    return handle;
+}
+
+void RayScene::Inside::build(const scene::SceneState& state)
+{
+    scene = state.shared_scene();
+    width = packet_width();
+    geometry.resize(scene->objects.size());
+    still_ids.resize(scene->objects.size());
+    solid_of_group.assign(scene->groups.size(), scene::none);
+    solid_of_object.assign(scene->objects.size(), scene::none);
+    still = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+    moving = new_scene(RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC);
+
+    // Decide which static meshes are worth keeping once.
+    std::vector<std::size_t> copies(scene->meshes.size(), 0);
+    for (const scene::Object& object : scene->objects) copies[object.mesh] += !object.dynamic;
+    const auto instanced = [&](const scene::Object& object) {
+        const std::size_t n = copies[object.mesh];
+        return !object.deforming && n >= k_instancing_copies &&
+               n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles &&
+               meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // flat ones are met where they lie
+    };
+
+    // How far does everything static reach?
+    std::vector<Box3> mesh_box(scene->meshes.size());
+    for (const scene::Object& object : scene->objects) {
+        if (object.dynamic) continue;
+        Box3& box = mesh_box[object.mesh];
+        if (box.empty()) box = scene->meshes[object.mesh].bounds();
+        const float reach = reach_of(box, glm::mat4(state.world(object.node)));
+        if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
+    }
+
+    // Flattened objects first: their geometry ids are the records' indices.
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (!scene->objects[o].dynamic && !instanced(scene->objects[o])) add_still(state, o);
+    first_instance = static_cast<unsigned>(still_records.size());
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (!scene->objects[o].dynamic && instanced(scene->objects[o])) add_still_instance(state, o);
+    device.commit(still.get());
+    device.check();
+
+    for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    const float reach = present_reach();
+    for (std::uint32_t s = 0; s < solids.size(); ++s) {
+        solids[s].margin = margin_of(reach, solids[s].to_world);
+        finish(s, state);
+    }
+    device.commit(moving.get());
+    device.check();
+}
+
+void RayScene::Inside::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)
+{
+    vertices.bake(mesh.positions, mesh.normals, mesh.tangents, matrix);
+    baked_bytes += vertices.bytes();
+}
+
+// What shading needs to know about an object.
+void RayScene::Inside::describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid,
+                                bool mirrored)
+{
+    ObjectGeometry& g = geometry[object];
+    g.mesh = &scene->meshes[scene->objects[object].mesh];
+    g.positions = vertices.positions.data();
+    g.normals = vertices.normals.empty() ? nullptr : vertices.normals.data();
+    g.tangents = vertices.tangents.empty() ? nullptr : vertices.tangents.data();
+    g.to_world = solid ? &solid->to_world : nullptr;
+    g.normal_to_world = solid ? &solid->normal_to_world : nullptr;
+    g.mirrored = mirrored;
+}
+
+void RayScene::Inside::add_still(const scene::SceneState& state, scene::ObjectId o)
+{
+    const scene::Object& object = scene->objects[o];
+    const scene::Mesh& mesh = scene->meshes[object.mesh];
+    const glm::dmat4& world = state.world(object.node);
+    BakedVertices& vertices = still_vertices.emplace_back();
+    if (object.deforming) {   // a morph that stands still
+        const scene::DeformedMesh& shape = state.deformed(o);
+        vertices.bake(shape.positions, shape.normals, shape.tangents,
+                      object.skin != scene::none ? glm::dmat4(1) : world);
+        baked_bytes += vertices.bytes();
+    } else {
+        bake(vertices, mesh, world);
+    }
+    const bool mirrored = mirrors(world);
+    describe(o, vertices, nullptr, mirrored);
+    statistics.static_triangles += mesh.triangles.size();
+    if (!state.object_visible(o)) return;
+    const auto first = static_cast<unsigned>(still_records.size());
+    attach_object(device.get(), still.get(), *scene, o, vertices, mirrored, still_records);
+    for (auto id = first; id < still_records.size(); ++id) still_ids[o].push_back(id);
+}
+
+void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene::ObjectId o)
+{
+    const scene::Object& object = scene->objects[o];
+    const scene::Mesh& mesh = scene->meshes[object.mesh];
+    std::unique_ptr<Solid>& shared = shared_meshes[object.mesh];
+    if (!shared) {
+        shared = std::make_unique<Solid>();
+        shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+        bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
+        attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
+        // One tree for all: what the most shrunken of them needs, with room for rays from where movers go.
+        constexpr float k_room = 4;
+        shared->box = box_of(shared->vertices.front().positions, mesh);
+        for (const scene::Object& other : scene->objects)
+            if (const glm::mat4 there(state.world(other.node));
+                !other.dynamic && other.mesh == object.mesh && meeting_by(there) == Meeting::truly)
+                shared->margin = std::max(shared->margin, margin_of(k_room * still_reach, there));
+        shared->attach_margin(device.get());
+        device.commit(shared->tree.get());
+    }
+    const glm::dmat4& world = state.world(object.node);
+    const unsigned id = first_instance + static_cast<unsigned>(still_instances.size());
+    Placed& placed = still_instances.emplace_back();
+    placed = {o, shared.get(), glm::mat4(world), normal_matrix(glm::mat4(world))};
+    describe(o, shared->vertices.front(), nullptr, mirrors(world));
+    geometry[o].to_world = &placed.to_world;
+    geometry[o].normal_to_world = &placed.normal_to_world;
+    statistics.static_triangles += mesh.triangles.size();
+    if (!has_volume(placed.to_world) || !state.object_visible(o)) return;
+    const GeometryHandle instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(instance.get(), shared->tree.get());
+    rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &placed.to_world);
+    rtcSetGeometryMask(instance.get(), k_mask_seen | k_mask_blocks);
+    rtcCommitGeometry(instance.get());
+    rtcAttachGeometryByID(still.get(), instance.get(), id);
+    still_ids[o].push_back(id);
+}
+
+// Objects that move as one share a tree, in the space of the node that moves them.
+void RayScene::Inside::add_group(const scene::SceneState& state, scene::GroupId g)
+{
+    const scene::RigidGroup& group = scene->groups[g];
+    solid_of_group[g] = static_cast<std::uint32_t>(solids.size());
+    Solid& solid = solids.emplace_back();
+    solid.anchor = group.anchor;
+    solid.tree = new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE);
+    for (const scene::ObjectId o : group.objects) {
+        glm::dmat4 relative(1);
+        for (scene::NodeId n = scene->objects[o].node; n != group.anchor; n = scene->nodes[n].parent)
+            relative = scene->nodes[n].local * relative;
+        const scene::Mesh& mesh = scene->meshes[scene->objects[o].mesh];
+        BakedVertices& vertices = solid.vertices.emplace_back();
+        bake(vertices, mesh, relative);
+        attach_object(device.get(), solid.tree.get(), *scene, o, vertices, mirrors(relative), solid.records);
+        describe(o, vertices, &solid, mirrors(relative));
+        solid.box.add(box_of(vertices.positions, mesh));
+        solid.objects.push_back(o);
+    }
+    solid.to_world = glm::mat4(state.world(solid.anchor));
+    measure(solid, state);
+}
+
+// Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the frame in which
+// it was first seen. (A geometry of quality `refit` is built when it is committed for the first time.)
+void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId o)
+{
+    const scene::Object& object = scene->objects[o];
+    const scene::Mesh& mesh = scene->meshes[object.mesh];
+    solid_of_object[o] = static_cast<std::uint32_t>(solids.size());
+    Solid& solid = solids.emplace_back();
+    solid.anchor = object.skin != scene::none ? scene::none : object.node;
+    solid.deforming = object.deforming;
+    solid.objects.push_back(o);
+    BakedVertices& vertices = solid.vertices.emplace_back();
+    bake(vertices, mesh, glm::dmat4(1));
+    solid.has_points_at_rest = solid.sorted_anew = object.deforming && has_points(vertices.positions, mesh);
+    make_tree_of_one(solid);
+    describe(o, vertices, &solid, false);
+    solid.box = box_of(object.deforming ? state.deformed(o).positions : vertices.positions, mesh);
+    solid.to_world = solid.anchor == scene::none ? glm::mat4(1) : glm::mat4(state.world(solid.anchor));
+    measure(solid, state);
+}
+
+// The tree of a solid that is one object, to be committed: refitted from frame to frame if it deforms, but where that
+// cannot be.
+void RayScene::Inside::make_tree_of_one(Solid& solid)
+{
+    const bool refitted = solid.deforming && !solid.sorted_anew;
+    solid.margin_geometry = {};
+    solid.tree = new_scene(refitted ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM,
+                           refitted ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
+    solid.records.clear();
+    attach_object(device.get(), solid.tree.get(), *scene, solid.objects.front(), solid.vertices.front(), false,
+                  solid.records, refitted ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
+}
+
+// What others' margins depend on.
+void RayScene::Inside::measure(Solid& solid, const scene::SceneState& state)
+{
+    solid.visible = state.object_visible(solid.objects.front());
+    solid.meeting = meeting_by(solid.to_world);
+    solid.has_volume = solid.meeting != Meeting::never;
+    solid.reach = reach_of(solid.box, solid.to_world);
+}
+
+// Builds a solid's tree, whose box depends on how far everything reaches, and places it.
+void RayScene::Inside::finish(std::uint32_t s, const scene::SceneState& state)
+{
+    Solid& solid = solids[s];
+    solid.attach_margin(device.get());
+    device.commit(solid.tree.get());
+    if (solid.deforming) refit(solid, state);
+    solid.instance = GeometryHandle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
+    rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
+    rtcAttachGeometryByID(moving.get(), solid.instance.get(), s);
+    place(solid, state);
+    show(solid, state.object_visible(solid.objects.front()));
+}
+
+void RayScene::Inside::build_one_tree()
+{
+    one = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
+    unsigned past_still = 0;
+    for (const std::vector<unsigned>& ids : still_ids)
+        for (const unsigned id : ids) {
+            rtcAttachGeometryByID(one.get(), rtcGetGeometry(still.get(), id), id);
+            past_still = std::max(past_still, id + 1);
+        }
+    for (unsigned s = 0; s < solids.size(); ++s)
+        rtcAttachGeometryByID(one.get(), solids[s].instance.get(), past_still + s);
+    device.commit(one.get());
+    device.check();
+}
+
+}   // namespace gnomon::ray

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ray/embree/embree.h"
+
+#include <fmt/format.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "gnomon/error.h"
+
+namespace gnomon::ray {
+
+struct EmbreeDevice::Arena {
+    tbb::task_arena one_thread{1};
+};
+
+EmbreeDevice::EmbreeDevice() : arena_(std::make_unique<Arena>()), device_(rtcNewDevice("set_affinity=0"))
+{
+    if (!device_) {
+        const RTCError error = rtcGetDeviceError(nullptr);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw MissingError("not enough memory for the ray tracer to start");
+        throw MissingError(fmt::format("Embree does not start (error {})", static_cast<int>(error)));
+    }
+    rtcSetDeviceMemoryMonitorFunction(device_, &EmbreeDevice::count_memory, this);
+}
+
+EmbreeDevice::~EmbreeDevice()
+{
+    rtcReleaseDevice(device_);
+}
+
+bool EmbreeDevice::count_memory(void* self, ssize_t bytes, bool)
+{
+    static_cast<EmbreeDevice*>(self)->bytes_ += static_cast<std::size_t>(bytes);
+    return true;
+}
+
+void EmbreeDevice::commit(RTCScene scene) const
+{
+    arena_->one_thread.execute([scene] { rtcCommitScene(scene); });
+}
+
+void EmbreeDevice::check() const
+{
+    const RTCError error = rtcGetDeviceError(device_);
+    if (error == RTC_ERROR_NONE) return;
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw MissingError("not enough memory for the ray tracing trees");
+    throw InternalError(fmt::format("Embree reports error {}", static_cast<int>(error)));
+}
+
+}   // namespace gnomon::ray

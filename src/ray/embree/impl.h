@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What a RayScene is made of. Private to this folder: construction is in build.cpp, what happens from frame to frame in
+// update.cpp, questions are in ray_scene.cpp.
+//
+// Two trees of everything: `still`, where geometries carry world-space vertices (or are instances of meshes that many
+// objects share), and `moving`, where each solid is an instance of a tree of its own. An object is in one of them.
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "ray/embree/embree.h"
+#include "ray/embree/solid.h"
+#include "ray/kdtree/kdtree.h"
+#include "ray/ray_scene.h"
+#include "ray/traceable.h"
+
+namespace gnomon::ray {
+
+/// A tree of its own, placed in the world by an instance: a rigid group, or one object.
+struct Solid {
+    SceneHandle tree;
+    GeometryHandle instance;
+    std::deque<GeometryRecord> records;   // by geometry id
+    std::deque<BakedVertices> vertices;
+    std::vector<scene::ObjectId> objects;
+    scene::NodeId anchor = scene::none;   // whose world matrix places it; none: a skin, already in the world
+    bool deforming = false;
+    bool has_points_at_rest = false, sorted_anew = false;   // deforming: has_points(); no tree that is refitted
+
+    // Around its triangles, in the tree's space; and what makes that larger (margin.cpp).
+    Box3 box;
+    float reach = 0;                             // largest coordinate of anything of it in the world
+    float margin = 0;                            // in the tree's space
+    std::array<glm::vec3, 4> margin_corners{};   // two, padded
+    GeometryHandle margin_geometry;
+    /// After all others. @pre box and margin
+    void attach_margin(RTCDevice device);
+    /// The tree and its instance are to be committed afterwards.
+    void set_margin(float wanted);
+
+    glm::mat4 to_world{1};
+    glm::mat3 normal_to_world{1};
+    bool mirrored = false;   // by to_world
+    bool visible = true;     // as the scene has it
+    Meeting meeting = Meeting::truly;
+    bool has_volume = true;         // to_world can be inverted; what is squeezed flat is met by no ray
+    bool enabled = true;            // in the tree: visible and with volume
+    std::uint64_t touched_at = 0;   // the update that last touched it
+};
+
+/// Of what a matrix places.
+Meeting meeting_by(const glm::mat4& m);
+/// Largest coordinate of a placed box, and of its place.
+float reach_of(const Box3& box, const glm::mat4& to_world);
+/// How much larger the box of what is placed must be, in its own space, where coordinates reach so far.
+float margin_of(float reach, const glm::mat4& to_world);
+/// Around all that can be met.
+Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
+/// Whether some triangle lies in one point. Embree ends the program where it refits a tree and meets a branch in one
+/// point; trees that are sorted anew may have them.
+bool has_points(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
+/// Whether all vertices are where Embree takes them.
+bool can_be_met(const std::vector<glm::vec3>& positions);
+
+/// A static object that is an instance of a shared mesh.
+struct Placed {
+    scene::ObjectId object = scene::none;
+    const Solid* shared = nullptr;
+    glm::mat4 to_world{1};
+    glm::mat3 normal_to_world{1};
+};
+
+/// The object and its mesh's triangle behind Embree's numbers.
+struct Met {
+    scene::ObjectId object;
+    std::uint32_t triangle;
+};
+
+struct RayScene::Inside {
+    EmbreeDevice device;
+    std::shared_ptr<const scene::Scene> scene;
+    int width = 8;
+
+    // Everything static.
+    SceneHandle still;
+    std::deque<GeometryRecord> still_records;   // by geometry id
+    std::deque<BakedVertices> still_vertices;
+    std::unordered_map<scene::MeshId, std::unique_ptr<Solid>> shared_meshes;
+    std::deque<Placed> still_instances;   // by geometry id - first_instance
+    unsigned first_instance = 0;
+    std::vector<std::vector<unsigned>> still_ids;   // by object: its geometry ids in `still`
+
+    float still_reach = 0;   // largest coordinate
+
+    // What moves.
+    SceneHandle moving;
+    std::deque<Solid> solids;   // by instance id in `moving`
+    std::vector<std::uint32_t> solid_of_group, solid_of_object;
+    std::uint32_t lifted = 0;   // static objects, by hand
+
+    SceneHandle one;   // both, for comparison; mostly absent
+
+    std::unique_ptr<CountingKdTree> kdtree;   // answers instead; mostly absent
+    struct Sums {
+        std::atomic<std::uint64_t> nodes{0}, tests{0};
+    };
+    mutable std::array<Sums, k_ray_classes> kdtree_sums;   // by RayClass, of this frame
+
+    std::vector<ObjectGeometry> geometry;
+    RaySceneStatistics statistics;
+    std::uint64_t updates = 0;
+    std::size_t baked_bytes = 0;
+
+    // kdtree_queues.cpp
+    void closest_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
+                           Against against) const;
+    void blocked_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
+                           Against against) const;
+    void add_to_kdtree_sums(RayClass purpose, const KdCounts& counts) const;
+
+    // build.cpp
+    void build(const scene::SceneState& state);
+    void add_still(const scene::SceneState& state, scene::ObjectId object);
+    void add_still_instance(const scene::SceneState& state, scene::ObjectId object);
+    void add_group(const scene::SceneState& state, scene::GroupId group);
+    /// A deforming object, or one that somebody took out of its surroundings by hand.
+    void add_alone(const scene::SceneState& state, scene::ObjectId object);
+    static void measure(Solid& solid, const scene::SceneState& state);
+    void finish(std::uint32_t solid, const scene::SceneState& state);
+    void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
+    void bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix);
+    void build_one_tree();
+    SceneHandle new_scene(RTCBuildQuality quality, unsigned flags) const;
+
+    // margin.cpp
+    float present_reach() const;
+    /// Before the movers' top level is built again.
+    void follow_margins();
+
+    // ray_scene.cpp
+    Met met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const;
+
+    // update.cpp
+    void update(const scene::SceneState& state);
+    void place(Solid& solid, const scene::SceneState& state);
+    void show(Solid& solid, bool visible);
+    void make_tree_of_one(Solid& solid);
+    void refit(Solid& solid, const scene::SceneState& state);
+    bool lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates);
+    bool rides_along(const scene::SceneState& state, scene::ObjectId object) const;
+    std::uint32_t solid_of(scene::ObjectId object) const;
+};
+
+/// Inverse transpose up to a positive factor; exists for flattening matrices too.
+glm::mat3 normal_matrix(const glm::mat4& m);
+bool mirrors(const glm::dmat4& m);
+
+}   // namespace gnomon::ray

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// From frame to frame: what moved is placed anew, what deformed is refitted, and the movers' top level is rebuilt.
+#include <algorithm>
+
+#include "base/bits.h"
+#include "ray/embree/impl.h"
+
+namespace gnomon::ray {
+
+void RayScene::Inside::update(const scene::SceneState& state)
+{
+    const scene::FrameChanges& changes = state.changes();
+    ++updates;
+    statistics.touched = 0;
+    const auto touch = [&](std::uint32_t s) -> Solid& {
+        Solid& solid = solids[s];
+        statistics.touched += solid.touched_at != updates;
+        solid.touched_at = updates;
+        return solid;
+    };
+
+    // What somebody moved by hand leaves its surroundings.
+    bool regrouped = lift_out(state, changes.moved);
+    regrouped = lift_out(state, changes.appeared) || regrouped;
+
+    // Place what moved. What appears may have moved unseen.
+    for (const scene::GroupId g : changes.groups_moved) place(touch(solid_of_group[g]), state);
+    for (const auto* list : {&changes.moved, &changes.appeared})
+        for (const scene::ObjectId o : *list)
+            if (solid_of_object[o] != scene::none) place(touch(solid_of_object[o]), state);
+
+    // Refit what deformed.
+    for (const scene::ObjectId o : changes.deformed)
+        if (solid_of_object[o] != scene::none) refit(touch(solid_of_object[o]), state);
+
+    for (const scene::ObjectId o : changes.vanished)
+        if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), false);
+    for (const scene::ObjectId o : changes.appeared)
+        if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), true);
+
+    // Rebuild the movers' small top level, and nothing else.
+    if (statistics.touched > 0 || regrouped) follow_margins();
+    if (statistics.touched > 0) device.commit(moving.get());
+    if (one.get() && regrouped)
+        build_one_tree();
+    else if (one.get() && statistics.touched > 0)
+        device.commit(one.get());
+    device.check();
+}
+
+void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
+{
+    const scene::DeformedMesh& shape = state.deformed(solid.objects.front());
+    const scene::Mesh& mesh = *geometry[solid.objects.front()].mesh;
+    BakedVertices& vertices = solid.vertices.front();
+    baked_bytes -= vertices.bytes();   // counted again below
+    if (const bool anew = solid.has_points_at_rest || has_points(shape.positions, mesh); anew != solid.sorted_anew) {
+        solid.sorted_anew = anew;
+        vertices.bake(mesh.positions, mesh.normals, mesh.tangents, glm::dmat4(1));   // refitted from rest, again
+        make_tree_of_one(solid);
+        solid.attach_margin(device.get());
+        if (!anew) device.commit(solid.tree.get());
+        if (solid.instance.get()) rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
+    }
+    std::copy(shape.positions.begin(), shape.positions.end(), vertices.positions.begin());
+    vertices.normals = shape.normals;
+    vertices.tangents = shape.tangents;
+    baked_bytes += vertices.bytes();
+    describe(solid.objects.front(), vertices, &solid, solid.mirrored);
+    for (unsigned id = 0; id < solid.records.size(); ++id) {
+        RTCGeometry part = rtcGetGeometry(solid.tree.get(), id);
+        rtcUpdateGeometryBuffer(part, RTC_BUFFER_TYPE_VERTEX, 0);
+        rtcCommitGeometry(part);
+    }
+    solid.box = box_of(shape.positions, mesh);
+    solid.reach = reach_of(solid.box, solid.to_world);
+    solid.set_margin(solid.margin);
+    // A refitted tree with vertices that are no numbers has a box that is none: it must not be sorted among others.
+    if (can_be_met(shape.positions))
+        rtcEnableGeometry(solid.margin_geometry.get());
+    else
+        rtcDisableGeometry(solid.margin_geometry.get());
+    device.commit(solid.tree.get());
+    if (solid.instance.get()) rtcCommitGeometry(solid.instance.get());
+}
+
+void RayScene::Inside::place(Solid& solid, const scene::SceneState& state)
+{
+    solid.to_world = solid.anchor == scene::none ? glm::mat4(1) : glm::mat4(state.world(solid.anchor));
+    solid.normal_to_world = normal_matrix(solid.to_world);
+    if (const bool mirrored = mirrors(solid.to_world); mirrored != solid.mirrored) {
+        solid.mirrored = mirrored;
+        for (const scene::ObjectId o : solid.objects) geometry[o].mirrored = !geometry[o].mirrored;
+    }
+    solid.reach = reach_of(solid.box, solid.to_world);
+    solid.meeting = meeting_by(solid.to_world);
+    solid.has_volume = solid.meeting != Meeting::never;
+    if (solid.has_volume)
+        rtcSetGeometryTransform(solid.instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &solid.to_world);
+    show(solid, solid.visible);
+    rtcCommitGeometry(solid.instance.get());
+}
+
+void RayScene::Inside::show(Solid& solid, bool visible)
+{
+    solid.visible = visible;
+    const bool enable = visible && solid.has_volume;
+    if (enable == solid.enabled) return;
+    solid.enabled = enable;
+    if (enable)
+        rtcEnableGeometry(solid.instance.get());
+    else
+        rtcDisableGeometry(solid.instance.get());
+}
+
+std::uint32_t RayScene::Inside::solid_of(scene::ObjectId o) const
+{
+    if (solid_of_object[o] != scene::none) return solid_of_object[o];
+    const scene::GroupId g = scene->objects[o].group;
+    return g != scene::none ? solid_of_group[g] : scene::none;
+}
+
+// Whether an object is where its group takes it. The state multiplies the same matrices in the same order: equal bits.
+bool RayScene::Inside::rides_along(const scene::SceneState& state, scene::ObjectId o) const
+{
+    const scene::NodeId anchor = scene->groups[scene->objects[o].group].anchor;
+    const auto expected = [&](const auto& self, scene::NodeId n) -> glm::dmat4 {
+        return n == anchor ? state.world(n) : self(self, scene->nodes[n].parent) * scene->nodes[n].local;
+    };
+    const scene::NodeId node = scene->objects[o].node;
+    const glm::dmat4 by_group = expected(expected, node);
+    return same_bits(by_group, state.world(node));
+}
+
+// Static objects that move, and passengers that move against their group, become solids of their own, for good.
+// @return whether there were any
+bool RayScene::Inside::lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates)
+{
+    bool still_changed = false, any = false;
+    for (const scene::ObjectId o : candidates) {
+        if (solid_of_object[o] != scene::none) continue;
+        const scene::GroupId g = scene->objects[o].group;
+        if (g == scene::none) {
+            for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
+            still_ids[o].clear();
+            statistics.static_triangles -= geometry[o].mesh->triangles.size();
+            still_changed = true;
+            ++lifted;
+        } else if (!rides_along(state, o)) {
+            Solid& group = solids[solid_of_group[g]];
+            for (unsigned id = 0; id < group.records.size(); ++id)
+                if (group.records[id].object == o) rtcDetachGeometry(group.tree.get(), id);
+            std::erase(group.objects, o);
+            device.commit(group.tree.get());
+            rtcCommitGeometry(group.instance.get());
+        } else {
+            continue;
+        }
+        add_alone(state, o);
+        finish(solid_of_object[o], state);
+        any = true;
+    }
+    if (still_changed) device.commit(still.get());
+    return any;
+}
+
+}   // namespace gnomon::ray

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// From the near end of a ray to its far end through one tree, conservatively: distances to planes are rounded outwards,
+// so that no leaf is missed which the ray touches.
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "ray/kdtree/part.h"
+
+namespace gnomon::ray {
+
+// Three roundings (difference, reciprocal, product) and room to spare.
+inline constexpr float k_plane_slack = 8 * 0x1p-24f;
+// A grazing hit's distance is less exact than that of a plane: only hits nearer by this share end the walk.
+inline constexpr float k_hit_slack = 1e-5f;
+
+struct KdRay {
+    glm::vec3 origin, direction, inverse;   // inverse: 0 where the ray does not leave its plane of that axis
+    float tnear, tfar;
+
+    KdRay(const glm::vec3& from, float near_distance, const glm::vec3& along, float far_distance)
+        : origin(from), direction(along), tnear(near_distance), tfar(far_distance)
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            const float r = 1 / along[axis];
+            inverse[axis] = std::isfinite(r) ? r : 0;
+        }
+    }
+};
+
+inline float rounded_down(float t)
+{
+    return t - k_plane_slack * std::abs(t);
+}
+inline float rounded_up(float t)
+{
+    return t + k_plane_slack * std::abs(t);
+}
+
+/// Cuts [low, high] of a ray to a box. @return whether anything is left
+inline bool cut(const KdRay& ray, const Box3& box, float& low, float& high)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (ray.inverse[axis] == 0) {
+            if (ray.origin[axis] < box.low[axis] || ray.origin[axis] > box.high[axis]) return false;
+            continue;
+        }
+        float a = (box.low[axis] - ray.origin[axis]) * ray.inverse[axis];
+        float b = (box.high[axis] - ray.origin[axis]) * ray.inverse[axis];
+        if (a > b) std::swap(a, b);
+        low = std::max(low, rounded_down(a));   // a NaN (infinite t) changes nothing
+        high = std::min(high, rounded_up(b));
+    }
+    return low <= high;
+}
+
+/// Calls leaf(node) for the leaves that a ray touches, nearest first, until it returns true.
+/// @param limit  how far to look; the leaf function may bring it down
+/// @return whether a leaf function did
+template <class Leaf>
+bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& counts, Leaf&& leaf)
+{
+    struct Later {
+        std::uint32_t node;
+        float low, high;
+    };
+    std::array<Later, k_deepest + 1> stack;
+    int waiting = 0;
+    if (part.nodes.empty()) return false;
+    float low = rounded_down(ray.tnear), high = rounded_up(limit);
+    if (!cut(ray, part.box, low, high)) {
+        ++counts.nodes;
+        return false;
+    }
+    std::uint32_t at = 0;
+    for (;;) {
+        const KdNode& node = part.nodes[at];
+        ++counts.nodes;
+        if (node.axis != KdNode::k_leaf) {
+            const float origin = ray.origin[static_cast<int>(node.axis)];
+            const float inverse = ray.inverse[static_cast<int>(node.axis)];
+            const float distance = node.split - origin;
+            const bool from_below = distance > 0 || (distance == 0 && inverse > 0);
+            const std::uint32_t near = from_below ? node.first : node.first + 1;
+            const std::uint32_t far = from_below ? node.first + 1 : node.first;
+            if (inverse == 0) {   // along the plane: what the ray touches is, fattened, on either side
+                at = near;
+                continue;
+            }
+            const float t = distance * inverse;
+            const float t_low = rounded_down(t), t_high = rounded_up(t);
+            if (t_high < 0 || t_low > high) {
+                at = near;
+            } else if (t_high < low) {
+                at = far;
+            } else {
+                stack[static_cast<std::size_t>(waiting++)] = {far, std::max(low, t_low), high};
+                high = std::min(high, t_high);
+                at = near;
+            }
+            continue;
+        }
+        if (leaf(node)) return true;
+        do {
+            if (waiting == 0) return false;
+            const Later& next = stack[static_cast<std::size_t>(--waiting)];
+            at = next.node, low = next.low, high = next.high;
+        } while (low > limit);
+    }
+}
+
+}   // namespace gnomon::ray

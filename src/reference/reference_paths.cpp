@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+// The paths of the reference, many at a time: all rays of one bounce wait in a queue and are traced together.
+#include <algorithm>
+
+#include "base/check.h"
+#include "reference/reference.h"
+
+namespace gnomon::reference {
+
+namespace {
+
+// Batches of a point's samples: their spread gives the error with 15 degrees of freedom, while each is still large
+// enough to profit from even sampling.
+constexpr int k_batches = 16;
+constexpr int k_least_batch = 4;   // smaller ones are not worth it: every sample is then a batch of its own
+constexpr std::size_t k_paths_at_once = 2048;
+constexpr float k_shadow_end = 0.9999f;   // a shadow ray ends this fraction short of its lamp
+
+// Paths that carry little end at random from this bounce on; those that go on make up for it.
+constexpr int k_first_roulette = 4;
+constexpr float k_least_survival = 0.1f;
+
+// Surfaces that do not block light: a ray passes this many, then it is lost.
+constexpr int k_most_passes = 64;
+constexpr float k_least_cosine = 1e-2f;   // at which a ray passes them
+
+constexpr auto k_float_pi = static_cast<float>(k_pi);
+
+int batches_of(int samples)
+{
+    return samples >= k_batches * k_least_batch ? k_batches : samples;
+}
+
+}   // namespace
+
+// Mean and standard error of one point's samples, which come batch by batch.
+class ReferencePaths::Sum {
+ public:
+    explicit Sum(int samples) : samples_(samples), batches_(batches_of(samples)) {}
+
+    int batch_size(int batch) const { return samples_ / batches_ + (batch < samples_ % batches_ ? 1 : 0); }
+    int batches() const { return batches_; }
+    bool complete() const { return batch_ == batches_; }
+
+    void add(const Path& path)
+    {
+        part_[0] += glm::dvec3(path.indirect);
+        part_[1] += glm::dvec3(path.surroundings);
+        if (++in_batch_ < batch_size(batch_)) return;
+        // A batch weighs as much as it has samples.
+        const double weight = static_cast<double>(in_batch_) / samples_;
+        const double mean_of = 1.0 / in_batch_;
+        const glm::dvec3 mean[3] = {mean_of * part_[0], mean_of * part_[1], mean_of * (part_[0] + part_[1])};
+        for (int i = 0; i < 3; ++i) {
+            sum_[i] += weight * mean[i];
+            weighted_[i] += weight * weight * mean[i];
+            square_[i] += weight * weight * mean[i] * mean[i];
+        }
+        weight2_ += weight * weight;
+        part_[0] = part_[1] = glm::dvec3(0);
+        in_batch_ = 0;
+        ++batch_;
+    }
+
+    IrradianceEstimate estimate() const
+    {
+        IrradianceEstimate result;
+        result.indirect = glm::vec3(sum_[0]);
+        result.surroundings = glm::vec3(sum_[1]);
+        result.indirect_error = error(0);
+        result.error = error(2);
+        return result;
+    }
+
+ private:
+    glm::vec3 error(int i) const
+    {
+        if (batches_ < 2) return glm::vec3(0);
+        const glm::dvec3 spread = square_[i] - 2.0 * sum_[i] * weighted_[i] + weight2_ * sum_[i] * sum_[i];
+        return glm::vec3(glm::sqrt(glm::max(spread, glm::dvec3(0)) * (batches_ / (batches_ - 1.0))));
+    }
+
+    int samples_, batches_;
+    int batch_ = 0, in_batch_ = 0;
+    glm::dvec3 part_[2]{glm::dvec3(0), glm::dvec3(0)};   // of the present batch: indirect, surroundings
+    // Over batches: of indirect, surroundings, both.
+    glm::dvec3 sum_[3]{}, weighted_[3]{}, square_[3]{};
+    double weight2_ = 0;
+};
+
+void ReferencePaths::estimate(std::span<const Request> requests, IrradianceEstimate* out)
+{
+    // Fill up paths, run them, and hand them out in the order they were made.
+    std::vector<Sum> sums;
+    sums.reserve(requests.size());
+    for (const Request& request : requests) sums.emplace_back(request.samples);
+    std::size_t reading = 0;
+    paths_.clear();
+    const auto flush = [&] {
+        run_paths();
+        for (const Path& path : paths_) {
+            sums[reading].add(path);
+            if (sums[reading].complete()) ++reading;
+        }
+        paths_.clear();
+    };
+    for (std::size_t r = 0; r < requests.size(); ++r) {
+        GNOMON_CHECK(requests[r].samples >= 1);
+        int sample = 0;
+        for (int b = 0; b < sums[r].batches(); ++b)
+            for (const auto& [u, v] : pattern_.points(sums[r].batch_size(b))) {
+                push_first(requests[r], b, u, v, sample++);
+                if (paths_.size() == k_paths_at_once) flush();
+            }
+    }
+    flush();
+    for (std::size_t r = 0; r < requests.size(); ++r) out[r] = sums[r].estimate();
+}
+
+void ReferencePaths::push_first(const Request& request, int batch, std::uint32_t u, std::uint32_t v, int sample)
+{
+    const IrradiancePoint& point = request.point;
+    const std::uint64_t stream = mix(light_.options_.seed, point.key);
+    const std::uint64_t flip = mix(stream, static_cast<std::uint64_t>(batch));
+    Path& path =
+        paths_.emplace_back(Path{Random(mix(flip, static_cast<std::uint64_t>(sample))), point.position,
+                                 point.position + point.offset * point.geometric_normal, point.geometric_normal,
+                                 point.normal, glm::vec3(1), glm::vec3(0), glm::vec3(0), glm::vec3(0)});
+    path.direction = cosine_direction(point.normal, unit_fraction(u ^ static_cast<std::uint32_t>(flip)),
+                                      unit_fraction(v ^ static_cast<std::uint32_t>(flip >> 32)));
+}
+
+void ReferencePaths::run_paths()
+{
+    counters_.paths += paths_.size();
+    standing_.resize(paths_.size());
+    for (std::uint32_t i = 0; i < paths_.size(); ++i) standing_[i] = i;
+    for (int bounce = 0;; ++bounce) {
+        ask_environment(bounce);
+        if (!trace_on(bounce)) return;
+        ask_lights();
+        choose_directions();
+        if (bounce + 1 < k_first_roulette) continue;
+        std::erase_if(standing_, [&](std::uint32_t i) {
+            Path& path = paths_[i];
+            const float most = std::max({path.weight.x, path.weight.y, path.weight.z});
+            const float survival = std::clamp(most, k_least_survival, 1.0f);
+            if (survival < 1 && path.random.uniform() >= survival) return true;
+            path.weight /= survival;
+            return false;
+        });
+    }
+}
+
+// From where each path stands, look towards the bright parts of the surroundings.
+void ReferencePaths::ask_environment(int bounce)
+{
+    if (!light_.environment_) return;
+    shadow_rays_.clear(), shadow_path_.clear(), shadow_gain_.clear();
+    for (const std::uint32_t i : standing_) {
+        Path& path = paths_[i];
+        const float u = path.random.uniform(), v = path.random.uniform();
+        float density;
+        const glm::vec3 direction = light_.environment_->sample(u, v, density);
+        const float cosine = glm::dot(direction, path.normal);
+        if (cosine <= 0 || glm::dot(direction, path.geometric_normal) <= 0 || !(density > 0)) continue;
+        const float other = cosine / k_float_pi;   // of cosine sampling
+        shadow_rays_.push(path.origin, 0, direction, k_infinity);
+        shadow_path_.push_back(i);
+        shadow_gain_.push_back(path.weight * light_.background_.radiance(direction) * (cosine / (density + other)));
+    }
+    trace_shadows(bounce == 0);
+}
+
+// Sends each standing path on. Those that meet a surface stand there, the others are done.
+// @return whether any still stands and may bounce
+bool ReferencePaths::trace_on(int bounce)
+{
+    const bool last = bounce >= light_.options_.bounces;
+    if (last && !light_.background_shines_ && !light_.surfaces_shine_) return false;
+    rays_.clear(), ray_path_.clear();
+    for (const std::uint32_t i : standing_) {
+        const Path& path = paths_[i];
+        // A shading normal's horizon may lie below the surface's own.
+        if (glm::dot(path.direction, path.geometric_normal) <= 0) continue;
+        rays_.push(path.origin, 0, path.direction, k_infinity);
+        ray_path_.push_back(i);
+    }
+    standing_.clear();
+    const std::size_t count = rays_.size();
+    if (count == 0) return false;
+    counters_.rays += count;
+    const auto gain = [&](Path& path, const glm::vec3& radiance) {
+        (bounce == 0 ? path.surroundings : path.indirect) += path.weight * k_float_pi * radiance;
+    };
+    const auto background = [&](Path& path) {
+        glm::vec3 radiance = light_.background_.radiance(path.direction);
+        if (light_.environment_) {
+            const float own = std::max(glm::dot(path.direction, path.normal), 0.0f) / k_float_pi;
+            const float other = light_.environment_->density(path.direction);
+            radiance *= own / std::max(own + other, std::numeric_limits<float>::min());
+        }
+        gain(path, radiance);
+    };
+
+    // The last ray need only know whether it leaves the scene.
+    if (last && !light_.surfaces_shine_) {
+        blocked_.resize(count + ray::k_packet_pad);
+        light_.rays_.blocked(rays_, 0, count, blocked_.data());
+        for (std::size_t r = 0; r < count; ++r)
+            if (!blocked_[r]) background(paths_[ray_path_[r]]);
+        return false;
+    }
+
+    hits_.resize(count);
+    light_.rays_.closest(rays_, 0, count, hits_, ray::Sides::both);
+    if (light_.transparent_) pass_transparent();
+    for (std::size_t r = 0; r < count; ++r) {
+        Path& path = paths_[ray_path_[r]];
+        if (hits_.object[r] == scene::none) {
+            if (light_.background_shines_) background(path);
+            continue;
+        }
+        const shading::SurfacePoint s = surface_of(r);
+        if (light_.surfaces_shine_) gain(path, s.emissive * s.coverage);
+        path.weight *= s.diffuse;
+        if (last || path.weight == glm::vec3(0)) continue;
+        path.position = s.position;
+        path.origin = s.position + s.offset * s.geometric_normal;
+        path.geometric_normal = s.geometric_normal, path.normal = s.normal;
+        // AFF's lights lack a factor of pi.
+        path.aff = s.model == scene::ShadingModel::whitted;
+        standing_.push_back(ray_path_[r]);
+    }
+    return !standing_.empty();
+}
+
+// Rays that met what does not block light go on behind it.
+void ReferencePaths::pass_transparent()
+{
+    const scene::Scene& scene = light_.state_.scene();
+    const auto blocks = [&](std::size_t r) {
+        const scene::ObjectId object = hits_.object[r];
+        if (object == scene::none) return true;
+        const scene::Mesh& mesh = scene.meshes[scene.objects[object].mesh];
+        return scene.materials[mesh.part_of(hits_.triangle[r]).material].surface_class() !=
+               scene::SurfaceClass::transparent;
+    };
+    for (int pass = 0; pass < k_most_passes; ++pass) {
+        passing_.clear(), passing_ray_.clear();
+        for (std::uint32_t r = 0; r < rays_.size(); ++r) {
+            if (blocks(r)) continue;
+            // Behind the surface by what a hit's distance may be wrong.
+            const shading::SurfacePoint s = surface_of(r);
+            const float cosine = std::abs(glm::dot(s.geometric_normal, rays_.direction(r)));
+            const float tnear = hits_.t[r] + s.offset / std::max(cosine, k_least_cosine);
+            passing_.push(rays_.origin(r), tnear, rays_.direction(r), k_infinity);
+            passing_ray_.push_back(r);
+        }
+        if (passing_.empty()) return;
+        counters_.rays += passing_.size();
+        next_hits_.resize(passing_.size());
+        light_.rays_.closest(passing_, 0, passing_.size(), next_hits_, ray::Sides::both);
+        for (std::size_t i = 0; i < passing_ray_.size(); ++i) {
+            const std::uint32_t r = passing_ray_[i];
+            hits_.t[r] = next_hits_.t[i], hits_.u[r] = next_hits_.u[i], hits_.v[r] = next_hits_.v[i];
+            hits_.object[r] = next_hits_.object[i], hits_.triangle[r] = next_hits_.triangle[i];
+        }
+    }
+    for (std::uint32_t r = 0; r < rays_.size(); ++r)
+        if (!blocks(r)) hits_.object[r] = scene::none;
+}
+
+shading::SurfacePoint ReferencePaths::surface_of(std::size_t r) const
+{
+    shading::SurfacePoint s;
+    shading::surface_at(light_.state_.scene(), light_.rays_.geometry(hits_.object[r]), hits_.triangle[r], hits_.u[r],
+                        hits_.v[r], hits_.t[r], rays_.direction(r), {}, s);
+    return s;
+}
+
+// From where each path stands, ask one lamp.
+void ReferencePaths::ask_lights()
+{
+    if (light_.lights_.empty()) return;
+    const scene::Scene& scene = light_.state_.scene();
+    shadow_rays_.clear(), shadow_path_.clear(), shadow_gain_.clear();
+    light_chance_.resize(light_.lights_.size());
+    for (const std::uint32_t i : standing_) {
+        Path& path = paths_[i];
+        // What would each add unshadowed?
+        float sum = 0;
+        for (std::size_t k = 0; k < light_.lights_.size(); ++k) {
+            const scene::LightId l = light_.lights_[k];
+            const scene::LightSample sample = scene::illuminate(scene.lights[l], light_.state_.light(l), path.position);
+            const float cosine = glm::dot(sample.to_light, path.normal);
+            const bool faces = cosine > 0 && glm::dot(sample.to_light, path.geometric_normal) > 0;
+            light_chance_[k] = faces ? cosine * luminance(sample.irradiance) : 0;
+            sum += light_chance_[k];
+        }
+        if (!(sum > 0)) continue;
+
+        // Choose one.
+        std::size_t chosen = 0;
+        if (light_.lights_.size() > 1) {
+            float left = path.random.uniform() * sum;
+            for (std::size_t k = 0; k < light_.lights_.size(); ++k) {
+                if (light_chance_[k] > 0) chosen = k;
+                if ((left -= light_chance_[k]) < 0) break;
+            }
+        }
+        const scene::LightId l = light_.lights_[chosen];
+        const scene::LightState& at = light_.state_.light(l);
+        const scene::LightSample sample = scene::illuminate(scene.lights[l], at, path.position);
+        const float cosine = glm::dot(sample.to_light, path.normal);
+        const bool directional = scene.lights[l].type == scene::LightType::directional;
+        shadow_rays_.push(path.origin, 0, directional ? -at.direction : at.position - path.origin,
+                          directional ? k_infinity : k_shadow_end);
+        shadow_path_.push_back(i);
+        const bool lacks_pi = path.aff && !scene.lights[l].of_environment;
+        const float factor = (lacks_pi ? k_float_pi : 1.0f) * cosine * (sum / light_chance_[chosen]);
+        shadow_gain_.push_back(path.weight * sample.irradiance * factor);
+    }
+    trace_shadows(false);
+}
+
+void ReferencePaths::trace_shadows(bool to_surroundings)
+{
+    const std::size_t count = shadow_rays_.size();
+    if (count == 0) return;
+    counters_.rays += count;
+    blocked_.resize(count + ray::k_packet_pad);
+    light_.rays_.blocked(shadow_rays_, 0, count, blocked_.data());
+    for (std::size_t r = 0; r < count; ++r) {
+        if (blocked_[r]) continue;
+        Path& path = paths_[shadow_path_[r]];
+        (to_surroundings ? path.surroundings : path.indirect) += shadow_gain_[r];
+    }
+}
+
+void ReferencePaths::choose_directions()
+{
+    for (const std::uint32_t i : standing_) {
+        Path& path = paths_[i];
+        const float u = path.random.uniform(), v = path.random.uniform();
+        path.direction = cosine_direction(path.normal, u, v);
+    }
+}
+
+}   // namespace gnomon::reference

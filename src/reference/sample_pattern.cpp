@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/sample_pattern.h"
+
+#include <algorithm>
+
+namespace gnomon::reference {
+
+namespace {
+
+std::uint32_t reversed_bits(std::uint32_t x)
+{
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    return (x >> 16) | (x << 16);
+}
+
+// The second dimension of the (0, 2)-sequence: the matrix of binomial coefficients modulo 2.
+std::uint32_t second_dimension(std::uint32_t i)
+{
+    std::uint32_t result = 0;
+    for (std::uint32_t column = 1u << 31; i; i >>= 1, column ^= column >> 1)
+        if (i & 1) result ^= column;
+    return result;
+}
+
+// The bits of a number, each followed by a zero.
+std::uint64_t spread_bits(std::uint64_t x)
+{
+    x = (x | (x << 16)) & 0x0000ffff0000ffffull;
+    x = (x | (x << 8)) & 0x00ff00ff00ff00ffull;
+    x = (x | (x << 4)) & 0x0f0f0f0f0f0f0f0full;
+    x = (x | (x << 2)) & 0x3333333333333333ull;
+    return (x | (x << 1)) & 0x5555555555555555ull;
+}
+
+}   // namespace
+
+const std::vector<SamplePattern::Point>& SamplePattern::points(int count)
+{
+    std::vector<Point>& points = kept_[count];
+    if (!points.empty()) return points;
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(count); ++i)
+        points.emplace_back(reversed_bits(i), second_dimension(i));
+    const auto morton = [](const Point& p) { return 2 * spread_bits(p.first) | spread_bits(p.second); };
+    std::sort(points.begin(), points.end(), [&](const Point& a, const Point& b) { return morton(a) < morton(b); });
+    return points;
+}
+
+glm::vec3 cosine_direction(const glm::vec3& n, float u, float v)
+{
+    // Fold the square onto the disk, ring by ring.
+    const float a = 2 * u - 1, b = 2 * v - 1;
+    constexpr auto quarter = static_cast<float>(k_pi / 4);
+    float radius = 0, angle = 0;
+    if (std::abs(a) > std::abs(b)) {
+        radius = a;
+        angle = quarter * (b / a);
+    } else if (b != 0) {
+        radius = b;
+        angle = 2 * quarter - quarter * (a / b);
+    }
+    const float x = radius * std::cos(angle), y = radius * std::sin(angle);
+    const float z = std::sqrt(std::max(0.0f, 1 - x * x - y * y));
+    glm::vec3 s, t;
+    make_basis(n, s, t);
+    return x * s + y * t + z * n;
+}
+
+// The finaliser of SplitMix64 [Steele, Lea and Flood 2014] over both.
+std::uint64_t mix(std::uint64_t a, std::uint64_t b)
+{
+    std::uint64_t z = a + 0x9e3779b97f4a7c15ull * (b + 1);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return z ^ (z >> 31);
+}
+
+}   // namespace gnomon::reference

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/defaults/interior.h"
+
+#include <algorithm>
+
+namespace gnomon::scene {
+
+namespace {
+
+constexpr double k_stage_fov = 0.7;   // radians: a box with an open side, seen through it
+constexpr double k_room_fov = 1.0;    // from inside, wider
+constexpr float k_stage_margin = 1.06f;
+constexpr int k_stage_rays = 12;         // along each side of the opening
+constexpr float k_stage_open = 0.85f;    // so many of them must come in
+constexpr float k_stage_depth = 0.12f;   // so far, as a share of the depth
+constexpr int k_headings = 16;
+constexpr float k_least_room = 0.06f;   // nothing nearer than this in the view, as a share of the longest side
+constexpr float k_height_weight[3] = {1.0f, 0.8f, 0.7f};   // of eye heights: standing people see so
+
+float longest_side(const Box3& box)
+{
+    const glm::vec3 size = box.size();
+    return std::max({size.x, size.y, size.z});
+}
+
+// A box that is open on one upright side, like a stage: seen from before it, so that the opening fills the picture.
+bool find_stage(const SpaceGrid& grid, Interior& result)
+{
+    const Box3& box = grid.box();
+    const glm::vec3 size = box.size();
+    float best = k_stage_open;
+    bool found = false;
+    for (int side = 0; side < 4; ++side) {
+        const int axis = side < 2 ? 0 : 2, across = 2 - axis;
+        const float sign = side % 2 ? 1.0f : -1.0f;   // which way the rays go
+        glm::vec3 direction(0);
+        direction[axis] = sign;
+        int open = 0;
+        for (int i = 0; i < k_stage_rays * k_stage_rays; ++i) {
+            const int column = i % k_stage_rays, row = i / k_stage_rays;
+            glm::vec3 from;
+            from[axis] = (sign > 0 ? box.low[axis] : box.high[axis]) - sign * grid.cell();
+            from[across] = box.low[across] + size[across] * (static_cast<float>(column) + 0.5f) / k_stage_rays;
+            from.y = box.low.y + size.y * (static_cast<float>(row) + 0.5f) / k_stage_rays;
+            const SpaceGrid::Hit hit = grid.cast(from, direction);
+            open += hit.met == SpaceGrid::Met::front && hit.distance - grid.cell() > k_stage_depth * size[axis];
+        }
+        const float share = static_cast<float>(open) / (k_stage_rays * k_stage_rays);
+        if (share <= best) continue;
+        best = share, found = true;
+        result.direction = direction;
+        result.eye = box.centre();
+        const float half = 0.5f * k_stage_margin * std::max(size.y, size[across] * 0.75f);   // fits 4:3 and wider
+        result.eye[axis] =
+            (sign > 0 ? box.low[axis] : box.high[axis]) - sign * half / std::tan(static_cast<float>(k_stage_fov) / 2);
+        result.vertical_fov = k_stage_fov;
+    }
+    return found;
+}
+
+// How good a view is: far and wide, farthest down the middle, much to see (modellers spend triangles on what matters,
+// not on the walls of back rooms), no back sides, nothing close by.
+float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& direction, float longest)
+{
+    const glm::vec3 side = glm::cross(direction, glm::vec3(0, 1, 0));
+    float sum = 0, detail = 0, middle = longest;
+    int fronts = 0, count = 0;
+    for (int i = -3; i <= 3; ++i) {
+        for (int j = -1; j <= 2; ++j) {
+            const glm::vec3 ray = glm::normalize(direction + 0.18f * static_cast<float>(i) * side +
+                                                 glm::vec3(0, 0.16f * static_cast<float>(j), 0));
+            const SpaceGrid::Hit hit = grid.cast(eye, ray);
+            if (hit.distance < k_least_room * longest && j >= 0) return 0;
+            // The sky above a courtyard is no gap; one at the level of the eyes is.
+            fronts += hit.met == SpaceGrid::Met::front || (hit.met == SpaceGrid::Met::nothing && j > 0);
+            if (std::abs(i) <= 1 && j >= 0) middle = std::min(middle, hit.distance);
+            sum += std::sqrt(std::min(hit.distance, longest));
+            detail += std::log2(1 + static_cast<float>(hit.triangles));
+            ++count;
+        }
+    }
+    const float seen = static_cast<float>(fronts) / static_cast<float>(count);
+    const auto mean = 1.0f / static_cast<float>(count);
+    return sum * mean * seen * (1 + detail * mean) * std::sqrt(middle / longest);
+}
+
+}   // namespace
+
+std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions& options)
+{
+    const SpaceGrid grid(scene, scene.timeline.start);
+    if (grid.empty()) return std::nullopt;
+    const Box3& box = grid.box();
+    const float longest = longest_side(box), step = longest / static_cast<float>(options.lattice);
+
+    // Ask points all over the scene what surrounds them.
+    glm::ivec3 count;
+    for (int axis = 0; axis < 3; ++axis) count[axis] = 1 + static_cast<int>(box.size()[axis] / step - 0.5f);
+    const auto point = [&](int x, int y, int z) {
+        const glm::vec3 share((static_cast<float>(x) + 0.5f) / static_cast<float>(count.x),
+                              (static_cast<float>(y) + 0.5f) / static_cast<float>(count.y),
+                              (static_cast<float>(z) + 0.5f) / static_cast<float>(count.z));
+        return box.low + share * box.size();
+    };
+    struct Census {
+        int points = 0, inside = 0, covered = 0;
+    };
+    const auto ask = [&](int stride) {
+        Census census;
+        for (int z = stride / 2; z < count.z; z += stride) {
+            for (int y = stride / 2; y < count.y; y += stride) {
+                for (int x = stride / 2; x < count.x; x += stride) {
+                    ++census.points;
+                    const glm::vec3 p = point(x, y, z);
+                    if (grid.occupied(p) || grid.enclosure(p) < options.enclosed) continue;
+                    ++census.inside;
+                    census.covered += grid.cast(p, {0, 1, 0}).met != SpaceGrid::Met::nothing;
+                }
+            }
+        }
+        return census;
+    };
+    // Most scenes are objects, and a few points tell so.
+    constexpr int few = 3;
+    if (const Census census = ask(few); census.points > 0 && census.inside == 0) return std::nullopt;
+    const Census census = ask(1);
+    if (static_cast<float>(census.inside) < options.share * static_cast<float>(census.points)) return std::nullopt;
+
+    Interior result;
+    result.covered = static_cast<float>(census.covered) >= options.covered * static_cast<float>(census.inside);
+    if (find_stage(grid, result)) return result;
+
+    // Look for the longest view from inside, at the height of somebody who stands there.
+    float best = 0;
+    for (int z = 0; z < count.z; ++z) {
+        for (int x = 0; x < count.x; ++x) {
+            for (int height = 0; height < 3; ++height) {
+                glm::vec3 eye = point(x, 0, z);
+                eye.y = box.low.y + options.eye_heights[height] * box.size().y;
+                if (grid.occupied(eye) || grid.enclosure(eye) < options.enclosed) continue;
+                for (int heading = 0; heading < k_headings; ++heading) {
+                    const float angle = 2 * static_cast<float>(k_pi) * static_cast<float>(heading) / k_headings;
+                    const glm::vec3 direction(std::cos(angle), 0, std::sin(angle));
+                    const float rating = k_height_weight[height] * rate_view(grid, eye, direction, longest);
+                    if (rating <= best * 1.001f) continue;   // of equals the first
+                    best = rating, result.eye = eye, result.direction = direction;
+                }
+            }
+        }
+    }
+    if (best == 0) return std::nullopt;
+    result.vertical_fov = k_room_fov;
+    return result;
+}
+
+}   // namespace gnomon::scene

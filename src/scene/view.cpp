@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/view.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "base/check.h"
+#include "gnomon/error.h"
+
+namespace gnomon::scene {
+
+namespace {
+glm::dvec3 unit(const glm::dvec3& v, const glm::dvec3& otherwise)
+{
+    const double length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? v / length : otherwise;
+}
+}   // namespace
+
+scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
+{
+    if (wanted == "auto") return 0;
+    for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+        if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && end == wanted.data() + wanted.size() && number < scene.cameras.size()) return number;
+    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
+}
+
+View make_view(const scene::SceneState& state, scene::CameraId id, Size size)
+{
+    const scene::Camera& camera = state.scene().cameras[id];
+    const glm::dmat4& world = state.world(camera.node);
+    const glm::dvec3 forward = unit(-glm::dvec3(world[2]), {0, 0, -1});
+    const glm::dvec3 right = unit(glm::cross(forward, glm::dvec3(world[1])), {1, 0, 0});
+    const glm::dvec3 up = glm::cross(right, forward);
+
+    View view;
+    view.size = size;
+    view.eye = glm::vec3(glm::dvec3(world[3]));
+    view.forward = glm::vec3(forward);
+    view.near = static_cast<float>(camera.near);
+    view.far = camera.far > 0 ? static_cast<float>(camera.far) : k_infinity;
+    view.orthographic = camera.orthographic_height > 0;
+    const double half_height = view.orthographic ? camera.orthographic_height / 2 : std::tan(camera.vertical_fov / 2);
+    const double half_width = half_height * size.width / size.height;
+    view.right = glm::vec3(half_width * right);
+    view.up = glm::vec3(half_height * up);
+    const auto pixel = static_cast<float>(2 * half_height / size.height);
+    (view.orthographic ? view.pixel_width : view.pixel_spread) = pixel;
+    return view;
+}
+
+void View::ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float& tnear, float& tfar) const
+{
+    const float sx = 2.0f * x / static_cast<float>(size.width) - 1.0f;
+    const float sy = 1.0f - 2.0f * y / static_cast<float>(size.height);
+    if (orthographic) {
+        origin = eye + sx * right + sy * up;
+        direction = forward;
+        tnear = near, tfar = far;
+        return;
+    }
+    const glm::vec3 d = forward + sx * right + sy * up;
+    const float length = std::sqrt(glm::dot(d, d));
+    origin = eye;
+    direction = d / length;
+    tnear = near * length, tfar = far * length;   // planes, not spheres
+}
+
+View turned(const View& view, const glm::vec3& centre, double angle)
+{
+    const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+    const auto turn = [&](const glm::vec3& v) { return glm::vec3(c * v.x + s * v.z, v.y, -s * v.x + c * v.z); };
+    View result = view;
+    result.eye = centre + turn(view.eye - centre);
+    result.forward = turn(view.forward);
+    result.right = turn(view.right);
+    result.up = turn(view.up);
+    return result;
+}
+
+glm::vec2 sample_offset(int i, int n)
+{
+    if (n <= 1) return {0.5f, 0.5f};
+    constexpr double g1 = 0.7548776662466927, g2 = 0.5698402909980532;   // 1/p and 1/p^2, p^3 = p + 1
+    const double x = 0.5 + g1 * i, y = 0.5 + g2 * i;
+    return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
+}
+
+}   // namespace gnomon::scene

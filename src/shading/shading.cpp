@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shading/shading.h"
+
+#include <algorithm>
+
+namespace gnomon::shading {
+
+namespace {
+
+constexpr float k_inverse_pi = static_cast<float>(1 / k_pi);
+constexpr float k_faintest_highlight = -7;    // exponent: e^-7 is below 1/1000
+constexpr float k_min_alpha = 2e-3f;          // GGX alpha of a perfect mirror's highlight: lights have no size
+constexpr float k_mirror_roughness = 0.12f;   // up to here mirror images are sharp and traced whole
+constexpr float k_matte_roughness = 0.45f;    // from here on they are too blurred to trace with one ray
+
+// Fades out light that is above a shading normal's horizon but near the geometric one [Chiang et al. 2019, eq. 4].
+float soften_terminator(float cos_geometric, float cos_shading, float cos_between)
+{
+    if (cos_between >= 0.99999f) return 1;
+    const float g = std::min(1.0f, cos_geometric / std::max(cos_shading * cos_between, 1e-6f));
+    return g * (1 + g * (1 - g));
+}
+
+glm::vec3 schlick(const glm::vec3& f0, float cosine, float f90 = 1)
+{
+    const float x = 1 - std::clamp(cosine, 0.0f, 1.0f);
+    const float x2 = x * x;
+    return f0 + (glm::vec3(f90) - f0) * (x2 * x2 * x);
+}
+
+glm::vec3 phong(const SurfacePoint& s, const glm::vec3& to_light, float cosine)
+{
+    glm::vec3 result = s.diffuse * cosine;
+    if (s.shine > 0 && s.specular != glm::vec3(0)) {
+        const glm::vec3 mirrored = 2 * cosine * s.normal - to_light;
+        const float aligned = glm::dot(mirrored, s.to_viewer);
+        // a^n <= e^(n (a - 1)): skip the power where it cannot reach a quarter of a step of 8 bits.
+        if (aligned > 0 && s.shine * (aligned - 1) > k_faintest_highlight)
+            result += s.specular * std::pow(aligned, s.shine);
+    }
+    return result;
+}
+
+glm::vec3 ggx(const SurfacePoint& s, const glm::vec3& to_light, float cosine)
+{
+    const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
+    const float n_h = std::clamp(glm::dot(s.normal, half), 0.0f, 1.0f);
+    const float n_v = std::max(glm::dot(s.normal, s.to_viewer), 1e-4f);
+    const float v_h = std::clamp(glm::dot(s.to_viewer, half), 0.0f, 1.0f);
+    const glm::vec3 fresnel = schlick(s.specular, v_h);
+
+    // D: Trowbridge-Reitz. V: height-correlated Smith, which includes 1 / (4 n_l n_v) [glTF 2.0, B.3.2].
+    const float alpha = std::max(s.roughness * s.roughness, k_min_alpha);
+    const float a2 = alpha * alpha;
+    const float d = n_h * n_h * (a2 - 1) + 1;
+    const float distribution = a2 / (static_cast<float>(k_pi) * d * d);
+    const float visibility =
+        0.5f / (cosine * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(cosine * cosine * (1 - a2) + a2));
+    return (s.diffuse * (glm::vec3(1) - fresnel) * k_inverse_pi + fresnel * (distribution * visibility)) * cosine;
+}
+
+}   // namespace
+
+float fresnel_dielectric(float cosine, float eta)
+{
+    const float sin2 = (1 - cosine * cosine) / (eta * eta);
+    if (sin2 >= 1) return 1;
+    const float cos_t = std::sqrt(1 - sin2);
+    const float parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
+    const float perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
+    return 0.5f * (parallel * parallel + perpendicular * perpendicular);
+}
+
+glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance)
+{
+    const float cosine = glm::dot(s.normal, to_light);
+    const float cos_geometric = glm::dot(s.geometric_normal, to_light);
+    if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
+    const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
+    const glm::vec3 reflectance =
+        s.model == scene::ShadingModel::whitted ? phong(s, to_light, cosine) : ggx(s, to_light, cosine);
+    return reflectance * irradiance * (soft * s.coverage);
+}
+
+glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance)
+{
+    const float cosine = glm::dot(s.normal, to_light);
+    const float cos_geometric = glm::dot(s.geometric_normal, to_light);
+    if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
+    const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
+    glm::vec3 reflectance = s.diffuse * k_inverse_pi;
+    if (s.model != scene::ShadingModel::whitted) {
+        const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
+        reflectance *= glm::vec3(1) - schlick(s.specular, glm::dot(s.to_viewer, half));
+    }
+    return reflectance * irradiance * (cosine * soft * s.coverage);
+}
+
+glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in)
+{
+    // A picture behind the windows has an ambient colour and no other: no light falls on it, it is simply seen.
+    const bool backdrop = s.model == scene::ShadingModel::whitted && s.diffuse == glm::vec3(0) &&
+                          s.specular == glm::vec3(0) && s.transmitted == glm::vec3(0);
+    glm::vec3 result = stand_in || backdrop ? s.ambient * scene.ambient : glm::vec3(0);
+    const glm::vec3& albedo = s.model == scene::ShadingModel::whitted ? s.diffuse : s.ambient;
+    if (stand_in && scene.background.kind == scene::Background::Kind::sky)
+        result += albedo * scene.background.ambient(s.normal);
+    // A sky's own colour is the light of the bounces that nobody follows.
+    if (!stand_in && scene.background.kind == scene::Background::Kind::sky) result += albedo * scene.background.color;
+    return result * s.coverage;
+}
+
+glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, const glm::vec3& indirect,
+                             const glm::vec3& surroundings)
+{
+    const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
+    if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
+    // Rough mirrors bring the surroundings alone, so indirect light keeps their share.
+    const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_share, glm::vec3(0));
+    const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_share, glm::vec3(0));
+    return reflectance * (not_traced * indirect + not_mirrored * surroundings);
+}
+
+Continuation continue_from(const SurfacePoint& s)
+{
+    Continuation c;
+    const glm::vec3 direction = -s.to_viewer;
+    const float cosine = std::clamp(glm::dot(s.normal, s.to_viewer), 0.0f, 1.0f);
+    c.straight_share = glm::vec3(1 - s.coverage);
+    const bool refracts = s.transmitted != glm::vec3(0);
+    if (s.specular == glm::vec3(0) && !refracts) return c;
+
+    // Mirror direction; a shading normal may send it below the surface: bring it back to just above.
+    c.reflected = direction + 2 * cosine * s.normal;
+    if (const float above = glm::dot(c.reflected, s.geometric_normal); above <= 0)
+        c.reflected += (1e-3f - above) * s.geometric_normal;
+    c.reflected = glm::normalize(c.reflected);
+
+    if (refracts) {
+        const float eta = s.front ? s.ior : 1 / s.ior;
+        const float fresnel = fresnel_dielectric(cosine, eta);
+        // AFF gives glass a mirror colour beside its index: it adds to what Fresnel leaves.
+        const bool whitted = s.model == scene::ShadingModel::whitted;
+        c.reflected_share = whitted ? glm::vec3(fresnel) + s.specular * (1 - fresnel) : glm::vec3(fresnel);
+        if (fresnel < 1) {
+            c.refracted_share = s.transmitted * (1 - fresnel);
+            const float ratio = 1 / eta;
+            const float cos_t = std::sqrt(std::max(0.0f, 1 - ratio * ratio * (1 - cosine * cosine)));
+            c.refracted = glm::normalize(ratio * direction + (ratio * cosine - cos_t) * s.normal);
+            if (const float below = glm::dot(c.refracted, s.geometric_normal); below >= 0)
+                c.refracted = glm::normalize(c.refracted - (1e-3f + below) * s.geometric_normal);
+        }
+    } else if (s.model == scene::ShadingModel::whitted) {
+        c.reflected_share = s.specular;
+    } else if (s.model == scene::ShadingModel::metallic_roughness) {
+        const float f90 = std::max({1 - s.roughness, s.specular.x, s.specular.y, s.specular.z});
+        const glm::vec3 fresnel = schlick(s.specular, cosine, f90);
+        const float t =
+            std::clamp((s.roughness - k_mirror_roughness) / (k_matte_roughness - k_mirror_roughness), 0.0f, 1.0f);
+        const float traced = 1 - t * t * (3 - 2 * t);
+        c.reflected_share = fresnel * traced;
+        c.unresolved_share = fresnel * (1 - traced);
+    }
+    c.reflected_share *= s.coverage;
+    c.refracted_share *= s.coverage;
+    c.unresolved_share *= s.coverage;
+    return c;
+}
+
+}   // namespace gnomon::shading

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shading/surface.h"
+
+#include <algorithm>
+
+#include "ray/origin.h"
+#include "scene/footprint.h"
+
+namespace gnomon::shading {
+
+namespace {
+
+constexpr float k_least_sine = 1e-4f;     // from which on a ray has a direction along the surface
+constexpr float k_least_cosine = 0.02f;   // of a ray with the surface: what is seen edge-on is not endlessly long
+
+glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
+{
+    const float square = glm::dot(v, v);
+    return square > 0 && std::isfinite(square) ? v * (1.0f / std::sqrt(square)) : otherwise;
+}
+
+// Everything about the triangle that texture look-ups need.
+struct TextureFrame {
+    const scene::Scene& scene;
+    const scene::Mesh& mesh;
+    glm::uvec3 index;
+    float u, v;
+    // What the pixel covers, two diameters of an ellipse, each as steps in u and v.
+    glm::vec2 along{0}, across{0};
+
+    glm::vec2 texcoord(int set) const
+    {
+        const auto& t = mesh.texcoords[set];
+        return (1 - u - v) * t[index[0]] + u * t[index[1]] + v * t[index[2]];
+    }
+    bool has(const scene::TextureUse& use) const { return use.used() && !mesh.texcoords[use.texcoord].empty(); }
+
+    glm::vec4 look_up(const scene::TextureUse& use) const
+    {
+        const scene::Texture& texture = scene.textures[use.texture];
+        const auto& t = mesh.texcoords[use.texcoord];
+        const glm::vec2 a = t[index[1]] - t[index[0]], b = t[index[2]] - t[index[0]];
+        return scene::sample_ellipse(texture, use.apply(texcoord(use.texcoord)),
+                                     scene::apply_to_step(use, along.x * a + along.y * b),
+                                     scene::apply_to_step(use, across.x * a + across.y * b));
+    }
+};
+
+bool is_textured(const scene::Material& m)
+{
+    return m.base_color_texture.used() || m.normal_texture.used() || m.metallic_roughness_texture.used() ||
+           m.emissive_texture.used() || m.occlusion_texture.used();
+}
+
+// Where a cone of some width meets the triangle: an ellipse as wide as the cone, and longer along the ray's direction.
+void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3& normal, const glm::vec3& direction,
+                    float width, TextureFrame& frame)
+{
+    if (!(double_area > 0)) return;
+    const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
+    // Two axes of one length; what of `forward` points along the normal does not count.
+    glm::vec3 forward = direction, sideward = glm::cross(normal, direction);
+    float square = glm::dot(sideward, sideward);
+    if (square < k_least_sine * k_least_sine) {
+        forward = e1, sideward = glm::cross(normal, e1);   // any will do: the ellipse is round
+        square = glm::dot(sideward, sideward);
+        if (!(square > 0)) return;
+    }
+    const float across = width / (double_area * std::sqrt(square));
+    const float along = across / std::max(std::abs(glm::dot(normal, direction)), k_least_cosine);
+    // u and v are linear on the triangle. By their gradients, which lie across the opposite edges:
+    frame.along = along * glm::vec2(glm::dot(e2, sideward), -glm::dot(e1, sideward));
+    frame.across = across * glm::vec2(-glm::dot(e2, forward), glm::dot(e1, forward));
+}
+
+// Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle: as
+// the picture lies on it, or as the file's own tangents have it, which know nothing of a turned picture.
+glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
+                        const glm::vec3& normal, bool front)
+{
+    const scene::TextureUse& use = material.normal_texture;
+    const auto& t = frame.mesh.texcoords[use.texcoord];
+    glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
+    if (frame.mesh.tangents.empty()) a = scene::apply_to_step(use, a), b = scene::apply_to_step(use, b);
+    const float determinant = a.x * b.y - a.y * b.x;
+    if (determinant == 0) return normal;
+    const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
+    const glm::vec3 along_u = (e1 * b.y - e2 * a.y) / determinant;
+    const glm::vec3 along_v = (e2 * a.x - e1 * b.x) / determinant;
+    // glTF: green points up, that is against v, which runs down.
+    const glm::vec3 tangent = unit_or(along_u - normal * glm::dot(normal, along_u), glm::vec3(0));
+    glm::vec3 bitangent = glm::cross(normal, tangent);
+    if (glm::dot(bitangent, along_v) > 0) bitangent = -bitangent;
+    if (tangent == glm::vec3(0)) return normal;
+    const glm::vec4 texel = frame.look_up(use);
+    // What is a bump on the front is a dent on the back [glTF 2.0, 3.9.6: the whole normal is reversed].
+    const float scale = front ? material.normal_scale : -material.normal_scale;
+    const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) * glm::vec3(scale, scale, 1);
+    return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
+}
+
+void fill_whitted(const scene::Material& material, const TextureFrame& frame, SurfacePoint& s)
+{
+    glm::vec3 tint(1);
+    if (frame.has(material.base_color_texture)) tint = glm::vec3(frame.look_up(material.base_color_texture));
+    s.diffuse = material.base_color * tint;
+    s.ambient = material.ambient * tint;
+    s.specular = material.specular;
+    s.shine = material.shine;
+    if (material.transmittance > 0) {
+        s.transmitted = glm::vec3(material.transmittance);
+        s.ior = material.ior;
+    }
+}
+
+void fill_metallic_roughness(const scene::Material& material, const TextureFrame& frame, SurfacePoint& s)
+{
+    glm::vec3 base = material.base_color;
+    float alpha = material.alpha;
+    if (!frame.mesh.colors.empty()) {
+        const auto& c = frame.mesh.colors;
+        const glm::vec4 color =
+            (1 - frame.u - frame.v) * c[frame.index[0]] + frame.u * c[frame.index[1]] + frame.v * c[frame.index[2]];
+        base *= glm::vec3(color);
+        alpha *= color.w;
+    }
+    if (frame.has(material.base_color_texture)) {
+        const glm::vec4 texel = frame.look_up(material.base_color_texture);
+        base *= glm::vec3(texel);
+        alpha *= texel.w;
+    }
+    float metallic = material.metallic, roughness = material.roughness;
+    if (frame.has(material.metallic_roughness_texture)) {
+        const glm::vec4 texel = frame.look_up(material.metallic_roughness_texture);
+        roughness *= texel.y;
+        metallic *= texel.z;
+    }
+    s.emissive = material.emissive;
+    if (s.emissive != glm::vec3(0) && frame.has(material.emissive_texture))
+        s.emissive *= glm::vec3(frame.look_up(material.emissive_texture));
+    if (material.alpha_mode == scene::AlphaMode::blend) s.coverage = std::clamp(alpha, 0.0f, 1.0f);
+
+    if (material.model == scene::ShadingModel::unlit) {
+        s.emissive = base;
+        return;
+    }
+    const float f0 = (material.ior - 1) / (material.ior + 1);
+    s.specular = glm::mix(glm::vec3(f0 * f0), base, metallic);
+    s.diffuse = base * ((1 - metallic) * (1 - material.transmission));
+    s.transmitted = base * ((1 - metallic) * material.transmission);
+    s.ior = material.ior;
+    s.roughness = std::clamp(roughness, 0.0f, 1.0f);
+    s.ambient = s.diffuse;
+    if (frame.has(material.occlusion_texture)) {
+        const float occlusion = frame.look_up(material.occlusion_texture).x;
+        s.ambient *= 1 + material.occlusion_strength * (occlusion - 1);
+    }
+}
+
+}   // namespace
+
+void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
+                float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s)
+{
+    const scene::Mesh& mesh = *geometry.mesh;
+    const glm::uvec3 index = mesh.triangles[triangle];
+    const scene::Material& material = scene.materials[mesh.part_of(triangle).material];
+
+    // Place the point from the corners, not along the ray: it lies on the triangle whatever the distance.
+    glm::vec3 p[3];
+    geometry.corners(triangle, p);
+    const float w = std::max(0.0f, 1 - u - v);
+    s.position = w * p[0] + u * p[1] + v * p[2];
+    s.offset = ray::origin_lift(p);
+    s.to_viewer = -direction;
+
+    // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
+    const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const float double_area = std::sqrt(glm::dot(cross, cross));
+    glm::vec3 outward = double_area > 0 ? cross / double_area : -direction;
+    if (geometry.mirrored) outward = -outward;
+    s.front = glm::dot(outward, direction) < 0;
+    s.winding_front = s.front != geometry.mirrored;
+    s.geometric_normal = s.front ? outward : -outward;
+
+    // Interpolate the shading normal, and keep it on the viewer's side.
+    s.normal = s.geometric_normal;
+    if (geometry.normals) {
+        glm::vec3 n = w * geometry.normals[index[0]] + u * geometry.normals[index[1]] + v * geometry.normals[index[2]];
+        if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
+        s.normal = unit_or(s.front ? n : -n, s.geometric_normal);
+    }
+
+    s.cone.width = cone.width + distance * cone.spread;
+    s.cone.spread = cone.spread;
+    TextureFrame frame{scene, mesh, index, u, v};
+    if (is_textured(material)) find_footprint(p, double_area, s.geometric_normal, direction, s.cone.width, frame);
+    if (frame.has(material.normal_texture)) s.normal = mapped_normal(material, frame, p, s.normal, s.front);
+
+    // Bend a shading normal that looks away from the viewer back to the horizon.
+    if (const float facing = glm::dot(s.normal, s.to_viewer); facing < 0)
+        s.normal = unit_or(s.normal - (facing - 1e-3f) * s.to_viewer, s.geometric_normal);
+
+    s.model = material.model;
+    if (material.model == scene::ShadingModel::whitted)
+        fill_whitted(material, frame, s);
+    else
+        fill_metallic_roughness(material, frame, s);
+}
+
+}   // namespace gnomon::shading

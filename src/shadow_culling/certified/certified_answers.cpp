@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// Answers a batch for one light: what is known, then what the mask of movers tells, then rays.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+#include "shadow_culling/certified/certified_culling.h"
+
+namespace gnomon::shadow_culling {
+
+namespace {
+
+// Bytes that say yes or no, eight at a time.
+constexpr std::uint64_t k_ones = 0x0101010101010101ull;
+
+template <class Byte>
+std::uint64_t eight_at(const Byte* bytes)
+{
+    static_assert(sizeof(Byte) == 1);
+    std::uint64_t eight;
+    std::memcpy(&eight, bytes, 8);
+    return eight;
+}
+
+}   // namespace
+
+// A light as this frame's queries see it.
+struct CertifiedCulling::Lamp {
+    int index;
+    bool directional;
+    glm::vec3 to;   // its place, or the direction towards it
+    float end;      // of its shadow rays
+
+    glm::vec3 axis{0};         // of a spot, the way it shines
+    float outer_cosine = -2;   // of its cone; below -1: no spot
+
+    glm::vec3 from(const glm::vec3& origin) const { return directional ? to : to - origin; }
+    // Certainly dark, whatever stands between. A little room: the shading decides at the very edge.
+    bool outside_cone(const glm::vec3& to_light) const
+    {
+        constexpr float k_edge = 1e-4f;
+        if (outer_cosine < -1) return false;
+        return -glm::dot(to_light, axis) < (outer_cosine - k_edge) * glm::length(to_light);
+    }
+};
+
+bool CertifiedCulling::may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const
+{
+    constexpr std::size_t k_most_boxes = 8;   // where there are more a ray is cheaper
+    if (batch.movers.size() > k_most_boxes) return true;
+    const glm::vec3& origin = batch.points[point].origin;
+    const glm::vec3 direction = lamp.from(origin);
+    return std::any_of(batch.movers.begin(), batch.movers.end(),
+                       [&](const Box3& box) { return segment_meets(box, origin, direction, lamp.end); });
+}
+
+// Answers what is known, eight points at a time, and lists the rest.
+void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+{
+    const std::size_t count = batch.points.size();
+    const int shift = 2 * (lamp.index % k_lights_per_group);
+    const std::uint8_t* const states =
+        batch.states.data() + static_cast<std::size_t>(lamp.index / k_lights_per_group) * batch.stride;
+    std::uint32_t* const asked_point = batch.asked.point.data();
+    std::uint8_t* const moving = batch.asked.moving.data();
+    std::uint8_t* const is_open = batch.open.data();
+    std::size_t asked = 0;
+    std::uint64_t known_count = 0;
+    const bool ask_movers_too = !options_.certificates.left_out.has(Check::movers_asked);
+    for (std::size_t first = 0; first < count; first += 8) {
+        // States are 00 unknown, 01 none, 10 full, 11 partial.
+        const std::uint64_t eight = eight_at(states + first);
+        const std::uint64_t low = (eight >> shift) & k_ones, high = (eight >> (shift + 1)) & k_ones;
+        const std::uint64_t full = high & ~low, known = low ^ high;
+        std::memcpy(blocked + first, &full, 8);
+        known_count += static_cast<std::uint64_t>(__builtin_popcountll(known));   // they face the light
+        std::uint64_t rest =
+            ask_movers_too && batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
+        for (; rest != 0; rest &= rest - 1) {
+            const std::size_t in_eight = static_cast<std::size_t>(__builtin_ctzll(rest)) / 8, p = first + in_eight;
+            if (p >= count) break;
+            const auto point = static_cast<std::uint32_t>(p);
+            const ShadowPoint& here = batch.points[p];
+            const bool open = !((known >> (8 * in_eight)) & 1);
+            bool dark = false;
+            if (open) {
+                const glm::vec3 direction = lamp.from(here.origin);
+                dark = !(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction);
+                blocked[p] = dark;
+            }
+            // Written always, kept where it is not dark: nobody can foretell which.
+            asked_point[asked] = point;
+            moving[asked] = batch.record[p] == k_no_record;
+            is_open[asked] = open;
+            asked += !dark;
+        }
+    }
+    batch.asked.count = asked;
+    batch.counters.skipped += known_count;
+}
+
+// Asks the mask what movers do, and queues the rays it leaves.
+void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* blocked)
+{
+    using Answer = MoverMask::Answer;
+    MoverMask::Asked& asked = batch.asked;
+    const bool draw = !batch.movers.empty();
+    if (draw) mask_->answer(static_cast<std::uint32_t>(lamp.index), batch.points, asked);
+    for (std::size_t first = 0; first < asked.count; first += 8) {
+        // What is settled, eight at a time: free, and static geometry known or out of the way.
+        std::uint64_t rest = k_ones;
+        if (draw) {
+            const std::uint64_t answers = eight_at(asked.answer.data() + first);
+            const std::uint64_t open = eight_at(batch.open.data() + first);
+            const std::uint64_t free = (answers >> 1) & ~answers & k_ones;   // 10 of two bits
+            const std::uint64_t settled = free & (~open | eight_at(asked.clear.data() + first));
+            rest = k_ones & ~settled;
+            const std::size_t left = asked.count - first;
+            const std::uint64_t here = left < 8 ? (std::uint64_t{1} << (8 * left)) - 1 : ~std::uint64_t{0};
+            batch.counters.skipped += static_cast<std::uint64_t>(__builtin_popcountll(settled & open & here));
+        }
+        for (; rest != 0; rest &= rest - 1) {
+            const std::size_t i = first + static_cast<std::size_t>(__builtin_ctzll(rest)) / 8;
+            if (i >= asked.count) break;
+            const std::uint32_t point = asked.point[i];
+            const Answer answer = draw ? asked.answer[i] : Answer::free;
+            if (answer == Answer::blocked) {
+                blocked[point] = 1;
+                batch.counters.skipped += batch.open[i];
+                continue;
+            }
+            const glm::vec3& origin = batch.points[point].origin;
+            if (batch.open[i] && !(draw && asked.clear[i])) {
+                batch.static_rays.push(origin, 0, lamp.from(origin), lamp.end);
+                batch.static_point.push_back(point);
+                batch.then_movers.push_back(answer == Answer::unknown ||
+                                            (answer == Answer::not_drawn && may_meet_mover(batch, lamp, point)));
+                continue;
+            }
+            batch.counters.skipped += batch.open[i];
+            if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_mover(batch, lamp, point)))
+                continue;
+            batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+            batch.dynamic_point.push_back(point);
+        }
+    }
+    batch.counters.traced += batch.static_point.size();
+    batch.counters.dynamic_only += batch.dynamic_point.size();
+    batch.counters.skipped -= batch.dynamic_point.size();
+}
+
+// Traces what may meet something static, and queues what must then be traced against movers.
+void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked)
+{
+    const std::size_t traced = batch.static_point.size();
+    if (traced == 0) return;
+    batch.hit.resize(traced + ray::k_packet_pad);
+    rays_->blocked(batch.static_rays, 0, traced, batch.hit.data(), ray::Against::static_only);
+    for (std::size_t r = 0; r < traced; ++r) {
+        const std::uint32_t point = batch.static_point[r];
+        blocked[point] = batch.hit[r];
+        if (batch.hit[r] || !batch.then_movers[r]) continue;
+        const glm::vec3& origin = batch.points[point].origin;
+        batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+        batch.dynamic_point.push_back(point);
+    }
+    note_seen(batch, lamp.index);
+}
+
+// Notes what the rays against static geometry saw, in the finest parts.
+void CertifiedCulling::note_seen(Batch& batch, int light)
+{
+    const int shift = 2 * (light % k_lights_per_group);
+    // Rays that follow each other mostly start on one triangle.
+    RecordId record = k_no_record;
+    bool coarse = false, asked = false;
+    std::uint8_t* evidence = nullptr;   // of the light's group
+    std::uint32_t level = 0;
+    Rim rim{RimCodes{}};
+    for (std::size_t r = 0; r < batch.static_point.size(); ++r) {
+        const std::uint32_t point = batch.static_point[r];
+        if (batch.at.slot[point] == k_no_slot) continue;
+        if (batch.record[point] != record) {
+            record = batch.record[point];
+            coarse = asked = false;
+            evidence = nullptr;
+        }
+        if (state_of(batch, point, light) == ShadowState::partial) {
+            ++batch.counters.partial;
+            // Nothing to learn where parts are as fine as they get.
+            if (!asked) {
+                asked = true;
+                coarse = memory_->coarse(record, frame_, [&] {
+                    const std::uint32_t at = memory_->level(record);
+                    return at < k_max_level && at < wanted_level(record / 2);
+                });
+            }
+            if (!coarse) continue;
+        }
+        if (!evidence) {
+            evidence = memory_->evidence(record);
+            if (!evidence) continue;   // no room: asked again
+            level = memory_->level(record);
+            rim = memory_->rim(record);
+            evidence += static_cast<std::size_t>(light / k_lights_per_group) << (2 * level);
+            if (batch.touched.empty() || batch.touched.back() != record) batch.touched.push_back(record);
+        }
+        float u, v;
+        rim.inside(batch.at.uv[point].x, batch.at.uv[point].y, u, v);
+        const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_blocked : k_saw_free) << shift);
+        std::atomic_ref<std::uint8_t>(evidence[micro_index_at(u, v, level)]).fetch_or(saw, std::memory_order_relaxed);
+    }
+}
+
+// A light that moves: nothing is remembered of it, and nothing drawn, for nobody asks twice. Every point that it may
+// reach is a ray against all there is.
+void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+{
+    ray::RayQueue& queue = batch.static_rays;
+    queue.clear();
+    batch.static_point.clear();
+    for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+        const ShadowPoint& here = batch.points[p];
+        const glm::vec3 direction = lamp.from(here.origin);
+        blocked[p] = 1;
+        if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) continue;
+        queue.push(here.origin, 0, direction, lamp.end);
+        batch.static_point.push_back(p);
+    }
+    const std::size_t traced = queue.size();
+    batch.hit.resize(traced + ray::k_packet_pad);
+    rays_->blocked(queue, 0, traced, batch.hit.data());
+    for (std::size_t r = 0; r < traced; ++r) blocked[batch.static_point[r]] = batch.hit[r];
+    batch.counters.traced += traced;
+}
+
+void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays)
+{
+    const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
+    const scene::Light& described = state_->scene().lights[static_cast<std::size_t>(light)];
+    const bool directional = described.type == scene::LightType::directional;
+    Lamp lamp{light, directional, directional ? -at.direction : at.position,
+              directional ? k_infinity : options_.ray_end};
+    if (described.type == scene::LightType::spot) {
+        lamp.axis = at.direction;
+        lamp.outer_cosine = std::cos(described.outer_angle);
+    }
+    if (!light_on_[static_cast<std::size_t>(light)]) {
+        trace_all(batch, lamp, blocked);
+        if (rays)
+            for (const std::uint32_t point : batch.static_point) rays[point] = 1;
+        return;
+    }
+    movers_->select(batch.bounds, lamp.to, directional, batch.movers);
+    batch.strip_open.assign(batch.strip_bounds.size(), 0);
+    for (std::size_t s = 0; s < batch.strip_open.size(); ++s)
+        batch.strip_open[s] = std::any_of(batch.movers.begin(), batch.movers.end(), [&](const Box3& box) {
+            return may_shadow(box, batch.strip_bounds[s], lamp.to, directional);
+        });
+    batch.static_rays.clear();
+    batch.static_point.clear();
+    batch.then_movers.clear();
+    batch.dynamic_rays.clear();
+    batch.dynamic_point.clear();
+    batch.asked.clear_questions(batch.points.size());
+    batch.open.resize(batch.points.size() + 8);
+    sort_open(batch, lamp, blocked);
+    ask_movers(batch, lamp, blocked);
+    if (rays) {
+        for (const std::uint32_t point : batch.static_point) rays[point] = 1;
+        for (const std::uint32_t point : batch.dynamic_point) rays[point] = 2;
+    }
+    trace_static(batch, lamp, blocked);
+
+    // Trace against what moves, where nothing static was in the way.
+    if (const std::size_t moving = batch.dynamic_point.size(); moving > 0) {
+        batch.hit.resize(moving + ray::k_packet_pad);
+        rays_->blocked(batch.dynamic_rays, 0, moving, batch.hit.data(), ray::Against::dynamic_only);
+        for (std::size_t r = 0; r < moving; ++r) blocked[batch.dynamic_point[r]] |= batch.hit[r];
+    }
+}
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_culling/certified/forget.h"
+
+#include <algorithm>
+
+#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
+
+namespace gnomon::shadow_culling {
+
+namespace {
+
+// A shaft reaches one margin further out than rays go; twice that leaves room for single precision here.
+constexpr double k_widen_margins = 2;
+
+Box3 box_of(const StaticTriangle& t)
+{
+    Box3 box;
+    for (const glm::vec3& p : t.p) box.add(p);
+    return box;
+}
+
+}   // namespace
+
+Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight> lights,
+                        const CertificateOptions& options, StaticTriangles& triangles, ShadowMemory& memory)
+{
+    Forgotten result;
+
+    // Find where it stood, as far as it blocked light.
+    Box3 footprint;
+    const auto [begin, end] = triangles.of(object);
+    for (TriangleId id = begin; id < end; ++id)
+        if (triangles.role(id) != StaticTriangles::Role::transparent)
+            for (const glm::vec3& p : triangles[id].p) footprint.add(p);
+
+    // Drop what it received.
+    if (!options.left_out.has(Check::lifted_not_receiver))
+        for (RecordId record = 2 * begin; record < 2 * end; ++record) result.records += memory.drop(record);
+    triangles.remove(object);
+    if (footprint.empty() || options.left_out.has(Check::lifted_shadow_gone)) return result;
+
+    // Open again what it may have shadowed.
+    for (const RememberedLight& light : lights) {
+        float coordinate = triangles.largest_coordinate();
+        if (!light.directional)
+            coordinate = std::max({coordinate, std::abs(light.to.x), std::abs(light.to.y), std::abs(light.to.z)});
+        const auto widen = static_cast<float>(k_widen_margins * options.shaft.margin) * coordinate;
+        const Box3 blocker{footprint.low - widen, footprint.high + widen};
+        triangles.visit(
+            [&](const glm::vec3& low, const glm::vec3& high) {
+                return may_shadow(blocker, Box3{low, high}, light.to, light.directional);
+            },
+            [&](TriangleId id) {
+                if (!may_shadow(blocker, box_of(triangles[id]), light.to, light.directional)) return;
+                ++result.visited;
+                for (const RecordId record : {2 * id, 2 * id + 1}) memory.reopen(record, light.index);
+            });
+    }
+    return result;
+}
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The static triangles as certificates need them: who borders whom, and which of them a shaft may meet.
+//
+// Built once a scene; an object that is moved by hand is taken out. World positions are the very floats that rays are
+// tested against, but for instances, whose rays are taken to the space of the mesh. Edges are matched by the bits of
+// their end points and within one space: what does not match is not watertight, and no certificate may pass over it.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "ray/ray_scene.h"
+#include "shadow_culling/certified/checks.h"
+#include "visibility/shaft.h"
+
+namespace gnomon::shadow_culling {
+
+using TriangleId = std::uint32_t;   // among all static triangles
+inline constexpr TriangleId no_triangle = 0xffffffffu;
+
+struct StaticTriangle {
+    glm::vec3 p[3];
+};
+
+inline float largest_coordinate(const StaticTriangle& t)
+{
+    const glm::vec3 reach = glm::max(glm::max(glm::abs(t.p[0]), glm::abs(t.p[1])), glm::abs(t.p[2]));
+    return std::max({reach.x, reach.y, reach.z});
+}
+
+class StaticTriangles {
+ public:
+    /// How a triangle takes part in shadows.
+    enum class Role : std::uint8_t { opaque, masked, transparent };
+
+    /// @param left_out  checks to leave out, for tests
+    StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out = {});
+    /// Takes out an object that does not stand still any more. What is left is as if it had never been there, but for
+    /// bounds and for edges that it shared with two others. Cost: its triangles, each by a walk down the tree.
+    void remove(scene::ObjectId object);
+
+    std::size_t size() const { return triangles_.size(); }
+    const StaticTriangle& operator[](TriangleId id) const { return triangles_[id]; }
+    Role role(TriangleId id) const { return roles_[id]; }
+    /// First id of an object's triangles; no_triangle for dynamic or hidden objects.
+    TriangleId first_of(scene::ObjectId object) const { return first_[object]; }
+    /// The one other triangle across edge e (from corner e to e + 1); no_triangle at borders, where three or more meet,
+    /// and where the neighbour does not block light.
+    TriangleId across(TriangleId id, int edge) const { return across_[3 * static_cast<std::size_t>(id) + edge]; }
+    /// [first, last) of an object's triangles; empty where first_of is no_triangle.
+    std::pair<TriangleId, TriangleId> of(scene::ObjectId object) const
+    {
+        const TriangleId first = first_[object];
+        return first == no_triangle ? std::pair(0u, 0u) : std::pair(first, first + count_[object]);
+    }
+    const Box3& bounds() const { return bounds_; }
+    float largest_coordinate() const { return largest_; }
+    std::size_t bytes() const;
+
+    /// Whether any triangle that can block light, opaque or masked, meets the shaft. Conservative: may say yes where
+    /// none does.
+    bool any_in(const visibility::Shaft& shaft) const;
+
+    /// The least height over a plane of what lies inside four others, of triangles that can block light; infinite if
+    /// nothing does.
+    double least_height(const std::array<visibility::Plane, 4>& sides, const visibility::Plane& plane) const;
+
+    /// Opaque triangles that the segment origin + [0, 1] * to_end passes through, at most `most`, in no particular
+    /// order.
+    void along(const glm::dvec3& origin, const glm::dvec3& to_end, std::size_t most,
+               std::vector<TriangleId>& found) const;
+
+    /// Calls take(id) for every triangle, but for those in nodes of the tree for which meets(low, high) is false.
+    template <class Meets, class Take>
+    void visit(const Meets& meets, const Take& take) const;
+
+ private:
+    struct Node {
+        glm::vec3 low, high;
+        std::uint32_t first;   // of its triangles in order_ (leaf), or its left child; the right one follows
+        std::uint32_t count;   // 0: inner
+    };
+    void match_edges(const std::vector<scene::ObjectId>& space);
+    void take_from_tree(TriangleId id);
+    void build_tree();
+    std::uint32_t build_range(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<Box3>& boxes);
+
+    std::vector<StaticTriangle> triangles_;
+    std::vector<Role> roles_;
+    std::vector<TriangleId> first_;   // by object
+    std::vector<TriangleId> across_;
+    std::vector<Node> nodes_;
+    std::vector<TriangleId> order_;          // blocking triangles, leaf by leaf; no_triangle: taken out
+    std::vector<TriangleId> outside_tree_;   // those that do not block
+    std::vector<std::uint32_t> count_;       // by object: its triangles
+    LeftOut left_out_;
+    Box3 bounds_;
+    float largest_ = 0;
+};
+
+template <class Meets, class Take>
+void StaticTriangles::visit(const Meets& meets, const Take& take) const
+{
+    for (const TriangleId id : outside_tree_) take(id);
+    if (nodes_.empty()) return;
+    std::vector<std::uint32_t> stack = {0};
+    while (!stack.empty()) {
+        const Node& node = nodes_[stack.back()];
+        stack.pop_back();
+        if (!meets(node.low, node.high)) continue;
+        if (node.count == 0) {
+            stack.push_back(node.first);
+            stack.push_back(node.first + 1);
+        }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+            if (order_[i] != no_triangle) take(order_[i]);
+    }
+}
+
+}   // namespace gnomon::shadow_culling

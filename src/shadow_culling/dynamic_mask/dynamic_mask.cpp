@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include <algorithm>
+#include <cstring>
+
+#include "ray/origin.h"
+#include "shadow_culling/dynamic_mask/parts.h"
+
+namespace gnomon::shadow_culling {
+
+namespace {
+
+// Rays start a lift above their triangle. What rises less than this part of it is not in their way.
+constexpr float k_no_rise = 0.25f;
+
+}   // namespace
+
+MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
+                     const MaskOptions& options)
+    : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
+{
+    const scene::Scene& scene = state.scene();
+    unit_of_.assign(scene.objects.size(), scene::none);
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
+        if (scene.objects[o].dynamic || rays.stands_alone(o)) take_in(o);
+    // Instances of one mesh have one shape.
+    std::unordered_map<const glm::vec3*, std::shared_ptr<const MoverShape>> shapes[2];
+    for (const auto& unit : units_) {
+        const ray::ObjectGeometry& geometry = rays.geometry(unit->object);
+        auto& shape = shapes[unit->deforming][geometry.positions];
+        if (!shape) shape = std::make_shared<MoverShape>(shape_of(scene, geometry, unit->deforming));
+        unit->shape = shape;
+    }
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
+}
+
+// An object that moves, from now on.
+MoverMask::Unit& MoverMask::take_in(scene::ObjectId object)
+{
+    unit_of_[object] = static_cast<std::uint32_t>(units_.size());
+    units_.push_back(std::make_unique<Unit>());
+    Unit& unit = *units_.back();
+    unit.object = object;
+    unit.deforming = state_->scene().objects[object].deforming;
+    measure(unit);
+    return unit;
+}
+
+void MoverMask::measure(Unit& unit) const
+{
+    unit.alone = rays_->stands_alone(unit.object);
+    unit.own = Box3{};
+    if (unit.deforming) return;
+    const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
+    for (const glm::uvec3& t : geometry.mesh->triangles)
+        for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
+}
+
+MoverMask::~MoverMask() = default;
+
+void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view)
+{
+    state_ = &state;
+    rays_ = &rays;
+    view_ = view;
+    const scene::FrameChanges& changes = state.changes();
+    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
+        for (const scene::ObjectId o : *list) {
+            const bool known = unit_of_[o] != scene::none;
+            if (known && units_[unit_of_[o]]->alone == rays.stands_alone(o)) continue;
+            Unit& unit = known ? *units_[unit_of_[o]] : take_in(o);
+            if (known) measure(unit);   // taken out of its group
+            unit.shape = std::make_shared<MoverShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
+        }
+    bool crowded = false;   // with blocks that an earlier view asked for
+    for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
+    if (changes.anything() || crowded) ++frame_;
+}
+
+MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
+{
+    LightMask& mask = *lights_[light];
+    if (mask.prepared.load(std::memory_order_acquire) == frame_) return mask;
+    const std::scoped_lock lock(mask.mutex);
+    if (mask.prepared.load(std::memory_order_relaxed) == frame_) return mask;
+    place_prints(mask, light);
+    fill_bins(mask);
+    mask.asked_before.clear();
+    for (std::size_t b = 0; b < mask.used; ++b)
+        mask.asked_before.emplace(mask.blocks[b]->key, mask.blocks[b]->rays.load(std::memory_order_relaxed));
+    if (mask.used > 0)
+        for (auto& entry : mask.table) entry.store(nullptr, std::memory_order_relaxed);
+    mask.used = 0;
+    mask.prepared.store(frame_, std::memory_order_release);
+    return mask;
+}
+
+// Whether a mover may be in the way of its own point.
+bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
+{
+    const std::vector<float>& rise = units_[print.unit]->shape->rise;
+    const std::size_t side = 2 * static_cast<std::size_t>(point.triangle) + (point.front != print.mirrored ? 0 : 1);
+    if (side >= rise.size()) return true;
+    const float lift = ray::k_lift_per_coordinate *
+                       std::max({std::abs(point.origin.x), std::abs(point.origin.y), std::abs(point.origin.z)});
+    return !(rise[side] * print.stretch <= k_no_rise * lift);
+}
+
+void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points, Asked& asked)
+{
+    const std::size_t count = asked.count;
+    if (count == 0) return;
+    LightMask& mask = prepared(light);
+    Texels& texels = asked.texels;
+    texels.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3& p = points[asked.point[i]].origin;
+        texels.x[i] = p.x, texels.y[i] = p.y, texels.z[i] = p.z;
+    }
+    find_texels(mask.space, view_, options_.texel_pixels, texels);
+
+    asked.answer.resize(texels.depth.size());
+    asked.clear.resize(texels.depth.size());
+
+    // Count who asks for which block; neighbours mostly ask for one.
+    asked.runs.clear();
+    asked.key.clear();
+    asked.asks.clear();
+    asked.rays.clear();
+    for (std::size_t i = 0; i < count;) {
+        const std::uint32_t high = texels.high[i], low = texels.low[i];
+        std::size_t end = i + 1;
+        while (end < count && texels.low[end] == low && texels.high[end] == high) ++end;
+        const BlockKey key = texels.key(i);
+        const auto b = static_cast<std::size_t>(std::find(asked.key.begin(), asked.key.end(), key) - asked.key.begin());
+        if (b == asked.key.size()) asked.key.push_back(key), asked.asks.push_back(0), asked.rays.push_back(0);
+        asked.asks[b] += static_cast<std::uint32_t>(end - i);
+        asked.rays[b] +=
+            static_cast<std::uint32_t>(end - i +
+                                       std::count(asked.moving.begin() + static_cast<std::ptrdiff_t>(i),
+                                                  asked.moving.begin() + static_cast<std::ptrdiff_t>(end), 1));
+        asked.runs.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(b)});
+        i = end;
+    }
+    asked.drawn.assign(asked.key.size(), nullptr);
+    for (std::size_t b = 0; b < asked.key.size(); ++b)
+        if (asked.asks[b] >= options_.asked && asked.key[b] != k_no_block)
+            asked.drawn[b] = block_at(mask, asked.key[b], asked.rays[b]);
+
+    for (std::size_t r = 0; r < asked.runs.size(); ++r) {
+        const std::size_t first = asked.runs[r].first;
+        const std::size_t end = r + 1 < asked.runs.size() ? asked.runs[r + 1].first : count;
+        Block* const block = asked.drawn[asked.runs[r].block];
+        const bool moving = std::memchr(&asked.moving[first], 1, end - first) != nullptr;
+        if (block == nullptr || (block->empty && !moving)) {
+            const Answer all = block == nullptr ? Answer::not_drawn : Answer::free;
+            std::memset(&asked.answer[first], static_cast<int>(all), end - first);
+            std::memset(&asked.clear[first], 0, end - first);
+            continue;
+        }
+        const MaskTexels& over = block->texels;
+        const float still = moving ? static_begins(mask, *block) : -k_infinity;
+        compare_depths(texels, first, end, over, asked.moving.data(), still, asked.answer.data(), asked.clear.data());
+        if (!moving) continue;
+
+        // Is what begins over a point on a mover only itself?
+        for (std::size_t i = first; i < end; ++i) {
+            if (asked.answer[i] != Answer::maybe_self) continue;
+            const ShadowPoint& point = points[asked.point[i]];
+            const Print& print = mask.prints[block->print_of[over.first(texels.texel[i])]];
+            const bool self = units_[print.unit]->object == point.object && !rises(print, point);
+            asked.answer[i] = self ? Answer::free : Answer::unknown;
+        }
+    }
+}
+
+std::size_t MoverMask::bytes() const
+{
+    std::size_t bytes = 0;
+    for (const auto& mask : lights_) {
+        bytes += mask->prints.capacity() * sizeof(Print) + mask->table.size() * sizeof(void*);
+        for (const auto& outline : mask->outlines) bytes += outline.capacity() * sizeof(Piece);
+        for (const auto& block : mask->blocks)
+            bytes += sizeof(Block) + 2 * sizeof(float) * block->texels.begins.capacity();
+    }
+    return bytes;
+}
+
+}   // namespace gnomon::shadow_culling

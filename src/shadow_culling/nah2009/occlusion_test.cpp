@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_culling/nah2009/occlusion_test.h"
+
+#include "base/check.h"
+
+namespace gnomon::shadow_culling {
+
+bool intersects(const glm::vec3& origin, const glm::vec3& direction, const glm::vec3 (&triangle)[3])
+{
+    const glm::vec3 e1 = triangle[1] - triangle[0], e2 = triangle[2] - triangle[0];
+    const glm::vec3 p = glm::cross(direction, e2);
+    const float det = glm::dot(e1, p);
+    if (!(det != 0)) return false;
+    const glm::vec3 s = origin - triangle[0];
+    const float u = glm::dot(s, p) / det;
+    if (!(u >= 0 && u <= 1)) return false;
+    const glm::vec3 q = glm::cross(s, e1);
+    const float v = glm::dot(direction, q) / det;
+    return v >= 0 && u + v <= 1 && glm::dot(e2, q) / det >= 0;
+}
+
+OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<const PrimaryHit> above, bool last_row,
+                                   const SceneTriangles& triangles, Modes& modes, const OcclusionTestOptions& options)
+{
+    GNOMON_CHECK(above.empty() || above.size() == hits.size());
+    OcclusionTestCounts counts;
+
+    // A mode as the paper would find it at this pixel: this frame's mark, else what the frame began with.
+    const auto is_init = [&](PrimitiveId primitive) {
+        return modes.occlusion(primitive) == OcclusionMode::init &&
+               (options.test_marked || modes.marked(primitive) == OcclusionMode::init);
+    };
+
+    for (std::size_t x = 0; x < hits.size(); ++x) {
+        const PrimaryHit& current = hits[x];
+        // DEVIATION(Nah 2009, Table 1): the listing has no case for a ray that left the scene; no test then.
+        if (current.primitive == no_primitive) continue;
+
+        // What moves is never remembered.
+        if (triangles.is_dynamic(current.primitive)) {
+            modes.mark(current.primitive, OcclusionMode::dynamic);
+            continue;
+        }
+        // What the screen cuts off was not seen whole, not even if it once was.
+        if (above.empty() || last_row || x == 0 || x + 1 == hits.size()) {
+            modes.mark(current.primitive, OcclusionMode::partially_occluded);
+            continue;
+        }
+        // Does the neighbour's triangle continue behind this pixel?
+        const PrimitiveId left = hits[x - 1].primitive, upper = above[x].primitive;
+        for (const PrimitiveId reference : {left, upper}) {
+            if (reference == no_primitive || reference == current.primitive) continue;
+            if (!is_init(reference)) continue;
+            ++counts.extra_tests;
+            glm::vec3 corners[3];
+            triangles.corners(reference, corners);
+            if (intersects(current.origin, current.direction, corners))
+                modes.mark(reference, OcclusionMode::partially_occluded);
+            // DEVIATION(Nah 2009, Table 1): one test where both neighbours show one triangle, as Fig. 3 has it; the
+            // listing as printed repeats it.
+            if (left == upper) break;
+        }
+    }
+    return counts;
+}
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The occlusion test of shadow culling [Nah 2009, 2.3, Table 1].
+//
+// A primitive's remembered shadow is trustworthy only if all of it was seen. This step finds, among the primary hits,
+// the primitives that something else partly hides: a pixel's ray that would also have met the triangle of its left or
+// upper neighbour shows that the neighbour's triangle continues behind this pixel.
+//
+// Cost: 0 to 2 ray-triangle tests a pixel, only along primitive borders (counted: extra_tests).
+// One-sided by design: an occluder over a triangle's left or upper part goes unnoticed.
+
+#include <span>
+
+#include "shadow_culling/nah2009/modes.h"
+#include "shadow_culling/nah2009/scene_triangles.h"
+
+namespace gnomon::shadow_culling {
+
+/// What one pixel's primary ray met.
+struct PrimaryHit {
+    PrimitiveId primitive = no_primitive;   // where the ray left the scene
+    glm::vec3 origin{0}, direction{0};      // of the ray
+};
+
+struct OcclusionTestOptions {
+    // Tests a neighbour again that this frame has marked already, as where modes are read as the frame began
+    // throughout. The marks come out the same; extra_tests does not.
+    bool test_marked = false;
+};
+
+struct OcclusionTestCounts {
+    std::uint64_t extra_tests = 0;   // ray-triangle tests beyond those of plain ray tracing
+};
+
+/// Runs the test for one row of primary hits. Rows must come from top to bottom: what is marked above is not tested
+/// again below.
+/// @param hits      this row, left to right
+/// @param above     the row above, same length; empty for the first row
+/// @param last_row  whether this row is the screen's lower edge
+/// @param modes     gets marks, which count in this test at once and for shadows from the next frame on
+OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<const PrimaryHit> above, bool last_row,
+                                   const SceneTriangles& triangles, Modes& modes,
+                                   const OcclusionTestOptions& options = {});
+
+/// Whether a ray meets a triangle at t >= 0, borders included [Moller and Trumbore 1997].
+bool intersects(const glm::vec3& origin, const glm::vec3& direction, const glm::vec3 (&triangle)[3]);
+
+}   // namespace gnomon::shadow_culling

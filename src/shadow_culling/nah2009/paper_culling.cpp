@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_culling/nah2009/paper_culling.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace gnomon::shadow_culling {
+
+void PaperCounters::add(const PaperCounters& o)
+{
+    rays += o.rays;
+    skipped += o.skipped;
+    dynamic_only += o.dynamic_only;
+    extra_tests += o.extra_tests;
+}
+
+PaperCulling::PaperCulling(const scene::SceneState& state, const ray::RayScene& rays, const PaperOptions& options)
+    : state_(&state),
+      options_(options),
+      triangles_(state, rays),
+      modes_(triangles_.size(), static_cast<int>(state.scene().lights.size()))
+{
+    const auto objects = static_cast<scene::ObjectId>(state.scene().objects.size());
+    for (scene::ObjectId o = 0; o < objects; ++o)
+        static_bounds_.push_back(triangles_.object_is_dynamic(o) ? Box3{} : triangles_.bounds(o));
+}
+
+void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays)
+{
+    const scene::FrameChanges& changes = state.changes();
+    std::vector<scene::ObjectId> started;
+    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
+        for (const scene::ObjectId o : *list)
+            if (!triangles_.object_is_dynamic(o)) started.push_back(o);
+    begin_frame(state, rays, {changes.lights_moved, started, {}});
+}
+
+void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const PaperChanges& changes)
+{
+    state_ = &state;
+    triangles_.follow(rays);
+    counters_ = {};
+
+    // DEVIATION(Nah 2009, 2.2): the paper leaves open what a moved light does, or an object that starts or stops. They
+    // clear what they touch.
+    for (const scene::LightId l : changes.lights) modes_.forget_light(static_cast<int>(l));
+    for (const scene::ObjectId o : changes.started) start(o);
+    for (const scene::ObjectId o : changes.stopped) stop(o);
+
+    // DEVIATION(Nah 2009, 2.6): PARTIALLY_OCCLUDED is not for ever, since what is hidden in one view may be seen whole
+    // in the next. It starts the frame as INIT; its shadow bits stay.
+    for (const PrimitiveId primitive : begin_afresh_)
+        if (modes_.occlusion(primitive) == OcclusionMode::partially_occluded)
+            modes_.set_occlusion(primitive, OcclusionMode::init);
+    begin_afresh_.clear();
+}
+
+void PaperCulling::start(scene::ObjectId object)
+{
+    if (triangles_.object_is_dynamic(object)) return;
+    triangles_.set_dynamic(object, true);
+    forget_shadowed_by(static_bounds_[object]);
+    static_bounds_[object] = Box3{};
+    for (PrimitiveId p = triangles_.first_of(object); p < triangles_.end_of(object); ++p) modes_.forget(p);
+}
+
+void PaperCulling::stop(scene::ObjectId object)
+{
+    if (!triangles_.object_is_dynamic(object)) return;
+    triangles_.set_dynamic(object, false);
+    static_bounds_[object] = triangles_.bounds(object);
+    forget_shadowed_by(static_bounds_[object]);
+    for (PrimitiveId p = triangles_.first_of(object); p < triangles_.end_of(object); ++p) modes_.forget(p);
+}
+
+void PaperCulling::forget_shadowed_by(const Box3& occluder)
+{
+    const scene::Scene& scene = state_->scene();
+    const auto reaches = [&](const Box3& receiver) {
+        for (scene::LightId l = 0; l < scene.lights.size(); ++l)
+            if (may_shadow(scene.lights[l], state_->light(l), occluder, receiver)) return true;
+        return false;
+    };
+    for (scene::ObjectId o = 0; o < static_bounds_.size(); ++o) {
+        if (static_bounds_[o].empty() || !reaches(static_bounds_[o])) continue;
+        for (PrimitiveId p = triangles_.first_of(o); p < triangles_.end_of(o); ++p) {
+            glm::vec3 corners[3];
+            triangles_.corners(p, corners);
+            Box3 box;
+            for (const glm::vec3& corner : corners) box.add(corner);
+            if (reaches(box)) modes_.forget_shadow(p);
+        }
+    }
+}
+
+ShadowDecision PaperCulling::decide(PrimitiveId origin, int light, Notes& notes) const
+{
+    ++notes.counters.rays;
+    const ShadowDecision decision = test_shadow(modes_, origin, light);
+    notes.counters.skipped += decision == ShadowDecision::in_shadow;
+    notes.counters.dynamic_only += decision == ShadowDecision::dynamic_only;
+    return decision;
+}
+
+void PaperCulling::note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_blocked, Notes& notes)
+{
+    // DEVIATION(Nah 2009, Table 3): `cullingResult` is nowhere assigned. Traversal of dynamic objects alone counts as
+    // culled and sets no bits: callers note full traversals alone.
+    // Moving primitives are never FULLY_RENDERED, so their shadow modes would never be read.
+    if (triangles_.is_dynamic(origin)) return;
+    const ShadowMode bits = shadow_bits(static_part, dynamic_blocked, options_.set_modes);
+    if (bits != ShadowMode::init) modes_.note_shadow(origin, light, bits, notes.touched);
+}
+
+void PaperCulling::see_picture(std::span<const PrimaryHit> hits, std::size_t width)
+{
+    GNOMON_CHECK(width > 0 && hits.size() % width == 0);
+    for (std::size_t begin = 0; begin < hits.size(); begin += width) {
+        const auto row = hits.subspan(begin, width);
+        const auto above = begin == 0 ? std::span<const PrimaryHit>{} : hits.subspan(begin - width, width);
+        counters_.extra_tests +=
+            test_occlusion(row, above, begin + width == hits.size(), triangles_, modes_, options_.occlusion_test)
+                .extra_tests;
+        for (const PrimaryHit& hit : row)
+            if (hit.primitive != no_primitive) modes_.note_pixel(hit.primitive, rendered_);
+    }
+}
+
+void PaperCulling::end_frame(std::span<Notes> notes)
+{
+    // Merge what the shadow rays met, of primary and of other hits.
+    for (Notes& n : notes) {
+        for (const PrimitiveId primitive : n.touched) modes_.merge_shadow(primitive);
+        n.touched.clear();
+        counters_.add(n.counters);
+        n.counters = {};
+    }
+    // Set the occlusion mode of every rendered primitive; the most pixels are raised after the comparison.
+    for (const PrimitiveId primitive : rendered_) {
+        const OcclusionMode after =
+            occlusion_after(modes_.occlusion(primitive), modes_.marked(primitive), modes_.pixels(primitive),
+                            modes_.most_pixels(primitive), options_.set_modes);
+        modes_.set_occlusion(primitive, after);
+        modes_.close_pixels(primitive);
+        if (after == OcclusionMode::partially_occluded) begin_afresh_.push_back(primitive);
+    }
+    rendered_.clear();
+}
+
+bool may_shadow(const scene::Light& light, const scene::LightState& at, const Box3& occluder, const Box3& receiver)
+{
+    if (occluder.empty() || receiver.empty()) return false;
+    const glm::dvec3 o(occluder.centre()), r(receiver.centre());
+    // Spheres around the boxes, a little larger than rounding can make them wrong.
+    constexpr double k_slack = 1.00001;
+    const double o_radius = 0.5 * k_slack * occluder.diagonal(), r_radius = 0.5 * k_slack * receiver.diagonal();
+
+    if (light.type == scene::LightType::directional) {
+        // The receiver's sphere, drawn out towards the light.
+        const glm::dvec3 to_light = -glm::dvec3(at.direction), d = o - r;
+        const double along = glm::dot(d, to_light), reach = o_radius + r_radius;
+        return along >= -reach && glm::length(d - along * to_light) <= reach;
+    }
+    // The cone from the light around the receiver's sphere, against that around the occluder's.
+    const glm::dvec3 to_receiver = r - glm::dvec3(at.position), to_occluder = o - glm::dvec3(at.position);
+    const double r_distance = glm::length(to_receiver), o_distance = glm::length(to_occluder);
+    if (r_distance <= r_radius || o_distance <= o_radius) return true;
+    if (o_distance - o_radius > r_distance + r_radius) return false;
+    const double apart =
+        std::acos(std::clamp(glm::dot(to_receiver, to_occluder) / (r_distance * o_distance), -1.0, 1.0));
+    return apart <= k_slack * (std::asin(o_radius / o_distance) + std::asin(r_radius / r_distance)) + 1e-9;
+}
+
+}   // namespace gnomon::shadow_culling

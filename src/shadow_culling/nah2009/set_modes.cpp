@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shadow_culling/nah2009/set_modes.h"
+
+namespace gnomon::shadow_culling {
+
+ShadowMode shadow_bits(StaticPart static_part, bool dynamic_blocked, const SetModesOptions& options)
+{
+    if (options.remember_dynamic_blockers)
+        return dynamic_blocked || static_part == StaticPart::blocked ? ShadowMode::full_shadow : ShadowMode::non_shadow;
+
+    // DEVIATION(Nah 2009, Table 3): the coherence claimed is that of static on static. Only what a static occluder, or
+    // the absence of one, did is remembered; Table 3 sets FULL_SHADOW for any blocker.
+    switch (static_part) {
+        case StaticPart::blocked:
+            return ShadowMode::full_shadow;
+        case StaticPart::free:
+            return ShadowMode::non_shadow;
+        case StaticPart::unknown:
+            break;
+    }
+    return ShadowMode::init;
+}
+
+OcclusionMode occlusion_after(OcclusionMode begun, OcclusionMode marked, std::uint32_t pixels,
+                              std::uint32_t most_pixels, const SetModesOptions& options)
+{
+    if (marked != OcclusionMode::init) return marked;
+
+    switch (begun) {
+        case OcclusionMode::init:
+            // Rendered, and never found occluded.
+            return OcclusionMode::fully_rendered;
+        case OcclusionMode::fully_rendered:
+            // After a zoom-in, shadows that were smaller than a pixel may show. The shadow bits stay: the next frame
+            // traces everything, and what it newly sees makes FULL or NON_SHADOW into PARTIAL_SHADOW.
+            // DEVIATION(Nah 2009, 2.2): there a zoom-in resets any mode; 2.6 resets FULLY_RENDERED alone, and so do we.
+            return std::uint64_t{pixels} > std::uint64_t{options.zoom_in} * most_pixels ? OcclusionMode::init : begun;
+        case OcclusionMode::partially_occluded:
+        case OcclusionMode::dynamic:
+            break;
+    }
+    return begun;
+}
+
+}   // namespace gnomon::shadow_culling

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "video/encoder.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+
+#include "gnomon/error.h"
+#include "io/file/atomic_file.h"
+#include "video/process.h"
+
+namespace gnomon::video {
+
+namespace fs = std::filesystem;
+
+namespace {
+constexpr const char* k_program = "ffmpeg";
+constexpr const char* k_quality = "16";   // x264's constant rate factor: hardly to be told from the frames
+// An odd side loses its last row or column; the colours are those of screens (Rec. 709, studio range), exactly rounded.
+constexpr const char* k_filters =
+    "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,"
+    "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact:out_color_matrix=bt709:out_range=tv,format=yuv420p";
+
+// Threads are one everywhere: x264's own are repeatable, but not the same for another number of them.
+std::vector<std::string> encode_arguments(double fps, const fs::path& out)
+{
+    return {k_program,
+            "-hide_banner",
+            "-nostdin",
+            "-loglevel",
+            "error",
+            "-y",
+            "-f",
+            "image2pipe",
+            "-framerate",
+            fmt::format("{:.9g}", fps),
+            "-threads",
+            "1",
+            "-c:v",
+            "png",
+            "-i",
+            "pipe:0",
+            "-an",
+            "-sn",
+            "-map_metadata",
+            "-1",
+            "-filter_threads",
+            "1",
+            "-vf",
+            k_filters,
+            "-c:v",
+            "libx264",
+            "-threads",
+            "1",
+            "-crf",
+            k_quality,
+            "-preset",
+            "medium",
+            "-color_primaries",
+            "bt709",
+            "-color_trc",
+            "bt709",
+            "-colorspace",
+            "bt709",
+            "-color_range",
+            "tv",
+            "-fflags",
+            "+bitexact",
+            "-flags:v",
+            "+bitexact",
+            "-movflags",
+            "+faststart",
+            "-f",
+            "mp4",
+            "file:" + out.string()};
+}
+
+std::vector<std::uint8_t> bytes_of(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
+    if (!in || bytes.empty()) throw MissingError(fmt::format("cannot read the frame {}", file.string()));
+    return bytes;
+}
+
+// The last line that says something: ffmpeg closes with a remark that it failed.
+std::string last_line(const std::string& text)
+{
+    std::string last;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        std::string line = text.substr(begin, end - begin);
+        while (!line.empty() && static_cast<unsigned char>(line.back()) <= ' ') line.pop_back();
+        if (!line.empty() && line != "Conversion failed!") last = std::move(line);
+        begin = end + 1;
+    }
+    return last;
+}
+
+// Whether an MP4 has its index and its pictures, and ends where its last part does: an encoder that was cut short need
+// not know it.
+bool is_whole_mp4(const fs::path& file)
+{
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    std::ifstream in(file, std::ios::binary);
+    bool index = false, pictures = false;
+    std::uintmax_t at = 0;
+    while (!error && in && at < size) {
+        // A part: its size in four bytes, or 1 and the size in the eight behind its name; its name in four.
+        std::array<unsigned char, 16> head{};
+        in.seekg(static_cast<std::streamoff>(at));
+        in.read(reinterpret_cast<char*>(head.data()), head.size());
+        in.clear();
+        const auto number = [&](std::size_t from, std::size_t to) {
+            std::uintmax_t value = 0;
+            for (std::size_t i = from; i < to; ++i) value = value << 8 | head[i];
+            return value;
+        };
+        const bool large = number(0, 4) == 1;
+        const std::uintmax_t part = large ? number(8, 16) : number(0, 4);
+        if (part < 8 || part > size - at) return false;
+        index |= number(4, 8) == 0x6d6f6f76;      // "moov"
+        pictures |= number(4, 8) == 0x6d646174;   // "mdat"
+        at += part;
+    }
+    return index && pictures && at == size;
+}
+}   // namespace
+
+void encode_video(const std::vector<fs::path>& frames, double fps, const fs::path& out, const Progress& progress)
+{
+    if (frames.empty()) throw UsageError(fmt::format("{}: a film needs at least one frame", out.string()));
+    if (!(fps > 0)) throw UsageError(fmt::format("{}: a film needs a rate above 0", out.string()));
+
+    double done = 0;
+    const auto go_on = [&] { return !progress || progress({"encoding", done}); };
+    io::AtomicFile file(out, frames.front().parent_path());   // unfinished, it stands among what it is made of
+    Process ffmpeg(encode_arguments(fps, file.temporary()));
+
+    // Feed the frames one by one; a program that stops listening has something to say.
+    bool listening = true;
+    for (std::size_t i = 0; i < frames.size() && listening; ++i) {
+        if (!go_on()) throw InterruptedError("interrupted");
+        listening = ffmpeg.write(bytes_of(frames[i]), go_on);
+        done = static_cast<double>(i + 1) / static_cast<double>(frames.size());
+    }
+    const int status = ffmpeg.wait(go_on);
+    if (status < 0) throw MissingError(fmt::format("ffmpeg was ended by signal {} ({})", -status, out.string()));
+    const bool whole = status == 0 && listening && is_whole_mp4(file.temporary());
+    if (!whole) {
+        const std::string reason = last_line(ffmpeg.errors());
+        const std::string short_of = fmt::format("exit status {}{}", status, status == 0 ? ", but no whole film" : "");
+        throw MissingError(
+            fmt::format("ffmpeg could not write {}: {}", out.string(), reason.empty() ? short_of : reason));
+    }
+    file.commit();
+}
+
+bool have_ffmpeg(const Progress& progress)
+{
+    // An ffmpeg without the encoder would be found out after the rendering.
+    try {
+        Process ffmpeg({k_program, "-hide_banner", "-h", "encoder=libx264"});
+        return ffmpeg.wait([&] {
+            return !progress || progress({"encoding", 0});
+        }) == 0 &&
+               ffmpeg.output().find("Encoder libx264") != std::string::npos;
+    } catch (const MissingError&) {
+        return false;
+    }
+}
+
+}   // namespace gnomon::video

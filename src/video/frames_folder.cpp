@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "video/frames_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "io/file/atomic_file.h"
+
+namespace gnomon::video {
+
+namespace fs = std::filesystem;
+
+namespace {
+constexpr const char* k_manifest = "manifest.json";
+constexpr std::uintmax_t k_manifest_limit = 1 << 16;   // bytes
+// A chunk has the folder alone while it looks around and writes the manifest: others wait so long for that.
+constexpr auto k_chunk_patience = std::chrono::seconds(5);
+constexpr auto k_chunk_step = std::chrono::milliseconds(5);
+
+bool is_frame_name(const std::string& name)
+{
+    return name.starts_with("frame-") && name.ends_with(".png");
+}
+
+bool is_ours(const std::string& name)
+{
+    return is_frame_name(name) || name == k_manifest || name.starts_with(io::k_temporary_prefix);
+}
+
+std::vector<fs::path> entries(const fs::path& folder, std::error_code& error)
+{
+    std::vector<fs::path> found;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+        found.push_back(it->path());
+    return found;
+}
+
+std::vector<fs::path> entries(const fs::path& folder)
+{
+    std::error_code error;
+    std::vector<fs::path> found = entries(folder, error);
+    if (error) throw MissingError(fmt::format("cannot read {}: {}", folder.string(), error.message()));
+    return found;
+}
+
+nlohmann::ordered_json manifest_of(const FilmIdentity& identity)
+{
+    return {{"gnomon", identity.version},
+            {"scene", identity.scene},
+            {"width", identity.size.width},
+            {"height", identity.size.height},
+            {"fingerprint", fmt::format("{:016x}", identity.fingerprint)}};
+}
+
+std::optional<nlohmann::ordered_json> read_manifest(const fs::path& file)
+{
+    std::error_code error;
+    if (fs::file_size(file, error) > k_manifest_limit || error) return std::nullopt;
+    std::ifstream in(file);
+    auto manifest = nlohmann::ordered_json::parse(in, nullptr, false);
+    if (!manifest.is_object()) return std::nullopt;
+    return manifest;
+}
+}   // namespace
+
+FramesFolder::FramesFolder(const fs::path& film) : folder_(film)
+{
+    folder_ += ".frames";
+}
+
+FramesFolder::~FramesFolder()
+{
+    unlock();
+}
+
+void FramesFolder::unlock()
+{
+    if (lock_ >= 0) ::close(lock_);
+    lock_ = -1;
+}
+
+void FramesFolder::make_and_lock(bool shared)
+{
+    const auto until = std::chrono::steady_clock::now() + k_chunk_patience;
+    for (;;) {
+        unlock();
+        std::error_code error;
+        made_ = fs::create_directory(folder_, error);
+        if (error) throw MissingError(fmt::format("cannot make {}: {}", folder_.string(), error.message()));
+        lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (lock_ < 0 && errno == ENOENT) continue;   // a film that was done took it away
+        alone_ = ::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+        const bool mine = alone_ || (shared && ::flock(lock_, LOCK_SH | LOCK_NB) == 0);
+        struct stat locked {
+        }, there{};
+        const bool gone = mine && lock_ >= 0 &&
+                          (::stat(folder_.c_str(), &there) != 0 || ::fstat(lock_, &locked) != 0 ||
+                           there.st_dev != locked.st_dev || there.st_ino != locked.st_ino);
+        if (mine && !gone) return;
+        if (!gone && (!shared || std::chrono::steady_clock::now() > until))
+            throw MissingError(fmt::format("another run is at work on {}", folder_.string()));
+        std::this_thread::sleep_for(k_chunk_step);
+    }
+}
+
+void FramesFolder::let_others_in()
+{
+    if (alone_ && ::flock(lock_, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        throw MissingError(fmt::format("another run is at work on {}", folder_.string()));
+}
+
+fs::path FramesFolder::file(int frame) const
+{
+    return folder_ / fmt::format("frame-{:06}.png", frame);
+}
+
+void FramesFolder::open(const FilmIdentity& identity, bool keep, bool shared)
+{
+    make_and_lock(shared);
+    bool frames = false;
+    for (const fs::path& entry : entries(folder_)) {
+        const std::string name = entry.filename().string();
+        if (!is_ours(name))
+            throw UsageError(
+                fmt::format("{} holds '{}', which is no frame of a film: move it away", folder_.string(), name));
+        frames |= is_frame_name(name);
+    }
+
+    const nlohmann::ordered_json manifest = manifest_of(identity);
+    const std::optional<nlohmann::ordered_json> found = read_manifest(folder_ / k_manifest);
+    const bool same = found && *found == manifest;
+    // Others at work on it have none yet, perhaps: what they will write is of their manifest.
+    const bool others = !alone_ && found;
+    if ((frames || others) && !same && (keep || shared))
+        throw UsageError(fmt::format("{} holds frames of another scene, size or set of options: remove it{}",
+                                     folder_.string(), keep && !shared ? ", or leave out --resume" : ""));
+    std::error_code error;
+    if (!keep && !shared)
+        for (const fs::path& entry : entries(folder_)) fs::remove(entry, error);
+    if (same && (keep || shared)) {
+        if (shared) let_others_in();
+        return;
+    }
+    try {
+        io::AtomicFile out(folder_ / k_manifest);
+        out.write(manifest.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+        out.commit();
+    } catch (...) {
+        if (made_ && !shared) fs::remove(folder_, error);   // a full disk; what is not empty stays
+        throw;
+    }
+    if (shared) let_others_in();
+}
+
+void FramesFolder::remove()
+{
+    std::error_code ignored;
+    for (const fs::path& entry : entries(folder_, ignored))
+        if (is_ours(entry.filename().string())) fs::remove(entry, ignored);
+    fs::remove(folder_, ignored);
+}
+
+bool FramesFolder::has_frames() const
+{
+    std::error_code ignored;
+    for (const fs::path& entry : entries(folder_, ignored))
+        if (is_frame_name(entry.filename().string())) return true;
+    return false;
+}
+
+}   // namespace gnomon::video

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnomon/video.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gnomon/version.h"
+#include "io/file/output_name.h"
+#include "io/image/exr.h"
+#include "io/image/image_file.h"
+#include "scene/scene.h"
+#include "video/encoder.h"
+#include "video/frames_folder.h"
+
+namespace gnomon {
+
+namespace fs = std::filesystem;
+using io::OutputKind;
+using video::FramesFolder;
+
+namespace {
+// Smooth pictures take at least this much as PNG. Less room than that on the disk cannot be enough.
+constexpr double k_least_bytes_per_pixel = 0.1;
+// A slower one's frames last longer than MP4 can say: it would lose some. A faster one's rate is more than ffmpeg
+// takes.
+constexpr double k_slowest_film = 0.001, k_fastest_film = 1000;   // frames a second
+constexpr int k_least_film_side = 2;                              // one row or column, being odd, would be lost
+constexpr int k_largest_film_side = 16385;                        // the encoder's, and one that is lost
+constexpr int k_sheet_pictures = 12;
+constexpr int k_sheet_columns = 4;
+constexpr std::size_t k_channels_beside_shadows = 25;   // of all other layers, those of a reference among them
+constexpr int k_overlay_warm_up = 8;                    // frames before a single picture of what is remembered
+
+void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, io::OutputKind kind)
+{
+    const std::string out = job.out.string();
+    if (frames.count() == 0 || frames.first < 1 || frames.last > scene.frame_count())
+        throw UsageError(
+            fmt::format("frames {}-{}: the clip has frames 1 to {}", frames.first, frames.last, scene.frame_count()));
+    if (kind == io::OutputKind::picture && frames.count() > 1)
+        throw UsageError(
+            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, frames.count()));
+    if (kind == io::OutputKind::film && !(job.fps >= k_slowest_film && job.fps <= k_fastest_film))
+        throw UsageError(fmt::format("{}: a film of {:g} frames a second: expected {} to {}; --fps sets another rate",
+                                     out, job.fps, k_slowest_film, k_fastest_film));
+    if (job.warm_up.value_or(0) < 0) throw UsageError("a warm-up has 0 frames or more");
+    if (job.contact_sheet.empty()) return;
+    if (io::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
+    if (io::output_kind(job.contact_sheet) != io::OutputKind::picture || io::is_exr_name(job.contact_sheet))
+        throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
+    // It is written last, and would take a picture's place.
+    const auto plain = [](const fs::path& file) { return fs::absolute(file).lexically_normal(); };
+    const fs::path sheet = plain(job.contact_sheet);
+    for (int frame = frames.first; kind != io::OutputKind::film && frame <= frames.last; ++frame)
+        if (plain(io::numbered_name(job.out, frame)) == sheet)
+            throw UsageError(fmt::format("{}: the contact sheet has the name of a picture", sheet.string()));
+    if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
+}
+
+// A layer of shadows for each light is much; what could not be read again is not begun.
+void check_layers(const Scene& scene, const RenderOptions& options, Size size, const fs::path& out)
+{
+    const bool layers = options.layers && (options.overlay == Overlay::none || options.overlay == Overlay::redrawn);
+    const std::size_t lights = scene.inside()->lights.size();
+    const std::size_t room = io::room_in_exr(size);
+    if (layers && io::is_exr_name(out) && lights + k_channels_beside_shadows > room)
+        throw UsageError(fmt::format(
+            "{}: {} lights; an .exr of {} x {} pixels has room for the shadows of {}: keep fewer with --lights N, "
+            "or write a .png",
+            out.string(), lights, size.width, size.height, room - std::min(room, k_channels_beside_shadows)));
+}
+
+// What the encoder would refuse when all is rendered.
+void check_film_size(Size size, const fs::path& out)
+{
+    const auto fits = [](int side) { return side >= k_least_film_side && side <= k_largest_film_side; };
+    if (!fits(size.width) || !fits(size.height))
+        throw UsageError(fmt::format("{}: a film of {} x {} pixels: expected {} to {} a side", out.string(), size.width,
+                                     size.height, k_least_film_side, k_largest_film_side));
+}
+
+void check_room(const fs::path& file, Size size, int frames)
+{
+    std::error_code error;
+    const fs::space_info space = fs::space(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
+    if (error) return;   // unknown: writing will tell
+    const double needed = k_least_bytes_per_pixel * size.width * size.height * frames;
+    if (static_cast<double>(space.available) < needed)
+        throw MissingError(
+            fmt::format("cannot write {}: {} frames need {:.3g} MB at least, the disk has {:.3g} MB left",
+                        file.string(), frames, needed / 1e6, static_cast<double>(space.available) / 1e6));
+}
+
+bool is_whole(const fs::path& frame, Size size)
+{
+    return io::is_exr_name(frame) ? io::is_whole_exr(frame, size) : io::is_whole_png(frame, size.width, size.height);
+}
+
+// Evenly spaced over the range, first and last among them.
+std::vector<std::size_t> sheet_choice(std::size_t frames)
+{
+    const std::size_t count = std::min<std::size_t>(frames, k_sheet_pictures);
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < count; ++i) chosen.push_back(count == 1 ? 0 : i * (frames - 1) / (count - 1));
+    return chosen;
+}
+
+void warm_up(const Scene& scene, Renderer& renderer, int first, int frames, const Progress& progress)
+{
+    for (int i = 0; i < frames; ++i) {
+        const auto step = [&](const ProgressStep& s) {
+            return !progress || progress({"warming up", (i + s.done) / frames});
+        };
+        renderer.render(scene, std::max(1, first - frames + i), step);
+    }
+}
+
+void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
+{
+    std::vector<fs::path> pngs;
+    std::vector<std::string> labels;
+    for (const std::size_t i : sheet_choice(frames.size())) {
+        pngs.push_back(frames[i].file);
+        labels.push_back(fmt::format("frame {}  {:.2f} s", frames[i].frame, frames[i].time));
+    }
+    write_contact_sheet(pngs, labels, std::min<int>(k_sheet_columns, static_cast<int>(pngs.size())), out);
+}
+}   // namespace
+
+FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& job, const Progress& progress,
+                       const std::function<void(const FrameRecord&)>& on_frame)
+{
+    // Refuse what cannot work before any frame is rendered.
+    const io::OutputKind kind = io::output_kind(job.out);
+    const FrameRange whole =
+        job.frames.value_or(FrameRange{1, kind == io::OutputKind::picture ? 1 : scene.frame_count()});
+    check_job(scene, job, whole, kind);
+    const FrameRange range = chunk_of(whole, job.chunk, job.chunks);
+    const bool encodes = kind == io::OutputKind::film && job.chunks == 1;
+    if (encodes && !video::have_ffmpeg(progress))
+        throw MissingError(
+            "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
+    if (kind != io::OutputKind::film || encodes) io::check_writable(io::numbered_name(job.out, range.first));
+    if (!job.contact_sheet.empty()) io::check_writable(job.contact_sheet);
+
+    FilmResult result;
+    result.size = picture_size(scene, renderer.options());
+    if (kind == io::OutputKind::film) check_film_size(result.size, job.out);
+    check_layers(scene, renderer.options(), result.size, job.out);
+    check_room(job.out, result.size, range.count());
+
+    video::FramesFolder folder(job.out);
+    if (kind == io::OutputKind::film) {
+        const video::FilmIdentity identity{scene.info().name, result.size,
+                                           video::fingerprint_of(scene, renderer.options()), std::string(version())};
+        folder.open(identity, job.resume, job.chunks > 1);
+    }
+
+    // A chunk's folder is its neighbours', too, which may be about to write their first frame. What ended the film is
+    // said, whatever more goes wrong here.
+    const auto let_go_if_empty = [&]() noexcept {
+        try {
+            if (job.chunks == 1 && !folder.has_frames()) folder.remove();
+        } catch (...) {
+        }
+    };
+
+    // Render what is not there yet.
+    try {
+        const bool one_overlay = renderer.options().overlay == Overlay::shadow_states && whole.count() == 1;
+        const int warm_up_frames = job.warm_up.value_or(one_overlay ? k_overlay_warm_up : 0);
+        bool warm = false;
+        for (int frame = range.first; frame <= range.last; ++frame) {
+            const int index = frame - range.first;
+            const auto step = [&](double part) {
+                return !progress || progress({"rendering", (index + part) / range.count()});
+            };
+            FrameRecord record;
+            record.frame = frame;
+            record.time = scene.time_of(frame);
+            record.file = kind == io::OutputKind::film ? folder.file(frame) : io::numbered_name(job.out, frame);
+            record.kept = job.resume && is_whole(record.file, result.size);
+            if (!step(0)) throw InterruptedError("interrupted");
+            if (!record.kept) {
+                if (!warm) warm_up(scene, renderer, frame, warm_up_frames, progress);
+                warm = true;
+                const Picture picture =
+                    renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
+                picture.write(record.file);
+                record.milliseconds = picture.milliseconds;
+                record.times = picture.times;
+                record.counters = picture.counters;
+                record.noise = picture.noise;
+            }
+            if (on_frame) on_frame(record);
+            result.frames.push_back(std::move(record));
+        }
+    } catch (const InterruptedError& error) {
+        if (kind != io::OutputKind::film) throw;
+        let_go_if_empty();
+        if (!folder.has_frames()) throw;
+        throw InterruptedError(
+            fmt::format("{}; --resume goes on from the frames in {}", error.what(), folder.path().string()));
+    } catch (...) {
+        if (kind == io::OutputKind::film) let_go_if_empty();
+        throw;
+    }
+
+    if (!job.contact_sheet.empty()) write_sheet(result.frames, job.contact_sheet);
+    if (!encodes) {
+        for (const FrameRecord& record : result.frames) result.files.push_back(record.file);
+        return result;
+    }
+
+    // All are there: make the film, and let the frames go.
+    std::vector<fs::path> frames;
+    for (const FrameRecord& record : result.frames) frames.push_back(record.file);
+    video::encode_video(frames, job.fps, job.out, progress);
+    folder.remove();
+    for (FrameRecord& record : result.frames) record.file = job.out;
+    result.files.push_back(job.out);
+    return result;
+}
+
+}   // namespace gnomon

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bounced light of what moves and belongs to no rigid group: what deforms, wherever it stands among the objects, and
+// what stood still until somebody moved it by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+
+#include "base/bits.h"
+#include "irradiance_cache/irradiance_cache.h"
+#include "scene_helpers.h"
+#include "trace/traced_frame.h"
+#include "world.h"
+
+namespace gnomon {
+namespace {
+
+using irradiance_cache::VisibleLight;
+using test::World;
+
+scene::Mesh rectangle(scene::MaterialId material, const glm::vec3 (&corners)[4])
+{
+    scene::Mesh mesh;
+    mesh.positions.assign(corners, corners + 4);
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.parts = {{material, 0, 2}};
+    return mesh;
+}
+
+// A floor, a grey wall and a red panel, before which a spot light stands that lights the panel alone; the panel is the
+// object of this number.
+enum class Panel { bends, still, missing };
+scene::Scene room(std::size_t panel_at, Panel panel)
+{
+    scene::Scene scene;
+    scene.materials.resize(2);
+    for (scene::Material& material : scene.materials) material.double_sided = true;
+    scene.materials[0].base_color = glm::vec3(0.8f);
+    scene.materials[1].base_color = glm::vec3(0.9f, 0.1f, 0.1f);
+    scene.meshes = {rectangle(0, {{-4, 0, -4}, {-4, 0, 4}, {4, 0, 4}, {4, 0, -4}}),
+                    rectangle(0, {{-4, 0, -4}, {-4, 4, -4}, {-4, 4, 4}, {-4, 0, 4}}),
+                    rectangle(1, {{-2, 0.1f, -1}, {2, 0.1f, -1}, {2, 4, -1}, {-2, 4, -1}})};
+    scene::VertexKeys keys;
+    keys.times = {0, 1};
+    keys.positions.assign(2, scene.meshes[2].positions);
+    for (std::size_t corner : {2u, 3u}) keys.positions[1][corner].x += 0.2f;
+    if (panel == Panel::bends) scene.meshes[2].vertex_keys = keys;
+    std::vector<scene::MeshId> order = {0, 1};
+    if (panel != Panel::missing) order.insert(order.begin() + static_cast<std::ptrdiff_t>(panel_at), 2);
+    for (const scene::MeshId mesh : order) test::add_object(scene, mesh);
+    scene::Camera camera;
+    camera.node =
+        scene.add_node("camera", scene::none, glm::rotate(test::translation(0, 3, 8), -0.35, glm::dvec3(1, 0, 0)));
+    scene.cameras.push_back(camera);
+    scene::Light light;
+    light.type = scene::LightType::spot;
+    light.color = glm::vec3(5000);
+    light.inner_angle = 0.2f, light.outer_angle = 0.35f;
+    light.node = scene.add_node("light", scene::none, test::translation(0, 3.9, 3));
+    scene.lights.push_back(light);
+    scene.finish();
+    return scene;
+}
+
+std::vector<float> indirect_of(World& world, VisibleLight& visible)
+{
+    trace::Remembered remembered;
+    remembered.visible = &visible;
+    trace::TracedOptions options;
+    options.layers = true;
+    shading::FrameBuffers buffers;
+    trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {48, 32}), options, world.tasks,
+                       buffers, remembered);
+    return buffers.indirect.data;
+}
+
+double mean_of(const std::vector<float>& light)
+{
+    double sum = 0;
+    for (const float value : light) sum += static_cast<double>(value);
+    return sum / static_cast<double>(light.size());
+}
+
+double difference_of(const std::vector<float>& a, const std::vector<float>& b)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double by = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+        sum += by * by;
+    }
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+TEST(VisibleMovers, WhatDeformsBouncesLightWhicheverObjectItIs)
+{
+    const auto light_of = [](std::size_t panel_at) {
+        World world(room(panel_at, Panel::bends));
+        EXPECT_TRUE(world.scene->objects[panel_at].deforming && world.scene->objects[panel_at].dynamic);
+        VisibleLight visible(world.state, world.rays, {}, world.tasks);
+        return indirect_of(world, visible);
+    };
+    const std::vector<float> first = light_of(0);
+    const double mean = mean_of(first);
+    EXPECT_GT(mean, 0.001);
+    for (const std::size_t panel_at : {1u, 2u}) {
+        const std::vector<float> other = light_of(panel_at);
+        ASSERT_EQ(first.size(), other.size());
+        EXPECT_LT(difference_of(first, other), 1e-3 * mean) << "as object " << panel_at;
+    }
+}
+
+constexpr std::size_t k_panel = 1;
+
+// Frames in which somebody holds the panel at these places, one after another; without one nobody does.
+std::vector<float> indirect_with_panel_at(const std::vector<std::optional<glm::dvec3>>& places)
+{
+    World world(room(k_panel, Panel::still), 1, 2);
+    EXPECT_FALSE(world.scene->objects[k_panel].dynamic);
+    const auto hold = [&](const std::optional<glm::dvec3>& place) {
+        const glm::dmat4 local = place ? test::translation(place->x, place->y, place->z) : glm::dmat4(1);
+        world.state.override_transform(world.scene->objects[k_panel].node, place ? &local : nullptr);
+        world.go(1);
+    };
+    hold(places.front());
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    std::vector<float> light = indirect_of(world, visible);
+    for (std::size_t i = 1; i < places.size(); ++i) {
+        hold(places[i]);
+        light = indirect_of(world, visible);
+    }
+    return light;
+}
+
+TEST(VisibleMovers, WhatIsLiftedByHandIsAsIfItHadAlwaysBeenThere)
+{
+    const glm::dvec3 here(0, 0.3, 0), there(1, 0.8, 0.5), away(0, 0, -1000);
+    const std::vector<float> before = indirect_with_panel_at({{}}), cold = indirect_with_panel_at({there});
+    EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({{}, there})));
+    EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({{}, {}, here, away, there})));
+    EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({here, there})));
+    // Where it was nothing is left of it, and where it is now it bounces light as before.
+    const double mean = mean_of(before);
+    EXPECT_GT(mean, 0.001);
+    EXPECT_GT(difference_of(cold, before), 0.1 * mean);
+    const std::vector<float> gone = indirect_with_panel_at({{}, away});
+    World world(room(k_panel, Panel::missing), 1, 2);
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    EXPECT_LT(difference_of(gone, indirect_of(world, visible)), 0.02 * mean);
+    EXPECT_NEAR(mean_of(indirect_with_panel_at({{}, glm::dvec3(0, 0.001, 0)})) / mean, 1, 0.25);
+}
+
+// It costs what a mover costs once it was lifted.
+TEST(VisibleMovers, WhatIsHeldByHandIsAMover)
+{
+    World world(room(k_panel, Panel::still));
+    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    std::uint64_t fresh[4];
+    std::uint32_t made[4];
+    for (int i = 0; i < 4; ++i) {
+        const glm::dmat4 local = test::translation(0, 0.1 * i, 0);
+        if (i > 0) world.state.override_transform(world.scene->objects[k_panel].node, &local);
+        world.go(1);
+        indirect_of(world, visible);
+        fresh[i] = visible.counters().new_points, made[i] = visible.emitters().geometry_version();
+    }
+    EXPECT_GT(made[1], made[0]);
+    EXPECT_EQ(made[2], made[1]);
+    EXPECT_EQ(made[3], made[1]);
+    EXPECT_LT(fresh[3], fresh[1]);   // its own, and no static ones
+}
+
+}   // namespace
+}   // namespace gnomon

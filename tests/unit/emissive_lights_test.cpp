@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/defaults/emissive_lights.h"
+
+#include <gtest/gtest.h>
+
+#include <ctime>
+
+#include "sanitized.h"
+#include "scene/state.h"
+
+namespace gnomon::scene {
+namespace {
+
+MaterialId add_material(Scene& scene, const glm::vec3& emissive, bool double_sided = false)
+{
+    Material material;
+    material.emissive = emissive;
+    material.double_sided = double_sided;
+    scene.materials.push_back(material);
+    return static_cast<MaterialId>(scene.materials.size() - 1);
+}
+
+// A rectangle with corner p, on a node that is turned and moved away from the world's axes by `world`.
+NodeId add_quad(Scene& scene, MaterialId material, const glm::vec3& p, const glm::vec3& u, const glm::vec3& v,
+                const glm::dmat4& world = glm::dmat4(1))
+{
+    Mesh mesh;
+    mesh.positions = {p, p + u, p + u + v, p + v};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.parts = {{material, 0, 2}};
+    scene.meshes.push_back(mesh);
+    const NodeId node = scene.add_node("quad", none, world);
+    scene.nodes[node].mesh = static_cast<MeshId>(scene.meshes.size() - 1);
+    return node;
+}
+
+// What all lights send out: pi times intensity for a cosine profile over a half sphere.
+glm::vec3 total_flux(const Scene& scene)
+{
+    glm::vec3 sum(0);
+    for (const Light& light : scene.lights) sum += light.color * static_cast<float>(k_pi);
+    return sum;
+}
+
+TEST(Emitters, KeepTheFlux)
+{
+    Scene scene;
+    // Facing down, 2 x 3, under a node that lifts and turns it about the vertical.
+    const glm::dmat4 world = glm::dmat4(glm::dmat3(0, 0, -1, 0, 1, 0, 1, 0, 0));
+    glm::dmat4 lifted = world;
+    lifted[3] = {5, 4, 1, 1};
+    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, lifted);
+    add_quad(scene, add_material(scene, {0, 0, 0}), {0, 0, -3}, {10, 0, 0}, {0, 0, 8});
+    scene.finish();
+    add_emitter_lights(scene);
+
+    ASSERT_EQ(scene.lights.size(), 16u);
+    const glm::vec3 expected = glm::vec3(10, 20, 5) * static_cast<float>(6 * k_pi);
+    EXPECT_LT(glm::length(total_flux(scene) - expected), 1e-4f * glm::length(expected));
+
+    // They hang just below the quad, look down, and make a 4 x 4 grid over all of it.
+    const SceneState state(std::make_shared<const Scene>(scene), 0);
+    Box3 box;
+    for (LightId i = 0; i < scene.lights.size(); ++i) {
+        const LightState& light = state.light(i);
+        EXPECT_NEAR(light.direction.y, -1, 1e-5f);
+        EXPECT_LT(light.position.y, 4.0f);
+        EXPECT_GT(light.position.y, 3.9f);
+        box.add(light.position);
+    }
+    EXPECT_NEAR(box.size().x, 3 * 0.75f, 1e-4f);   // the local z runs along the world's x
+    EXPECT_NEAR(box.size().z, 2 * 0.75f, 1e-4f);
+    EXPECT_NEAR(box.low.x, 5 + 3 * 0.125f, 1e-4f);
+    EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
+TEST(Emitters, IrradianceIsThatOfTheSurface)
+{
+    Scene scene;
+    add_quad(scene, add_material(scene, glm::vec3(8)), {-0.5f, 4, -0.5f}, {1, 0, 0}, {0, 0, 1});
+    add_quad(scene, add_material(scene, {0, 0, 0}), {-2, 0, 2}, {4, 0, 0}, {0, 0, -4});
+    scene.finish();
+    add_emitter_lights(scene);
+    const SceneState state(std::make_shared<const Scene>(scene), 0);
+    for (const float x : {0.0f, 1.0f, 3.0f}) {
+        const glm::vec3 point(x, 0, 0);
+        float lights = 0;
+        for (LightId i = 0; i < scene.lights.size(); ++i) {
+            const LightSample sample = illuminate(scene.lights[i], state.light(i), point);
+            lights += sample.irradiance.x * sample.to_light.y;
+        }
+        // The same by adding up the rectangle finely: L cos cos / d^2 dA.
+        double surface = 0;
+        constexpr int n = 100;
+        for (int i = 0; i < n * n; ++i) {
+            const int column = i % n, row = i / n;
+            const glm::dvec3 to((column + 0.5) / n - 0.5 - static_cast<double>(x), 4, (row + 0.5) / n - 0.5);
+            const double square = glm::dot(to, to);
+            surface += 8 * (16 / square) / square / (n * n);
+        }
+        EXPECT_NEAR(lights, surface, 0.02 * surface) << x;
+    }
+}
+
+TEST(Emitters, ManyOfThemKeepTheFlux)
+{
+    Scene scene;
+    const MaterialId lamp = add_material(scene, glm::vec3(50));
+    for (int i = 0; i < 40; ++i)
+        add_quad(scene, lamp, {static_cast<float>(2 * i), 5, 0}, {1, 0, 0}, {0, 0, 1 + 0.1f * static_cast<float>(i)});
+    scene.finish();
+    EmitterOptions options;
+    options.least_irradiance = 0;
+    add_emitter_lights(scene, options);
+    EXPECT_EQ(scene.lights.size(), 16u);
+    float area = 0;
+    for (int i = 0; i < 40; ++i) area += 1 + 0.1f * static_cast<float>(i);
+    EXPECT_NEAR(total_flux(scene).x, 50 * area * k_pi, 1e-3 * 50 * area * k_pi);
+}
+
+TEST(Emitters, WhatDoesNotLightIsLeftAlone)
+{
+    const auto lights = [](const glm::vec3& emissive, float size, bool has_light) {
+        Scene scene;
+        add_quad(scene, add_material(scene, emissive), {0, 5, 0}, {size, 0, 0}, {0, 0, size});
+        add_quad(scene, add_material(scene, {0, 0, 0}), {-5, 0, -5}, {10, 0, 0}, {0, 0, 10});
+        scene.finish();
+        if (has_light) {
+            scene.lights.emplace_back();
+            scene.lights[0].node = scene.add_node("lamp", none);
+            scene.finish();
+        }
+        add_emitter_lights(scene);
+        return scene.lights.size();
+    };
+    EXPECT_EQ(lights(glm::vec3(10), 2, false), 16u);
+    EXPECT_EQ(lights(glm::vec3(0.5f), 2, false), 0u);     // glows only
+    EXPECT_EQ(lights(glm::vec3(10), 0.01f, false), 0u);   // too small
+    EXPECT_EQ(lights(glm::vec3(10), 2, true), 1u);        // there is a light already
+}
+
+TEST(Emitters, TwoSidedOnesShineWhereThereIsRoom)
+{
+    // Wound to face up, right under a ceiling: it must shine down.
+    Scene scene;
+    add_quad(scene, add_material(scene, glm::vec3(10), true), {4, 9.7f, 4}, {0, 0, 2}, {2, 0, 0});
+    const MaterialId white = add_material(scene, glm::vec3(0));
+    add_quad(scene, white, {0, 10, 0}, {10, 0, 0}, {0, 0, 10});
+    add_quad(scene, white, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
+    scene.finish();
+    add_emitter_lights(scene);
+    const SceneState state(std::make_shared<const Scene>(scene), 0);
+    ASSERT_FALSE(scene.lights.empty());
+    EXPECT_NEAR(state.light(0).direction.y, -1, 1e-5f);
+}
+
+TEST(Emitters, DeepBelowOneAnother)
+{
+    Scene scene;
+    add_quad(scene, add_material(scene, {10, 10, 10}), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    for (int i = 0; i < 60'000; ++i) {
+        const NodeId node = scene.add_node("quad", static_cast<NodeId>(i), glm::dmat4(1));
+        scene.nodes[node].mesh = 0;
+    }
+    scene.finish();
+    const std::clock_t start = std::clock();
+    add_emitter_lights(scene);
+    EXPECT_FALSE(scene.lights.empty());
+    EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 4.0 * test::k_patience);
+}
+
+TEST(Emitters, LightsMoveWithTheirSurface)
+{
+    Scene scene;
+    const NodeId node = add_quad(scene, add_material(scene, glm::vec3(10)), {0, 5, 0}, {2, 0, 0}, {0, 0, 2});
+    add_quad(scene, add_material(scene, {0, 0, 0}), {-5, 0, -5}, {10, 0, 0}, {0, 0, 10});
+    scene.finish();
+    add_emitter_lights(scene);
+    ASSERT_FALSE(scene.lights.empty());
+    for (const Light& light : scene.lights) EXPECT_EQ(scene.nodes[light.node].parent, node);
+}
+
+}   // namespace
+}   // namespace gnomon::scene

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace gnomon::viewer {
+
+namespace {
+
+// Of the reports' charts.
+constexpr ImU32 k_stage_colors[ViewTimes::k_stages] = {IM_COL32(229, 159, 53, 255), IM_COL32(94, 167, 107, 255),
+                                                       IM_COL32(66, 133, 201, 255), IM_COL32(171, 120, 184, 255)};
+
+// Takes effect on the scene, not on a frame of it.
+bool of_scene(std::string_view name)
+{
+    return name == "fps" || name == "lights" || name == "light" || name == "environment";
+}
+
+std::vector<std::string> split(std::string_view choices)
+{
+    std::vector<std::string> parts;
+    while (!choices.empty()) {
+        const std::size_t end = std::min(choices.find('|'), choices.size());
+        parts.emplace_back(choices.substr(0, end));
+        choices.remove_prefix(std::min(end + 1, choices.size()));
+    }
+    return parts;
+}
+
+void tooltip(std::string_view text)
+{
+    if (!ImGui::IsItemHovered()) return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 28);
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
+void line(const std::string& text)
+{
+    ImGui::TextUnformatted(text.c_str());
+}
+
+}   // namespace
+
+void TimeGraph::add(const ViewTimes& times)
+{
+    times_[next_] = times;
+    next_ = (next_ + 1) % k_length;
+    count_ = std::min(count_ + 1, k_length);
+}
+
+void TimeGraph::draw() const
+{
+    if (count_ == 0) return;
+    const ViewTimes& last = times_[(next_ + k_length - 1) % k_length];
+    double most = 1;
+    for (std::size_t i = 0; i < count_; ++i) most = std::max(most, times_[i].total());
+    line(fmt::format("{:.1f} ms a frame ({:.1f} a second)", last.total(), 1000 / std::max(last.total(), 1e-3)));
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = 4 * ImGui::GetFontSize();
+    ImDrawList* const draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(corner, {corner.x + width, corner.y + height}, IM_COL32(20, 20, 22, 255));
+    const float bar = width / static_cast<float>(k_length);
+    for (std::size_t i = 0; i < count_; ++i) {
+        const ViewTimes& times = times_[(next_ + k_length - count_ + i) % k_length];
+        const float x = corner.x + bar * static_cast<float>(k_length - count_ + i);
+        float y = corner.y + height;
+        for (int stage = 0; stage < ViewTimes::k_stages; ++stage) {
+            const float tall = height * static_cast<float>(times.ms[stage] / most);
+            draw->AddRectFilled({x, y - tall}, {x + std::max(bar - 0.5f, 1.0f), y}, k_stage_colors[stage]);
+            y -= tall;
+        }
+    }
+    draw->AddText({corner.x + 3, corner.y + 1}, IM_COL32(200, 200, 200, 255), fmt::format("{:.0f} ms", most).c_str());
+    ImGui::Dummy({width, height});
+    for (int stage = 0; stage < ViewTimes::k_stages; ++stage) {
+        if (stage % 2 == 1) ImGui::SameLine(ImGui::GetFontSize() * 10);
+        ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(k_stage_colors[stage]), "%s %.1f ms", ViewTimes::name(stage),
+                           last.ms[stage]);
+    }
+}
+
+void Playback::advance(double seconds)
+{
+    if (!playing || frames <= 1) return;
+    frame += seconds * fps * static_cast<double>(speed);
+    const double length = frames;   // the last frame is shown as long as any other
+    frame = 1 + std::fmod(std::fmod(frame - 1, length) + length, length);
+}
+
+void Playback::step(int by)
+{
+    playing = false;
+    const double whole = std::floor(frame) + by;
+    frame = whole < 1 ? frames : whole > frames ? 1 : whole;
+}
+
+void Playback::go(int to)
+{
+    playing = false;
+    frame = to;
+}
+
+double Playback::time(const Scene& scene) const
+{
+    const int whole = std::clamp(static_cast<int>(frame), 1, frames);
+    const double here = scene.time_of(whole);
+    if (whole == frames) return here;
+    return here + (frame - whole) * (scene.time_of(whole + 1) - here);
+}
+
+HandMoved* HandList::find(scene::NodeId node)
+{
+    const auto found = std::find_if(hands.begin(), hands.end(), [&](const HandMoved& h) { return h.node == node; });
+    return found == hands.end() ? nullptr : &*found;
+}
+
+void Panel::option(ViewSettings& settings, const options::Option& option, PanelEvents& events)
+{
+    const std::string name(option.name);
+    const options::OptionValues& values = settings.values();
+    const auto set = [&](const std::string& text) {
+        message = settings.set(option, text);
+        if (!message.empty()) return;
+        options_set.insert(name);
+        (of_scene(option.name) ? events.scene_changed : events.options_changed) = true;
+    };
+    ImGui::PushItemWidth(ImGui::GetFontSize() * 9);
+    const std::string current = values.text(name);
+    if (option.kind == options::Kind::flag) {
+        bool on = values.given(name);
+        if (ImGui::Checkbox(name.c_str(), &on)) set(on ? "1" : "");
+    } else if (option.kind == options::Kind::choice) {
+        const bool may_be_none = option.fallback.empty();
+        if (ImGui::BeginCombo(name.c_str(), current.empty() ? "none" : current.c_str())) {
+            if (may_be_none && ImGui::Selectable("none", current.empty())) set("");
+            for (const std::string& choice :
+                 split(option.built_choices.empty() ? option.choices : option.built_choices))
+                if (ImGui::Selectable(choice.c_str(), choice == current)) set(choice);
+            ImGui::EndCombo();
+        }
+    } else {
+        // Typed text takes effect with Enter.
+        auto under_way = std::find_if(typed_.begin(), typed_.end(), [&](const auto& t) { return t.first == name; });
+        if (under_way == typed_.end()) under_way = typed_.insert(typed_.end(), {name, current});
+        std::array<char, 256> text{};
+        std::strncpy(text.data(), under_way->second.c_str(), text.size() - 1);
+        const std::string hint(option.argument);
+        if (ImGui::InputTextWithHint(name.c_str(), hint.c_str(), text.data(), text.size(),
+                                     ImGuiInputTextFlags_EnterReturnsTrue))
+            set(text.data());
+        if (ImGui::IsItemActive())
+            under_way->second = text.data();
+        else
+            under_way->second = settings.values().text(name);
+    }
+    tooltip(option.help);
+    ImGui::PopItemWidth();
+}
+
+void Panel::options(ViewSettings& settings, PanelEvents& events)
+{
+    std::vector<std::string_view> groups;
+    for (const options::Option& o : options::options())
+        if ((o.verbs & bit(options::Verb::view)) && o.built && o.group != "Everywhere" &&
+            std::find(groups.begin(), groups.end(), o.group) == groups.end())
+            groups.push_back(o.group);
+    for (const std::string_view group : groups) {
+        if (!ImGui::CollapsingHeader(std::string(group).c_str())) continue;
+        for (const options::Option& o : options::options())
+            if ((o.verbs & bit(options::Verb::view)) && o.built && o.group == group && o.name != "size")
+                option(settings, o, events);
+    }
+}
+
+void Panel::player(Playback& playback, const Scene& scene) const
+{
+    if (playback.frames <= 1) {
+        line("stands still: one frame");
+        return;
+    }
+    if (ImGui::Button(playback.playing ? "Pause" : "Play")) playback.playing = !playback.playing;
+    ImGui::SameLine();
+    if (ImGui::Button("<")) playback.step(-1);
+    ImGui::SameLine();
+    if (ImGui::Button(">")) playback.step(1);
+    ImGui::SameLine();
+    ImGui::PushItemWidth(ImGui::GetFontSize() * 6);
+    ImGui::SliderFloat("speed", &playback.speed, -2, 4, "%.2f");
+    ImGui::PopItemWidth();
+    auto frame = static_cast<float>(playback.frame);
+    ImGui::PushItemWidth(-1);
+    const std::string label = fmt::format("frame {} of {}, {:.2f} s", static_cast<int>(playback.frame), playback.frames,
+                                          playback.time(scene));
+    if (ImGui::SliderFloat("##frame", &frame, 1, static_cast<float>(playback.frames), label.c_str())) {
+        playback.frame = static_cast<double>(frame);
+        playback.playing = false;
+    }
+    ImGui::PopItemWidth();
+}
+
+void Panel::counters(const ViewPicture& picture) const
+{
+    const FrameCounters::Shadow& shadow = picture.counters.shadow;
+    const auto share = [](std::uint64_t part, std::uint64_t of) {
+        return of ? 100 * static_cast<double>(part) / static_cast<double>(of) : 0.0;
+    };
+    line(fmt::format("{} shadow rays asked for", shadow.rays));
+    line(fmt::format("  {:.1f} % answered without a ray", share(shadow.rays_skipped, shadow.rays)));
+    line(fmt::format("  {:.1f} % against movers alone", share(shadow.rays_dynamic_only, shadow.rays)));
+    line(fmt::format("{} rays for indirect light", picture.counters.indirect.rays));
+    line(fmt::format("{:.1f} MB remembered", static_cast<double>(picture.remembered_bytes) / 1e6));
+    line(fmt::format("{} x {} pixels", picture.eye.size.width, picture.eye.size.height));
+}
+
+void Panel::object(HandList& hands, const ViewPicture& picture)
+{
+    if (!picked || picked->object == scene::none) {
+        line("click on an object to pick it");
+        return;
+    }
+    line(fmt::format("{} (number {}): {}", picked->name.empty() ? "without a name" : picked->name, picked->object,
+                     picked->mobility));
+    HandMoved* hand = hands.find(picked->node);
+    bool held = hand != nullptr;
+    if (ImGui::Checkbox("freeze", &held)) {
+        if (held) {
+            hands.hands.push_back({picked->node, true, glm::vec3(0)});
+            frozen.insert(picked->name);
+        } else
+            std::erase_if(hands.hands, [&](const HandMoved& h) { return h.node == picked->node; });
+    }
+    tooltip("keeps it where it is now, whatever its track says; then it can be moved by hand");
+    hand = hands.find(picked->node);
+    if (!hand) return;
+    const float step = 0.002f * glm::length(picture.eye.eye - picked->position);
+    if (ImGui::DragFloat3("move", &hand->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
+}
+
+void Panel::keys()
+{
+    if (!help) return;
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2}, ImGuiCond_Always,
+                            {0.5f, 0.5f});
+    ImGui::Begin("Keys", &help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+    static constexpr const char* k_keys[][2] = {
+        {"left drag", "turn around the scene"},
+        {"right drag", "look around"},
+        {"middle or shift drag", "move sideways"},
+        {"wheel", "nearer, farther"},
+        {"W A S D, E Q", "fly, up and down; with shift, four times as fast"},
+        {"click", "pick an object"},
+        {"F", "aim at the picked object"},
+        {"C", "the scene's own camera"},
+        {"space", "play, pause"},
+        {"left, right", "a frame back, on"},
+        {"Home, End", "the first frame, the last"},
+        {"O", "overlay of shadow states, or of what was redrawn"},
+        {"Tab", "panel"},
+        {"P", "screenshot"},
+        {"R", "record"},
+        {"H", "this help"},
+        {"Escape", "leave"},
+    };
+    for (const auto& [key, what] : k_keys) {
+        ImGui::TextUnformatted(key);
+        ImGui::SameLine(ImGui::GetFontSize() * 12);
+        ImGui::TextUnformatted(what);
+    }
+    line("Drop a scene file on the window to open it. A file that changes is read again.");
+    ImGui::End();
+}
+
+// What an overlay's colours say. Shadow states have theirs in the picture.
+void Panel::legend(const std::string& overlay)
+{
+    struct Entry {
+        ImU32 color;
+        const char* what;
+    };
+    std::vector<Entry> entries;
+    if (overlay == "redrawn")
+        entries = {{IM_COL32(255, 89, 63, 255), "moves: drawn in every frame, on top of what stands still"},
+                   {IM_COL32(108, 231, 124, 255), "came to rest: drawn once more, to stay"},
+                   {IM_COL32(255, 210, 63, 255), "repaired: drawn again where something left it, or its light changed"},
+                   {IM_COL32(150, 150, 150, 255), "kept: its depths were not touched"}};
+    else if (overlay == "clusters")
+        entries = {{IM_COL32(235, 110, 80, 255), "each colour one cluster, lit: a node of the light's tree"},
+                   {IM_COL32(140, 65, 48, 255), "the darker, the smaller it is"},
+                   {IM_COL32(64, 64, 64, 255), "in no cluster: the light does not see it"}};
+    if (entries.empty()) return;
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({display.x - 8, display.y - 8}, ImGuiCond_Always, {1, 1});
+    ImGui::Begin("##legend", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
+    for (const Entry& entry : entries) {
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        const float side = ImGui::GetFontSize();
+        ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + side, at.y + side}, entry.color);
+        ImGui::Dummy({side, side});
+        ImGui::SameLine();
+        ImGui::TextUnformatted(entry.what);
+    }
+    ImGui::End();
+}
+
+PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& hands, const Scene* scene,
+                        const ViewPicture* picture, const LoadState& load, bool own_camera, bool recording)
+{
+    PanelEvents events;
+    keys();
+    legend(settings.values().text("overlay"));
+    if (load.loading) {
+        ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always,
+                                {0.5f, 1});
+        ImGui::Begin("##loading", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
+        line(fmt::format("{}: {} {:.0f} %", load.file, load.stage, 100 * load.done));
+        ImGui::ProgressBar(static_cast<float>(load.done), {ImGui::GetFontSize() * 24, 0}, "");
+        ImGui::End();
+    }
+    const std::string& error = load.error.empty() ? load.frame_error : load.error;
+    const std::string& trouble = error.empty() ? message : error;
+    if (!trouble.empty()) {
+        ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, 10}, ImGuiCond_Always, {0.5f, 0});
+        ImGui::Begin("##message", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
+        ImGui::PushTextWrapPos(ImGui::GetFontSize() * 40);
+        line(trouble);
+        ImGui::PopTextWrapPos();
+        ImGui::End();
+    }
+    if (!shown) return events;
+    ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize({ImGui::GetFontSize() * 22, ImGui::GetIO().DisplaySize.y - 16}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::Begin("Gnomon", &shown);
+    if (scene) player(playback, *scene);
+    if (ImGui::Button("Screenshot")) events.screenshot = true;
+    ImGui::SameLine();
+    if (ImGui::Button(recording ? "Stop recording" : "Record")) events.record = true;
+    ImGui::SameLine();
+    if (own_camera && ImGui::Button("Scene's camera")) events.scene_camera = true;
+    if (!own_camera && ImGui::Button("Help (H)")) help = !help;
+    ImGui::Separator();
+    graph_.draw();
+    if (picture) {
+        ImGui::Separator();
+        counters(*picture);
+        ImGui::Separator();
+        object(hands, *picture);
+    }
+    ImGui::Separator();
+    options(settings, events);
+    ImGui::End();
+    return events;
+}
+
+}   // namespace gnomon::viewer

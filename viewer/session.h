@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What the window shows, made behind its back: one thread loads scenes, another renders the latest frame that was asked
+// for. The window's thread asks and takes, and never waits for either.
+//
+// A request says everything about a frame: time, view, options, objects moved by hand. Requests that are overtaken are
+// never rendered. What stands still is kept between frames, as in gnomon::Renderer: pictures are the same.
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/image.h"
+#include "gnomon/renderer.h"
+#include "scene/scene.h"
+#include "scene/view.h"
+
+namespace gnomon::viewer {
+
+/// An object kept from its track: where it stands instead.
+struct HandMoved {
+    scene::NodeId node = scene::none;
+    bool frozen = false;   // stays where it is now
+    glm::vec3 offset{0};   // moved by so much, in its parent's space
+    friend bool operator==(const HandMoved&, const HandMoved&) = default;
+};
+
+struct ViewRequest {
+    std::shared_ptr<const Scene>
+        scene;   // that eye, hands and pick are about; they are not heeded once another is there
+    double time = 0;
+    std::optional<scene::View> eye;   // none: the scene's camera
+    std::string camera = "auto";      // then, as on the command line; the frame fails if the scene has no such camera
+    double turn = 0;                  // radians around the scene, of the scene's camera
+    Size size{640, 360};
+    RenderOptions options;   // size, camera, turntable and threads of it are not read
+    std::vector<HandMoved> hands;
+    std::optional<glm::vec2> pick;   // pixels from the top left corner: what is there?
+    bool whole = false;              // all bounced light in the first picture, however long that takes
+    std::uint64_t number = 0;        // given by ask()
+};
+
+/// Milliseconds by stage.
+struct ViewTimes {
+    static constexpr int k_stages = 4;
+    static const char* name(int stage);
+    double ms[k_stages] = {};   // scene, trees, light, picture
+    double total() const;
+};
+
+struct Picked {
+    scene::ObjectId object = scene::none;
+    scene::NodeId node = scene::none;
+    std::string name;
+    std::string mobility;   // "static", "moves rigidly", "deforms"
+    glm::vec3 position{0};
+};
+
+struct ViewPicture {
+    std::shared_ptr<const Scene> scene;
+    Image8 image;           // sRGB
+    scene::View eye;        // as rendered
+    glm::ivec2 corner{0};   // of what it sees in the image: overlays have titles and legends around it
+    Box3 bounds;            // of the scene
+    double time = 0;
+    bool complete = true;   // all of its bounced light is there; else the next picture has more of it
+    ViewTimes times;
+    FrameCounters counters;
+    std::uint64_t number = 0;       // counts up
+    std::uint64_t request = 0;      // whose picture it is: the number that ask() gave
+    std::optional<Picked> picked;   // answers the last `pick`; object none: nothing there
+    std::size_t remembered_bytes = 0;
+};
+
+/// What is being loaded, or went wrong.
+struct LoadState {
+    bool loading = false;
+    std::string file;   // that is loaded, or was
+    std::string stage;
+    double done = 0;
+    std::string error;            // of the last load; empty: none
+    std::string frame_error;      // of the last frame
+    std::uint64_t failed = 0;     // its request; 0: the last frame did not fail
+    std::exception_ptr trouble;   // the last of these
+    std::uint64_t loads = 0;      // that succeeded
+};
+
+/// A scene as its file gives it, and what options make of it.
+struct SceneRecipe {
+    std::string what;   // file or builtin:NAME
+    double fps = 0;     // 0: its own
+    std::optional<int> lights;
+    std::vector<std::string> light_specs;
+    std::string environment;
+    friend bool operator==(const SceneRecipe&, const SceneRecipe&) = default;
+};
+
+class ViewSession {
+ public:
+    /// Some 50 ms of two processors.
+    static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
+    /// @param rays_a_frame  after so many, bounced light that a picture lacks waits for the next one
+    explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame);
+    ~ViewSession();
+
+    /// Begins to load; the scene before stays until this one is there, or for good if it fails.
+    void load(const SceneRecipe& recipe);
+    LoadState load_state() const;
+    /// The scene that requests are about; null: none yet.
+    std::shared_ptr<const Scene> scene() const;
+
+    /// Asks for a frame; replaces a request that was not begun, and ends the refining of the one before.
+    /// @return its number, from 1
+    std::uint64_t ask(ViewRequest request);
+    /// A request waits for its first picture.
+    bool busy() const;
+    /// The last request has a picture, and gets better ones until it is complete.
+    bool refining() const;
+    /// The newest picture, if there is one newer than that number.
+    std::shared_ptr<const ViewPicture> picture(std::uint64_t newer_than) const;
+
+ private:
+    struct Kept;   // from frame to frame
+    void load_loop(const std::stop_token& stop);
+    void render_loop(const std::stop_token& stop);
+    std::shared_ptr<ViewPicture> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request);
+    void fail(std::uint64_t request, const std::string& message);
+
+    int threads_;
+    std::uint64_t rays_a_frame_;
+    mutable std::mutex mutex_;
+    std::condition_variable_any to_load_, to_render_;
+    std::optional<SceneRecipe> wanted_;
+    std::optional<ViewRequest> request_;
+    std::uint64_t asked_ = 0;
+    bool rendering_ = false, refining_ = false;
+    LoadState state_;
+    std::shared_ptr<const Scene> scene_;
+    std::shared_ptr<const ViewPicture> picture_;
+    std::atomic<bool> leaving_ = false;
+    std::unique_ptr<Kept> kept_;   // of the render thread alone
+    // A file read before is not read again for other lights.
+    std::string loaded_file_;
+    std::filesystem::file_time_type loaded_time_{};
+    std::optional<Scene> loaded_;
+    std::jthread loader_, renderer_;   // last: they use all of the above
+};
+
+}   // namespace gnomon::viewer

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/settings.h"
+
+#include "gnomon/error.h"
+#include "options/render_options.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+RenderOptions shown_options(const options::OptionValues& values)
+{
+    RenderOptions options = options::read_picture_options(values);
+    if (options.overlay == Overlay::redrawn &&
+        (options.renderer == RenderMethod::trace || options.shadow_textures == ShadowTextures::off))
+        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
+    return options;
+}
+
+}   // namespace
+
+std::string ViewSettings::set(const options::Option& option, const std::string& text)
+{
+    try {
+        options::OptionValues changed = values_;
+        if (text.empty())
+            changed.unset(option);
+        else
+            changed.set(option, {text});
+        shown_options(changed);
+        values_ = std::move(changed);
+        return {};
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+}
+
+RenderOptions ViewSettings::render_options() const
+{
+    return shown_options(values_);
+}
+
+SceneRecipe ViewSettings::recipe(const std::string& what) const
+{
+    SceneRecipe recipe;
+    recipe.what = what;
+    if (values_.given("fps")) recipe.fps = values_.number("fps");
+    if (values_.given("lights")) recipe.lights = values_.integer("lights");
+    if (values_.given("light")) recipe.light_specs = values_.all("light");
+    if (values_.given("environment")) recipe.environment = values_.text("environment");
+    return recipe;
+}
+
+}   // namespace gnomon::viewer

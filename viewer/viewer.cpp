@@ -1,0 +1,571 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/viewer.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GL/gl.h>
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "gnomon/error.h"
+#include "options/option_table.h"
+#include "viewer/input_queue.h"
+#include "viewer/orbit_camera.h"
+#include "viewer/panel.h"
+#include "viewer/recorder.h"
+
+namespace gnomon::viewer {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr Size k_first_size{1280, 720};
+constexpr double k_idle_seconds = 1.0 / 60;          // between looks at the input while nothing happens
+constexpr double k_look_seconds = 0.5;               // between looks at the scene's file
+constexpr double k_slow_ms = 150, k_quick_ms = 40;   // of a picture in motion: fewer pixels, more
+constexpr int k_smallest_scale = 4;
+constexpr float k_click_pixels = 4;   // a drag shorter than this is a click
+constexpr float k_wheel = 0.9f;       // of the distance, a notch
+
+double seconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::filesystem::file_time_type changed_at(const std::string& file)
+{
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(file, error);
+    return error ? std::filesystem::file_time_type{} : time;
+}
+
+}   // namespace
+
+// GLFW's window with its context and ImGui's; all of it goes with it.
+class GlWindow {
+ public:
+    GlWindow(Size size, const std::string& title)
+    {
+        if (!glfwInit()) throw MissingError(fmt::format("no window can be opened: {}", error()));
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
+        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+        handle = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+        if (!handle) {
+            const std::string why = error();
+            glfwTerminate();
+            throw MissingError(fmt::format("no window can be opened: {}", why));
+        }
+        glfwMakeContextCurrent(handle);
+        glfwSwapInterval(1);
+        IMGUI_CHECKVERSION();
+        ImGui::CreateContext();
+        ImGui::GetIO().IniFilename = nullptr;
+        ImGui::StyleColorsDark();
+        ImGui::GetStyle().WindowRounding = 4;
+    }
+    // Input reaches it through InputQueue.
+    void start_ui()
+    {
+        float scale = 1, unused = 1;
+        glfwGetWindowContentScale(handle, &scale, &unused);
+        ImGui::GetIO().FontGlobalScale = std::max(scale, 1.0f);
+        ImGui_ImplGlfw_InitForOpenGL(handle, false);
+        ImGui_ImplOpenGL3_Init("#version 150");
+        ui_ = true;
+    }
+    ~GlWindow()
+    {
+        if (texture_) glDeleteTextures(1, &texture_);
+        if (ui_) {
+            ImGui_ImplOpenGL3_Shutdown();
+            ImGui_ImplGlfw_Shutdown();
+        }
+        ImGui::DestroyContext();
+        glfwDestroyWindow(handle);
+        glfwTerminate();
+    }
+    GlWindow(const GlWindow&) = delete;
+    GlWindow& operator=(const GlWindow&) = delete;
+
+    void show(const Image8& image)
+    {
+        if (!texture_) {
+            glGenTextures(1, &texture_);
+            glBindTexture(GL_TEXTURE_2D, texture_);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        }
+        glBindTexture(GL_TEXTURE_2D, texture_);
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+                     image.data.data());
+    }
+    ImTextureID texture() const { return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_)); }
+    Size framebuffer() const
+    {
+        Size size;
+        glfwGetFramebufferSize(handle, &size.width, &size.height);
+        return size;
+    }
+
+    GLFWwindow* handle = nullptr;
+
+ private:
+    static std::string error()
+    {
+        const char* text = nullptr;
+        glfwGetError(&text);
+        return text ? text : "no display";
+    }
+    GLuint texture_ = 0;
+    bool ui_ = false;
+};
+
+struct Viewer::Inside {
+    Inside(ViewSettings s, std::string w, int threads)
+        : settings(std::move(s)),
+          what(std::move(w)),
+          session(threads),
+          window(settings.render_options().size.width > 0 ? settings.render_options().size : k_first_size,
+                 fmt::format("Gnomon - {}", what))
+    {
+    }
+
+    ViewSettings settings;
+    std::string what;
+    ViewSession session;
+    GlWindow window;
+    std::optional<InputQueue> input;
+    Panel panel;
+    Playback playback;
+    HandList hands;
+    OrbitCamera camera;
+    Recorder recorder;
+    bool own_camera = false;   // the viewer's, not the scene's
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const ViewPicture> picture;
+    std::optional<glm::vec2> pick;
+    ViewSummary summary;
+    std::vector<double> picture_ms;
+
+    // Of the last request, to see whether anything changed.
+    double asked_time = -1;
+    Size asked_size{};
+    int scale = k_smallest_scale;   // of the picture: every scale-th pixel a side; the first comes soon
+    int asked_scale = 1;
+    bool wants_screenshot = false;
+    std::uint64_t shot_request = 0, film_request = 0;   // that were asked for a screenshot, for the film's next frame
+    Size film_size{};                                   // the window's when the recording began
+    bool dirty = true;
+    std::vector<HandMoved> asked_hands;
+
+    glm::vec2 pressed_at{0};
+    int pressed = -1;
+    bool dragged = false;
+    Clock::time_point looked = Clock::now();
+    std::filesystem::file_time_type file_time{};
+
+    void open(const std::string& file)
+    {
+        if (file != what)
+            settings.set(*options::find_option(options::Verb::view, "camera"), "");   // another scene has other ones
+        what = file;
+        file_time = changed_at(what);
+        session.load(settings.recipe(what));
+        glfwSetWindowTitle(window.handle, fmt::format("Gnomon - {}", what).c_str());
+    }
+    void take_scene();
+    void take_picture();
+    void take_camera();
+    void follow_mouse();
+    void fly(double seconds);
+    void key(int which);
+    void ask();
+    void draw_picture() const;
+    void look_at_file();
+    void screenshot();
+    void toggle_recording();
+    void end_recording(const std::string& why);
+    void look_at_trouble(const LoadState& load);
+    struct Placed {
+        glm::vec2 corner;   // of the picture in the window
+        float factor = 1;   // from its pixels to the window's
+    };
+    Placed placed() const;
+    std::optional<glm::vec2> picture_place(const glm::vec2& at) const;
+};
+
+void Viewer::Inside::take_scene()
+{
+    const auto now = session.scene();
+    if (now == scene) return;
+    if (scene && recorder.recording()) end_recording("another scene is there");   // no film is of two
+    scene = now;
+    playback.frames = scene->frame_count();
+    playback.fps = scene->fps();
+    playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
+    hands.hands.clear();
+    shot_request = film_request = 0;   // they ask anew
+    panel.picked.reset();
+    pick.reset();
+    own_camera = false;
+    dirty = true;
+}
+
+void Viewer::Inside::take_picture()
+{
+    const auto next = session.picture(picture ? picture->number : 0);
+    if (!next) return;
+    picture = next;
+    window.show(picture->image);
+    panel.add(picture->times);
+    picture_ms.push_back(picture->times.total());
+    ++summary.pictures;
+    if (picture->picked && picture->scene == scene) panel.picked = picture->picked;
+    // Fewer pixels while pictures in motion are slow.
+    const double full = picture->times.total();
+    if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
+    if (full < k_quick_ms && scale > 1) scale /= 2;
+    const bool finished = picture->complete && picture->scene == scene;
+    if (wants_screenshot && finished && picture->request == shot_request) {
+        wants_screenshot = false;
+        const std::string file = recorder.save(picture->image);
+        summary.files.push_back(file);
+        panel.message = fmt::format("written: {}", file);
+    }
+    if (recorder.recording() && finished && picture->request == film_request) {
+        film_request = 0;
+        if (!recorder.add(picture->image)) return end_recording("the picture has another size");
+        playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
+        dirty = true;
+    }
+}
+
+// The viewer's own camera begins where the scene's is.
+void Viewer::Inside::take_camera()
+{
+    if (own_camera || !picture || picture->scene != scene) return;
+    const Box3& bounds = picture->bounds;
+    float distance = glm::dot(bounds.centre() - picture->eye.eye, picture->eye.forward);
+    const float extent = glm::length(bounds.high - bounds.low);
+    if (!(distance > 0.02f * extent) || !std::isfinite(distance)) distance = std::max(0.25f * extent, 1e-3f);
+    camera.follow(picture->eye, distance);
+    own_camera = true;
+}
+
+void Viewer::Inside::follow_mouse()
+{
+    const ImGuiIO& io = ImGui::GetIO();
+    const glm::vec2 at(io.MousePos.x, io.MousePos.y);
+    if (!io.WantCaptureMouse && scene) {
+        for (int button = 0; button < 3; ++button)
+            if (ImGui::IsMouseClicked(button)) pressed = button, pressed_at = at, dragged = false;
+        if (io.MouseWheel != 0) {
+            take_camera();
+            camera.zoom(std::pow(k_wheel, io.MouseWheel));
+            dirty = true;
+        }
+    }
+    if (pressed < 0) return;
+    if (!ImGui::IsMouseDown(pressed)) {
+        if (pressed == 0 && !dragged && picture) {
+            pick = picture_place(at);
+            dirty = dirty || pick;
+        }
+        pressed = -1;
+        return;
+    }
+    if (glm::length(at - pressed_at) > k_click_pixels) dragged = true;
+    if (!dragged || (io.MouseDelta.x == 0 && io.MouseDelta.y == 0)) return;
+    take_camera();
+    if (!own_camera) return;
+    const float across = io.MouseDelta.x / io.DisplaySize.y, down = io.MouseDelta.y / io.DisplaySize.y;
+    constexpr float k_turn = 4;   // radians a window's height
+    if (pressed == 1)
+        camera.look(0.5f * k_turn * across, -0.5f * k_turn * down);
+    else if (pressed == 2 || io.KeyShift)
+        camera.pan(across, -down);
+    else
+        camera.orbit(k_turn * across, -k_turn * down);
+    dirty = true;
+}
+
+void Viewer::Inside::fly(double seconds)
+{
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantCaptureKeyboard || io.KeyCtrl || !scene) return;
+    const auto down = [&](int key) { return io.KeysDown[key] ? 1.0f : 0.0f; };
+    const float forward = down(GLFW_KEY_W) - down(GLFW_KEY_S), right = down(GLFW_KEY_D) - down(GLFW_KEY_A),
+                up = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
+    if (forward == 0 && right == 0 && up == 0) return;
+    take_camera();
+    if (!own_camera) return;
+    const float step = 0.8f * camera.distance() * static_cast<float>(std::min(seconds, 0.1)) * (io.KeyShift ? 4 : 1);
+    camera.fly(step * forward, step * right, step * up);
+    dirty = true;
+}
+
+void Viewer::Inside::key(int which)
+{
+    const options::Option* const overlay = options::find_option(options::Verb::view, "overlay");
+    switch (which) {
+        case GLFW_KEY_ESCAPE:
+            // An open list is left before the window is.
+            if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup))
+                ImGui::SetWindowFocus(nullptr);
+            else
+                glfwSetWindowShouldClose(window.handle, GLFW_TRUE);
+            break;
+        case GLFW_KEY_SPACE:
+            playback.playing = !playback.playing;
+            break;
+        case GLFW_KEY_LEFT:
+            playback.step(-1);
+            break;
+        case GLFW_KEY_RIGHT:
+            playback.step(1);
+            break;
+        case GLFW_KEY_HOME:
+            playback.go(1);
+            break;
+        case GLFW_KEY_END:
+            playback.go(playback.frames);
+            break;
+        case GLFW_KEY_TAB:
+            panel.shown = !panel.shown;
+            break;
+        case GLFW_KEY_H:
+            panel.help = !panel.help;
+            break;
+        case GLFW_KEY_C:
+            own_camera = false;
+            dirty = true;
+            break;
+        case GLFW_KEY_F:
+            if (!panel.picked || panel.picked->object == scene::none) break;
+            take_camera();
+            camera.aim(panel.picked->position);
+            dirty = true;
+            break;
+        case GLFW_KEY_O: {
+            const char* const other =
+                settings.render_options().renderer == RenderMethod::raster ? "redrawn" : "shadow-states";
+            panel.message = settings.set(*overlay, settings.values().given("overlay") ? "" : other);
+            dirty = true;
+            break;
+        }
+        case GLFW_KEY_P:
+            screenshot();
+            break;
+        case GLFW_KEY_R:
+            toggle_recording();
+            break;
+        default:
+            break;
+    }
+}
+
+void Viewer::Inside::ask()
+{
+    if (!scene) return;
+    // A film has whole frames of one size, whatever becomes of the slider and the window.
+    if (recorder.recording()) playback.frame = std::floor(playback.frame);
+    const Size size = recorder.recording() ? film_size : window.framebuffer();
+    if (size.width < 1 || size.height < 1) return;   // iconified
+    const double time = playback.time(*scene);
+    const bool moved = dirty || time != asked_time || !(size == asked_size) || hands.hands != asked_hands;
+    const bool sharper = !moved && asked_scale > 1;
+    const bool whole = recorder.recording() || wants_screenshot;
+    if (!moved && !sharper) return;
+    // One request at a time: a frame that was begun is finished, since it teaches the next.
+    if (session.busy()) return;
+    // Pictures come faster than they are written: the film waits, and memory does not fill with them.
+    if (recorder.recording() && recorder.behind()) return;
+    ViewRequest request;
+    request.scene = scene;
+    request.options = settings.render_options();
+    request.time = time;
+    request.camera = request.options.camera;
+    request.hands = hands.hands;
+    if (request.options.turntable_seconds > 0)
+        request.turn = 2 * k_pi * (playback.frame - 1) / playback.fps / request.options.turntable_seconds;
+    request.whole = whole;
+    asked_scale = whole ? 1 : sharper ? asked_scale / 2 : scale;
+    request.size = {std::max(size.width / asked_scale, 16), std::max(size.height / asked_scale, 16)};
+    if (own_camera) request.eye = camera.view(request.size);
+    if (pick) request.pick = *pick * glm::vec2(request.size.width, request.size.height);
+    pick.reset();
+    asked_time = time;
+    asked_size = size;
+    asked_hands = hands.hands;
+    dirty = false;
+    const std::uint64_t number = session.ask(std::move(request));
+    if (wants_screenshot) shot_request = number;
+    if (recorder.recording()) film_request = number;
+}
+
+// As large as the window allows. Overlays have a legend, and a film keeps its size: another shape than the window's.
+Viewer::Inside::Placed Viewer::Inside::placed() const
+{
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const glm::vec2 size(picture->image.width, picture->image.height);
+    const float factor = std::min(display.x / size.x, display.y / size.y);
+    return {(glm::vec2(display.x, display.y) - factor * size) / 2.0f, factor};
+}
+
+// Shares of the view's width and height, from where the mouse is; none beside it, as on a legend.
+std::optional<glm::vec2> Viewer::Inside::picture_place(const glm::vec2& at) const
+{
+    const Placed place = placed();
+    const glm::vec2 share = ((at - place.corner) / place.factor - glm::vec2(picture->corner)) /
+                            glm::vec2(picture->eye.size.width, picture->eye.size.height);
+    if (!(share.x >= 0 && share.y >= 0 && share.x < 1 && share.y < 1)) return std::nullopt;
+    return glm::min(share, glm::vec2(0.9999f));
+}
+
+void Viewer::Inside::draw_picture() const
+{
+    if (!picture) return;
+    const Placed place = placed();
+    const glm::vec2 end = place.corner + place.factor * glm::vec2(picture->image.width, picture->image.height);
+    ImGui::GetBackgroundDrawList()->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
+}
+
+void Viewer::Inside::look_at_file()
+{
+    if (seconds_since(looked) < k_look_seconds || what.starts_with("builtin:")) return;
+    looked = Clock::now();
+    const auto now = changed_at(what);
+    if (now == file_time || now == std::filesystem::file_time_type{}) return;
+    file_time = now;
+    session.load(settings.recipe(what));
+}
+
+void Viewer::Inside::screenshot()
+{
+    wants_screenshot = dirty = true;
+    shot_request = 0;
+}
+
+void Viewer::Inside::toggle_recording()
+{
+    if (recorder.recording()) return end_recording({});
+    if (!scene) {   // whose rate a film has
+        panel.message = "nothing to record yet";
+        return;
+    }
+    panel.message = recorder.start(playback.fps);
+    if (!panel.message.empty()) return;
+    panel.message = "recording: every frame, at its own time";
+    film_size = window.framebuffer();
+    film_request = 0;   // what was asked before is not part of it
+    playback.playing = false;
+    dirty = true;
+}
+
+/// @param why  empty: it was wanted
+void Viewer::Inside::end_recording(const std::string& why)
+{
+    const std::string file = recorder.stop();
+    if (!file.empty()) summary.files.push_back(file);
+    panel.message = file.empty() ? "nothing was recorded" : fmt::format("encoding {}", file);
+    if (!why.empty()) panel.message = fmt::format("recording ended: {}; {}", why, panel.message);
+}
+
+// A frame that failed is not asked for again.
+void Viewer::Inside::look_at_trouble(const LoadState& load)
+{
+    if (load.failed == 0) return;
+    if (recorder.recording() && load.failed == film_request) end_recording("a frame failed");
+    if (load.failed == shot_request) wants_screenshot = false;
+}
+
+Viewer::Viewer(ViewSettings settings, std::string what, int threads)
+    : inside_(std::make_unique<Inside>(std::move(settings), std::move(what), threads))
+{
+    Inside& in = *inside_;
+    glfwSetWindowUserPointer(in.window.handle, &in);
+    glfwSetDropCallback(in.window.handle, [](GLFWwindow* window, int count, const char** files) {
+        if (count > 0) static_cast<Inside*>(glfwGetWindowUserPointer(window))->open(files[0]);
+    });
+    in.window.start_ui();
+    in.input.emplace(in.window.handle, [&in](int key) { in.key(key); });
+}
+
+Viewer::~Viewer() = default;
+
+ViewSummary Viewer::run(const std::function<bool()>& stopped)
+{
+    Inside& in = *inside_;
+    in.open(in.what);
+    Clock::time_point last = Clock::now();
+    while (!glfwWindowShouldClose(in.window.handle) && !stopped()) {
+        const bool calm =
+            !in.playback.playing && !in.session.busy() && !in.session.load_state().loading && in.input->empty();
+        if (calm)
+            glfwWaitEventsTimeout(k_idle_seconds);
+        else
+            glfwPollEvents();
+        const Clock::time_point start = Clock::now();
+        const double seconds = std::chrono::duration<double>(start - last).count();
+        last = start;
+
+        in.look_at_file();
+        const LoadState load = in.session.load_state();
+        if (!in.picture && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
+        in.take_scene();
+        in.take_picture();
+        in.look_at_trouble(load);
+        if (!in.recorder.recording()) in.playback.advance(seconds);
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+        in.input->feed();
+        ImGui::NewFrame();
+        in.follow_mouse();
+        in.fly(seconds);
+        in.draw_picture();
+        const PanelEvents events = in.panel.draw(in.settings, in.playback, in.hands, in.scene.get(), in.picture.get(),
+                                                 load, in.own_camera, in.recorder.recording());
+        if (events.options_changed) in.dirty = true;
+        if (events.scene_changed) in.session.load(in.settings.recipe(in.what));
+        if (events.screenshot) in.screenshot();
+        if (events.record) in.toggle_recording();
+        if (events.scene_camera) in.own_camera = false, in.dirty = true;
+        in.ask();
+
+        ImGui::Render();
+        const Size size = in.window.framebuffer();
+        glViewport(0, 0, size.width, size.height);
+        glClearColor(0.08f, 0.08f, 0.09f, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+        // Presenting may wait for the screen: that is no work.
+        in.summary.longest_ms = std::max(in.summary.longest_ms, 1000 * seconds_since(start));
+        ++in.summary.window_frames;
+        glfwSwapBuffers(in.window.handle);
+        if (seconds_since(start) < 0.002) glfwWaitEventsTimeout(k_idle_seconds / 2);   // a screen that does not wait
+    }
+    if (in.recorder.recording()) in.end_recording({});
+    in.recorder.finish();
+    in.summary.options_set = in.panel.options_set;
+    in.summary.frozen = in.panel.frozen;
+    in.summary.moved = in.panel.moved;
+    in.summary.loads = in.session.load_state().loads;
+    if (!in.picture_ms.empty()) {
+        const auto middle = in.picture_ms.begin() + static_cast<std::ptrdiff_t>(in.picture_ms.size() / 2);
+        std::nth_element(in.picture_ms.begin(), middle, in.picture_ms.end());
+        in.summary.median_picture_ms = *middle;
+    }
+    return in.summary;
+}
+
+}   // namespace gnomon::viewer
