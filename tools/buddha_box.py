@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Puts a model into a box like that of builtin:cornell, for bench indirect: the "Buddha in the box" of Ki and Oh (2007).
 
-    bench/buddha_box.py $GNOMON_SCENES/stanford/buddha_50k_decimated.obj buddha.glb
+    tools/buddha_box.py $GNOMON_SCENES/stanford/buddha_50k_decimated.obj buddha.glb
 
 The model (OBJ; positions and faces are read, nothing else) stands on the floor in the place of the two blocks, 1.3 high;
 a ball runs past in front of it, 40 frames of 24 a second; a spot light and a camera where the built-in box has them.

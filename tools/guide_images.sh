@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Makes the pictures of README.md, docs/guide and docs/papers.
 #
-#     tools/guide_pictures.sh [PROGRAM [FOLDER]]
+#     tools/guide_images.sh [PROGRAM [FOLDER]]
 #
-# PROGRAM: build/release/gnomon; FOLDER: docs/pictures. The one of what was redrawn needs Vulkan; the viewer's, Xvfb and
+# PROGRAM: build/release/gnomon; FOLDER: docs/images. The one of what was redrawn needs Vulkan; the viewer's, Xvfb and
 # xdotool, and a machine that does nothing else meanwhile, since it shows how long a frame takes.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=${1:-$here/build/release/gnomon}
-out=${2:-$here/docs/pictures}
+out=${2:-$here/docs/images}
 "$program" render builtin:kinetic --size 960x540 --samples 16 -o "$out/kinetic.png" --quiet
 box=(builtin:cornell --frame 20 --size 320x320)
 "$program" render "${box[@]}" --samples 4 --indirect off -o "$out/tour-direct.png" --quiet

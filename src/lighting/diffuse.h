@@ -7,7 +7,7 @@
 namespace gnomon::lighting {
 
 /// Radiant exitance over irradiance at a point of a triangle, by colour channel: the albedo; pi times that for AFF
-/// surfaces, whose convention has no pi (render/shading.h). Textures at full resolution.
+/// surfaces, whose convention has no pi (shading/shading.h). Textures at full resolution.
 glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGeometry& geometry,
                                   std::uint32_t triangle, float u, float v);
 

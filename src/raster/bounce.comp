@@ -2,7 +2,7 @@
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
 // Adds bounced light to the picture, from the irradiance that arrives at each pixel's surface. Formula:
-// reflect_irradiance in src/render/shading.cpp.
+// reflect_irradiance in src/shading/shading.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of the light a surface mirrors, as Continuation has it (render/shading.h).
+// How much of the light a surface mirrors, as Continuation has it (shading/shading.h).
 
 float fresnel_dielectric(float cosine, float eta)
 {

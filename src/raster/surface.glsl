@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pixel's triangle made into a point to shade, as src/render/surface.cpp does it. Included after
+// A pixel's triangle made into a point to shade, as src/shading/surface.cpp does it. Included after
 // gpu_scene/scene_data.glsl, with `positions` and `normals` (floats, three a vertex) and `indices` declared.
 
 struct Surface {
@@ -53,7 +53,7 @@ vec4 look_up(Triangle t, GpuTextureUse use)
                           apply_to_step(use, t.across.x * a + t.across.y * b));
 }
 
-// As find_footprint in src/render/surface.cpp.
+// As find_footprint in src/shading/surface.cpp.
 void find_footprint(inout Triangle t, float double_area, vec3 normal, vec3 direction, float width)
 {
     const float k_least_sine = 1e-4, k_least_cosine = 0.02;

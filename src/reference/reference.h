@@ -18,7 +18,7 @@
 // With `surroundings`, what lies behind everything lights the points too: the sky and a picture of the surroundings
 // themselves, instead of the lights that stand for the picture (by both kinds of sampling, weighted by the balance
 // heuristic [Veach and Guibas 1995]). With `shining`, surfaces that shine by themselves do so too; else lights alone
-// light, which scenes without any get in place of such surfaces (scene/emitters.h).
+// light, which scenes without any get in place of such surfaces (scene/defaults/emissive_lights.h).
 //
 // The same for any number of threads. A point's random numbers depend on the seed and its key alone.
 // Cost: a sample is one ray and at most one shadow ray a bounce, in packets.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 // The cut through the emitters' tree for a surface point, by a work group: the twin of cut_tree() in
-// src/light_quadtree/point_kernels.cpp, which says what the formulas mean.
+// src/irradiance_cache/light_tree/point_kernels.cpp, which says what the formulas mean.
 //
 // The group walks the tree from a stack it shares, eight quads at a time, a node an invocation. What an invocation adds
 // to a list comes after what those before it add, so lists have one order.

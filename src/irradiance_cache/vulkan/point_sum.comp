@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 // Present light of the nodes that a surface point sees, by a work group; nodes whose way passes something that moves
-// are listed instead. The twin of sum_seen() and find_changed() in src/light_quadtree/point_kernels.cpp.
+// are listed instead. The twin of sum_seen() and find_changed() in src/irradiance_cache/light_tree/point_kernels.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "irradiance_cache/vulkan/points_shared.h"
