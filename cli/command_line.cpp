@@ -16,7 +16,7 @@ namespace {
 constexpr const char* k_standard_output = "-";
 
 // "bench culling" is two words on the command line.
-const options::VerbInfo& take_verb(std::vector<std::string>& words)
+const options::SubcommandInfo& take_subcommand(std::vector<std::string>& words)
 {
     std::string name = words.front();
     words.erase(words.begin());
@@ -26,26 +26,26 @@ const options::VerbInfo& take_verb(std::vector<std::string>& words)
         name += " " + words.front();
         words.erase(words.begin());
     }
-    if (const options::VerbInfo* verb = options::find_verb(name)) return *verb;
+    if (const options::SubcommandInfo* subcommand = options::find_subcommand(name)) return *subcommand;
     std::vector<std::string> names;
-    for (const options::VerbInfo& verb : options::verbs()) names.emplace_back(verb.name);
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) names.emplace_back(subcommand.name);
     const std::string near = options::nearest(name, names);
-    throw UsageError(fmt::format("no verb '{}'{}", name,
+    throw UsageError(fmt::format("no subcommand '{}'{}", name,
                                  near.empty() ? "; see gnomon --help" : fmt::format("; did you mean '{}'?", near)));
 }
 
-void refuse_unknown(const options::VerbInfo& verb, const std::vector<std::string>& words)
+void refuse_unknown(const options::SubcommandInfo& subcommand, const std::vector<std::string>& words)
 {
     for (const std::string& word : words) {
         if (!word.starts_with("-") || word == "-") continue;
         const std::string name = word.substr(0, word.find('='));
         std::vector<std::string> names;
         for (const options::Option& option : options::options())
-            if (option.verbs & bit(verb.verb)) names.push_back(fmt::format("--{}", option.name));
+            if (option.subcommands & bit(subcommand.subcommand)) names.push_back(fmt::format("--{}", option.name));
         const std::string near = options::nearest(name, names);
-        throw UsageError(fmt::format(
-            "{} has no option {}{}", verb.name, name,
-            near.empty() ? fmt::format("; see gnomon {} --help", verb.name) : fmt::format("; did you mean {}?", near)));
+        throw UsageError(fmt::format("{} has no option {}{}", subcommand.name, name,
+                                     near.empty() ? fmt::format("; see gnomon {} --help", subcommand.name)
+                                                  : fmt::format("; did you mean {}?", near)));
     }
 }
 
@@ -104,8 +104,8 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     if (words.empty()) throw UsageError("nothing to do; see gnomon --help");
     if (words.front() == "--version") return line.version = true, line;
     if (words.front() == "--help" || words.front() == "-h" || words.front() == "help") return line.help = true, line;
-    line.verb = &take_verb(words);
-    line.values = options::OptionValues(line.verb->verb);
+    line.subcommand = &take_subcommand(words);
+    line.values = options::OptionValues(line.subcommand->subcommand);
 
     // What stands behind "--" is no option, whatever it begins with.
     const auto dashes = std::find(words.begin(), words.end(), "--");
@@ -113,25 +113,25 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     words.erase(dashes, words.end());
     spell_out_lists(words);
 
-    // Build a parser of this verb's options from the table.
+    // Build a parser of this subcommand's options from the table.
     CLI::App parser;
     parser.set_help_flag();
     parser.allow_extras();
     std::vector<std::pair<const options::Option*, CLI::Option*>> known;
     for (const options::Option& option : options::options())
-        if (option.verbs & bit(line.verb->verb)) known.emplace_back(&option, add(parser, option));
+        if (option.subcommands & bit(line.subcommand->subcommand)) known.emplace_back(&option, add(parser, option));
     try {
         parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));   // CLI11 takes them from the back
     } catch (const CLI::ArgumentMismatch& error) {
         const std::string text = error.what();   // "--out: 1 required ..."
         throw UsageError(fmt::format("{}: a value is missing", text.substr(0, text.find(':'))));
     } catch (const CLI::ParseError& error) {
-        throw UsageError(fmt::format("{}: {}", line.verb->name, error.what()));
+        throw UsageError(fmt::format("{}: {}", line.subcommand->name, error.what()));
     }
 
     // Read its results: unknown options first, since their values look like positionals.
     std::vector<std::string> rest = parser.remaining();
-    refuse_unknown(*line.verb, rest);
+    refuse_unknown(*line.subcommand, rest);
     rest.insert(rest.end(), plain.begin(), plain.end());
     for (const auto& [option, parsed] : known) {
         if (parsed->count() == 0) continue;
@@ -140,15 +140,15 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
         if (option->name == "version") line.version = true;
     }
     if (line.help || line.version) return line;
-    if (!line.verb->built) throw UsageError(fmt::format("{}: not built yet", line.verb->name));
+    if (!line.subcommand->built) throw UsageError(fmt::format("{}: not built yet", line.subcommand->name));
     for (const auto& [option, parsed] : known)
         if (parsed->count() > 0) line.values.set(*option, parsed->results());
     line.positionals = rest;
-    if (line.positionals.size() != static_cast<std::size_t>(line.verb->positionals))
-        throw UsageError(fmt::format("{} takes {} argument{} and got {}: gnomon {} {}", line.verb->name,
-                                     line.verb->positionals, line.verb->positionals == 1 ? "" : "s",
-                                     line.positionals.size(), line.verb->name, line.verb->arguments));
-    if (line.values.given("config")) read_config(line.values.text("config"), *line.verb, line.values);
+    if (line.positionals.size() != static_cast<std::size_t>(line.subcommand->positionals))
+        throw UsageError(fmt::format("{} takes {} argument{} and got {}: gnomon {} {}", line.subcommand->name,
+                                     line.subcommand->positionals, line.subcommand->positionals == 1 ? "" : "s",
+                                     line.positionals.size(), line.subcommand->name, line.subcommand->arguments));
+    if (line.values.given("config")) read_config(line.values.text("config"), *line.subcommand, line.values);
     return line;
 }
 

@@ -19,7 +19,8 @@ std::string word_of(const nlohmann::json& value)
 }
 }   // namespace
 
-void read_config(const std::filesystem::path& file, const options::VerbInfo& verb, options::OptionValues& values)
+void read_config(const std::filesystem::path& file, const options::SubcommandInfo& subcommand,
+                 options::OptionValues& values)
 {
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(file, error);
@@ -40,14 +41,15 @@ void read_config(const std::filesystem::path& file, const options::VerbInfo& ver
 
     for (const auto& [key, value] : document.items()) {
         const std::string place = "/" + key;
-        const options::Option* option = options::find_option(verb.verb, key);
+        const options::Option* option = options::find_option(subcommand.subcommand, key);
         if (!option || key == "config" || key == "help" || key == "version") {
             std::vector<std::string> names;
             for (const options::Option& candidate : options::options())
-                if ((candidate.verbs & bit(verb.verb)) && candidate.name != key) names.emplace_back(candidate.name);
+                if ((candidate.subcommands & bit(subcommand.subcommand)) && candidate.name != key)
+                    names.emplace_back(candidate.name);
             const std::string near = options::nearest(key, names);
             throw InputError(file.string(), place,
-                             fmt::format("{} has no such option{}", verb.name,
+                             fmt::format("{} has no such option{}", subcommand.name,
                                          near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
         }
 

@@ -67,28 +67,28 @@ std::string right_of(const options::Option& option)
 }
 }   // namespace
 
-std::string help_text(const options::VerbInfo* verb)
+std::string help_text(const options::SubcommandInfo* subcommand)
 {
     std::string text;
-    if (!verb) {
+    if (!subcommand) {
         text = fmt::format(
             "gnomon {}: lights animated 3D scenes, and aims never to compute light twice that stood still\n\n"
-            "usage: gnomon VERB ...\n\n",
+            "usage: gnomon SUBCOMMAND ...\n\n",
             version());
-        for (const options::VerbInfo& each : options::verbs())
+        for (const options::SubcommandInfo& each : options::subcommands())
             text += row(std::string(each.name) + (each.arguments.empty() ? "" : " ") + std::string(each.arguments),
                         std::string(each.summary) + (each.built ? "" : "; not built yet"));
         return text +
-               "\ngnomon VERB --help explains a verb's options.\n"
+               "\ngnomon SUBCOMMAND --help explains a subcommand's options.\n"
                "SCENE: a file, or builtin:cornell, builtin:kinetic, builtin:spheres?objects=300&dynamic=10.\n"
                "Exit codes: 0 done, 1 a comparison or check failed, 2 wrong usage, 3 bad input file, 4 something\n"
                "needed is missing (device, driver, ffmpeg, disk), 5 internal error, 130 interrupted.\n";
     }
-    text = fmt::format("gnomon {}: {}\n\nusage: gnomon {} {}{}[options]\n", verb->name, verb->summary, verb->name,
-                       verb->arguments, verb->arguments.empty() ? "" : " ");
+    text = fmt::format("gnomon {}: {}\n\nusage: gnomon {} {}{}[options]\n", subcommand->name, subcommand->summary,
+                       subcommand->name, subcommand->arguments, subcommand->arguments.empty() ? "" : " ");
     std::string_view group;
     for (const options::Option& option : options::options()) {
-        if (!(option.verbs & bit(verb->verb))) continue;
+        if (!(option.subcommands & bit(subcommand->subcommand))) continue;
         if (option.group != group) text += fmt::format("\n{}\n", option.group);
         group = option.group;
         text += row(left_of(option), right_of(option));

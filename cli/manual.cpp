@@ -77,9 +77,9 @@ std::vector<std::string_view> words_of(std::string_view text, char between)
 std::vector<std::string> first_words()
 {
     std::vector<std::string> words;
-    for (const options::VerbInfo& verb : options::verbs()) {
-        const std::string word(words_of(verb.name, ' ')[0]);
-        if (verb.built && std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        const std::string word(words_of(subcommand.name, ' ')[0]);
+        if (subcommand.built && std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
     }
     return words;
 }
@@ -87,23 +87,23 @@ std::vector<std::string> first_words()
 std::vector<std::string> second_words(std::string_view first)
 {
     std::vector<std::string> words;
-    for (const options::VerbInfo& verb : options::verbs()) {
-        const auto parts = words_of(verb.name, ' ');
-        if (verb.built && parts.size() > 1 && parts[0] == first) words.emplace_back(parts[1]);
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        const auto parts = words_of(subcommand.name, ' ');
+        if (subcommand.built && parts.size() > 1 && parts[0] == first) words.emplace_back(parts[1]);
     }
     return words;
 }
 
-// Options of a verb, and for each with choices what they are. One name may stand in the table more than once.
-std::vector<const options::Option*> options_of(options::Verb verb)
+// Options of a subcommand, and for each with choices what they are. One name may stand in the table more than once.
+std::vector<const options::Option*> options_of(options::Subcommand subcommand)
 {
     std::vector<const options::Option*> list;
     for (const options::Option& option : options::options())
-        if (shown(option) && (option.verbs & bit(verb))) list.push_back(&option);
+        if (shown(option) && (option.subcommands & bit(subcommand))) list.push_back(&option);
     return list;
 }
 
-// "render a picture" as a sentence: "Renders a picture."
+// "render an image" as a sentence: "Renders an image."
 std::string sentence(std::string_view summary)
 {
     const std::size_t end = std::min(summary.find(' '), summary.size());
@@ -127,18 +127,18 @@ std::string manual_page()
         "never "
         "to compute light twice that stood still\n.SH SYNOPSIS\n",
         version());
-    for (const options::VerbInfo& verb : options::verbs())
-        if (verb.built)
-            text += fmt::format(".B gnomon {}\n{}{}[options]\n.br\n", verb.name, roff(verb.arguments),
-                                verb.arguments.empty() ? "" : " ");
+    for (const options::SubcommandInfo& subcommand : options::subcommands())
+        if (subcommand.built)
+            text += fmt::format(".B gnomon {}\n{}{}[options]\n.br\n", subcommand.name, roff(subcommand.arguments),
+                                subcommand.arguments.empty() ? "" : " ");
     text +=
         ".SH DESCRIPTION\nSCENE is a file (.gltf, .glb, .obj, .aff), or builtin:cornell, builtin:kinetic, "
         "builtin:spheres?objects=300&dynamic=10. Defaults stand in brackets.\n";
-    for (const options::VerbInfo& verb : options::verbs()) {
-        if (!verb.built) continue;
-        text += fmt::format(".SH \"GNOMON {}\"\n{}\n", roff(verb.name), roff(sentence(verb.summary)));
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        if (!subcommand.built) continue;
+        text += fmt::format(".SH \"GNOMON {}\"\n{}\n", roff(subcommand.name), roff(sentence(subcommand.summary)));
         std::string_view group;
-        for (const options::Option* option : options_of(verb.verb)) {
+        for (const options::Option* option : options_of(subcommand.subcommand)) {
             if (option->group == "Everywhere") continue;
             if (option->group != group) text += fmt::format(".SS {}\n", roff(option->group));
             group = option->group;
@@ -146,7 +146,7 @@ std::string manual_page()
         }
     }
     text += ".SH \"EVERYWHERE\"\n";
-    for (const options::Option* option : options_of(options::Verb::info))
+    for (const options::Option* option : options_of(options::Subcommand::info))
         if (option->group == "Everywhere") text += roff_option(*option);
     text +=
         ".SH EXIT STATUS\n0 done; 1 a comparison or check failed; 2 wrong usage; 3 bad input file; 4 something needed "
@@ -159,7 +159,8 @@ std::string manual_page()
 std::string options_page()
 {
     std::string text =
-        "# Options\n\nEvery option of every verb, from the table that `gnomon VERB --help`, the manual page, the "
+        "# Options\n\nEvery option of every subcommand, from the table that `gnomon SUBCOMMAND --help`, the manual "
+        "page, the "
         "shells' "
         "completions and the viewer's\npanel are made from. Defaults stand in brackets. [Choosing "
         "options](README.md#choosing-options) "
@@ -178,12 +179,12 @@ std::string options_page()
         text += fmt::format("| `{}` | {} |\n", cell(name), replaced(cell(help), "*", "\\*"));
     };
     constexpr std::string_view k_table = "\n| | |\n|---|---|\n";
-    for (const options::VerbInfo& verb : options::verbs()) {
-        text += fmt::format("\n## gnomon {}{}{}\n\n{}\n", verb.name, verb.arguments.empty() ? "" : " ", verb.arguments,
-                            sentence(verb.summary));
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        text += fmt::format("\n## gnomon {}{}{}\n\n{}\n", subcommand.name, subcommand.arguments.empty() ? "" : " ",
+                            subcommand.arguments, sentence(subcommand.summary));
         std::string_view group;
         for (const options::Option& option : options::options()) {
-            if (!(option.verbs & bit(verb.verb)) || option.group == "Everywhere") continue;
+            if (!(option.subcommands & bit(subcommand.subcommand)) || option.group == "Everywhere") continue;
             if (option.group != group) text += fmt::format("\n**{}**\n{}", option.group, k_table);
             group = option.group;
             add_row(option);
@@ -191,7 +192,7 @@ std::string options_page()
     }
     text += fmt::format("\n## Everywhere\n{}", k_table);
     for (const options::Option& option : options::options())
-        if ((option.verbs & bit(options::Verb::info)) && option.group == "Everywhere") add_row(option);
+        if ((option.subcommands & bit(options::Subcommand::info)) && option.group == "Everywhere") add_row(option);
     return text;
 }
 
@@ -200,33 +201,34 @@ std::string bash_completion()
     std::string text =
         "# bash completion for gnomon\n"
         "_gnomon()\n{\n"
-        "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}\n"
-        "    [[ $verb == bench && $COMP_CWORD -gt 2 ]] && verb=\"bench ${COMP_WORDS[2]}\"\n"
+        "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} subcommand=${COMP_WORDS[1]}\n"
+        "    [[ $subcommand == bench && $COMP_CWORD -gt 2 ]] && subcommand=\"bench ${COMP_WORDS[2]}\"\n"
         "    COMPREPLY=()\n"
         "    if [[ $COMP_CWORD -eq 1 ]]; then\n";
     text +=
         fmt::format("        COMPREPLY=($(compgen -W \"{} --help --version\" -- \"$cur\"))\n        return\n    fi\n",
                     fmt::join(first_words(), " "));
     text += fmt::format(
-        "    if [[ $COMP_CWORD -eq 2 && $verb == bench ]]; then\n"
+        "    if [[ $COMP_CWORD -eq 2 && $subcommand == bench ]]; then\n"
         "        COMPREPLY=($(compgen -W \"{}\" -- \"$cur\"))\n        return\n    fi\n",
         fmt::join(second_words("bench"), " "));
-    text += "    case \"$verb $prev\" in\n";
-    for (const options::VerbInfo& verb : options::verbs()) {
-        if (!verb.built) continue;
-        for (const options::Option* option : options_of(verb.verb)) {
+    text += "    case \"$subcommand $prev\" in\n";
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        if (!subcommand.built) continue;
+        for (const options::Option* option : options_of(subcommand.subcommand)) {
             const std::string_view choices = choices_of(*option);
             if (choices.empty()) continue;
             text += fmt::format("        \"{} --{}\") COMPREPLY=($(compgen -W \"{}\" -- \"$cur\")); return ;;\n",
-                                verb.name, option->name, replaced(std::string(choices), "|", " "));
+                                subcommand.name, option->name, replaced(std::string(choices), "|", " "));
         }
     }
-    text += "    esac\n    if [[ $cur == -* ]]; then\n        case \"$verb\" in\n";
-    for (const options::VerbInfo& verb : options::verbs()) {
-        if (!verb.built) continue;
+    text += "    esac\n    if [[ $cur == -* ]]; then\n        case \"$subcommand\" in\n";
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        if (!subcommand.built) continue;
         std::string names;
-        for (const options::Option* option : options_of(verb.verb)) names += fmt::format(" --{}", option->name);
-        text += fmt::format("            \"{}\") COMPREPLY=($(compgen -W \"{}\" -- \"$cur\")) ;;\n", verb.name,
+        for (const options::Option* option : options_of(subcommand.subcommand))
+            names += fmt::format(" --{}", option->name);
+        text += fmt::format("            \"{}\") COMPREPLY=($(compgen -W \"{}\" -- \"$cur\")) ;;\n", subcommand.name,
                             names.substr(1));
     }
     text += "        esac\n        return\n    fi\n";
@@ -240,28 +242,29 @@ std::string zsh_completion()
     std::string text =
         "#compdef gnomon\n"
         "_gnomon() {\n"
-        "    local verb=$words[2]\n"
+        "    local subcommand=$words[2]\n"
         "    if (( CURRENT == 2 )); then\n";
     text += fmt::format("        compadd {} --help --version\n        return\n    fi\n", fmt::join(first_words(), " "));
     text += fmt::format(
-        "    if [[ $verb == bench ]]; then\n"
+        "    if [[ $subcommand == bench ]]; then\n"
         "        if (( CURRENT == 3 )); then\n            compadd {}\n            return\n        fi\n"
-        "        verb=\"bench $words[3]\"\n    fi\n",
+        "        subcommand=\"bench $words[3]\"\n    fi\n",
         fmt::join(second_words("bench"), " "));
-    text += "    case \"$verb $words[CURRENT-1]\" in\n";
-    for (const options::VerbInfo& verb : options::verbs()) {
-        if (!verb.built) continue;
-        for (const options::Option* option : options_of(verb.verb))
+    text += "    case \"$subcommand $words[CURRENT-1]\" in\n";
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        if (!subcommand.built) continue;
+        for (const options::Option* option : options_of(subcommand.subcommand))
             if (const std::string_view choices = choices_of(*option); !choices.empty())
-                text += fmt::format("        \"{} --{}\") compadd {}; return ;;\n", verb.name, option->name,
+                text += fmt::format("        \"{} --{}\") compadd {}; return ;;\n", subcommand.name, option->name,
                                     replaced(std::string(choices), "|", " "));
     }
-    text += "    esac\n    if [[ $words[CURRENT] == -* ]]; then\n        case $verb in\n";
-    for (const options::VerbInfo& verb : options::verbs()) {
-        if (!verb.built) continue;
+    text += "    esac\n    if [[ $words[CURRENT] == -* ]]; then\n        case $subcommand in\n";
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        if (!subcommand.built) continue;
         std::string names;
-        for (const options::Option* option : options_of(verb.verb)) names += fmt::format(" --{}", option->name);
-        text += fmt::format("            \"{}\") compadd --{} ;;\n", verb.name, names);
+        for (const options::Option* option : options_of(subcommand.subcommand))
+            names += fmt::format(" --{}", option->name);
+        text += fmt::format("            \"{}\") compadd --{} ;;\n", subcommand.name, names);
     }
     text += fmt::format("        esac\n        return\n    fi\n    compadd -Q {}\n    _files\n}}\n_gnomon \"$@\"\n",
                         k_scenes);
@@ -273,20 +276,20 @@ std::string fish_completion()
     std::string text("# fish completion for gnomon\n");
     for (const std::string& word : first_words()) {
         std::string_view summary = word == "bench" ? "measure" : "";
-        for (const options::VerbInfo& verb : options::verbs())
-            if (verb.name == word) summary = verb.summary;
+        for (const options::SubcommandInfo& subcommand : options::subcommands())
+            if (subcommand.name == word) summary = subcommand.summary;
         text += fmt::format("complete -c gnomon -n __fish_use_subcommand -a {} -d {}\n", word, single_quoted(summary));
     }
     text += fmt::format(
         "complete -c gnomon -n '__fish_seen_subcommand_from bench; and not __fish_seen_subcommand_from {0}' -f -a "
         "'{0}'\n",
         fmt::join(second_words("bench"), " "));
-    for (const options::VerbInfo& verb : options::verbs()) {
-        if (!verb.built) continue;
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
+        if (!subcommand.built) continue;
         std::string when;
-        for (const std::string_view word : words_of(verb.name, ' '))
+        for (const std::string_view word : words_of(subcommand.name, ' '))
             when += fmt::format("{}__fish_seen_subcommand_from {}", when.empty() ? "" : "; and ", word);
-        for (const options::Option* option : options_of(verb.verb)) {
+        for (const options::Option* option : options_of(subcommand.subcommand)) {
             text += fmt::format("complete -c gnomon -n '{}' -l {}", when, option->name);
             if (option->letter) text += fmt::format(" -s {}", option->letter);
             const std::string_view choices = choices_of(*option);

@@ -17,32 +17,32 @@
 
 namespace gnomon::cli {
 
-struct Output::Inside {
+struct Output::Impl {
     bool quiet = false, verbose = false;
     bool json_to_standard_output = false;
     std::optional<io::AtomicFile> json_file;
     ProgressLine progress;
 
-    explicit Inside(bool be_quiet) : quiet(be_quiet), progress(be_quiet) {}
+    explicit Impl(bool be_quiet) : quiet(be_quiet), progress(be_quiet) {}
 };
 
-Output::Output(const options::OptionValues& values) : inside_(std::make_unique<Inside>(values.flag("quiet")))
+Output::Output(const options::OptionValues& values) : impl_(std::make_unique<Impl>(values.flag("quiet")))
 {
-    inside_->verbose = values.flag("verbose");
+    impl_->verbose = values.flag("verbose");
     const std::string json = values.text("json");
-    if (json == "-") inside_->json_to_standard_output = true;
+    if (json == "-") impl_->json_to_standard_output = true;
     // Opened now, so that a name that cannot be written is found before the work.
-    if (!json.empty() && json != "-") inside_->json_file.emplace(json);
+    if (!json.empty() && json != "-") impl_->json_file.emplace(json);
 }
 
 Output::~Output() = default;
 
 void Output::say(std::string_view line)
 {
-    if (inside_->quiet) return;
-    inside_->progress.clear();
+    if (impl_->quiet) return;
+    impl_->progress.clear();
     const std::string text = fmt::format("{}\n", line);
-    if (inside_->json_to_standard_output)
+    if (impl_->json_to_standard_output)
         std::fputs(text.c_str(), stderr);
     else
         write_standard_output(text);
@@ -50,25 +50,25 @@ void Output::say(std::string_view line)
 
 void Output::detail(std::string_view line)
 {
-    if (inside_->verbose) say(line);
+    if (impl_->verbose) say(line);
 }
 
 void Output::warn(std::string_view line)
 {
-    if (inside_->quiet) return;
-    inside_->progress.clear();
+    if (impl_->quiet) return;
+    impl_->progress.clear();
     std::fputs(fmt::format("warning: {}\n", line).c_str(), stderr);
 }
 
 void Output::error(std::string_view line)
 {
-    inside_->progress.clear();
+    impl_->progress.clear();
     std::fputs(fmt::format("gnomon: {}\n", line).c_str(), stderr);
 }
 
 Progress Output::progress()
 {
-    return [inside = inside_.get()](const ProgressStep& step) {
+    return [inside = impl_.get()](const ProgressStep& step) {
         inside->progress.show(step);
         return !interrupted();
     };
@@ -76,14 +76,14 @@ Progress Output::progress()
 
 void Output::finish(const nlohmann::ordered_json& document)
 {
-    inside_->progress.clear();
-    if (!inside_->json_to_standard_output && !inside_->json_file) return;
+    impl_->progress.clear();
+    if (!impl_->json_to_standard_output && !impl_->json_file) return;
     // Names from files may be no UTF-8: their bad bytes are replaced, never a reason to fail.
     const std::string text = document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-    if (inside_->json_to_standard_output) write_standard_output(text);
-    if (inside_->json_file) {
-        inside_->json_file->write(text);
-        inside_->json_file->commit();
+    if (impl_->json_to_standard_output) write_standard_output(text);
+    if (impl_->json_file) {
+        impl_->json_file->write(text);
+        impl_->json_file->commit();
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where a verb's words go: text for people, one JSON document for programs, progress for the patient.
+// Where a subcommand's words go: text for people, one JSON document for programs, progress for the patient.
 //
 // With --json, standard output carries the document and nothing else; text goes to standard error. The document is
 // written last, when all else has worked.
@@ -42,8 +42,8 @@ class Output {
     void finish(const nlohmann::ordered_json& document);
 
  private:
-    struct Inside;
-    std::unique_ptr<Inside> inside_;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 /// All of it, or MissingError with the reason.

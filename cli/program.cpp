@@ -22,7 +22,7 @@ namespace {
 void refuse_to_replace_inputs(const CommandLine& line)
 {
     const auto value = [&](const char* name) {
-        return options::find_option(line.verb->verb, name) ? line.values.text(name) : std::string();
+        return options::find_option(line.subcommand->subcommand, name) ? line.values.text(name) : std::string();
     };
     std::vector<std::string> inputs = line.positionals;
     for (const char* name : {"environment", "config"}) inputs.push_back(value(name));
@@ -35,33 +35,33 @@ void refuse_to_replace_inputs(const CommandLine& line)
     }
 }
 
-int run_verb(const CommandLine& line)
+int run_subcommand(const CommandLine& line)
 {
     refuse_to_replace_inputs(line);
     Output output(line.values);
-    switch (line.verb->verb) {
-        case options::Verb::render:
+    switch (line.subcommand->subcommand) {
+        case options::Subcommand::render:
             return run_render(line, output);
-        case options::Verb::view:
+        case options::Subcommand::view:
             return run_view(line, output);
-        case options::Verb::info:
+        case options::Subcommand::info:
             return run_info(line, output);
-        case options::Verb::compare:
+        case options::Subcommand::compare:
             return run_compare(line, output);
-        case options::Verb::devices:
+        case options::Subcommand::devices:
             return run_devices(line, output);
-        case options::Verb::bench_trace:
+        case options::Subcommand::bench_trace:
             return run_bench_trace(line, output);
-        case options::Verb::bench_culling:
+        case options::Subcommand::bench_culling:
             return run_bench_culling(line, output);
-        case options::Verb::bench_all:
+        case options::Subcommand::bench_all:
             return run_bench_all(line, output);
-        case options::Verb::bench_shadow_textures:
+        case options::Subcommand::bench_shadow_textures:
             return run_bench_shadow_textures(line, output);
-        case options::Verb::bench_indirect:
+        case options::Subcommand::bench_indirect:
             return run_bench_indirect(line, output);
         default:
-            throw UsageError(fmt::format("{}: not built yet", line.verb->name));
+            throw UsageError(fmt::format("{}: not built yet", line.subcommand->name));
     }
 }
 
@@ -83,10 +83,10 @@ int run_program(const std::vector<std::string>& arguments)
     try {
         const CommandLine line = parse_command_line(arguments);
         if (line.help || line.version) {
-            write_standard_output(line.version ? fmt::format("gnomon {}\n", version()) : help_text(line.verb));
+            write_standard_output(line.version ? fmt::format("gnomon {}\n", version()) : help_text(line.subcommand));
             return k_exit_done;
         }
-        return run_verb(line);
+        return run_subcommand(line);
     } catch (const UsageError& error) {
         return fail(k_exit_usage, error.what());
     } catch (const InputError& error) {

@@ -15,7 +15,7 @@ inline constexpr int k_exit_missing = 4;     // a device, driver, ffmpeg, disk
 inline constexpr int k_exit_internal = 5;    // a bug of ours
 inline constexpr int k_exit_interrupted = 130;
 
-/// Runs one verb. Every failure is one line on standard error.
+/// Runs one subcommand. Every failure is one line on standard error.
 /// @param arguments  without the program's name
 int run_program(const std::vector<std::string>& arguments);
 

@@ -78,7 +78,7 @@ int run_bench_all(const CommandLine& line, Output& output)
     page.section("About this page", settings.command);
     if (settings.quick)
         page.text(
-            "Measured with --quick: smaller pictures and fewer frames than the papers', so ratios and percentages are "
+            "Measured with --quick: smaller images and fewer frames than the papers', so ratios and percentages are "
             "near "
             "theirs, times are not.");
     for (const auto& [name, scene] :

@@ -50,7 +50,7 @@ bench::CullingBenchOptions options_of(const options::OptionValues& values, const
     options.counts = !values.flag("no-counts");
     options.paper_options.occlusion_test.test_marked = values.flag("as-printed");
     options.paper_options.set_modes.remember_dynamic_blockers = values.flag("as-printed");
-    options.pictures = values.given("report");
+    options.images = values.given("report");
     if (const std::vector<std::string> methods = values.all("method"); !methods.empty()) {
         options.paper = std::find(methods.begin(), methods.end(), "paper") != methods.end();
         options.certified = std::find(methods.begin(), methods.end(), "certified") != methods.end();
@@ -86,7 +86,7 @@ void say_summary(const bench::CullingWindow& window, Output& output)
                     result.wrong_total));
     output.say(fmt::format(
         "{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light; for a while {:.2f} MB of evidence; "
-        "mask of movers {:.2f} MB",
+        "mask of dynamic objects {:.2f} MB",
         "certified", static_cast<double>(result.bytes) / 1e6, result.visible_triangles, result.bytes_per_triangle_light,
         static_cast<double>(result.most_evidence_bytes) / 1e6, static_cast<double>(result.mask_bytes) / 1e6));
     if (window.moving_lights)

@@ -17,8 +17,8 @@ namespace {
 
 constexpr int k_frames_by_default = 10;   // as the help says
 
-// A report's picture of the reference: paths a pixel, for paths a point.
-constexpr int k_picture_paths_share = 8, k_least_picture_paths = 64;
+// A report's image of the reference: paths a pixel, for paths a point.
+constexpr int k_image_paths_share = 8, k_least_image_paths = 64;
 
 void say_row(const bench::IndirectRow& r, Output& output)
 {
@@ -59,14 +59,14 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
     options.spp = values.integer("spp");
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
-    options.pictures = values.given("report");
-    options.picture_spp = std::max(k_least_picture_paths, options.spp / k_picture_paths_share);
+    options.images = values.given("report");
+    options.image_spp = std::max(k_least_image_paths, options.spp / k_image_paths_share);
     std::vector<std::string> methods = values.all("method");
-    if (methods.empty() && !options.pictures) methods = {"visible"};
+    if (methods.empty() && !options.images) methods = {"visible"};
     const bench::IndirectSettings settings{values.number("depth-threshold"), values.number("normal-threshold"),
                                            values.text("receivers") == "full", values.text("renderer") == "raster",
                                            static_cast<std::size_t>(values.integer("indirect-memory")) << 20};
-    if (options.pictures) options.methods = bench::indirect_methods_of_paper(settings);
+    if (options.images) options.methods = bench::indirect_methods_of_paper(settings);
     for (const std::string& name : methods) {
         const auto same = [&](const bench::IndirectMethodInfo& m) { return m.name == name; };
         if (std::none_of(options.methods.begin(), options.methods.end(), same))

@@ -28,10 +28,10 @@ bench::ShadowTexturesBenchOptions options_of(const options::OptionValues& values
         for (const std::string& word : values.all("dynamic")) options.dynamic.push_back(*options::parse_number(word));
     }
     if (values.given("movers")) {
-        options.movers = values.integer("movers");
+        options.dynamic_objects = values.integer("movers");
         const int fewest = *std::min_element(options.objects.begin(), options.objects.end());
-        if (*options.movers > fewest)
-            throw UsageError(fmt::format("--movers {}: there are only {} objects", *options.movers, fewest));
+        if (*options.dynamic_objects > fewest)
+            throw UsageError(fmt::format("--movers {}: there are only {} objects", *options.dynamic_objects, fewest));
     }
     options.size = *options::parse_size(values.text("size"));
     options.vertices = values.integer("vertices");
@@ -63,7 +63,7 @@ int run_bench_shadow_textures(const CommandLine& line, Output& output)
         output.say(
             fmt::format("{:7} {:7} {:>11} {:10.2f}  ({:7.2f} + {:8.2f}) {:11.3f} {:12.2f} {:7.1f} {:7.1f} {:9.1f} "
                         "{:8.1f}  {}",
-                        row.objects, row.movers, bench::name_of(row.method), row.shadow_ms, row.buffers_ms,
+                        row.objects, row.dynamic_objects, bench::name_of(row.method), row.shadow_ms, row.buffers_ms,
                         row.textures_ms, row.shadow_cpu_ms, row.frame_ms, row.draws, row.copies, row.textures_updated,
                         row.touched, row.identical_to_full ? "yes" : "NO"));
     for (const auto& [method, exponent] : result.exponents)

@@ -47,7 +47,7 @@ Threshold threshold_of(const std::string& word)
     throw UsageError(fmt::format("--fail-above {}: expected METRIC=X, such as rmse=0.01 or psnr=40", word));
 }
 
-// Equal pictures have no psnr and pass any. What cannot be measured passes nothing.
+// Equal images have no psnr and pass any. What cannot be measured passes nothing.
 bool fails(const Threshold& threshold, const CompareResult& result)
 {
     const std::optional<double> value = threshold.metric->value(result);

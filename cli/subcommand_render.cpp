@@ -43,7 +43,7 @@ void refuse_the_others(const options::OptionValues& values)
 RenderOptions render_options(const options::OptionValues& values)
 {
     refuse_the_others(values);
-    RenderOptions options = options::read_picture_options(values);
+    RenderOptions options = options::read_render_options(values);
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
                                                   static_cast<std::uint64_t>(values.integer("seed"))};
@@ -58,9 +58,9 @@ RenderOptions render_options(const options::OptionValues& values)
     return options;
 }
 
-FilmJob film_job(const options::OptionValues& values, const Scene& scene)
+VideoJob video_job(const options::OptionValues& values, const Scene& scene)
 {
-    FilmJob job;
+    VideoJob job;
     if (!values.given("out")) throw UsageError("render needs -o OUT: .png, .exr, .mp4, or name-{frame:04}.png");
     job.out = values.text("out");
     if (values.given("frame") && values.given("frames")) throw UsageError("--frame and --frames exclude each other");
@@ -148,7 +148,7 @@ Json device_of(const std::string& device, const RenderOptions& options)
     return device.empty() ? Json(nullptr) : Json(device);
 }
 
-Json document_of(const CommandLine& line, const FilmResult& result, const RenderOptions& options,
+Json document_of(const CommandLine& line, const VideoResult& result, const RenderOptions& options,
                  const std::string& device)
 {
     const bool reference = line.values.flag("reference");
@@ -170,7 +170,7 @@ Json document_of(const CommandLine& line, const FilmResult& result, const Render
     return document;
 }
 
-std::string summary_of(const FilmResult& result, double seconds)
+std::string summary_of(const VideoResult& result, double seconds)
 {
     const std::size_t count = result.frames.size();
     std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
@@ -192,20 +192,20 @@ void warn_of_guesses(const options::OptionValues& values, Output& output)
         const std::string overlay = values.text("overlay");
         if (parts && (overlay == "shadow-states" || overlay == "redrawn"))
             output.warn(
-                fmt::format("--overlay {} shows what earlier frames left: with --chunk or --resume, pictures can "
+                fmt::format("--overlay {} shows what earlier frames left: with --chunk or --resume, images can "
                             "differ from those of one run over all frames",
                             overlay));
         return;
     }
     if (!values.given("overlay"))
-        output.warn("--shadow-culling paper guesses: pictures can be wrong; --overlay shadow-states shows where");
+        output.warn("--shadow-culling paper guesses: images can be wrong; --overlay shadow-states shows where");
     if (parts)
         output.warn(
-            "--shadow-culling paper remembers earlier frames: with --chunk or --resume, pictures can differ from those "
+            "--shadow-culling paper remembers earlier frames: with --chunk or --resume, images can differ from those "
             "of one run over all frames; --warm-up N renders the N frames before unseen");
 }
 
-std::string wrong_text(const FilmResult& result)
+std::string wrong_text(const VideoResult& result)
 {
     std::uint64_t wrong = 0, asked = 0;
     for (const FrameRecord& record : result.frames) {
@@ -225,8 +225,8 @@ int run_render(const CommandLine& line, Output& output)
     Scene scene = load_scene(line, progress);
     if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
 
-    const FilmResult result =
-        render_film(scene, renderer, film_job(values, scene), progress, [&](const FrameRecord& r) {
+    const VideoResult result =
+        render_video(scene, renderer, video_job(values, scene), progress, [&](const FrameRecord& r) {
             if (values.flag("reference") && !r.kept)
                 output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
             output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
@@ -247,7 +247,7 @@ Scene load_scene(const CommandLine& line, const Progress& progress)
 {
     const options::OptionValues& values = line.values;
     const auto has = [&](const char* name) {
-        return options::find_option(line.verb->verb, name) && values.given(name);
+        return options::find_option(line.subcommand->subcommand, name) && values.given(name);
     };
     Scene scene = load(line.positionals.at(0), {.progress = progress, .threads = values.integer("threads")});
     if (has("fps")) scene = scene.at_rate(values.number("fps"));

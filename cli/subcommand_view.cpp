@@ -22,14 +22,14 @@ int run_view(const CommandLine& line, Output& output)
     viewer::Viewer viewer(std::move(settings), line.positionals.at(0), line.values.integer("threads"));
     const viewer::ViewSummary summary = viewer.run(interrupted);
     for (const std::string& file : summary.files) output.say(file);
-    output.detail(fmt::format("{} pictures, median {:.1f} ms; longest window frame {:.1f} ms", summary.pictures,
-                              summary.median_picture_ms, summary.longest_ms));
+    output.detail(fmt::format("{} images, median {:.1f} ms; longest window frame {:.1f} ms", summary.images,
+                              summary.median_image_ms, summary.longest_ms));
     output.finish({{"version", std::string(version())},
                    {"scene", line.positionals[0]},
                    {"window_frames", summary.window_frames},
                    {"longest_frame_ms", summary.longest_ms},
-                   {"pictures", summary.pictures},
-                   {"median_picture_ms", summary.median_picture_ms},
+                   {"pictures", summary.images},
+                   {"median_picture_ms", summary.median_image_ms},
                    {"loads", summary.loads},
                    {"files", summary.files},
                    {"options_set", summary.options_set},

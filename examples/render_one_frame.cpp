@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shortest whole program: a scene in, one picture out.
+// The shortest whole program: a scene in, one image out.
 //
 //   example_render_one_frame [SCENE [FRAME [OUT.png]]]
 
@@ -14,11 +14,11 @@ try {
     const int frame = argc > 2 ? std::atoi(argv[2]) : 1;
 
     gnomon::Renderer renderer({.size = {512, 512}});
-    const gnomon::Picture picture = renderer.render(scene, frame);
-    picture.write(argc > 3 ? argv[3] : "frame.png");
+    const gnomon::Frame image = renderer.render(scene, frame);
+    image.write(argc > 3 ? argv[3] : "frame.png");
 
-    std::printf("%.1f ms, %llu shadow rays\n", picture.milliseconds,
-                static_cast<unsigned long long>(picture.counters.shadow.rays));
+    std::printf("%.1f ms, %llu shadow rays\n", image.milliseconds,
+                static_cast<unsigned long long>(image.counters.shadow.rays));
     return 0;
 } catch (const gnomon::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -17,12 +17,12 @@ try {
     // One renderer for the whole clip: it keeps what stands still.
     gnomon::Renderer renderer({.size = {320, 240}, .shadow_culling = gnomon::ShadowCulling::certified});
     for (int frame = 1; frame <= frames; ++frame) {
-        const gnomon::Picture picture = renderer.render(scene, frame);
-        const auto& shadow = picture.counters.shadow;
+        const gnomon::Frame image = renderer.render(scene, frame);
+        const auto& shadow = image.counters.shadow;
         const double asked = static_cast<double>(std::max<std::uint64_t>(shadow.rays, 1));
         std::printf("frame %d: %.1f ms, %.1f %% of the shadow rays not traced, %llu rays for indirect light\n", frame,
-                    picture.milliseconds, 100 * static_cast<double>(shadow.rays_skipped) / asked,
-                    static_cast<unsigned long long>(picture.counters.indirect.rays));
+                    image.milliseconds, 100 * static_cast<double>(shadow.rays_skipped) / asked,
+                    static_cast<unsigned long long>(image.counters.indirect.rays));
     }
     return 0;
 } catch (const gnomon::Error& error) {

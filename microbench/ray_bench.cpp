@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays a second, singly and in packets; building; following ten movers among a hundred thousand objects.
+// Rays a second, singly and in packets; building; following ten dynamic objects among a hundred thousand objects.
 // GNOMON_BENCH_SCENE names the scene (default: the built-in courtyard).
 
 #include <benchmark/benchmark.h>
@@ -95,9 +95,9 @@ void primary_singly(benchmark::State& bench)
 void shadow_packets(benchmark::State& bench)
 {
     Setting& s = setting();
-    std::vector<std::uint8_t> blocked(s.shadow.size());
+    std::vector<std::uint8_t> occluded(s.shadow.size());
     const auto against = static_cast<ray::Against>(bench.range(0));
-    for (auto _ : bench) s.rays.blocked(s.shadow, 0, s.shadow.size(), blocked.data(), against);
+    for (auto _ : bench) s.rays.occluded(s.shadow, 0, s.shadow.size(), occluded.data(), against);
     rate(bench, s.shadow.size());
 }
 
@@ -107,7 +107,7 @@ void shadow_singly(benchmark::State& bench)
     for (auto _ : bench)
         for (std::size_t i = 0; i < s.shadow.size(); ++i)
             benchmark::DoNotOptimize(
-                s.rays.blocked_single(s.shadow.origin(i), 0, s.shadow.direction(i), s.shadow.tfar[i]));
+                s.rays.occluded_single(s.shadow.origin(i), 0, s.shadow.direction(i), s.shadow.tfar[i]));
     rate(bench, s.shadow.size());
 }
 
@@ -123,7 +123,7 @@ void build(benchmark::State& bench)
 void follow_ten_among_100k(benchmark::State& bench)
 {
     scene::SpheresOptions options;
-    options.objects = 100000, options.movers = 10, options.vertices = 14;
+    options.objects = 100000, options.dynamic_objects = 10, options.vertices = 14;
     const auto scene = std::make_shared<const scene::Scene>(scene::make_spheres(options));
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);

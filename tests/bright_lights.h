@@ -53,17 +53,17 @@ inline std::vector<BrightScene> bright_scenes(std::initializer_list<const char*>
     return scenes;
 }
 
-inline std::size_t count_of_no_numbers(const Picture& picture)
+inline std::size_t count_of_no_numbers(const Frame& image)
 {
     std::size_t bad = 0;
-    for (const Layer& layer : picture.layers)
+    for (const Layer& layer : image.layers)
         for (const float value : layer.data) bad += layer.name != "depth" && !std::isfinite(value);
     return bad;
 }
 
-inline float brightest_of(const Picture& picture)
+inline float brightest_of(const Frame& image)
 {
-    const std::vector<float>& data = picture.layers.front().data;
+    const std::vector<float>& data = image.layers.front().data;
     return *std::max_element(data.begin(), data.end());
 }
 

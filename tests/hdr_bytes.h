@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Radiance pictures made in memory.
+// Radiance images made in memory.
 
 #include <cstdint>
 #include <string>

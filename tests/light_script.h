@@ -75,7 +75,7 @@ inline std::shared_ptr<scene::VisibilityTrack> blinking(int frames, double fps, 
     return visibility(std::move(times), std::move(visible));
 }
 
-inline LightScript make_light_script(std::uint64_t seed, int frames, int still = 14, int movers = 6)
+inline LightScript make_light_script(std::uint64_t seed, int frames, int still = 14, int dynamic_objects = 6)
 {
     LightScript script;
     script.frames = frames;
@@ -102,8 +102,9 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
         const scene::NodeId node = add_object(scene, still_meshes.back(), scene::none, still_places.back());
         if (i % 5 == 4) scene.nodes[node].visibility = blinking(frames, script.fps, 30, random);
     }
-    // Every second mover may rest exactly where a still object of the same mesh stands: equal depths everywhere.
-    for (int i = 0; i < movers; ++i) {
+    // Every second dynamic object may rest exactly where a still object of the same mesh stands: equal depths
+    // everywhere.
+    for (int i = 0; i < dynamic_objects; ++i) {
         const std::uint32_t twin = random.below(static_cast<std::uint32_t>(still));
         std::vector<glm::dmat4> places{random_placement(random, 5), random_placement(random, 5),
                                        translation(60, 3 * i, 0)};
@@ -113,7 +114,7 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
             std::make_shared<ScriptTrack>(places, frames, script.fps, seed * 77 + static_cast<std::uint64_t>(i));
         if (i % 3 == 2) scene.nodes[node].visibility = blinking(frames, script.fps, 20, random);
     }
-    // Two movers that rest in the same places.
+    // Two dynamic objects that rest in the same places.
     for (int i = 0; i < 2; ++i) {
         const scene::NodeId node = add_object(scene, 0);
         scene.nodes[node].transform =
@@ -136,8 +137,8 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     add_light(scene::LightType::spot, look_at({2, 14, 3}, {0, 0, 0}));
     add_light(scene::LightType::directional, look_at({1, 2, 0.5}, {0, 0, 0}));
     add_light(scene::LightType::point, translation(0.3, 0.2, -0.4));   // in the midst of things
-    const scene::NodeId mover = add_light(scene::LightType::spot, glm::dmat4(1));
-    scene.nodes[mover].transform = std::make_shared<ScriptTrack>(
+    const scene::NodeId dynamic_object = add_light(scene::LightType::spot, glm::dmat4(1));
+    scene.nodes[dynamic_object].transform = std::make_shared<ScriptTrack>(
         std::vector<glm::dmat4>{look_at({-9, 6, 2}, {0, 0, 0}), look_at({4, 10, -6}, {0, 0, 0})}, frames, script.fps,
         seed + 9);
     const scene::NodeId lamp = add_light(scene::LightType::point, translation(3, 2, 2));

@@ -29,7 +29,7 @@ inline ray::RayQueue random_rays(std::uint64_t seed, std::size_t count, float re
 
 struct Answers {
     std::vector<ray::Hit> both, front;
-    std::vector<std::uint8_t> blocked, blocked_static, blocked_dynamic;
+    std::vector<std::uint8_t> occluded, occluded_static, occluded_dynamic;
 };
 
 inline bool same_bits(const ray::Hit& a, const ray::Hit& b)
@@ -49,8 +49,8 @@ inline std::size_t differences(const Answers& a, const Answers& b)
     std::size_t count = a.both.size() == b.both.size() ? 0 : 1;
     for (std::size_t i = 0; i < std::min(a.both.size(), b.both.size()); ++i)
         count += !same_bits(a.both[i], b.both[i]) || !same_bits(a.front[i], b.front[i]) ||
-                 a.blocked[i] != b.blocked[i] || a.blocked_static[i] != b.blocked_static[i] ||
-                 a.blocked_dynamic[i] != b.blocked_dynamic[i];
+                 a.occluded[i] != b.occluded[i] || a.occluded_static[i] != b.occluded_static[i] ||
+                 a.occluded_dynamic[i] != b.occluded_dynamic[i];
     return count;
 }
 
@@ -82,11 +82,11 @@ inline Answers ask(const ray::RayScene& scene, const ray::RayQueue& rays, std::s
             out.push_back({hits.t[i], hits.u[i], hits.v[i], hits.object[i], hits.triangle[i]});
     }
     for (const auto& [against, out] :
-         {std::pair(Against::everything, &answers.blocked), std::pair(Against::static_only, &answers.blocked_static),
-          std::pair(Against::dynamic_only, &answers.blocked_dynamic)}) {
+         {std::pair(Against::everything, &answers.occluded), std::pair(Against::static_only, &answers.occluded_static),
+          std::pair(Against::dynamic_only, &answers.occluded_dynamic)}) {
         out->assign(n, 2);
         for (std::size_t at = 0; at < n; at += piece)
-            scene.blocked(rays, at, std::min(n, at + piece), out->data() + at, against);
+            scene.occluded(rays, at, std::min(n, at + piece), out->data() + at, against);
     }
     return answers;
 }
@@ -101,9 +101,9 @@ inline Answers ask_singly(const ray::RayScene& scene, const ray::RayQueue& rays)
         const float tnear = rays.tnear[i], tfar = rays.tfar[i];
         answers.both.push_back(scene.closest_single(from, tnear, along, tfar, ray::Sides::both));
         answers.front.push_back(scene.closest_single(from, tnear, along, tfar, ray::Sides::front));
-        answers.blocked.push_back(scene.blocked_single(from, tnear, along, tfar));
-        answers.blocked_static.push_back(scene.blocked_single(from, tnear, along, tfar, Against::static_only));
-        answers.blocked_dynamic.push_back(scene.blocked_single(from, tnear, along, tfar, Against::dynamic_only));
+        answers.occluded.push_back(scene.occluded_single(from, tnear, along, tfar));
+        answers.occluded_static.push_back(scene.occluded_single(from, tnear, along, tfar, Against::static_only));
+        answers.occluded_dynamic.push_back(scene.occluded_single(from, tnear, along, tfar, Against::dynamic_only));
     }
     return answers;
 }

@@ -131,8 +131,8 @@ inline void expect_failure(const Outcome& outcome, int code, const std::string& 
     EXPECT_NE(outcome.err.find(about), std::string::npos) << "'" << about << "' in: " << outcome.err;
 }
 
-/// Whether films can be made here.
-inline bool film_tools()
+/// Whether videos can be made here.
+inline bool video_tools()
 {
     return std::system("ffmpeg -version >/dev/null 2>&1") == 0;
 }

@@ -188,8 +188,8 @@ inline std::shared_ptr<const scene::Scene> finished(scene::Scene& scene)
 
 struct RandomSceneOptions {
     int still = 12;
-    int movers = 5;      // each a rigid group of two objects
-    int deforming = 2;   // one of them on a moving node
+    int dynamic_objects = 5;   // each a rigid group of two objects
+    int deforming = 2;         // one of them on a moving node
     float reach = 6;
 };
 
@@ -209,9 +209,9 @@ inline std::shared_ptr<const scene::Scene> make_random_scene(std::uint64_t seed,
     const scene::NodeId shelf = scene.add_node("shelf", scene::none, glm::translate(glm::dmat4(1), glm::dvec3(0.1)));
     for (int i = 0; i < options.still; ++i)
         add_object(scene, random.below(rigid_meshes), shelf, random_placement(random, options.reach));
-    for (int i = 0; i < options.movers; ++i) {
+    for (int i = 0; i < options.dynamic_objects; ++i) {
         const glm::dmat4 placement = random_placement(random, options.reach);
-        const scene::NodeId anchor = scene.add_node("mover", shelf);
+        const scene::NodeId anchor = scene.add_node("dynamic object", shelf);
         scene.nodes[anchor].transform =
             std::make_shared<SwayTrack>(glm::dvec3(placement[3]), seed * 1000 + static_cast<std::uint64_t>(i), 2);
         const scene::NodeId arm = scene.add_node("arm", anchor, random_placement(random, 1));

@@ -11,7 +11,7 @@
 
 namespace gnomon::test {
 
-/// At every pixel of a square picture, with shading as flat as the triangles.
+/// At every pixel of a square image, with shading as flat as the triangles.
 /// @param pixels  out, if given: where each is
 /// @param wanted  whether points of an object are; of all, if not given
 inline std::vector<irradiance_cache::IndirectPoint> seen_points(const World& world, int side,

@@ -77,14 +77,14 @@ inline shadow_culling::ShadowPoint shadow_point(const ray::RayScene& rays, scene
 }
 
 /// What rays say: the light is behind the surface, or something is in the way.
-inline bool truly_blocked(const scene::SceneState& state, const ray::RayScene& rays,
-                          const shadow_culling::ShadowPoint& p, std::size_t light)
+inline bool truly_occluded(const scene::SceneState& state, const ray::RayScene& rays,
+                           const shadow_culling::ShadowPoint& p, std::size_t light)
 {
     const scene::LightState& at = state.light(static_cast<scene::LightId>(light));
     const bool directional = state.scene().lights[light].type == scene::LightType::directional;
     const glm::vec3 d = directional ? -at.direction : at.position - p.origin;
     if (!(glm::dot(d, p.normal) > 0)) return true;
-    return rays.blocked_single(p.origin, 0, d, directional ? k_infinity : 0.9999f);
+    return rays.occluded_single(p.origin, 0, d, directional ? k_infinity : 0.9999f);
 }
 
 /// Whether a point's answer matters: a spot lights its cone alone.
@@ -106,7 +106,7 @@ struct Outcome {
 };
 
 /// Which points the memory learns from: one-sided evidence tempts it most.
-enum class Teach { all, free_ones, blocked_ones };
+enum class Teach { all, free_ones, occluded_ones };
 
 /// A stage at a time, and what is remembered of it.
 class Rehearsal {
@@ -153,17 +153,17 @@ class Rehearsal {
         std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches;
         batches.push_back(culling_.make_batch());
         culling_.classify(*batches[0], points);
-        std::vector<std::uint8_t> blocked(points.size() + ray::k_packet_pad);
+        std::vector<std::uint8_t> occluded(points.size() + ray::k_packet_pad);
         Outcome outcome;
         for (std::size_t l = 0; l < scene_->lights.size(); ++l) {
-            culling_.shadow(*batches[0], static_cast<int>(l), blocked.data());
+            culling_.shadow(*batches[0], static_cast<int>(l), occluded.data());
             for (std::uint32_t i = 0; i < points.size(); ++i) {
                 const ShadowState known = culling_.state_of(*batches[0], i, static_cast<int>(l));
                 outcome.none += known == ShadowState::none;
                 outcome.full += known == ShadowState::full;
                 if (!in_light(state_, points[i], l)) continue;
                 ++outcome.asked;
-                outcome.wrong += truly_blocked(state_, rays_, points[i], l) != static_cast<bool>(blocked[i]);
+                outcome.wrong += truly_occluded(state_, rays_, points[i], l) != static_cast<bool>(occluded[i]);
             }
         }
         culling_.end_frame(batches, one_);
@@ -174,7 +174,7 @@ class Rehearsal {
     {
         Points chosen;
         for (const auto& p : points)
-            if (what == Teach::all || truly_blocked(state_, rays_, p, 0) == (what == Teach::blocked_ones))
+            if (what == Teach::all || truly_occluded(state_, rays_, p, 0) == (what == Teach::occluded_ones))
                 chosen.push_back(p);
         Outcome outcome;
         for (int f = 0; f < frames; ++f) {

@@ -12,14 +12,14 @@ namespace gnomon {
 
 class Soup {
  public:
-    /// @param movers  of closed and open meshes that are meant to be moved by hand
-    explicit Soup(std::uint64_t seed, int movers = 0) : random_(seed)
+    /// @param dynamic objects  of closed and open meshes that are meant to be moved by hand
+    explicit Soup(std::uint64_t seed, int dynamic_objects = 0) : random_(seed)
     {
         scene_.materials.emplace_back();
         scene_.materials.back().double_sided = true;
         const int meshes = 2 + static_cast<int>(random_.below(4));
         for (int m = 0; m < meshes; ++m) add_mesh();
-        for (int m = 0; m < movers; ++m) m % 2 ? add_mesh() : add_ball();
+        for (int m = 0; m < dynamic_objects; ++m) m % 2 ? add_mesh() : add_ball();
         const int lights = 1 + static_cast<int>(random_.below(6));
         for (int l = 0; l < lights; ++l) add_light();
         scene_.finish();
@@ -145,9 +145,9 @@ inline std::vector<shadow_culling::ShadowPoint> random_points(const scene::Scene
 }
 
 /// Puts the last objects of a soup somewhere else, by hand: turned, stretched, mirrored. Some are left where they are.
-inline void move_last(const scene::Scene& scene, scene::SceneState& state, Random& random, std::size_t movers)
+inline void move_last(const scene::Scene& scene, scene::SceneState& state, Random& random, std::size_t dynamic_objects)
 {
-    for (std::size_t o = scene.objects.size() - movers; o < scene.objects.size(); ++o) {
+    for (std::size_t o = scene.objects.size() - dynamic_objects; o < scene.objects.size(); ++o) {
         if (random.below(4) == 0) continue;
         glm::dmat4 place(1);
         for (int column = 0; column < 3; ++column)

@@ -168,13 +168,13 @@ def main():
             ("right", (1.0, -1.0, -1.1), (1.1, 1.0, 1.0), GREEN)):
         file.mesh(name, box(wall_low, wall_high), color)
     file.mesh("model", (points, normals_of(points, triangles), triangles), CLAY)
-    mover = file.mesh("ball", ball(BALL), BLUE, translation=list(BALL_START))
+    dynamic_object = file.mesh("ball", ball(BALL), BLUE, translation=list(BALL_START))
     times = [0.0, (FRAMES - 1) / RATE]
     end = tuple(a + (FRAMES - 1) * b for a, b in zip(BALL_START, BALL_STEP))
     file.document["animations"] = [{
         "samplers": [{"input": file.accessor(times, "SCALAR", "f", 5126),
                       "output": file.accessor([BALL_START, end], "VEC3", "f", 5126)}],
-        "channels": [{"sampler": 0, "target": {"node": mover, "path": "translation"}}]}]
+        "channels": [{"sampler": 0, "target": {"node": dynamic_object, "path": "translation"}}]}]
     file.document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.62, "aspectRatio": 1.0, "znear": 0.01}}]
     file.node({"camera": 0, "translation": [0.0, 0.0, 3.6]})
     file.document["extensionsUsed"] = ["KHR_lights_punctual"]

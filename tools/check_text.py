@@ -97,7 +97,7 @@ def main() -> int:
             continue
         data = path.read_bytes()
         if b"\0" in data:
-            continue   # a picture or the like
+            continue   # an image or the like
         read += 1
         lines = data.decode("utf-8", "replace").removesuffix("\n").split("\n")
         for name in arguments.checks or k_checks:

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What `gnomon render FILE -o picture.png` makes of every scene there is, with no other option: for looking at.
+# What `gnomon render FILE -o image.png` makes of every scene there is, with no other option: for looking at.
 #
 #     tools/contact_sheet.sh DIR [PROGRAM]
 #
 # Writes DIR/*.png, one a scene, named after it, and DIR/sheet.png with all of them in the order of DIR/sheet.txt. The
 # scenes are the built-in ones and those under GNOMON_SCENES (default ../shared/scenes), broken files left out, and parts
-# of scenes that have neither light nor camera. Needs ffmpeg. Exits with 1 if a picture did not come.
+# of scenes that have neither light nor camera. Needs ffmpeg. Exits with 1 if an image did not come.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 [[ $# -ge 1 ]] || { sed -n '3,9s/^# \{0,1\}//p' "$0"; exit 2; }
@@ -36,7 +36,7 @@ for scene in "${list[@]}"; do
         echo "$name" >>"$out/sheet.txt"
         inputs+=(-i "$out/$name.png")
     else
-        echo "no picture of $scene" >&2
+        echo "no image of $scene" >&2
         failed=1
     fi
 done
@@ -51,5 +51,5 @@ done
 for ((i = 0; i < count; ++i)); do filter+="[v$i]"; done
 ffmpeg -loglevel error -y "${inputs[@]}" -filter_complex \
     "${filter}xstack=inputs=$count:layout=${layout%|}:fill=0x181818" -frames:v 1 -update 1 "$out/sheet.png"
-echo "$out/sheet.png: $count pictures, in the order of $out/sheet.txt"
+echo "$out/sheet.png: $count images, in the order of $out/sheet.txt"
 exit "$failed"

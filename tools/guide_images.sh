@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the pictures of README.md, docs/guide and docs/papers.
+# Makes the images of README.md, docs/guide and docs/papers.
 #
 #     tools/guide_images.sh [PROGRAM [FOLDER]]
 #

@@ -170,13 +170,13 @@ void Panel::options(ViewSettings& settings, PanelEvents& events)
 {
     std::vector<std::string_view> groups;
     for (const options::Option& o : options::options())
-        if ((o.verbs & bit(options::Verb::view)) && o.built && o.group != "Everywhere" &&
+        if ((o.subcommands & bit(options::Subcommand::view)) && o.built && o.group != "Everywhere" &&
             std::find(groups.begin(), groups.end(), o.group) == groups.end())
             groups.push_back(o.group);
     for (const std::string_view group : groups) {
         if (!ImGui::CollapsingHeader(std::string(group).c_str())) continue;
         for (const options::Option& o : options::options())
-            if ((o.verbs & bit(options::Verb::view)) && o.built && o.group == group && o.name != "size")
+            if ((o.subcommands & bit(options::Subcommand::view)) && o.built && o.group == group && o.name != "size")
                 option(settings, o, events);
     }
 }
@@ -207,21 +207,21 @@ void Panel::player(Playback& playback, const Scene& scene) const
     ImGui::PopItemWidth();
 }
 
-void Panel::counters(const ViewPicture& picture) const
+void Panel::counters(const ViewImage& image) const
 {
-    const FrameCounters::Shadow& shadow = picture.counters.shadow;
+    const FrameCounters::Shadow& shadow = image.counters.shadow;
     const auto share = [](std::uint64_t part, std::uint64_t of) {
         return of ? 100 * static_cast<double>(part) / static_cast<double>(of) : 0.0;
     };
     line(fmt::format("{} shadow rays asked for", shadow.rays));
     line(fmt::format("  {:.1f} % answered without a ray", share(shadow.rays_skipped, shadow.rays)));
-    line(fmt::format("  {:.1f} % against movers alone", share(shadow.rays_dynamic_only, shadow.rays)));
-    line(fmt::format("{} rays for indirect light", picture.counters.indirect.rays));
-    line(fmt::format("{:.1f} MB remembered", static_cast<double>(picture.remembered_bytes) / 1e6));
-    line(fmt::format("{} x {} pixels", picture.eye.size.width, picture.eye.size.height));
+    line(fmt::format("  {:.1f} % against dynamic objects alone", share(shadow.rays_dynamic_only, shadow.rays)));
+    line(fmt::format("{} rays for indirect light", image.counters.indirect.rays));
+    line(fmt::format("{:.1f} MB remembered", static_cast<double>(image.remembered_bytes) / 1e6));
+    line(fmt::format("{} x {} pixels", image.eye.size.width, image.eye.size.height));
 }
 
-void Panel::object(HandList& hands, const ViewPicture& picture)
+void Panel::object(HandList& hands, const ViewImage& image)
 {
     if (!picked || picked->object == scene::none) {
         line("click on an object to pick it");
@@ -241,7 +241,7 @@ void Panel::object(HandList& hands, const ViewPicture& picture)
     tooltip("keeps it where it is now, whatever its track says; then it can be moved by hand");
     hand = hands.find(picked->node);
     if (!hand) return;
-    const float step = 0.002f * glm::length(picture.eye.eye - picked->position);
+    const float step = 0.002f * glm::length(image.eye.eye - picked->position);
     if (ImGui::DragFloat3("move", &hand->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
 }
 
@@ -279,7 +279,7 @@ void Panel::keys()
     ImGui::End();
 }
 
-// What an overlay's colours say. Shadow states have theirs in the picture.
+// What an overlay's colours say. Shadow states have theirs in the image.
 void Panel::legend(const std::string& overlay)
 {
     struct Entry {
@@ -312,7 +312,7 @@ void Panel::legend(const std::string& overlay)
 }
 
 PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& hands, const Scene* scene,
-                        const ViewPicture* picture, const LoadState& load, bool own_camera, bool recording)
+                        const ViewImage* image, const LoadState& load, bool own_camera, bool recording)
 {
     PanelEvents events;
     keys();
@@ -349,11 +349,11 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& ha
     if (!own_camera && ImGui::Button("Help (H)")) help = !help;
     ImGui::Separator();
     graph_.draw();
-    if (picture) {
+    if (image) {
         ImGui::Separator();
-        counters(*picture);
+        counters(*image);
         ImGui::Separator();
-        object(hands, *picture);
+        object(hands, *image);
     }
     ImGui::Separator();
     options(settings, events);

@@ -57,7 +57,7 @@ class Panel {
  public:
     /// Draws everything for one frame of the window.
     PanelEvents draw(ViewSettings& settings, Playback& playback, HandList& hands, const Scene* scene,
-                     const ViewPicture* picture, const LoadState& load, bool own_camera, bool recording);
+                     const ViewImage* image, const LoadState& load, bool own_camera, bool recording);
     void add(const ViewTimes& times) { graph_.add(times); }
 
     bool shown = true, help = false;
@@ -70,8 +70,8 @@ class Panel {
     void options(ViewSettings& settings, PanelEvents& events);
     void option(ViewSettings& settings, const options::Option& option, PanelEvents& events);
     void player(Playback& playback, const Scene& scene) const;
-    void counters(const ViewPicture& picture) const;
-    void object(HandList& hands, const ViewPicture& picture);
+    void counters(const ViewImage& image) const;
+    void object(HandList& hands, const ViewImage& image);
     void keys();
     static void legend(const std::string& overlay);
 

@@ -89,9 +89,9 @@ std::string Recorder::stop()
     recording_ = false;
     const auto folder = std::exchange(folder_, nullptr);
     if (frames_.empty()) return {};
-    std::string film = free_name(".mp4");
-    queue([film, frames = frames_, fps = fps_, folder] { video::encode_video(frames, fps, film); });
-    return film;
+    std::string video = free_name(".mp4");
+    queue([video, frames = frames_, fps = fps_, folder] { video::encode_video(frames, fps, video); });
+    return video;
 }
 
 void Recorder::queue(std::function<void()> job)

@@ -30,9 +30,9 @@ class Recorder {
     std::string start(double fps);
     /// @return false if it is not of the first one's size; then it is left out
     bool add(const Image8& image);
-    /// So many pictures wait to be written that the next had better come later: each holds its memory until then.
+    /// So many images wait to be written that the next had better come later: each holds its memory until then.
     bool behind() const;
-    /// @return the film that will be written; empty if there was no picture
+    /// @return the video that will be written; empty if there was no image
     std::string stop();
     /// Waits until all is written. @throws what went wrong first
     void finish();

@@ -259,10 +259,10 @@ bool ViewSession::refining() const
     return refining_;
 }
 
-std::shared_ptr<const ViewPicture> ViewSession::picture(std::uint64_t newer_than) const
+std::shared_ptr<const ViewImage> ViewSession::image(std::uint64_t newer_than) const
 {
     const std::lock_guard lock(mutex_);
-    return picture_ && picture_->number > newer_than ? picture_ : nullptr;
+    return image_ && image_->number > newer_than ? image_ : nullptr;
 }
 
 void ViewSession::fail(std::uint64_t request, const std::string& message)
@@ -347,13 +347,13 @@ void ViewSession::render_loop(const std::stop_token& stop)
             request.pick.reset();
         }
         try {
-            auto picture = render(scene, request);
+            auto image = render(scene, request);
             {
                 const std::lock_guard lock(mutex_);
-                picture->number = picture_ ? picture_->number + 1 : 1;
-                if (!picture->picked && picture_ && picture_->scene == scene) picture->picked = picture_->picked;
-                const bool lacking = !picture->complete;
-                picture_ = std::move(picture);
+                image->number = image_ ? image_->number + 1 : 1;
+                if (!image->picked && image_ && image_->scene == scene) image->picked = image_->picked;
+                const bool lacking = !image->complete;
+                image_ = std::move(image);
                 rendering_ = false;
                 state_.frame_error.clear();
                 state_.failed = 0;
@@ -378,16 +378,16 @@ void ViewSession::render_loop(const std::stop_token& stop)
     }
 }
 
-std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
+std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
 {
     Kept& kept = *kept_;
     const RenderOptions& options = request.options;
-    auto picture = std::make_shared<ViewPicture>();
-    picture->scene = scene;
-    picture->request = request.number;
+    auto image = std::make_shared<ViewImage>();
+    image->scene = scene;
+    image->request = request.number;
     Clock::time_point start = Clock::now();
     const auto end_stage = [&](int stage) {
-        picture->times.ms[stage] = milliseconds_since(start);
+        image->times.ms[stage] = milliseconds_since(start);
         start = Clock::now();
     };
 
@@ -407,12 +407,12 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     if (kept.visible) kept.visible->limit_rays(request.whole ? 0 : rays_a_frame_);
     end_stage(1);
 
-    picture->eye =
+    image->eye =
         request.eye ? *request.eye
                     : scene::make_view(*kept.state, scene::find_camera(*scene->inside(), request.camera), request.size);
     if (!request.eye && request.turn != 0) {
         if (!kept.turn_centre) kept.turn_centre = scene->inside()->bounds(scene->inside()->timeline.start).centre();
-        picture->eye = scene::turned(picture->eye, *kept.turn_centre, request.turn);
+        image->eye = scene::turned(image->eye, *kept.turn_centre, request.turn);
     }
 
     const bool states = !kept.raster && options.overlay == Overlay::shadow_states && !scene->inside()->lights.empty() &&
@@ -437,48 +437,48 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
     if (clusters)
         kept.map->begin_frame(*kept.state, *kept.rays, kept.tasks);
     else
-        picture->counters = kept.raster ? kept.raster->render(*kept.state, picture->eye, kept.buffers, progress)
-                                        : trace::trace_frame(*kept.state, *kept.rays, picture->eye, traced, kept.tasks,
-                                                             kept.buffers, remembered, nullptr, progress);
+        image->counters = kept.raster ? kept.raster->render(*kept.state, image->eye, kept.buffers, progress)
+                                      : trace::trace_frame(*kept.state, *kept.rays, image->eye, traced, kept.tasks,
+                                                           kept.buffers, remembered, nullptr, progress);
     end_stage(2);
 
     if (clusters) {
-        picture->image = frame::paint_clusters(*scene->inside(), *kept.rays, picture->eye, *kept.map, kept.tasks);
+        image->image = frame::paint_clusters(*scene->inside(), *kept.rays, image->eye, *kept.map, kept.tasks);
     } else if (states) {
-        picture->image = frame::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
-                                             options.shadow_culling == ShadowCulling::paper);
-        const frame::PanelPlace place = frame::panel_place(picture->eye.size, 1, 0);
-        picture->corner = {place.left, place.top};
+        image->image = frame::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
+                                           options.shadow_culling == ShadowCulling::paper);
+        const frame::PanelPlace place = frame::panel_place(image->eye.size, 1, 0);
+        image->corner = {place.left, place.top};
     } else {
         ImageF& color = kept.buffers.color;
-        picture->image = Image8(color.width, color.height, 3);
+        image->image = Image8(color.width, color.height, 3);
         const double exposure = options.exposure ? *options.exposure : image::auto_exposure(color.data);
         if (kept.raster && kept.raster_redrawn) {
             kept.raster->paint_redrawn(exposure, color);
-            image::encode_srgb8(color.data, 0, ToneMap::none, picture->image.data);
+            image::encode_srgb8(color.data, 0, ToneMap::none, image->image.data);
         } else {
-            image::encode_srgb8(color.data, exposure, options.tonemap, picture->image.data);
+            image::encode_srgb8(color.data, exposure, options.tonemap, image->image.data);
         }
     }
     end_stage(3);
 
-    picture->complete = !remembered.visible || !remembered.visible->lacks_points();
-    picture->time = request.time;
-    picture->bounds = kept.rays->bounds();
-    if (kept.certified) picture->remembered_bytes += kept.certified->bytes();
-    if (kept.visible) picture->remembered_bytes += kept.visible->bytes();
-    if (kept.map) picture->remembered_bytes += kept.map->bytes();
-    if (kept.raster) picture->remembered_bytes += kept.raster->remembered_bytes();
+    image->complete = !remembered.visible || !remembered.visible->lacks_points();
+    image->time = request.time;
+    image->bounds = kept.rays->bounds();
+    if (kept.certified) image->remembered_bytes += kept.certified->bytes();
+    if (kept.visible) image->remembered_bytes += kept.visible->bytes();
+    if (kept.map) image->remembered_bytes += kept.map->bytes();
+    if (kept.raster) image->remembered_bytes += kept.raster->remembered_bytes();
     if (request.pick) {
         ray::RayQueue queue;
         glm::vec3 origin, direction;
         float near = 0, far = 0;
-        picture->eye.ray(request.pick->x, request.pick->y, origin, direction, near, far);
+        image->eye.ray(request.pick->x, request.pick->y, origin, direction, near, far);
         queue.push(origin, near, direction, far);
         ray::Hits hits;
         hits.resize(1);
         kept.rays->closest(queue, 0, 1, hits, ray::Sides::front);
-        Picked& picked = picture->picked.emplace();
+        Picked& picked = image->picked.emplace();
         picked.object = hits.object[0];
         if (picked.object != scene::none) {
             const scene::Object& object = scene->inside()->objects[picked.object];
@@ -489,7 +489,7 @@ std::shared_ptr<ViewPicture> ViewSession::render(const std::shared_ptr<const Sce
             picked.position = origin + hits.t[0] * direction;
         }
     }
-    return picture;
+    return image;
 }
 
 }   // namespace gnomon::viewer

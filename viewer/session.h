@@ -4,7 +4,7 @@
 // for. The window's thread asks and takes, and never waits for either.
 //
 // A request says everything about a frame: time, view, options, objects moved by hand. Requests that are overtaken are
-// never rendered. What stands still is kept between frames, as in gnomon::Renderer: pictures are the same.
+// never rendered. What stands still is kept between frames, as in gnomon::Renderer: images are the same.
 
 #include <atomic>
 #include <condition_variable>
@@ -43,7 +43,7 @@ struct ViewRequest {
     RenderOptions options;   // size, camera, turntable and threads of it are not read
     std::vector<HandMoved> hands;
     std::optional<glm::vec2> pick;   // pixels from the top left corner: what is there?
-    bool whole = false;              // all bounced light in the first picture, however long that takes
+    bool whole = false;              // all bounced light in the first image, however long that takes
     std::uint64_t number = 0;        // given by ask()
 };
 
@@ -51,7 +51,7 @@ struct ViewRequest {
 struct ViewTimes {
     static constexpr int k_stages = 4;
     static const char* name(int stage);
-    double ms[k_stages] = {};   // scene, trees, light, picture
+    double ms[k_stages] = {};   // scene, trees, light, image
     double total() const;
 };
 
@@ -63,18 +63,18 @@ struct Picked {
     glm::vec3 position{0};
 };
 
-struct ViewPicture {
+struct ViewImage {
     std::shared_ptr<const Scene> scene;
     Image8 image;           // sRGB
     scene::View eye;        // as rendered
     glm::ivec2 corner{0};   // of what it sees in the image: overlays have titles and legends around it
     Box3 bounds;            // of the scene
     double time = 0;
-    bool complete = true;   // all of its bounced light is there; else the next picture has more of it
+    bool complete = true;   // all of its bounced light is there; else the next image has more of it
     ViewTimes times;
     FrameCounters counters;
     std::uint64_t number = 0;       // counts up
-    std::uint64_t request = 0;      // whose picture it is: the number that ask() gave
+    std::uint64_t request = 0;      // whose image it is: the number that ask() gave
     std::optional<Picked> picked;   // answers the last `pick`; object none: nothing there
     std::size_t remembered_bytes = 0;
 };
@@ -106,7 +106,7 @@ class ViewSession {
  public:
     /// Some 50 ms of two processors.
     static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
-    /// @param rays_a_frame  after so many, bounced light that a picture lacks waits for the next one
+    /// @param rays_a_frame  after so many, bounced light that an image lacks waits for the next one
     explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame);
     ~ViewSession();
 
@@ -119,18 +119,18 @@ class ViewSession {
     /// Asks for a frame; replaces a request that was not begun, and ends the refining of the one before.
     /// @return its number, from 1
     std::uint64_t ask(ViewRequest request);
-    /// A request waits for its first picture.
+    /// A request waits for its first image.
     bool busy() const;
-    /// The last request has a picture, and gets better ones until it is complete.
+    /// The last request has an image, and gets better ones until it is complete.
     bool refining() const;
-    /// The newest picture, if there is one newer than that number.
-    std::shared_ptr<const ViewPicture> picture(std::uint64_t newer_than) const;
+    /// The newest image, if there is one newer than that number.
+    std::shared_ptr<const ViewImage> image(std::uint64_t newer_than) const;
 
  private:
     struct Kept;   // from frame to frame
     void load_loop(const std::stop_token& stop);
     void render_loop(const std::stop_token& stop);
-    std::shared_ptr<ViewPicture> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request);
+    std::shared_ptr<ViewImage> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request);
     void fail(std::uint64_t request, const std::string& message);
 
     int threads_;
@@ -143,7 +143,7 @@ class ViewSession {
     bool rendering_ = false, refining_ = false;
     LoadState state_;
     std::shared_ptr<const Scene> scene_;
-    std::shared_ptr<const ViewPicture> picture_;
+    std::shared_ptr<const ViewImage> image_;
     std::atomic<bool> leaving_ = false;
     std::unique_ptr<Kept> kept_;   // of the render thread alone
     // A file read before is not read again for other lights.

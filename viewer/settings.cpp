@@ -10,7 +10,7 @@ namespace {
 
 RenderOptions shown_options(const options::OptionValues& values)
 {
-    RenderOptions options = options::read_picture_options(values);
+    RenderOptions options = options::read_render_options(values);
     if (options.overlay == Overlay::redrawn &&
         (options.renderer == RenderMethod::trace || options.shadow_textures == ShadowTextures::off))
         throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 constexpr Size k_first_size{1280, 720};
 constexpr double k_idle_seconds = 1.0 / 60;          // between looks at the input while nothing happens
 constexpr double k_look_seconds = 0.5;               // between looks at the scene's file
-constexpr double k_slow_ms = 150, k_quick_ms = 40;   // of a picture in motion: fewer pixels, more
+constexpr double k_slow_ms = 150, k_quick_ms = 40;   // of an image in motion: fewer pixels, more
 constexpr int k_smallest_scale = 4;
 constexpr float k_click_pixels = 4;   // a drag shorter than this is a click
 constexpr float k_wheel = 0.9f;       // of the distance, a notch
@@ -130,8 +130,8 @@ class GlWindow {
     bool ui_ = false;
 };
 
-struct Viewer::Inside {
-    Inside(ViewSettings s, std::string w, int threads)
+struct Viewer::Impl {
+    Impl(ViewSettings s, std::string w, int threads)
         : settings(std::move(s)),
           what(std::move(w)),
           session(threads),
@@ -152,19 +152,19 @@ struct Viewer::Inside {
     Recorder recorder;
     bool own_camera = false;   // the viewer's, not the scene's
     std::shared_ptr<const Scene> scene;
-    std::shared_ptr<const ViewPicture> picture;
+    std::shared_ptr<const ViewImage> image;
     std::optional<glm::vec2> pick;
     ViewSummary summary;
-    std::vector<double> picture_ms;
+    std::vector<double> image_ms;
 
     // Of the last request, to see whether anything changed.
     double asked_time = -1;
     Size asked_size{};
-    int scale = k_smallest_scale;   // of the picture: every scale-th pixel a side; the first comes soon
+    int scale = k_smallest_scale;   // of the image: every scale-th pixel a side; the first comes soon
     int asked_scale = 1;
     bool wants_screenshot = false;
-    std::uint64_t shot_request = 0, film_request = 0;   // that were asked for a screenshot, for the film's next frame
-    Size film_size{};                                   // the window's when the recording began
+    std::uint64_t shot_request = 0, video_request = 0;   // that were asked for a screenshot, for the video's next frame
+    Size video_size{};                                   // the window's when the recording began
     bool dirty = true;
     std::vector<HandMoved> asked_hands;
 
@@ -177,92 +177,93 @@ struct Viewer::Inside {
     void open(const std::string& file)
     {
         if (file != what)
-            settings.set(*options::find_option(options::Verb::view, "camera"), "");   // another scene has other ones
+            settings.set(*options::find_option(options::Subcommand::view, "camera"),
+                         "");   // another scene has other ones
         what = file;
         file_time = changed_at(what);
         session.load(settings.recipe(what));
         glfwSetWindowTitle(window.handle, fmt::format("Gnomon - {}", what).c_str());
     }
     void take_scene();
-    void take_picture();
+    void take_image();
     void take_camera();
     void follow_mouse();
     void fly(double seconds);
     void key(int which);
     void ask();
-    void draw_picture() const;
+    void draw_image() const;
     void look_at_file();
     void screenshot();
     void toggle_recording();
     void end_recording(const std::string& why);
     void look_at_trouble(const LoadState& load);
     struct Placed {
-        glm::vec2 corner;   // of the picture in the window
+        glm::vec2 corner;   // of the image in the window
         float factor = 1;   // from its pixels to the window's
     };
     Placed placed() const;
-    std::optional<glm::vec2> picture_place(const glm::vec2& at) const;
+    std::optional<glm::vec2> image_place(const glm::vec2& at) const;
 };
 
-void Viewer::Inside::take_scene()
+void Viewer::Impl::take_scene()
 {
     const auto now = session.scene();
     if (now == scene) return;
-    if (scene && recorder.recording()) end_recording("another scene is there");   // no film is of two
+    if (scene && recorder.recording()) end_recording("another scene is there");   // no video is of two
     scene = now;
     playback.frames = scene->frame_count();
     playback.fps = scene->fps();
     playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
     hands.hands.clear();
-    shot_request = film_request = 0;   // they ask anew
+    shot_request = video_request = 0;   // they ask anew
     panel.picked.reset();
     pick.reset();
     own_camera = false;
     dirty = true;
 }
 
-void Viewer::Inside::take_picture()
+void Viewer::Impl::take_image()
 {
-    const auto next = session.picture(picture ? picture->number : 0);
+    const auto next = session.image(image ? image->number : 0);
     if (!next) return;
-    picture = next;
-    window.show(picture->image);
-    panel.add(picture->times);
-    picture_ms.push_back(picture->times.total());
-    ++summary.pictures;
-    if (picture->picked && picture->scene == scene) panel.picked = picture->picked;
-    // Fewer pixels while pictures in motion are slow.
-    const double full = picture->times.total();
+    image = next;
+    window.show(image->image);
+    panel.add(image->times);
+    image_ms.push_back(image->times.total());
+    ++summary.images;
+    if (image->picked && image->scene == scene) panel.picked = image->picked;
+    // Fewer pixels while images in motion are slow.
+    const double full = image->times.total();
     if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
     if (full < k_quick_ms && scale > 1) scale /= 2;
-    const bool finished = picture->complete && picture->scene == scene;
-    if (wants_screenshot && finished && picture->request == shot_request) {
+    const bool finished = image->complete && image->scene == scene;
+    if (wants_screenshot && finished && image->request == shot_request) {
         wants_screenshot = false;
-        const std::string file = recorder.save(picture->image);
+        const std::string file = recorder.save(image->image);
         summary.files.push_back(file);
         panel.message = fmt::format("written: {}", file);
     }
-    if (recorder.recording() && finished && picture->request == film_request) {
-        film_request = 0;
-        if (!recorder.add(picture->image)) return end_recording("the picture has another size");
+    if (recorder.recording() && finished && image->request == video_request) {
+        video_request = 0;
+        if (!recorder.add(image->image)) return end_recording("the image has another size");
         playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
         dirty = true;
     }
 }
 
 // The viewer's own camera begins where the scene's is.
-void Viewer::Inside::take_camera()
+void Viewer::Impl::take_camera()
 {
-    if (own_camera || !picture || picture->scene != scene) return;
-    const Box3& bounds = picture->bounds;
-    float distance = glm::dot(bounds.centre() - picture->eye.eye, picture->eye.forward);
+    if (own_camera || !image || image->scene != scene) return;
+    const Box3& bounds = image->bounds;
+    float distance = glm::dot(bounds.centre() - image->eye.eye, image->eye.forward);
     const float extent = glm::length(bounds.high - bounds.low);
     if (!(distance > 0.02f * extent) || !std::isfinite(distance)) distance = std::max(0.25f * extent, 1e-3f);
-    camera.follow(picture->eye, distance);
+    camera.follow(image->eye, distance);
     own_camera = true;
 }
 
-void Viewer::Inside::follow_mouse()
+void Viewer::Impl::follow_mouse()
 {
     const ImGuiIO& io = ImGui::GetIO();
     const glm::vec2 at(io.MousePos.x, io.MousePos.y);
@@ -277,8 +278,8 @@ void Viewer::Inside::follow_mouse()
     }
     if (pressed < 0) return;
     if (!ImGui::IsMouseDown(pressed)) {
-        if (pressed == 0 && !dragged && picture) {
-            pick = picture_place(at);
+        if (pressed == 0 && !dragged && image) {
+            pick = image_place(at);
             dirty = dirty || pick;
         }
         pressed = -1;
@@ -299,7 +300,7 @@ void Viewer::Inside::follow_mouse()
     dirty = true;
 }
 
-void Viewer::Inside::fly(double seconds)
+void Viewer::Impl::fly(double seconds)
 {
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantCaptureKeyboard || io.KeyCtrl || !scene) return;
@@ -314,9 +315,9 @@ void Viewer::Inside::fly(double seconds)
     dirty = true;
 }
 
-void Viewer::Inside::key(int which)
+void Viewer::Impl::key(int which)
 {
-    const options::Option* const overlay = options::find_option(options::Verb::view, "overlay");
+    const options::Option* const overlay = options::find_option(options::Subcommand::view, "overlay");
     switch (which) {
         case GLFW_KEY_ESCAPE:
             // An open list is left before the window is.
@@ -374,12 +375,12 @@ void Viewer::Inside::key(int which)
     }
 }
 
-void Viewer::Inside::ask()
+void Viewer::Impl::ask()
 {
     if (!scene) return;
-    // A film has whole frames of one size, whatever becomes of the slider and the window.
+    // A video has whole frames of one size, whatever becomes of the slider and the window.
     if (recorder.recording()) playback.frame = std::floor(playback.frame);
-    const Size size = recorder.recording() ? film_size : window.framebuffer();
+    const Size size = recorder.recording() ? video_size : window.framebuffer();
     if (size.width < 1 || size.height < 1) return;   // iconified
     const double time = playback.time(*scene);
     const bool moved = dirty || time != asked_time || !(size == asked_size) || hands.hands != asked_hands;
@@ -388,7 +389,7 @@ void Viewer::Inside::ask()
     if (!moved && !sharper) return;
     // One request at a time: a frame that was begun is finished, since it teaches the next.
     if (session.busy()) return;
-    // Pictures come faster than they are written: the film waits, and memory does not fill with them.
+    // Images come faster than they are written: the video waits, and memory does not fill with them.
     if (recorder.recording() && recorder.behind()) return;
     ViewRequest request;
     request.scene = scene;
@@ -410,37 +411,37 @@ void Viewer::Inside::ask()
     dirty = false;
     const std::uint64_t number = session.ask(std::move(request));
     if (wants_screenshot) shot_request = number;
-    if (recorder.recording()) film_request = number;
+    if (recorder.recording()) video_request = number;
 }
 
-// As large as the window allows. Overlays have a legend, and a film keeps its size: another shape than the window's.
-Viewer::Inside::Placed Viewer::Inside::placed() const
+// As large as the window allows. Overlays have a legend, and a video keeps its size: another shape than the window's.
+Viewer::Impl::Placed Viewer::Impl::placed() const
 {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const glm::vec2 size(picture->image.width, picture->image.height);
+    const glm::vec2 size(image->image.width, image->image.height);
     const float factor = std::min(display.x / size.x, display.y / size.y);
     return {(glm::vec2(display.x, display.y) - factor * size) / 2.0f, factor};
 }
 
 // Shares of the view's width and height, from where the mouse is; none beside it, as on a legend.
-std::optional<glm::vec2> Viewer::Inside::picture_place(const glm::vec2& at) const
+std::optional<glm::vec2> Viewer::Impl::image_place(const glm::vec2& at) const
 {
     const Placed place = placed();
-    const glm::vec2 share = ((at - place.corner) / place.factor - glm::vec2(picture->corner)) /
-                            glm::vec2(picture->eye.size.width, picture->eye.size.height);
+    const glm::vec2 share = ((at - place.corner) / place.factor - glm::vec2(image->corner)) /
+                            glm::vec2(image->eye.size.width, image->eye.size.height);
     if (!(share.x >= 0 && share.y >= 0 && share.x < 1 && share.y < 1)) return std::nullopt;
     return glm::min(share, glm::vec2(0.9999f));
 }
 
-void Viewer::Inside::draw_picture() const
+void Viewer::Impl::draw_image() const
 {
-    if (!picture) return;
+    if (!image) return;
     const Placed place = placed();
-    const glm::vec2 end = place.corner + place.factor * glm::vec2(picture->image.width, picture->image.height);
+    const glm::vec2 end = place.corner + place.factor * glm::vec2(image->image.width, image->image.height);
     ImGui::GetBackgroundDrawList()->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
 }
 
-void Viewer::Inside::look_at_file()
+void Viewer::Impl::look_at_file()
 {
     if (seconds_since(looked) < k_look_seconds || what.starts_with("builtin:")) return;
     looked = Clock::now();
@@ -450,30 +451,30 @@ void Viewer::Inside::look_at_file()
     session.load(settings.recipe(what));
 }
 
-void Viewer::Inside::screenshot()
+void Viewer::Impl::screenshot()
 {
     wants_screenshot = dirty = true;
     shot_request = 0;
 }
 
-void Viewer::Inside::toggle_recording()
+void Viewer::Impl::toggle_recording()
 {
     if (recorder.recording()) return end_recording({});
-    if (!scene) {   // whose rate a film has
+    if (!scene) {   // whose rate a video has
         panel.message = "nothing to record yet";
         return;
     }
     panel.message = recorder.start(playback.fps);
     if (!panel.message.empty()) return;
     panel.message = "recording: every frame, at its own time";
-    film_size = window.framebuffer();
-    film_request = 0;   // what was asked before is not part of it
+    video_size = window.framebuffer();
+    video_request = 0;   // what was asked before is not part of it
     playback.playing = false;
     dirty = true;
 }
 
 /// @param why  empty: it was wanted
-void Viewer::Inside::end_recording(const std::string& why)
+void Viewer::Impl::end_recording(const std::string& why)
 {
     const std::string file = recorder.stop();
     if (!file.empty()) summary.files.push_back(file);
@@ -482,20 +483,20 @@ void Viewer::Inside::end_recording(const std::string& why)
 }
 
 // A frame that failed is not asked for again.
-void Viewer::Inside::look_at_trouble(const LoadState& load)
+void Viewer::Impl::look_at_trouble(const LoadState& load)
 {
     if (load.failed == 0) return;
-    if (recorder.recording() && load.failed == film_request) end_recording("a frame failed");
+    if (recorder.recording() && load.failed == video_request) end_recording("a frame failed");
     if (load.failed == shot_request) wants_screenshot = false;
 }
 
 Viewer::Viewer(ViewSettings settings, std::string what, int threads)
-    : inside_(std::make_unique<Inside>(std::move(settings), std::move(what), threads))
+    : impl_(std::make_unique<Impl>(std::move(settings), std::move(what), threads))
 {
-    Inside& in = *inside_;
+    Impl& in = *impl_;
     glfwSetWindowUserPointer(in.window.handle, &in);
     glfwSetDropCallback(in.window.handle, [](GLFWwindow* window, int count, const char** files) {
-        if (count > 0) static_cast<Inside*>(glfwGetWindowUserPointer(window))->open(files[0]);
+        if (count > 0) static_cast<Impl*>(glfwGetWindowUserPointer(window))->open(files[0]);
     });
     in.window.start_ui();
     in.input.emplace(in.window.handle, [&in](int key) { in.key(key); });
@@ -505,7 +506,7 @@ Viewer::~Viewer() = default;
 
 ViewSummary Viewer::run(const std::function<bool()>& stopped)
 {
-    Inside& in = *inside_;
+    Impl& in = *impl_;
     in.open(in.what);
     Clock::time_point last = Clock::now();
     while (!glfwWindowShouldClose(in.window.handle) && !stopped()) {
@@ -521,9 +522,9 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
 
         in.look_at_file();
         const LoadState load = in.session.load_state();
-        if (!in.picture && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
+        if (!in.image && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
         in.take_scene();
-        in.take_picture();
+        in.take_image();
         in.look_at_trouble(load);
         if (!in.recorder.recording()) in.playback.advance(seconds);
         ImGui_ImplOpenGL3_NewFrame();
@@ -532,8 +533,8 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         ImGui::NewFrame();
         in.follow_mouse();
         in.fly(seconds);
-        in.draw_picture();
-        const PanelEvents events = in.panel.draw(in.settings, in.playback, in.hands, in.scene.get(), in.picture.get(),
+        in.draw_image();
+        const PanelEvents events = in.panel.draw(in.settings, in.playback, in.hands, in.scene.get(), in.image.get(),
                                                  load, in.own_camera, in.recorder.recording());
         if (events.options_changed) in.dirty = true;
         if (events.scene_changed) in.session.load(in.settings.recipe(in.what));
@@ -560,10 +561,10 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
     in.summary.frozen = in.panel.frozen;
     in.summary.moved = in.panel.moved;
     in.summary.loads = in.session.load_state().loads;
-    if (!in.picture_ms.empty()) {
-        const auto middle = in.picture_ms.begin() + static_cast<std::ptrdiff_t>(in.picture_ms.size() / 2);
-        std::nth_element(in.picture_ms.begin(), middle, in.picture_ms.end());
-        in.summary.median_picture_ms = *middle;
+    if (!in.image_ms.empty()) {
+        const auto middle = in.image_ms.begin() + static_cast<std::ptrdiff_t>(in.image_ms.size() / 2);
+        std::nth_element(in.image_ms.begin(), middle, in.image_ms.end());
+        in.summary.median_image_ms = *middle;
     }
     return in.summary;
 }

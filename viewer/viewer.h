@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The window: GLFW and Dear ImGui on OpenGL 3, which any machine has, if only in software. Pictures come from a
+// The window: GLFW and Dear ImGui on OpenGL 3, which any machine has, if only in software. Images come from a
 // ViewSession; this thread draws the latest and never waits for one.
 
 #include <functional>
@@ -14,9 +14,9 @@
 namespace gnomon::viewer {
 
 struct ViewSummary {
-    std::uint64_t window_frames = 0, pictures = 0, loads = 0;
+    std::uint64_t window_frames = 0, images = 0, loads = 0;
     double longest_ms = 0;   // of a window frame, waiting left out
-    double median_picture_ms = 0;
+    double median_image_ms = 0;
     std::vector<std::string> files;        // written
     std::set<std::string> options_set;     // in the panel
     std::set<std::string> frozen, moved;   // objects, by hand
@@ -31,8 +31,8 @@ class Viewer {
     ViewSummary run(const std::function<bool()>& stopped);
 
  private:
-    struct Inside;
-    std::unique_ptr<Inside> inside_;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }   // namespace gnomon::viewer

@@ -79,13 +79,13 @@ void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& ra
 // The rays that go on from the points just shaded, reflected ones first.
 void PointTracer::queue_continuations()
 {
-    const float min_share = trace::TracedOptions{}.min_share;
+    const float min_throughput = trace::TracedOptions{}.min_throughput;
     queue_.clear();
     paths_.clear();
     const auto push = [&](const Continued& from, const glm::vec3& share, float side, const glm::vec3& direction) {
         const shading::SurfacePoint& s = from.surface;
         const glm::vec3 total = from.share * share;
-        if (std::max({total.x, total.y, total.z}) < min_share) return;
+        if (std::max({total.x, total.y, total.z}) < min_throughput) return;
         queue_.push(s.position + side * (s.offset * s.geometric_normal), 0, direction, k_infinity);
         paths_.push_back({total, s.cone});
     };

@@ -86,10 +86,7 @@ class Run {
     }
 
     /// Of the frame measured last.
-    WrongPictures pictures(const CullingFrame& record) const
-    {
-        return wrong_pictures(state_, options_.size, tiles_, record);
-    }
+    WrongImages images(const CullingFrame& record) const { return wrong_images(state_, options_.size, tiles_, record); }
 
     void sizes(CullingBenchResult& result) const
     {
@@ -113,7 +110,7 @@ class Run {
 
     void find_points()
     {
-        if (paper_) paper_->clear_picture(options_.size);
+        if (paper_) paper_->clear_image(options_.size);
         tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
             CullingTile& tile = tiles_[t];
             const int at = static_cast<int>(t);
@@ -164,7 +161,7 @@ class Run {
                 const std::size_t count = worker.queue.size();
                 worker.rays += count;
                 worker.answers.resize(count + ray::k_packet_pad);
-                rays_.blocked(worker.queue, 0, count, worker.answers.data(), ray::Against::one_tree);
+                rays_.occluded(worker.queue, 0, count, worker.answers.data(), ray::Against::one_tree);
                 std::uint8_t* out = tile.off.data() + l * tile.points.size();
                 for (std::size_t i = 0; i < count; ++i) out[worker.whose[i]] = worker.answers[i];
             }
@@ -263,8 +260,8 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
             if (progress && !progress({"measuring", done / steps})) throw InterruptedError("interrupted");
             const CullingFrame& record = runs[r].emplace_back(run.measure(frame));
             if (r > 0) continue;
-            if (options.pictures && options.paper && (!result.pictures || record.paper.wrong > result.pictures->wrong))
-                result.pictures = run.pictures(record);
+            if (options.images && options.paper && (!result.images || record.paper.wrong > result.images->wrong))
+                result.images = run.images(record);
             if (on_frame) on_frame(record);
         }
         if (r == 0) run.sizes(result);

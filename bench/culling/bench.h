@@ -28,7 +28,7 @@ struct CullingBenchOptions {
     double pixels_per_part = 8;
     bool paper = true, certified = true;   // methods to run beside `off`
     bool counts = true;                    // nodes and triangle tests on the counting kd-tree; slow, outside all times
-    bool pictures = false;                 // of the frame in which the published method has most wrong
+    bool images = false;                   // of the frame in which the published method has most wrong
     shadow_culling::PaperOptions paper_options;
 };
 
@@ -52,8 +52,8 @@ struct CullingFrame {
     } certified;
 };
 
-/// The frame with most wrong results of the published method; see culling_pictures.h.
-struct WrongPictures {
+/// The frame with most wrong results of the published method; see culling_images.h.
+struct WrongImages {
     int frame = 0;
     std::uint64_t wrong = 0;
     Image8 off, paper, difference;
@@ -75,7 +75,7 @@ struct CullingBenchResult {
         double nodes_of_totals = 0, tests_of_totals = 0;
         int nodes_best_frame = 0, tests_best_frame = 0;
     } paper_saved, certified_saved;
-    std::optional<WrongPictures> pictures;
+    std::optional<WrongImages> images;
 };
 
 /// @param progress  asked before every frame

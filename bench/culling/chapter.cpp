@@ -145,10 +145,10 @@ class CullingChapter : public BenchChapter {
         w.scene = wanted.scene;
         w.options.frames = wanted.frames;
         w.options.size =
-            wanted.timed ? Size{512, 512} : settings_.size();   // small pictures time little else than starts
+            wanted.timed ? Size{512, 512} : settings_.size();   // small images time little else than starts
         w.options.threads = 1;
         w.options.max_depth = wanted.timed ? 0 : k_paper_depth;
-        w.options.counts = w.options.paper = w.options.pictures = !wanted.timed;
+        w.options.counts = w.options.paper = w.options.images = !wanted.timed;
         w.command = fmt::format("gnomon bench culling {} --frames {}-{} --size {}x{}", options::shell_word(w.scene),
                                 wanted.frames.first, wanted.frames.last, w.options.size.width, w.options.size.height);
         w.command += wanted.timed ? fmt::format(" --lights {} --method certified --no-counts", k_timed_lights)

@@ -26,14 +26,14 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
                 if (!tile.asked[at_point]) continue;
                 const auto& point = tile.points[p];
                 const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
-                ray::KdCounts all, movers;
-                tree.blocked(point.origin, 0, d, end, ray::Against::everything, all);
+                ray::KdCounts all, dynamic_objects;
+                tree.occluded(point.origin, 0, d, end, ray::Against::everything, all);
                 const int paper = tile.paper_rays[at_point], certified = tile.certified_rays[at_point];
                 if (paper == 2 || certified == 2)
-                    tree.blocked(point.origin, 0, d, end, ray::Against::dynamic_only, movers);
+                    tree.occluded(point.origin, 0, d, end, ray::Against::dynamic_only, dynamic_objects);
                 add(sums[t].off, all);
-                if (paper) add(sums[t].paper, paper == 1 ? all : movers);
-                if (certified) add(sums[t].certified, certified == 1 ? all : movers);
+                if (paper) add(sums[t].paper, paper == 1 ? all : dynamic_objects);
+                if (certified) add(sums[t].certified, certified == 1 ? all : dynamic_objects);
             }
         }
     });

@@ -13,9 +13,10 @@ namespace gnomon::bench {
 
 /// The points of one tile, and by [light][point] what each method said and did about them.
 struct CullingTile : BenchPoints {
-    std::vector<std::uint8_t> asked;                        // 1 where the light shines on the surface
-    std::vector<std::uint8_t> off, paper, certified;        // 1 blocked or behind
-    std::vector<std::uint8_t> paper_rays, certified_rays;   // 1 a ray against everything, 2 against movers alone
+    std::vector<std::uint8_t> asked;                   // 1 where the light shines on the surface
+    std::vector<std::uint8_t> off, paper, certified;   // 1 occluded or behind
+    std::vector<std::uint8_t> paper_rays,
+        certified_rays;   // 1 a ray against everything, 2 against dynamic objects alone
 };
 
 /// Walks the counting kd-tree with every ray that each method traced, and fills in nodes and tests of the record.

@@ -27,8 +27,8 @@ void put(Image8& image, int x, int y, const glm::vec3& linear)
 
 }   // namespace
 
-WrongPictures wrong_pictures(const scene::SceneState& state, Size size, const std::vector<CullingTile>& tiles,
-                             const CullingFrame& frame)
+WrongImages wrong_images(const scene::SceneState& state, Size size, const std::vector<CullingTile>& tiles,
+                         const CullingFrame& frame)
 {
     const scene::Scene& scene = state.scene();
     struct Pixel {
@@ -67,19 +67,19 @@ WrongPictures wrong_pictures(const scene::SceneState& state, Size size, const st
         if (const float at_rank = brightness[static_cast<std::size_t>(rank)]; at_rank > 0) white = at_rank;
     }
 
-    WrongPictures pictures{frame.frame, frame.paper.wrong, Image8(size.width, size.height, 3),
-                           Image8(size.width, size.height, 3), Image8(size.width, size.height, 3)};
+    WrongImages images{frame.frame, frame.paper.wrong, Image8(size.width, size.height, 3),
+                       Image8(size.width, size.height, 3), Image8(size.width, size.height, 3)};
     for (std::size_t t = 0; t < tiles.size(); ++t)
         for (std::size_t p = 0; p < tiles[t].primary; ++p) {
             const int x = tiles[t].pixels[p].x, y = tiles[t].pixels[p].y;
             const Pixel& pixel = lit[t][p];
             const glm::vec3 ambient = k_ambient * tiles[t].diffuse[p];
-            put(pictures.off, x, y, pixel.off / white + ambient);
-            put(pictures.paper, x, y, pixel.paper / white + ambient);
-            put(pictures.difference, x, y, k_faded * glm::vec3(luminance(pixel.off / white + ambient)));
-            if (pixel.wrong) std::copy_n(k_wrong_color, 3, pictures.difference.pixel(x, y));
+            put(images.off, x, y, pixel.off / white + ambient);
+            put(images.paper, x, y, pixel.paper / white + ambient);
+            put(images.difference, x, y, k_faded * glm::vec3(luminance(pixel.off / white + ambient)));
+            if (pixel.wrong) std::copy_n(k_wrong_color, 3, images.difference.pixel(x, y));
         }
-    return pictures;
+    return images;
 }
 
 }   // namespace gnomon::bench

@@ -16,10 +16,10 @@ PaperBench::PaperBench(const scene::SceneState& state, const ray::RayScene& rays
 {
 }
 
-void PaperBench::clear_picture(Size size)
+void PaperBench::clear_image(Size size)
 {
     width_ = size.width;
-    picture_.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), {});
+    image_.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), {});
 }
 
 void PaperBench::begin_frame(const scene::SceneState& state, const ray::RayScene& rays)
@@ -29,11 +29,11 @@ void PaperBench::begin_frame(const scene::SceneState& state, const ray::RayScene
     culling_.begin_frame(state, rays);
 }
 
-void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::uint8_t* blocked, std::uint8_t* rays)
+void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::uint8_t* occluded, std::uint8_t* rays)
 {
     Worker& w = workers_[static_cast<std::size_t>(worker)];
     const scene::Scene& scene = state_->scene();
-    for (int l = 0; l < static_cast<int>(scene.lights.size()); ++l, blocked += points.size()) {
+    for (int l = 0; l < static_cast<int>(scene.lights.size()); ++l, occluded += points.size()) {
         const scene::LightState& at = state_->light(static_cast<scene::LightId>(l));
         const bool directional = scene.lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
 
@@ -53,7 +53,7 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
         w.traced.resize(w.point.size());
         w.tracer.answer(culling_, *rays_, l, w.asked, w.origins, w.hit.data(), w.traced.data());
         for (std::size_t i = 0; i < w.point.size(); ++i) {
-            blocked[w.point[i]] = w.hit[i];
+            occluded[w.point[i]] = w.hit[i];
             if (rays && w.traced[i]) rays[w.point[i]] = w.traced[i];
         }
         if (rays) rays += points.size();
@@ -62,7 +62,7 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
 
 void PaperBench::end_frame()
 {
-    culling_.see_picture(picture_, static_cast<std::size_t>(width_));
+    culling_.see_image(image_, static_cast<std::size_t>(width_));
     std::vector<PaperTracer::Notes> notes;
     for (Worker& worker : workers_) notes.push_back(worker.tracer.take_notes());
     culling_.end_frame(notes);

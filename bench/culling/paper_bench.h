@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The shadow pass of one frame with the published shadow culling, for bench culling: hits of any kind and depth, and
-// the picture of the primary ones for the occlusion test.
+// the image of the primary ones for the occlusion test.
 
 #include <span>
 #include <vector>
@@ -16,29 +16,30 @@ class PaperBench {
     PaperBench(const scene::SceneState& state, const ray::RayScene& rays, int threads,
                const shadow_culling::PaperOptions& options, float ray_end);
 
-    /// Before a frame's primary hits: empties the picture.
-    void clear_picture(Size size);
+    /// Before a frame's primary hits: empties the image.
+    void clear_image(Size size);
     /// One pixel's primary hit; from any thread.
     void set_pixel(int x, int y, scene::ObjectId object, std::uint32_t triangle, const glm::vec3& origin,
                    const glm::vec3& direction)
     {
-        picture_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = {
+        image_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = {
             culling_.primitive(object, triangle), origin, direction};
     }
 
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays);
     /// All lights for a batch of points; from worker `worker`.
-    /// @param blocked  [light][point]: 1 where something that blocks light lies between; left alone where the light is
+    /// @param occluded  [light][point]: 1 where something that blocks light lies between; left alone where the light is
     ///                 behind the surface
-    /// @param rays     optional, [light][point]: 1 where a ray was traced against everything, 2 against movers alone
-    void shadow(int worker, std::span<const shadow_culling::ShadowPoint> points, std::uint8_t* blocked,
+    /// @param rays     optional, [light][point]: 1 where a ray was traced against everything, 2 against dynamic objects
+    /// alone
+    void shadow(int worker, std::span<const shadow_culling::ShadowPoint> points, std::uint8_t* occluded,
                 std::uint8_t* rays = nullptr);
     void end_frame();
 
     const shadow_culling::PaperCulling& culling() const { return culling_; }
     double extra_tests_per_pixel() const
     {
-        return static_cast<double>(culling_.counters().extra_tests) / static_cast<double>(picture_.size());
+        return static_cast<double>(culling_.counters().extra_tests) / static_cast<double>(image_.size());
     }
 
  private:
@@ -55,7 +56,7 @@ class PaperBench {
     shadow_culling::PaperCulling culling_;
     float ray_end_;
     int width_ = 0;
-    std::vector<shadow_culling::PrimaryHit> picture_;
+    std::vector<shadow_culling::PrimaryHit> image_;
     std::vector<Worker> workers_;
 };
 

@@ -138,7 +138,7 @@ class Section {
                                                   "where their numbers fall into the range.",
                                                   figure)
                                     : "What the two charts above save, in percent.");
-        page_.chart(extra, "Triangle tests that the published method adds, by pixel of the picture.");
+        page_.chart(extra, "Triangle tests that the published method adds, by pixel of the image.");
     }
 
     void savings()
@@ -187,7 +187,7 @@ class Section {
         Chart rays{"Shadow rays by class, certified", "frame", "% of the rays", {}, true, {}, {}, 100.0};
         rays.series.push_back(
             line(r, "no ray", k_color_ours, [](auto& f) { return percent(f.certified.skipped, f.certified.rays); }));
-        rays.series.push_back(line(r, "movers alone", k_color_third,
+        rays.series.push_back(line(r, "dynamic objects alone", k_color_third,
                                    [](auto& f) { return percent(f.certified.dynamic_only, f.certified.rays); }));
         rays.series.push_back(line(r, "traced: known to be partial", k_color_second,
                                    [](auto& f) { return percent(f.certified.partial, f.certified.rays); }));
@@ -208,7 +208,7 @@ class Section {
         Chart rays{"Shadow rays by class, published", "frame", "% of the rays", {}, true, {}, {}, 100.0};
         rays.series.push_back(
             line(result_, "no ray", k_color_ours, [](auto& f) { return percent(f.paper.skipped, f.paper.rays); }));
-        rays.series.push_back(line(result_, "movers alone", k_color_third,
+        rays.series.push_back(line(result_, "dynamic objects alone", k_color_third,
                                    [](auto& f) { return percent(f.paper.dynamic_only, f.paper.rays); }));
         rays.series.push_back(line(result_, "traced", k_color_off, [](auto& f) {
             return percent(f.paper.rays - f.paper.skipped - f.paper.dynamic_only, f.paper.rays);
@@ -223,8 +223,8 @@ class Section {
         if (options_.certified)
             chart.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.wrong; }));
         page_.chart(chart, "Results of a shading point and a light that differ from tracing every ray.");
-        if (!result_.pictures) return;
-        const WrongPictures& p = *result_.pictures;
+        if (!result_.images) return;
+        const WrongImages& p = *result_.images;
         page_.comparison({fmt::format("The frame with most wrong results, {}: direct light at the primary hits, every "
                                       "ray traced against the published method. {} results are wrong; the difference "
                                       "shows those at primary hits in red.",

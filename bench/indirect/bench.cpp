@@ -150,7 +150,7 @@ class Bench {
         reference::ReferenceOptions options;
         options.samples = spp, options.bounces = 1, options.seed = seed;
         options.surroundings = scene_->background.kind == scene::Background::Kind::sky;
-        const double step = 1.0 / static_cast<double>(4 * judged_.size() + (options_.pictures ? 1 : 0));
+        const double step = 1.0 / static_cast<double>(4 * judged_.size() + (options_.images ? 1 : 0));
         const double from = step * references_++;
         return cache_.irradiance(world.state, world.rays, points, options, tasks_, [&](const ProgressStep& at) {
             return !progress_ || progress_({"references", from + step * at.done});
@@ -162,9 +162,9 @@ class Bench {
         double sum = 0, error = 0;
         for (Judged& j : judged_) {
             World world(scene_, options_, j.frame);
-            SeenPicture picture;
-            see_picture(world.state, world.rays, world.view(), 0, tasks_, picture);
-            j.grid = grid_of(picture, world.rays, options_.grid);
+            SeenImage image;
+            see_image(world.state, world.rays, world.view(), 0, tasks_, image);
+            j.grid = grid_of(image, world.rays, options_.grid);
             j.reference = reference(world, j.grid.points, k_seed, options_.spp);
             for (const reference::IrradianceEstimate& e : j.reference)
                 sum += sum_of(light_of(e)), error += square_of(e.error);
@@ -173,10 +173,10 @@ class Bench {
                                                      [](const IndirectMethodInfo& m) { return m.visible; });
                 !all_visible) {
                 std::vector<SeenPoint> points;
-                for (const std::size_t pixel : j.grid.pixels) points.push_back(picture.points[pixel]);
+                for (const std::size_t pixel : j.grid.pixels) points.push_back(image.points[pixel]);
                 j.brute = brute_irradiance(world.state, world.rays, points, tasks_);
             }
-            if (options_.pictures && &j == &judged_[judged_.size() / 2]) make_picture(world, picture, j.frame);
+            if (options_.images && &j == &judged_[judged_.size() / 2]) make_image(world, image, j.frame);
             if (j.frame < options_.frames.last) make_changes(j, world);
         }
         const double values = 3 * static_cast<double>(std::max<std::size_t>(1, result_.points));
@@ -184,14 +184,14 @@ class Bench {
         if (sum > 0) result_.reference_noise = std::sqrt(error / values) / result_.mean_irradiance;
     }
 
-    void make_picture(const World& world, const SeenPicture& picture, int frame)
+    void make_image(const World& world, const SeenImage& image, int frame)
     {
-        IndirectPicture& out = result_.picture;
+        IndirectImage& out = result_.image;
         out.frame = frame;
-        for (const SeenPoint& seen : picture.points) out.diffuse.push_back(seen.diffuse);
-        out.reference.assign(picture.points.size(), glm::vec3(0));
-        const PointGrid all = grid_of(picture, world.rays, 1);
-        const Estimates light = reference(world, all.points, k_seed, options_.picture_spp);
+        for (const SeenPoint& seen : image.points) out.diffuse.push_back(seen.diffuse);
+        out.reference.assign(image.points.size(), glm::vec3(0));
+        const PointGrid all = grid_of(image, world.rays, 1);
+        const Estimates light = reference(world, all.points, k_seed, options_.image_spp);
         for (std::size_t i = 0; i < light.size(); ++i) out.reference[all.pixels[i]] = light_of(light[i]);
     }
 
@@ -234,7 +234,7 @@ class Bench {
         std::unique_ptr<IndirectMethod> method;
         Times made = time_of([&] { method = info.make_for(world.state, world.rays, tasks_); });
         if (const IndirectTimes* own = method->own_times()) made = {own->made.wall, own->made.cpu};
-        SeenPicture picture;
+        SeenImage image;
         std::vector<glm::vec3> light, before;
         Times still, moving, repair;
         std::vector<double> walls;
@@ -247,14 +247,14 @@ class Bench {
                 throw InterruptedError("interrupted");
             const bool cold = frame == range.first;
             if (!cold) world.go(frame);
-            see_picture(world.state, world.rays, world.view(), method->grid_step(options_.size), tasks_, picture);
-            light.assign(picture.points.size(), glm::vec3(0));
+            see_image(world.state, world.rays, world.view(), method->grid_step(options_.size), tasks_, image);
+            light.assign(image.points.size(), glm::vec3(0));
 
             // The frame as it comes.
             const Times begun =
                 time_of(*method, &IndirectTimes::begun, [&] { method->begin_frame(world.state, world.rays, tasks_); });
             Times whole = begun;
-            whole += time_of(*method, &IndirectTimes::lit, [&] { method->light(picture, tasks_, light.data()); });
+            whole += time_of(*method, &IndirectTimes::lit, [&] { method->light(image, tasks_, light.data()); });
 
             // Flicker from the frame before to this one.
             if (last && !last->fixed.empty()) {
@@ -303,7 +303,7 @@ class Bench {
                 if (own_sum > 0) row.nrmse_by_frame.push_back(std::sqrt(own_square / count) / (own_sum / count));
                 square += own_square, reference_sum += own_sum, values += j.grid.pixels.size();
             }
-            if (options_.pictures && frame == result_.picture.frame) row.picture = light;
+            if (options_.images && frame == result_.image.frame) row.image = light;
             before = light;
 
             // The same frame once more: nothing moved.
@@ -311,7 +311,7 @@ class Bench {
             world.go(frame);
             still +=
                 time_of(*method, &IndirectTimes::begun, [&] { method->begin_frame(world.state, world.rays, tasks_); });
-            still += time_of(*method, &IndirectTimes::lit, [&] { method->light(picture, tasks_, light.data()); });
+            still += time_of(*method, &IndirectTimes::lit, [&] { method->light(image, tasks_, light.data()); });
             const Times still_ended = time_of([&] { method->end_frame(); });
             if (!method->own_times()) still += still_ended;
         }
@@ -336,7 +336,7 @@ class Bench {
                 const double all = static_cast<double>(flickering) * mean;
                 row.flicker = flicker / all, row.flicker_floor = floor / all;
             }
-            if (options_.view_steps > 0 && info.walks) row.view_change = walk(*method, world, picture, mean);
+            if (options_.view_steps > 0 && info.walks) row.view_change = walk(*method, world, image, mean);
         }
         std::unique_ptr<IndirectMethod> again;
         Times rebuilt = time_of([&] { again = info.make_for(world.state, world.rays, tasks_); });
@@ -346,28 +346,28 @@ class Bench {
     }
 
     // The scene stands still, the view walks: around the scene's centre, and towards what it shows in the middle.
-    Change walk(IndirectMethod& method, World& world, SeenPicture& picture, double mean)
+    Change walk(IndirectMethod& method, World& world, SeenImage& image, double mean)
     {
         const scene::View start = world.view();
-        see_picture(world.state, world.rays, start, 0, tasks_, picture);
-        const PointGrid grid = grid_of(picture, world.rays, options_.grid);
+        see_image(world.state, world.rays, start, 0, tasks_, image);
+        const PointGrid grid = grid_of(image, world.rays, options_.grid);
         float distance = 0;
-        for (const SeenPoint& seen : picture.points)
+        for (const SeenPoint& seen : image.points)
             if (seen.point.object != scene::none)
                 distance = std::max(distance, glm::length(seen.point.position - start.eye));
 
         Change change;
         std::size_t count = 0;
-        std::vector<glm::vec3> before(grid.points.size()), light(picture.points.size());
+        std::vector<glm::vec3> before(grid.points.size()), light(image.points.size());
         std::vector<std::uint8_t> known(grid.points.size(), 0);
         for (int step = 0; step <= options_.view_steps; ++step) {
             scene::View view = scene::turned(start, world.rays.bounds().centre(), step * options_.view_turn);
             view.eye += static_cast<float>(step * options_.view_zoom) * distance * view.forward;
             world.state.advance(world.state.time());
             world.rays.update(world.state);
-            see_picture(world.state, world.rays, view, method.grid_step(options_.size), tasks_, picture);
+            see_image(world.state, world.rays, view, method.grid_step(options_.size), tasks_, image);
             method.begin_frame(world.state, world.rays, tasks_);
-            method.light(picture, tasks_, light.data());
+            method.light(image, tasks_, light.data());
             std::vector<std::size_t> seen;
             const auto again = find_again(*scene_, world.rays, view, grid.points, seen);
             std::vector<glm::vec3> now(again.size());

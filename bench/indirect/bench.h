@@ -34,11 +34,11 @@ struct IndirectBenchOptions {
     int flicker_grid = 16;     // the same of flicker; a multiple of `grid`
     int view_steps = 8;        // of the walk
     double view_turn = 2e-3;   // radians by which a step goes around the scene's centre
-    double view_zoom = 2e-3;   // share of the distance to the picture's middle by which it goes forward
+    double view_zoom = 2e-3;   // share of the distance to the image's middle by which it goes forward
     std::vector<IndirectMethodInfo> methods;
     std::string reference_cache;   // folder; empty: references are not kept
-    bool pictures = false;         // keep every method's irradiance in one frame, and the reference's
-    int picture_spp = 256;         // paths a pixel of the latter
+    bool images = false;           // keep every method's irradiance in one frame, and the reference's
+    int image_spp = 256;           // paths a pixel of the latter
 };
 
 /// In units of mean E.
@@ -60,11 +60,11 @@ struct IndirectRow {
     std::optional<double> nrmse, nrmse_brute, energy_ratio, flicker, flicker_floor;
     std::optional<Change> view_change;   // not of sampling
     std::vector<double> nrmse_by_frame;
-    std::vector<glm::vec3> picture;   // irradiance by pixel, if pictures are kept
+    std::vector<glm::vec3> image;   // irradiance by pixel, if images are kept
 };
 
-/// The frame of which pictures are kept.
-struct IndirectPicture {
+/// The frame of which images are kept.
+struct IndirectImage {
     int frame = 0;
     std::vector<glm::vec3> diffuse;     // share of irradiance that each pixel's surface sends on, times pi
     std::vector<glm::vec3> reference;   // irradiance
@@ -77,7 +77,7 @@ struct IndirectBenchResult {
     std::size_t points = 0;   // judged, of all frames
     int references_computed = 0, references_found = 0;
     std::vector<IndirectRow> rows;
-    IndirectPicture picture;
+    IndirectImage image;
 };
 
 /// @throws InterruptedError  progress returned false

@@ -31,9 +31,9 @@ class IndirectChapter : public BenchChapter {
             o.size = settings.size();
             o.threads = settings.threads;
             o.spp = settings.quick ? 256 : 4096;
-            o.picture_spp = settings.quick ? 64 : 512;
+            o.image_spp = settings.quick ? 64 : 512;
             o.judged = 2;
-            o.pictures = true;
+            o.images = true;
             IndirectSettings methods;
             methods.full = full;
             o.methods = indirect_methods_of_paper(methods);

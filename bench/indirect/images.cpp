@@ -13,7 +13,7 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr int k_crops = 5;            // along the shorter side of a picture
+constexpr int k_crops = 5;            // along the shorter side of an image
 constexpr int k_steps = 4;            // places that are tried, along the side of a crop
 constexpr double k_deviation = 0.2;   // of the screen's range: what the larger standard deviation becomes
 constexpr double k_smooth = 0.05;     // of the mean: what varies less by itself counts as smooth
@@ -28,7 +28,7 @@ struct Spread {
     double mean = 0, deviation = 0, lit = 0;
 };
 
-// Of values in a square of the picture; `lit` is the share that is not 0.
+// Of values in a square of the image; `lit` is the share that is not 0.
 template <class Value>
 Spread spread_in(int x0, int y0, int side, int width, const Value& value)
 {
@@ -46,7 +46,7 @@ Spread spread_in(int x0, int y0, int side, int width, const Value& value)
 
 }   // namespace
 
-Picture direct_light(const Scene& scene, const IndirectStudy& study)
+Frame direct_light(const Scene& scene, const IndirectStudy& study)
 {
     RenderOptions options;
     options.size = study.options.size;
@@ -55,21 +55,21 @@ Picture direct_light(const Scene& scene, const IndirectStudy& study)
     options.max_depth = 0;
     options.threads = study.options.threads;
     options.layers = true;
-    return Renderer(options).render(scene, study.result.picture.frame);
+    return Renderer(options).render(scene, study.result.image.frame);
 }
 
-Image8 lit_picture(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance)
+Image8 lit_image(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance)
 {
-    Picture picture = study.direct;
+    Frame image = study.direct;
     const Layer* const direct = study.direct.layer("direct");
     GNOMON_CHECK(direct != nullptr && direct->data.size() == 3 * irradiance.size());
-    std::vector<float>& color = picture.layers.front().data;
+    std::vector<float>& color = image.layers.front().data;
     for (std::size_t i = 0; i < irradiance.size(); ++i)
         for (int c = 0; c < 3; ++c)
             color[3 * i + static_cast<std::size_t>(c)] =
                 direct->data[3 * i + static_cast<std::size_t>(c)] +
-                study.result.picture.diffuse[i][c] * irradiance[i][c] / static_cast<float>(k_pi);
-    return image_of(picture);
+                study.result.image.diffuse[i][c] * irradiance[i][c] / static_cast<float>(k_pi);
+    return image_of(image);
 }
 
 IndirectCrop most_patterned(Size size, const std::vector<glm::vec3>& smooth, const std::vector<glm::vec3>& patterned)

@@ -33,10 +33,10 @@ class VisibleMethod final : public IndirectMethod {
         for (std::size_t t = 0; t < light_.size(); ++t) batches_.push_back(visible_.make_batch());
     }
 
-    void light(const SeenPicture& picture, Tasks& tasks, glm::vec3* irradiance) override
+    void light(const SeenImage& image, Tasks& tasks, glm::vec3* irradiance) override
     {
-        tasks.for_each(picture.tiles.size(), [&](std::size_t t, int worker) {
-            const SeenTile& tile = picture.tiles[t];
+        tasks.for_each(image.tiles.size(), [&](std::size_t t, int worker) {
+            const SeenTile& tile = image.tiles[t];
             const auto w = static_cast<std::size_t>(worker);
             std::vector<glm::vec3>& own = light_[w];
             own.resize(tile.points.size());
@@ -90,16 +90,16 @@ class MapMethod final : public IndirectMethod {
         map_.begin_frame(state, rays, tasks);
     }
 
-    void light(const SeenPicture& picture, Tasks& tasks, glm::vec3* irradiance) override
+    void light(const SeenImage& image, Tasks& tasks, glm::vec3* irradiance) override
     {
-        if (const int step = grid_step(picture.size); step > 0)
-            map_.set_grid(picture.grid.receivers, picture.grid.columns, step, tasks);
-        tasks.for_each(picture.tiles.size(), [&](std::size_t t, int worker) {
-            const std::vector<std::size_t>& pixels = picture.tiles[t].pixels;
+        if (const int step = grid_step(image.size); step > 0)
+            map_.set_grid(image.grid.receivers, image.grid.columns, step, tasks);
+        tasks.for_each(image.tiles.size(), [&](std::size_t t, int worker) {
+            const std::vector<std::size_t>& pixels = image.tiles[t].pixels;
             const auto w = static_cast<std::size_t>(worker);
             Scratch& own = scratch_[w];
             own.points.clear();
-            for (const std::size_t pixel : pixels) own.points.push_back(receiver_of(picture.points[pixel]));
+            for (const std::size_t pixel : pixels) own.points.push_back(receiver_of(image.points[pixel]));
             own.light.resize(pixels.size());
             map_.shade(*batches_[w], own.points, own.light.data());
             for (std::size_t i = 0; i < pixels.size(); ++i) irradiance[pixels[i]] = own.light[i];

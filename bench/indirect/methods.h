@@ -2,7 +2,7 @@
 #pragma once
 // The methods that bench indirect measures, behind one interface, and the table of their names.
 //
-// A method lights a picture's primary hits. It may remember what it likes from frame to frame.
+// A method lights an image's primary hits. It may remember what it likes from frame to frame.
 
 #include <memory>
 #include <span>
@@ -34,14 +34,14 @@ class IndirectMethod {
  public:
     virtual ~IndirectMethod() = default;
 
-    /// Pixels between two of the sparse receivers that light() finds in the picture; 0: it needs none.
+    /// Pixels between two of the sparse receivers that light() finds in the image; 0: it needs none.
     virtual int grid_step(Size) const { return 0; }
 
     /// After the state advanced and the ray scene followed: light maps and trees are repaired here.
     virtual void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks) = 0;
-    /// Irradiance of every pixel of a picture; what its points without a surface get is not read.
-    virtual void light(const SeenPicture& picture, Tasks& tasks, glm::vec3* irradiance) = 0;
-    /// The same of other points that the picture shows, between its pixels' centres. After light().
+    /// Irradiance of every pixel of an image; what its points without a surface get is not read.
+    virtual void light(const SeenImage& image, Tasks& tasks, glm::vec3* irradiance) = 0;
+    /// The same of other points that the image shows, between its pixels' centres. After light().
     virtual void sample(std::span<const SeenPoint> points, glm::vec3* irradiance) = 0;
     virtual IndirectWork end_frame() = 0;
     /// Null: what its calls take is what it takes.

@@ -38,8 +38,8 @@ glm::vec3 winding_normal(const ray::RayScene& rays, scene::ObjectId object, std:
 
 }   // namespace
 
-void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view, int grid_step,
-                 Tasks& tasks, SeenPicture& out)
+void see_image(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view, int grid_step,
+               Tasks& tasks, SeenImage& out)
 {
     out.size = view.size;
     out.view = view;
@@ -87,13 +87,13 @@ void see_picture(const scene::SceneState& state, const ray::RayScene& rays, cons
     });
 }
 
-PointGrid grid_of(const SeenPicture& picture, const ray::RayScene& rays, int step)
+PointGrid grid_of(const SeenImage& image, const ray::RayScene& rays, int step)
 {
     PointGrid grid;
-    for (int y = step / 2; y < picture.size.height; y += step)
-        for (int x = step / 2; x < picture.size.width; x += step) {
-            const std::size_t pixel = picture.index(x, y);
-            const SeenPoint& seen = picture.points[pixel];
+    for (int y = step / 2; y < image.size.height; y += step)
+        for (int x = step / 2; x < image.size.width; x += step) {
+            const std::size_t pixel = image.index(x, y);
+            const SeenPoint& seen = image.points[pixel];
             if (!seen.scatters) continue;
             const irradiance_cache::IndirectPoint& p = seen.point;
             const bool front = glm::dot(winding_normal(rays, p.object, p.triangle), p.geometric_normal) > 0;
@@ -122,7 +122,7 @@ std::vector<SeenPoint> find_again(const scene::Scene& scene, const ray::RayScene
         const glm::vec3 at = (1 - point.u - point.v) * p[0] + point.u * p[1] + point.v * p[2];
         const glm::vec3 side = (point.front ? 1.0f : -1.0f) * winding_normal(rays, point.object, point.triangle);
 
-        // Where on the picture is it?
+        // Where on the image is it?
         const float depth = glm::dot(at - view.eye, view.forward);
         if (!(depth > 0) && !view.orthographic) continue;
         const glm::vec3 from_axis = (at - view.eye) - depth * view.forward;

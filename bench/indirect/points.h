@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Points of surfaces as a picture shows them, for benches of indirect light: primary hits, and fixed points of surfaces
+// Points of surfaces as an image shows them, for benches of indirect light: primary hits, and fixed points of surfaces
 // that are found again in a later frame, or from elsewhere.
 
 #include <vector>
@@ -15,7 +15,7 @@ namespace gnomon::bench {
 
 struct SeenPoint {
     irradiance_cache::IndirectPoint point;   // object is none where nothing was hit
-    glm::vec2 place{0};                      // on the picture, in pixels
+    glm::vec2 place{0};                      // on the image, in pixels
     glm::vec3 diffuse{0};                    // share of light that it sends on evenly
     bool scatters = false;                   // a surface that reflects diffusely: bounced light matters there
 };
@@ -26,7 +26,7 @@ struct SeenTile {
     std::vector<std::size_t> pixels;
 };
 
-struct SeenPicture {
+struct SeenImage {
     Size size;
     scene::View view;
     std::vector<SeenPoint> points;   // by pixel, row by row
@@ -41,8 +41,8 @@ struct SeenPicture {
 inline constexpr int k_seen_tile = 32;
 
 /// Primary hits through the centres of all pixels; at every `grid_step`-th pixel also as sparse receivers, if above 0.
-void see_picture(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view, int grid_step,
-                 Tasks& tasks, SeenPicture& out);
+void see_image(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view, int grid_step,
+               Tasks& tasks, SeenImage& out);
 
 /// A point that keeps its place on its object, and the side from which it was seen.
 struct FixedPoint {
@@ -58,7 +58,7 @@ struct PointGrid {
     std::vector<FixedPoint> points;
     std::vector<std::size_t> pixels;
 };
-PointGrid grid_of(const SeenPicture& picture, const ray::RayScene& rays, int step);
+PointGrid grid_of(const SeenImage& image, const ray::RayScene& rays, int step);
 
 /// Where a fixed point is now, for a reference.
 reference::IrradiancePoint place_of(const scene::Scene& scene, const ray::RayScene& rays, const FixedPoint& point);

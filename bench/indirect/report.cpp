@@ -69,7 +69,7 @@ class Section {
         thresholds();
         sampling();
         same_quality();
-        if (!result_.picture.reference.empty() && !study_.direct.layers.empty()) pictures();
+        if (!result_.image.reference.empty() && !study_.direct.layers.empty()) images();
         everything();
     }
 
@@ -243,18 +243,18 @@ class Section {
         page_.table(table);
     }
 
-    void pictures()
+    void images()
     {
         Tasks tasks(study_.options.threads);
-        const Image8 reference = lit_picture(study_, result_.picture.reference);
+        const Image8 reference = lit_image(study_, result_.image.reference);
         const auto show = [&](const Row* row, const std::string& caption, const Row* against = nullptr) {
-            if (!row || (against && against->picture.empty())) return;
-            page_.comparison(compare_pictures(caption, name_with_thresholds(*row), lit_picture(study_, row->picture),
-                                              against ? name_with_thresholds(*against) : "reference",
-                                              against ? lit_picture(study_, against->picture) : reference, tasks));
+            if (!row || (against && against->image.empty())) return;
+            page_.comparison(compare_images(caption, name_with_thresholds(*row), lit_image(study_, row->image),
+                                            against ? name_with_thresholds(*against) : "reference",
+                                            against ? lit_image(study_, against->image) : reference, tasks));
         };
         const std::string at =
-            fmt::format("Frame {}: direct light and one bounce, no reflections.", result_.picture.frame);
+            fmt::format("Frame {}: direct light and one bounce, no reflections.", result_.image.frame);
         show(find("visible"), at + " Gnomon's default.");
         for (const int level : k_indirect_levels)
             show(find(quadtree_name(level)), fmt::format("{} In the manner of Figure 7: limit level {}.", at, level));
@@ -289,19 +289,19 @@ class Section {
         const Row *smooth = find(quadtree_name(4)), *few = find(rsm_name(k_crop_samples, k_wide_radius));
         if (!smooth || !few) return;
         const Size size = study_.options.size;
-        const IndirectCrop crop = most_patterned(size, smooth->picture, few->picture);
-        std::vector<NamedPicture> list;
+        const IndirectCrop crop = most_patterned(size, smooth->image, few->image);
+        std::vector<NamedImage> list;
         const auto add = [&](const std::string& name, const std::vector<glm::vec3>& light) {
             list.push_back({name, contrast_crop(crop, size, light)});
         };
-        add("reference", result_.picture.reference);
+        add("reference", result_.image.reference);
         for (const Row& row : result_.rows)
-            if (!row.picture.empty()) add(name_with_thresholds(row), row.picture);
-        page_.gallery(
-            list, fmt::format("Irradiance of {} x {} pixels from ({}, {}), frame {}: the part of the picture "
-                              "in which few samples show the strongest pattern. Brightness around each one's "
-                              "own mean: a tenth of it is {:.0f} levels of grey of 256.",
-                              crop.side, crop.side, crop.x, crop.y, result_.picture.frame, 255 * k_grey * crop.gain));
+            if (!row.image.empty()) add(name_with_thresholds(row), row.image);
+        page_.gallery(list,
+                      fmt::format("Irradiance of {} x {} pixels from ({}, {}), frame {}: the part of the image "
+                                  "in which few samples show the strongest pattern. Brightness around each one's "
+                                  "own mean: a tenth of it is {:.0f} levels of grey of 256.",
+                                  crop.side, crop.side, crop.x, crop.y, result_.image.frame, 255 * k_grey * crop.gain));
     }
 
     std::string name_with_thresholds(const Row& row) const

@@ -17,7 +17,7 @@ struct IndirectStudy {
     std::optional<LargeGather> large;   // on a Vulkan device, where every pixel gathers
     IndirectBenchOptions options;
     IndirectBenchResult result;
-    Picture direct;   // of the frame of which pictures are kept, with the layer `direct`; none: no pictures
+    Frame direct;   // of the frame of which images are kept, with the layer `direct`; none: no images
 };
 
 /// What the tables ask for: limit levels, thresholds, and samples in a disk as published and in one that covers the
@@ -25,7 +25,7 @@ struct IndirectStudy {
 std::vector<IndirectMethodInfo> indirect_methods_of_paper(const IndirectSettings& settings);
 
 /// What the lamps add without a bounce, in the frame that is shown, for IndirectStudy::direct.
-Picture direct_light(const Scene& scene, const IndirectStudy& study);
+Frame direct_light(const Scene& scene, const IndirectStudy& study);
 
 void add_indirect_section(ReportPage& page, const IndirectStudy& study);
 

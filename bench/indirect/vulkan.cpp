@@ -66,10 +66,10 @@ struct Points {
     }
 };
 
-void surfaces_of(const SeenPicture& picture, std::vector<glm::vec4>& positions, std::vector<glm::vec4>& normals)
+void surfaces_of(const SeenImage& image, std::vector<glm::vec4>& positions, std::vector<glm::vec4>& normals)
 {
     positions.clear(), normals.clear();
-    for (const SeenPoint& seen : picture.points) {
+    for (const SeenPoint& seen : image.points) {
         // Receivers of the grid are wanted on what does not scatter, too.
         const bool there = seen.point.object != scene::none;
         positions.emplace_back(seen.point.position, there ? 1 : 0);
@@ -102,17 +102,17 @@ class VulkanMapMethod final : public IndirectMethod {
         commands_.submit();
     }
 
-    void light(const SeenPicture& picture, Tasks&, glm::vec3* irradiance) override
+    void light(const SeenImage& image, Tasks&, glm::vec3* irradiance) override
     {
-        surfaces_of(picture, positions_, normals_);
-        points_.fit(device_, picture.size);
+        surfaces_of(image, positions_, normals_);
+        points_.fit(device_, image.size);
         points_.send(commands_, positions_, normals_);
-        const MapSurfaces surfaces = seen(picture, points_);
+        const MapSurfaces surfaces = seen(image, points_);
         // Buffers kept: receivers of the grid that stand where they stood.
         const auto same = [](const light_quadtree::MapReceiver& a, const light_quadtree::MapReceiver& b) {
             return a.position == b.position && a.normal == b.normal && a.width == b.width;
         };
-        const std::vector<light_quadtree::MapReceiver>& grid = picture.grid.receivers;
+        const std::vector<light_quadtree::MapReceiver>& grid = image.grid.receivers;
         const bool kept = grid_version_ == light_.map().version() &&
                           std::equal(grid.begin(), grid.end(), grid_.begin(), grid_.end(), same);
         if (!kept) light_.record_grid(commands_, surfaces);
@@ -121,7 +121,7 @@ class VulkanMapMethod final : public IndirectMethod {
         times_.lit = submit();
         const vk::Buffer arrived = commands_.read_back(points_.irradiance);
         commands_.submit();
-        for (std::size_t i = 0; i < picture.points.size(); ++i) irradiance[i] = glm::vec3(arrived.as<glm::vec4>()[i]);
+        for (std::size_t i = 0; i < image.points.size(); ++i) irradiance[i] = glm::vec3(arrived.as<glm::vec4>()[i]);
         eye_ = surfaces;
     }
 
@@ -155,10 +155,10 @@ class VulkanMapMethod final : public IndirectMethod {
     const IndirectTimes* own_times() const override { return &times_; }
 
  private:
-    static MapSurfaces seen(const SeenPicture& picture, const Points& points)
+    static MapSurfaces seen(const SeenImage& image, const Points& points)
     {
-        return {&points.position, &points.normal,           picture.size,
-                picture.view.eye, picture.view.pixel_width, picture.view.pixel_spread};
+        return {&points.position, &points.normal,         image.size,
+                image.view.eye,   image.view.pixel_width, image.view.pixel_spread};
     }
     IndirectTimes::Took submit()
     {
@@ -176,7 +176,7 @@ class VulkanMapMethod final : public IndirectMethod {
     GpuMapLight light_;
     IndirectTimes times_;
     Points points_, listed_;
-    MapSurfaces eye_{};   // of the last picture
+    MapSurfaces eye_{};   // of the last image
     std::vector<glm::vec4> positions_, normals_;
     std::vector<light_quadtree::MapReceiver> grid_;
     std::uint32_t grid_version_ = 0;
@@ -196,9 +196,9 @@ LargeGather measure_large_gather(const scene::SceneState& state, const ray::RayS
 {
     LargeGather result;
     const std::shared_ptr<vk::Device> device = vk::Device::open();
-    SeenPicture picture;
-    see_picture(state, rays, view, 0, tasks, picture);
-    result.size = picture.size;
+    SeenImage image;
+    see_image(state, rays, view, 0, tasks, image);
+    result.size = image.size;
     light_quadtree::MapLightOptions options;
     options.levels.limit = 4;
     options.grid = 0;
@@ -208,13 +208,13 @@ LargeGather measure_large_gather(const scene::SceneState& state, const ray::RayS
     light.map().record(commands, scene, state);
     light.map().record_repeated(commands, static_cast<std::uint32_t>(result.clusters));
     std::vector<glm::vec4> positions, normals;
-    surfaces_of(picture, positions, normals);
+    surfaces_of(image, positions, normals);
     Points points;
-    points.fit(device, picture.size);
+    points.fit(device, image.size);
     points.send(commands, positions, normals);
     vk::DeviceTimer timer(device);
     light.record_light(commands,
-                       {&points.position, &points.normal, picture.size, view.eye, view.pixel_width, view.pixel_spread},
+                       {&points.position, &points.normal, image.size, view.eye, view.pixel_width, view.pixel_spread},
                        points.irradiance);
     timer.start();
     commands.submit();

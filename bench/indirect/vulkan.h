@@ -16,7 +16,7 @@ std::unique_ptr<IndirectMethod> make_vulkan_map_method(const light_quadtree::Map
 
 inline constexpr Size k_large_gather_size{1920, 1080};
 
-/// The gather alone at every pixel of a large picture.
+/// The gather alone at every pixel of a large image.
 struct LargeGather {
     Size size;
     int clusters = 1024;

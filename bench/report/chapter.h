@@ -3,7 +3,7 @@
 // bench all: one chapter a paper, and one for the whole frame. A chapter measures part by part, then writes its
 // sections.
 //
-// A bench that is new here brings a class that derives from BenchChapter, and a line in verb_bench_all.cpp.
+// A bench that is new here brings a class that derives from BenchChapter, and a line in subcommand_bench_all.cpp.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -27,7 +27,7 @@ struct BenchScenes {
 BenchScenes find_bench_scenes();
 
 struct BenchSettings {
-    bool quick = false;    // smaller pictures, fewer frames: a look, not a measurement
+    bool quick = false;    // smaller images, fewer frames: a look, not a measurement
     int threads = 1;       // the most of a machine that is used
     std::string command;   // the whole command line
     BenchScenes scenes;

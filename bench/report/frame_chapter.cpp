@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The chapter of the whole frame: its time with every shadow ray traced and with certified culling, with and without
-// indirect light, by stage; how much of the work was not done; and what the pictures have to do with each other.
+// indirect light, by stage; how much of the work was not done; and what the images have to do with each other.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -88,7 +88,7 @@ class FrameChapter : public BenchChapter {
                          "threads",
                          "ms a frame",
                          "shadow rays left out, %",
-                         "asked of movers alone, %",
+                         "asked of dynamic objects alone, %",
                          "rays of bounced light left out, %"};
         for (const Way& way : ways_) {
             const SavedWork saved = saved_of(way.work());
@@ -111,7 +111,7 @@ class FrameChapter : public BenchChapter {
         }
         page.chart(chart, "The same, frame by frame.");
         write_stages(page);
-        for (const PictureComparison& figure : figures_) page.comparison(figure);
+        for (const ImageComparison& figure : figures_) page.comparison(figure);
         page.attach("frames.json", json());
     }
 
@@ -172,9 +172,9 @@ class FrameChapter : public BenchChapter {
                     (frame - frames_.first + static_cast<double>(i) / static_cast<double>(ways_.size())) /
                     frames_.count();
                 if (progress && !progress({"measuring", done})) throw InterruptedError("interrupted");
-                Picture picture = renderers[i].render(scene, frame);
-                ways_[i].frames.push_back(work_of(picture));
-                if (frame == frames_.last) last_.push_back(std::move(picture));
+                Frame image = renderers[i].render(scene, frame);
+                ways_[i].frames.push_back(work_of(image));
+                if (frame == frames_.last) last_.push_back(std::move(image));
             }
         }
         make_figures();
@@ -186,17 +186,17 @@ class FrameChapter : public BenchChapter {
     {
         const double exposure = last_.back().exposure;
         std::vector<Image8> images;
-        for (Picture& picture : last_) {
-            picture.exposure = exposure;
-            images.push_back(image_of(picture));
+        for (Frame& image : last_) {
+            image.exposure = exposure;
+            images.push_back(image_of(image));
         }
         Tasks tasks(settings_.threads);
         const std::string frame = fmt::format("Frame {}", frames_.last);
-        figures_.push_back(compare_pictures(
+        figures_.push_back(compare_images(
             frame + " with every shadow ray traced, and with shadows remembered since the first of these frames.",
             ways_[0].name, images[0], ways_[1].name, images[1], tasks));
-        figures_.push_back(compare_pictures(frame + " without and with light of one bounce.", "direct light", images[1],
-                                            "indirect light, too", images.back(), tasks));
+        figures_.push_back(compare_images(frame + " without and with light of one bounce.", "direct light", images[1],
+                                          "indirect light, too", images.back(), tasks));
         last_.clear();
     }
 
@@ -205,8 +205,8 @@ class FrameChapter : public BenchChapter {
     FrameRange frames_;
     std::optional<double> exposure_;
     std::vector<Way> ways_;
-    std::vector<Picture> last_;
-    std::vector<PictureComparison> figures_;
+    std::vector<Frame> last_;
+    std::vector<ImageComparison> figures_;
     bool measured_ = false;
 };
 

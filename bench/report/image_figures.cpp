@@ -20,15 +20,15 @@ ImageF linear_of(const Image8& image)
 
 }   // namespace
 
-Image8 image_of(const Picture& picture)
+Image8 image_of(const Frame& frame)
 {
-    Image8 image(picture.size.width, picture.size.height, 3);
-    image.data = picture.to_srgb8();
+    Image8 image(frame.size.width, frame.size.height, 3);
+    image.data = frame.to_srgb8();
     return image;
 }
 
-PictureComparison compare_pictures(const std::string& caption, const std::string& left_name, const Image8& left,
-                                   const std::string& right_name, const Image8& right, Tasks& tasks)
+ImageComparison compare_images(const std::string& caption, const std::string& left_name, const Image8& left,
+                               const std::string& right_name, const Image8& right, Tasks& tasks)
 {
     const ImageF a = linear_of(left), b = linear_of(right);
     const ImageF error = image::flip_ldr(a, b, tasks);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Rendered pictures as figures of a report.
+// Rendered images as figures of a report.
 
 #include "base/tasks.h"
 #include "bench/report/page.h"
@@ -9,11 +9,11 @@
 namespace gnomon::bench {
 
 /// As it would be written: exposed, tone-mapped, sRGB.
-Image8 image_of(const Picture& picture);
+Image8 image_of(const Frame& image);
 
-/// Two pictures of one size under a slider, and FLIP's error map in the colours of magma. The caption ends with how far
+/// Two images of one size under a slider, and FLIP's error map in the colours of magma. The caption ends with how far
 /// they are apart.
-PictureComparison compare_pictures(const std::string& caption, const std::string& left_name, const Image8& left,
-                                   const std::string& right_name, const Image8& right, Tasks& tasks);
+ImageComparison compare_images(const std::string& caption, const std::string& left_name, const Image8& left,
+                               const std::string& right_name, const Image8& right, Tasks& tasks);
 
 }   // namespace gnomon::bench

@@ -149,32 +149,32 @@ void ReportPage::chart(const Chart& chart, const std::string& caption)
         caption, command_);
 }
 
-void ReportPage::comparison(const PictureComparison& pictures)
+void ReportPage::comparison(const ImageComparison& images)
 {
-    GNOMON_CHECK(pictures.left.width == pictures.right.width && pictures.left.height == pictures.right.height);
-    const int number = pictures_++;
+    GNOMON_CHECK(images.left.width == images.right.width && images.left.height == images.right.height);
+    const int number = images_++;
     std::string content = fmt::format("<div class=\"compare\" id=\"compare-{}\" style=\"aspect-ratio: {} / {}\">\n",
-                                      number, pictures.left.width, pictures.left.height);
-    content += image_tag(pictures.right, "right", pictures.right_name);
-    content += image_tag(pictures.left, "left", pictures.left_name);
-    if (!pictures.difference.empty()) content += image_tag(pictures.difference, "difference", "Difference");
+                                      number, images.left.width, images.left.height);
+    content += image_tag(images.right, "right", images.right_name);
+    content += image_tag(images.left, "left", images.left_name);
+    if (!images.difference.empty()) content += image_tag(images.difference, "difference", "Difference");
     content += fmt::format("<span class=\"tag tag-left\">{}</span><span class=\"tag tag-right\">{}</span>\n",
-                           html_text(pictures.left_name), html_text(pictures.right_name));
+                           html_text(images.left_name), html_text(images.right_name));
     content += "<div class=\"handle\"></div>\n</div>\n<div class=\"controls\">";
     content += fmt::format(
         "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" step=\"0.5\" aria-label=\"{} against {}\">",
-        html_text(pictures.left_name), html_text(pictures.right_name));
-    if (!pictures.difference.empty())
+        html_text(images.left_name), html_text(images.right_name));
+    if (!images.difference.empty())
         content += "<label><input type=\"checkbox\" class=\"show-difference\"> difference</label>";
-    body_ += figure("pictures", content + "</div>\n", pictures.caption, command_);
+    body_ += figure("pictures", content + "</div>\n", images.caption, command_);
 }
 
-void ReportPage::gallery(const std::vector<NamedPicture>& pictures, const std::string& caption)
+void ReportPage::gallery(const std::vector<NamedImage>& images, const std::string& caption)
 {
     std::string content = "<div class=\"row\">\n";
-    for (const NamedPicture& one : pictures)
-        content += fmt::format("<div>{}<span>{}</span></div>\n", image_tag(one.picture, "small", one.name),
-                               html_text(one.name));
+    for (const NamedImage& one : images)
+        content +=
+            fmt::format("<div>{}<span>{}</span></div>\n", image_tag(one.image, "small", one.name), html_text(one.name));
     body_ += figure("gallery", content + "</div>\n", caption, command_);
 }
 

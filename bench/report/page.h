@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A page of measured results in one file: sections of text, tables, charts and compared pictures, with the machine and
+// A page of measured results in one file: sections of text, tables, charts and compared images, with the machine and
 // the exact command under every figure, and the numbers attached. It needs nothing but a browser: script, style,
-// pictures and data are in it.
+// images and data are in it.
 //
 // The page is made in memory and written in one go: it is whole or not there.
 
@@ -32,17 +32,17 @@ struct ReportTable {
     std::vector<Row> rows;
 };
 
-/// Two pictures of one size under a slider, and where they differ.
-struct PictureComparison {
+/// Two images of one size under a slider, and where they differ.
+struct ImageComparison {
     std::string caption;
     std::string left_name, right_name;
     Image8 left, right;
     Image8 difference;   // may be empty
 };
 
-struct NamedPicture {
+struct NamedImage {
     std::string name;
-    Image8 picture;
+    Image8 image;
 };
 
 class ReportPage {
@@ -59,9 +59,9 @@ class ReportPage {
     void text(const std::string& paragraph);
     void table(const ReportTable& table);
     void chart(const Chart& chart, const std::string& caption);
-    void comparison(const PictureComparison& pictures);
-    /// Small pictures side by side.
-    void gallery(const std::vector<NamedPicture>& pictures, const std::string& caption);
+    void comparison(const ImageComparison& images);
+    /// Small images side by side.
+    void gallery(const std::vector<NamedImage>& images, const std::string& caption);
     /// Data to download. @param name  of the file it becomes
     void attach(const std::string& name, const nlohmann::ordered_json& document);
 
@@ -73,7 +73,7 @@ class ReportPage {
 
     std::string title_, machine_, command_, lead_, body_;
     std::vector<std::string> sections_;
-    int charts_ = 0, pictures_ = 0, attachments_ = 0;
+    int charts_ = 0, images_ = 0, attachments_ = 0;
 };
 
 /// `folder`/index.html, made sure of before the work and written after it.

@@ -45,7 +45,7 @@ function draw_charts() {
 }
 
 function wake_comparisons() {
-  for (const figure of document.querySelectorAll('figure.pictures')) {
+  for (const figure of document.querySelectorAll('figure.images')) {
     const area = figure.querySelector('.compare');
     const range = figure.querySelector('input[type=range]');
     const show = percent => {
@@ -59,7 +59,7 @@ function wake_comparisons() {
     };
     range.addEventListener('input', () => show(Number(range.value)));
     area.addEventListener('pointerdown', event => { area.setPointerCapture(event.pointerId); follow(event); });
-    area.addEventListener('dragstart', event => event.preventDefault());   // else the picture itself is dragged away
+    area.addEventListener('dragstart', event => event.preventDefault());   // else the image itself is dragged away
     area.addEventListener('pointermove', event => { if (event.buttons) follow(event); });
     const box = figure.querySelector('.show-difference');
     if (box) box.addEventListener('change', () => area.classList.toggle('different', box.checked));

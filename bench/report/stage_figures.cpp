@@ -60,9 +60,9 @@ double steady_median(const WayWork& way, const std::function<double(const FrameW
     return *middle;
 }
 
-FrameWork work_of(const Picture& picture)
+FrameWork work_of(const Frame& image)
 {
-    return {picture.milliseconds, picture.times, picture.counters.shadow, picture.counters.indirect};
+    return {image.milliseconds, image.times, image.counters.shadow, image.counters.indirect};
 }
 
 ReportTable stage_table(const std::vector<WayWork>& ways)
@@ -104,7 +104,7 @@ Chart saved_chart(const WayWork& way, int first_frame)
         }));
     };
     add("shadow rays answered from memory", k_color_ours, &SavedWork::shadow_skipped);
-    add("shadow rays asked of the movers alone", k_color_third, &SavedWork::shadow_dynamic_only);
+    add("shadow rays asked of the dynamic objects alone", k_color_third, &SavedWork::shadow_dynamic_only);
     add("rays of bounced light less than in the first frame", k_color_fourth, &SavedWork::indirect);
     return chart;
 }

@@ -21,7 +21,7 @@ struct FrameWork {
     FrameCounters::Shadow shadow;
     FrameCounters::Indirect indirect;
 };
-FrameWork work_of(const Picture& picture);
+FrameWork work_of(const Frame& image);
 
 /// The frames of one way to render, the first of which had nothing to remember.
 struct WayWork {
@@ -37,7 +37,7 @@ ReportTable stage_table(const std::vector<WayWork>& ways);
 /// The stages of one way on top of each other, from the second frame on.
 Chart stage_chart(const WayWork& way, int first_frame);
 /// Per cent of the work that was not done, from the second frame on: shadow rays that memory answered, those that were
-/// asked of the movers alone, and rays of bounced light that the first frame cast and this one did not need.
+/// asked of the dynamic objects alone, and rays of bounced light that the first frame cast and this one did not need.
 Chart saved_chart(const WayWork& way, int first_frame);
 /// The same shares over all frames from the second on.
 struct SavedWork {

@@ -92,23 +92,23 @@ class Runner {
           casters_(device, state),
           buffers_(device, views_),
           textures_(device, views_),
-          picture_(device, views_, static_cast<std::uint32_t>(options.size.width),
-                   static_cast<std::uint32_t>(options.size.height)),
+          image_(device, views_, static_cast<std::uint32_t>(options.size.width),
+                 static_cast<std::uint32_t>(options.size.height)),
           commands_(device)
     {
     }
 
     /// @return ms
-    double draw_picture(const scene::SceneState& state, const scene::View& view)
+    double draw_image(const scene::SceneState& state, const scene::View& view)
     {
         double ignored = 0;
         return timed(ignored, [&] {
-            picture_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_,
-                            casters_, state, clip_from_world(view), view.eye);
+            image_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_, casters_,
+                          state, clip_from_world(view), view.eye);
         });
     }
 
-    void frame(const scene::SceneState& state, const scene::View& view, bool measured, bool with_picture)
+    void frame(const scene::SceneState& state, const scene::View& view, bool measured, bool with_image)
     {
         double cpu = 0;
         // The light's depths and items.
@@ -129,10 +129,10 @@ class Runner {
             buffers_.record(commands_, views_, casters_);
             commands_.submit();
         }
-        const double picture = with_picture ? draw_picture(state, view) : 0;
+        const double image = with_image ? draw_image(state, view) : 0;
         if (!measured) return;
         buffers_ms_.push_back(buffers), textures_ms_.push_back(textures), shadow_ms_.push_back(buffers + textures);
-        frame_ms_.push_back(buffers + textures + picture), cpu_ms_.push_back(cpu);
+        frame_ms_.push_back(buffers + textures + image), cpu_ms_.push_back(cpu);
         const light_views::LightViewsCounts& counts = views_.counts();
         draws_ += static_cast<double>(textures_.counts().draws);
         if (method_ != TextureMethod::per_caster) {
@@ -192,12 +192,11 @@ class Runner {
         return true;
     }
 
-    Image8 picture()
+    Image8 image()
     {
-        const vk::Buffer pixels = commands_.read_back(picture_.color());
+        const vk::Buffer pixels = commands_.read_back(image_.color());
         commands_.submit();
-        const int width = static_cast<int>(picture_.color().width()),
-                  height = static_cast<int>(picture_.color().height());
+        const int width = static_cast<int>(image_.color().width()), height = static_cast<int>(image_.color().height());
         Image8 image(width, height, 3);
         const auto bytes = pixels.as<std::uint8_t>();
         const std::size_t count = image.data.size() / 3;
@@ -227,7 +226,7 @@ class Runner {
     light_views::CasterGeometry casters_;
     light_views::GpuLightViews buffers_;
     shadow_textures::GpuTextures textures_;
-    shadow_textures::PlainFrame picture_;
+    shadow_textures::PlainFrame image_;
     vk::Commands commands_;
     std::vector<double> buffers_ms_, textures_ms_, shadow_ms_, frame_ms_, cpu_ms_;
     double draws_ = 0, copies_ = 0, updated_ = 0, touched_ = 0;
@@ -249,7 +248,7 @@ class Setting {
         state_.advance(frame / scene_->timeline.fps);
         for (const auto& runner : runners_)
             if (frame > 0 || runner->remembers())
-                runner->frame(state_, view(), frame >= k_warm_up, !options_.movers.has_value());
+                runner->frame(state_, view(), frame >= k_warm_up, !options_.dynamic_objects.has_value());
     }
 
     /// Is everything as if it had been drawn anew?
@@ -261,13 +260,13 @@ class Setting {
         for (const auto& runner : runners_) {
             ShadowTexturesRow row = runner->row();
             row.objects = static_cast<int>(scene_->objects.size());
-            row.movers = static_cast<int>(scene_->statistics().objects_dynamic);
-            row.dynamic_percent = 100.0 * row.movers / row.objects;
+            row.dynamic_objects = static_cast<int>(scene_->statistics().objects_dynamic);
+            row.dynamic_percent = 100.0 * row.dynamic_objects / row.objects;
             row.identical_to_full = runner->same(runner->contents(), full, expected);
-            if (options_.movers) row.frame_ms += runner->draw_picture(state_, view());
+            if (options_.dynamic_objects) row.frame_ms += runner->draw_image(state_, view());
             result.rows.push_back(row);
         }
-        result.picture = runners_.back()->picture();
+        result.image = runners_.back()->image();
     }
 
  private:
@@ -278,7 +277,7 @@ class Setting {
         spheres.objects = objects;
         spheres.dynamic = dynamic;
         spheres.vertices = options.vertices;
-        if (options.movers) spheres.movers = *options.movers, spheres.crowd = true;
+        if (options.dynamic_objects) spheres.dynamic_objects = *options.dynamic_objects, spheres.crowd = true;
         return std::make_shared<const scene::Scene>(scene::make_spheres(spheres));
     }
     scene::View view() const { return scene::make_view(state_, 0, options_.size); }
@@ -298,7 +297,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     ShadowTexturesBenchResult result;
     result.device = device->info().name;
     result.clock = device->info().kind == "software" ? "process CPU" : "device";
-    const std::vector<double> shares = options.movers ? std::vector<double>{0} : options.dynamic;
+    const std::vector<double> shares = options.dynamic_objects ? std::vector<double>{0} : options.dynamic;
     const auto total =
         static_cast<double>(options.objects.size() * shares.size() * static_cast<unsigned>(options.frames + k_warm_up));
     double done = 0;
@@ -307,7 +306,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     };
     const int frames = k_warm_up + options.frames;
     for (const double dynamic : shares) {
-        if (!options.movers) {
+        if (!options.dynamic_objects) {
             for (const int objects : options.objects) {
                 Setting setting(device, options, objects, dynamic);
                 for (int frame = 0; frame < frames; ++frame) before_frame(), setting.frame(frame);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chapter of Oh and Shin (2004): their Figures 7 and 8, and a few movers among ever more that stands still.
+// The chapter of Oh and Shin (2004): their Figures 7 and 8, and a few dynamic objects among ever more that stands
+// still.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,8 +24,8 @@ struct Experiment {
     {
         std::string command = "gnomon bench shadow-textures --objects";
         for (const int objects : options.objects) command += fmt::format(" {}", objects);
-        if (options.movers) {
-            command += fmt::format(" --movers {}", *options.movers);
+        if (options.dynamic_objects) {
+            command += fmt::format(" --movers {}", *options.dynamic_objects);
         } else {
             command += " --dynamic";
             for (const double share : options.dynamic) command += fmt::format(" {}", share);
@@ -62,9 +63,9 @@ class ShadowTexturesChapter : public BenchChapter {
 
         ShadowTexturesBenchOptions crowd;
         crowd.objects = quick ? std::vector<int>{110, 1010} : std::vector<int>{110, 1010, 10010, 100010};
-        crowd.movers = 10;
+        crowd.dynamic_objects = 10;
         crowd.frames = quick ? 5 : 15;
-        crowd.size = {16, 16};   // of the picture, which is not what is measured here
+        crowd.size = {16, 16};   // of the image, which is not what is measured here
         crowd.methods = {coherent, items};
         experiments_.push_back({"shadow textures: a crowd", crowd, quick ? 3. : 50.});
     }

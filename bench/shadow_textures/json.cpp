@@ -12,7 +12,7 @@ nlohmann::ordered_json shadow_textures_json(const ShadowTexturesBenchOptions& op
     for (const ShadowTexturesRow& row : result.rows)
         rows.push_back({{"objects", row.objects},
                         {"dynamic_percent", row.dynamic_percent},
-                        {"movers", row.movers},
+                        {"movers", row.dynamic_objects},
                         {"method", name_of(row.method)},
                         {"shadow_ms", row.shadow_ms},
                         {"buffers_ms", row.buffers_ms},

@@ -43,16 +43,17 @@ class Section {
     {
         page_.text(fmt::format(
             "Spheres of {} vertices at random places with random motions; one spot light, its view {} x {} texels; the "
-            "picture {} x {} pixels. Times are medians of {} frames after the first two (everything drawn, movers "
+            "image {} x {} pixels. Times are medians of {} frames after the first two (everything drawn, dynamic "
+            "objects "
             "found out), of {}. Per-caster draws for every "
             "receiver all casters between it and the light; depth draws one depth buffer and every receiver once; "
             "coherent keeps both from frame to frame and touches what moved; items is coherent with one item buffer in "
             "place "
-            "of all textures, as Gnomon's pictures have it. The picture is the plainest: every sphere "
+            "of all textures, as Gnomon's images have it. The image is the plainest: every sphere "
             "drawn once, with its shadow texture.",
             options_.vertices, options_.view_size, options_.view_size, options_.size.width, options_.size.height,
             options_.frames, result_.clock == "device" ? "the device's timestamps" : "process CPU time"));
-        if (options_.movers)
+        if (options_.dynamic_objects)
             crowd();
         else {
             if (options_.objects.size() > 1) figure_7();
@@ -64,8 +65,8 @@ class Section {
  private:
     bool first_share(const ShadowTexturesRow& row) const
     {
-        const int movers = static_cast<int>(std::lround(row.objects * options_.dynamic.front() / 100));
-        return row.movers == movers;
+        const int dynamic_objects = static_cast<int>(std::lround(row.objects * options_.dynamic.front() / 100));
+        return row.dynamic_objects == dynamic_objects;
     }
     bool most_objects(const ShadowTexturesRow& row) const
     {
@@ -167,7 +168,7 @@ class Section {
                                 k_printed_saved, k_printed_dynamic));
     }
 
-    // A few movers, ever more that stands still beside them.
+    // A few dynamic objects, ever more that stands still beside them.
     void crowd()
     {
         const auto by_objects = [](const ShadowTexturesRow& row) { return row.objects; };
@@ -177,7 +178,7 @@ class Section {
         time.logarithmic = true;
         page_.chart(time, fmt::format("{} objects move, among small ones that stand still, equally dense around them "
                                       "whatever there is elsewhere.",
-                                      *options_.movers));
+                                      *options_.dynamic_objects));
         Chart touched{"Objects looked at", "objects", "a frame", {}, {}, {}, {}, {}};
         for (const TextureMethod method : options_.methods)
             if (method == TextureMethod::coherent || method == TextureMethod::items)
@@ -199,7 +200,7 @@ class Section {
                          "CPU alone, ms",           "whole frame, ms",   "draws",    "copies",
                          "textures made",           "objects looked at", "identical"};
         for (const ShadowTexturesRow& r : result_.rows)
-            table.rows.push_back({{fmt::format("{}, {}, {}", r.objects, r.movers, name_of(r.method)),
+            table.rows.push_back({{fmt::format("{}, {}, {}", r.objects, r.dynamic_objects, name_of(r.method)),
                                    fmt::format("{:.2f}", r.shadow_ms), fmt::format("{:.2f}", r.buffers_ms),
                                    fmt::format("{:.2f}", r.textures_ms), fmt::format("{:.3f}", r.shadow_cpu_ms),
                                    fmt::format("{:.2f}", r.frame_ms), fmt::format("{:.1f}", r.draws),
@@ -220,7 +221,7 @@ void add_shadow_textures_section(ReportPage& page, const std::string& command,
                                  const ShadowTexturesBenchOptions& options, const ShadowTexturesBenchResult& result,
                                  const nlohmann::ordered_json& document)
 {
-    const char* const of = options.movers               ? "crowd"
+    const char* const of = options.dynamic_objects      ? "crowd"
                            : options.objects.size() > 1 ? "figure-7"
                            : options.dynamic.size() > 1 ? "figure-8"
                                                         : "one";

@@ -11,20 +11,20 @@
 
 namespace gnomon {
 
-/// One layer of a picture, 32-bit float, rows from the top, channels interleaved.
+/// One layer of an image, 32-bit float, rows from the top, channels interleaved.
 struct Layer {
-    std::string name;                    // "" (the picture itself), "depth", "normal", "albedo", "direct", ...
+    std::string name;                    // "" (the image itself), "depth", "normal", "albedo", "direct", ...
     std::vector<std::string> channels;   // {"R", "G", "B"}, {"Z"}, {"X", "Y", "Z"}, {"L0", "L1"}
     std::vector<float> data;
 };
 
-struct Picture {
+struct Frame {
     Size size;
-    std::vector<Layer> layers;   // the first is the picture: linear RGB, Rec. 709 primaries
+    std::vector<Layer> layers;   // the first is the image: linear RGB, Rec. 709 primaries
     double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
     ToneMap tonemap = ToneMap::neutral;
     FrameCounters counters;
-    double noise = 0;          // of a reference: its standard error, root mean square, over the picture's mean
+    double noise = 0;          // of a reference: its standard error, root mean square, over the image's mean
     double milliseconds = 0;   // of the frame, without loading and writing
     FrameTimes times;          // of that, by stage
     double time = 0;           // scene time in seconds

@@ -19,7 +19,7 @@ struct FrameTimes {
         indirect,            // light of one bounce at what is seen
         indirect_mirrored,   // the same at what is seen in mirrors and through glass
         proofs,              // of shadows, for the frames to come
-        picture,             // exposure, layers
+        image,               // exposure, layers
         k_stages
     };
     static constexpr std::array<const char*, k_stages> k_names{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Everything: scene in, pictures out.
+// Everything: scene in, images out.
 
 #include "gnomon/compare.h"
 #include "gnomon/error.h"

@@ -44,7 +44,7 @@ class Scene {
     int frame_count() const;
     /// Time of a frame in seconds.
     double time_of(int frame) const;
-    /// Film rate in frames a second.
+    /// Video rate in frames a second.
     double fps() const;
     SceneInfo info() const;
 
@@ -59,7 +59,7 @@ class Scene {
     /// @throws UsageError  for a spec that is not of that form
     Scene with_light_specs(const std::vector<std::string>& specs) const;
 
-    /// Lit by a picture of the surroundings as well: OpenEXR, Radiance HDR, PNG or JPEG, longitude by latitude, its
+    /// Lit by an image of the surroundings as well: OpenEXR, Radiance HDR, PNG or JPEG, longitude by latitude, its
     /// upper edge towards +Y, its centre towards -Z, its right quarter towards +X. It replaces the background and the
     /// default sky and sun; the file's own lights stay.
     /// @param lights  directional lights that stand for it, a power of two from 1 to 1024
@@ -67,10 +67,10 @@ class Scene {
     ///         form
     Scene with_environment(const std::filesystem::path& file, int lights = 16) const;
 
-    const std::shared_ptr<const scene::Scene>& inside() const { return inside_; }
+    const std::shared_ptr<const scene::Scene>& inside() const { return impl_; }
 
  private:
-    std::shared_ptr<const scene::Scene> inside_;
+    std::shared_ptr<const scene::Scene> impl_;
 };
 
 struct LoadOptions {

@@ -11,7 +11,7 @@
 
 namespace gnomon {
 
-/// A picture's size in pixels.
+/// An image's size in pixels.
 struct Size {
     int width = 0;
     int height = 0;
@@ -27,8 +27,8 @@ struct FrameRange {
 };
 
 /// Whether the traced frame remembers which points which lights reach past everything that stands still. `certified`
-/// gives the same picture as `off`, to the bit, with fewer rays. `paper` guesses, as Nah, Park and Han published it in
-/// 2009: its pictures depend on the frames before, and can be wrong.
+/// gives the same image as `off`, to the bit, with fewer rays. `paper` guesses, as Nah, Park and Han published it in
+/// 2009: its images depend on the frames before, and can be wrong.
 enum class ShadowCulling { off, paper, certified };
 
 /// Light that arrives by one bounce. `visible` knows what stands between; it is free of noise and of history. The
@@ -41,7 +41,7 @@ enum class IndirectOn { automatic, cpu, vulkan };
 /// What finds a ray's hit: Embree, or a kd-tree that counts its work, far slower and the same up to edges.
 enum class Accelerator { embree, kdtree };
 
-/// A picture of the method's inside instead of the scene's light. `shadow_states`, of the traced frame: per light, what
+/// An image of the method's inside instead of the scene's light. `shadow_states`, of the traced frame: per light, what
 /// was remembered where. `redrawn`, of the rasterised frame: what the light views drew anew in this frame, red what
 /// moves, green what has come to rest, yellow what stands still and was drawn again; grey was kept. `clusters`: what
 /// Indirect::quadtree takes for one light.

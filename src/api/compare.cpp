@@ -19,7 +19,7 @@ namespace gnomon {
 namespace {
 constexpr int k_most_threads = 1024;
 
-// A picture with its values as the file holds them.
+// An image with its values as the file holds them.
 struct Loaded {
     ImageF image;
     std::vector<std::string> channels;
@@ -28,16 +28,16 @@ struct Loaded {
 
 Loaded load_exr(std::span<const std::uint8_t> bytes, const std::string& name, const std::string& layer)
 {
-    io::ExrPicture picture = io::decode_exr(bytes, name, layer);
-    if (picture.layers.empty()) {
+    io::ExrImage image = io::decode_exr(bytes, name, layer);
+    if (image.layers.empty()) {
         std::string there;
         for (const std::string& other : io::exr_layer_names(bytes, name))
             if (!other.empty()) there += (there.empty() ? "" : ", ") + other;
         throw UsageError(fmt::format("{}: no layer '{}'; there are: {}", name, layer, there.empty() ? "none" : there));
     }
-    Layer& found = picture.layers.front();
+    Layer& found = image.layers.front();
     Loaded loaded;
-    loaded.image.width = picture.size.width, loaded.image.height = picture.size.height;
+    loaded.image.width = image.size.width, loaded.image.height = image.size.height;
     loaded.image.channels = static_cast<int>(found.channels.size());
     loaded.image.data = std::move(found.data);
     loaded.channels = std::move(found.channels);
@@ -45,16 +45,16 @@ Loaded load_exr(std::span<const std::uint8_t> bytes, const std::string& name, co
     return loaded;
 }
 
-Loaded load_picture(const std::filesystem::path& file, const std::string& layer)
+Loaded load_image(const std::filesystem::path& file, const std::string& layer)
 {
     const std::string name = file.string();
-    const std::vector<std::uint8_t> bytes = io::read_picture_bytes(file);
-    const io::PictureFormat format = io::picture_format(bytes);
-    if (format == io::PictureFormat::exr) return load_exr(bytes, name, layer);
+    const std::vector<std::uint8_t> bytes = io::read_image_bytes(file);
+    const io::ImageFormat format = io::image_format(bytes);
+    if (format == io::ImageFormat::exr) return load_exr(bytes, name, layer);
     if (!layer.empty()) throw UsageError(fmt::format("{}: only OpenEXR files have layers", name));
 
     Loaded loaded;
-    if (format == io::PictureFormat::hdr) {
+    if (format == io::ImageFormat::hdr) {
         loaded.image = io::decode_hdr(bytes, name);
         loaded.channels = {"R", "G", "B"};
         loaded.linear = true;
@@ -69,15 +69,15 @@ Loaded load_picture(const std::filesystem::path& file, const std::string& layer)
     return loaded;
 }
 
-bool is_color(const Loaded& picture)
+bool is_color(const Loaded& image)
 {
-    return picture.channels.front() == "R" || picture.channels.front() == "Y";
+    return image.channels.front() == "R" || image.channels.front() == "Y";
 }
 
 // The colour channels as three.
-ImageF color_of(const Loaded& picture)
+ImageF color_of(const Loaded& image)
 {
-    const ImageF& from = picture.image;
+    const ImageF& from = image.image;
     ImageF color(from.width, from.height, 3);
     const auto step = static_cast<std::size_t>(from.channels);
     for (std::size_t i = 0; i < color.data.size() / 3; ++i)
@@ -91,7 +91,7 @@ ImageF decoded(ImageF image)
     return image;
 }
 
-// Pictures of different kinds are compared by their colour alone, in linear light if either is linear.
+// Images of different kinds are compared by their colour alone, in linear light if either is linear.
 void bring_together(Loaded& a, Loaded& b, const std::string& names)
 {
     if (a.channels == b.channels && a.linear == b.linear) return;
@@ -120,7 +120,7 @@ CompareResult compare(const std::filesystem::path& test, const std::filesystem::
 {
     if (options.threads < 0 || options.threads > k_most_threads)
         throw UsageError(fmt::format("threads are out of range: 0 (all) to {}", k_most_threads));
-    Loaded a = load_picture(test, options.layer), b = load_picture(reference, options.layer);
+    Loaded a = load_image(test, options.layer), b = load_image(reference, options.layer);
     const std::string names = fmt::format("{} and {}", test.string(), reference.string());
     if (a.image.width != b.image.width || a.image.height != b.image.height)
         throw UsageError(fmt::format("{}: sizes differ, {}x{} and {}x{}", names, a.image.width, a.image.height,

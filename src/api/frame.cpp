@@ -12,14 +12,14 @@
 
 namespace gnomon {
 
-const Layer* Picture::layer(const std::string& name) const
+const Layer* Frame::layer(const std::string& name) const
 {
     for (const Layer& candidate : layers)
         if (candidate.name == name) return &candidate;
     return nullptr;
 }
 
-std::vector<std::uint8_t> Picture::to_srgb8() const
+std::vector<std::uint8_t> Frame::to_srgb8() const
 {
     GNOMON_CHECK(!layers.empty());
     GNOMON_CHECK_EQ(layers.front().data.size(), std::size_t{3} * size.width * size.height);
@@ -28,10 +28,10 @@ std::vector<std::uint8_t> Picture::to_srgb8() const
     return bytes;
 }
 
-void Picture::write(const std::filesystem::path& file) const
+void Frame::write(const std::filesystem::path& file) const
 {
-    if (io::output_kind(file) == io::OutputKind::film)
-        throw UsageError(fmt::format("{}: one picture is not a film; write .png or .exr", file.string()));
+    if (io::output_kind(file) == io::OutputKind::video)
+        throw UsageError(fmt::format("{}: one image is not a video; write .png or .exr", file.string()));
     if (io::is_exr_name(file)) {
         io::write_exr(file, size, layers);
         return;

@@ -82,15 +82,15 @@ void check_options(const RenderOptions& o)
             "an overlay of clusters shows what the light quad-tree chose: it needs indirect light by quadtree");
 }
 
-// A picture of the method's inside, already in screen colours.
-void give_overlay(const Image8& image, Picture& picture)
+// An image of the method's inside, already in screen colours.
+void give_overlay(const Image8& image, Frame& result)
 {
-    picture.size = {image.width, image.height};
-    picture.tonemap = ToneMap::none;
+    result.size = {image.width, image.height};
+    result.tonemap = ToneMap::none;
     Layer layer{"", {"R", "G", "B"}, std::vector<float>(image.data.size())};
     const float* linear = linear_from_srgb8();
     for (std::size_t i = 0; i < image.data.size(); ++i) layer.data[i] = linear[image.data[i]];
-    picture.layers.push_back(std::move(layer));
+    result.layers.push_back(std::move(layer));
 }
 
 // The lights that an overlay shows.
@@ -121,7 +121,7 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
     return titles;
 }
 
-// Root of the mean variance over all pixels and channels, in units of the picture's mean.
+// Root of the mean variance over all pixels and channels, in units of the image's mean.
 double noise_of(const shading::FrameBuffers& buffers)
 {
     double mean = 0, square = 0;
@@ -139,8 +139,8 @@ Size traced_size(const Scene& scene, const RenderOptions& options)
 }   // namespace
 
 // What stands still is kept here from frame to frame, as long as the scene is the same.
-struct Renderer::Inside {
-    explicit Inside(RenderOptions o) : options(std::move(o)), tasks(options.threads) {}
+struct Renderer::Impl {
+    explicit Impl(RenderOptions o) : options(std::move(o)), tasks(options.threads) {}
 
     RenderOptions options;
     Tasks tasks;
@@ -202,7 +202,7 @@ struct Renderer::Inside {
             raster->update(*state);
             return;
         }
-        // Shadows are remembered from the second frame on: a single picture has nothing to gain. Nor has a reference.
+        // Shadows are remembered from the second frame on: a single image has nothing to gain. Nor has a reference.
         if (!culling && !options.reference && options.shadow_culling == ShadowCulling::certified &&
             !scene->lights.empty())
             culling =
@@ -220,17 +220,17 @@ struct Renderer::Inside {
 Renderer::Renderer(RenderOptions options)
 {
     check_options(options);
-    inside_ = std::make_unique<Inside>(std::move(options));
+    impl_ = std::make_unique<Impl>(std::move(options));
 }
 
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
-Renderer::Inside& Renderer::inside() const
+Renderer::Impl& Renderer::inside() const
 {
-    if (!inside_) throw UsageError("a renderer that was moved from renders nothing");
-    return *inside_;
+    if (!impl_) throw UsageError("a renderer that was moved from renders nothing");
+    return *impl_;
 }
 
 const RenderOptions& Renderer::options() const
@@ -243,22 +243,22 @@ std::string Renderer::device() const
     return inside().raster ? inside().raster->device() : std::string();
 }
 
-Picture Renderer::render(const Scene& scene, int frame, const Progress& progress)
+Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
-    Inside& in = inside();
+    Impl& in = inside();
     const RenderOptions& options = in.options;
     if (frame < 1 || frame > scene.frame_count())
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
 
     const scene::CameraId camera = scene::find_camera(*scene.inside(), options.camera);
-    picture_size(scene, options);   // refuses what cannot be shown
+    image_size(scene, options);   // refuses what cannot be shown
     const auto start = Clock::now();
     FrameTimes own;   // beside the tracer's
     gnomon::Stopwatch watch(own);
     const double time = scene.time_of(frame);
     // What failed halfway, for want of memory, is not gone on from: the next frame begins with nothing.
     struct Attempt {
-        Inside& in;
+        Impl& in;
         bool whole = false;
         ~Attempt()
         {
@@ -280,14 +280,14 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
     if (options.overlay == Overlay::clusters) {
         in.map->begin_frame(*in.state, *in.rays, in.tasks);
         attempt.whole = true;
-        Picture picture;
-        give_overlay(frame::paint_clusters(*scene.inside(), *in.rays, view, *in.map, in.tasks), picture);
-        picture.counters.indirect.clusters = in.map->counters().lights;
-        picture.counters.indirect.rays = in.map->map().work().cast;
-        picture.time = time;
-        picture.frame = frame;
-        picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-        return picture;
+        Frame result;
+        give_overlay(frame::paint_clusters(*scene.inside(), *in.rays, view, *in.map, in.tasks), result);
+        result.counters.indirect.clusters = in.map->counters().lights;
+        result.counters.indirect.rays = in.map->map().work().cast;
+        result.time = time;
+        result.frame = frame;
+        result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        return result;
     }
 
     trace::TracedOptions traced;
@@ -311,11 +311,11 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         in.states.lights = overlay_lights(*scene.inside(), options);
         remembered.states = &in.states;
     }
-    Picture picture;
+    Frame result;
     try {
-        picture.counters = in.raster ? in.raster->render(*in.state, view, in.buffers, progress)
-                                     : trace::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers,
-                                                          remembered, nullptr, progress);
+        result.counters = in.raster ? in.raster->render(*in.state, view, in.buffers, progress)
+                                    : trace::trace_frame(*in.state, *in.rays, view, traced, in.tasks, in.buffers,
+                                                         remembered, nullptr, progress);
     } catch (const InterruptedError&) {
         in.paper.reset();   // half a frame would be remembered
         // Half a frame was recorded, and points were claimed that nobody evaluated.
@@ -328,34 +328,34 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
             const ray::KdCounts counts = in.rays->kdtree_work(purpose);
             return FrameCounters::KdTree::Work{counts.nodes, counts.tests};
         };
-        picture.counters.kdtree = {work(ray::RayClass::primary), work(ray::RayClass::reflection),
-                                   work(ray::RayClass::refraction), work(ray::RayClass::shadow),
-                                   work(ray::RayClass::indirect)};
+        result.counters.kdtree = {work(ray::RayClass::primary), work(ray::RayClass::reflection),
+                                  work(ray::RayClass::refraction), work(ray::RayClass::shadow),
+                                  work(ray::RayClass::indirect)};
     }
     watch.restart();
-    if (reference) picture.noise = noise_of(in.buffers);
-    picture.time = time;
-    picture.frame = frame;
+    if (reference) result.noise = noise_of(in.buffers);
+    result.time = time;
+    result.frame = frame;
     if (states) {
         const bool paper = options.shadow_culling == ShadowCulling::paper;
         const Image8 image =
             frame::paint_states(in.states, overlay_titles(*scene.inside(), in.states.lights, frame), paper);
-        give_overlay(image, picture);
-        picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-        return picture;
+        give_overlay(image, result);
+        result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        return result;
     }
 
-    picture.tonemap = options.tonemap;
-    picture.exposure = options.exposure ? *options.exposure : image::auto_exposure(in.buffers.color.data);
+    result.tonemap = options.tonemap;
+    result.exposure = options.exposure ? *options.exposure : image::auto_exposure(in.buffers.color.data);
     if (options.overlay == Overlay::redrawn) {
-        in.raster->paint_redrawn(picture.exposure, in.buffers.color);
-        picture.tonemap = ToneMap::none;
-        picture.exposure = 0;
+        in.raster->paint_redrawn(result.exposure, in.buffers.color);
+        result.tonemap = ToneMap::none;
+        result.exposure = 0;
     }
 
     // Hand the buffers over as layers.
     const auto give = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {
-        picture.layers.push_back({name, std::move(channels), image.data});
+        result.layers.push_back({name, std::move(channels), image.data});
     };
     give("", {"R", "G", "B"}, in.buffers.color);
     if (options.layers) {
@@ -374,15 +374,15 @@ Picture Renderer::render(const Scene& scene, int frame, const Progress& progress
         for (std::size_t l = 0; l < scene.inside()->lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
         if (!lights.empty()) give("shadow", std::move(lights), in.buffers.shadow);
     }
-    picture.size = size;
-    watch.end(FrameTimes::picture);
+    result.size = size;
+    watch.end(FrameTimes::image);
     if (!in.raster) {
-        picture.times = in.buffers.times;
-        picture.times.ms[FrameTimes::scene] = own.ms[FrameTimes::scene];
-        picture.times.ms[FrameTimes::picture] = own.ms[FrameTimes::picture];
+        result.times = in.buffers.times;
+        result.times.ms[FrameTimes::scene] = own.ms[FrameTimes::scene];
+        result.times.ms[FrameTimes::image] = own.ms[FrameTimes::image];
     }
-    picture.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-    return picture;
+    result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    return result;
 }
 
 Size default_size(const Scene& scene, const std::string& camera)
@@ -391,7 +391,7 @@ Size default_size(const Scene& scene, const std::string& camera)
     return own.width > 0 ? own : k_default_size;
 }
 
-Size picture_size(const Scene& scene, const RenderOptions& options)
+Size image_size(const Scene& scene, const RenderOptions& options)
 {
     const Size size = traced_size(scene, options);
     if (options.overlay == Overlay::redrawn && scene.inside()->lights.empty())

@@ -94,29 +94,29 @@ void forget_default_light(scene::Scene& scene)
 }
 }   // namespace
 
-Scene::Scene(std::shared_ptr<const scene::Scene> inside) : inside_(std::move(inside))
+Scene::Scene(std::shared_ptr<const scene::Scene> inside) : impl_(std::move(inside))
 {
-    GNOMON_CHECK(inside_ != nullptr);
+    GNOMON_CHECK(impl_ != nullptr);
 }
 
 int Scene::frame_count() const
 {
-    return inside_->timeline.frames;
+    return impl_->timeline.frames;
 }
 
 double Scene::time_of(int frame) const
 {
-    return inside_->timeline.time_of(frame);
+    return impl_->timeline.time_of(frame);
 }
 
 double Scene::fps() const
 {
-    return inside_->timeline.fps;
+    return impl_->timeline.fps;
 }
 
 SceneInfo Scene::info() const
 {
-    const scene::Scene& scene = *inside_;
+    const scene::Scene& scene = *impl_;
     const scene::Statistics counts = scene.statistics();
     SceneInfo info;
     info.name = scene.name;
@@ -142,12 +142,12 @@ Scene Scene::at_rate(double fps) const
 {
     if (!(fps > 0 && fps <= k_highest_fps))
         throw UsageError(fmt::format("a rate of {} frames a second: expected above 0, at most {}", fps, k_highest_fps));
-    const double seconds = inside_->timeline.end - inside_->timeline.start;
-    if (!inside_->timeline.own_frames && seconds * fps >= scene::k_most_frames)
+    const double seconds = impl_->timeline.end - impl_->timeline.start;
+    if (!impl_->timeline.own_frames && seconds * fps >= scene::k_most_frames)
         throw UsageError(fmt::format("a rate of {} frames a second: {} s of it are more than {} frames", fps, seconds,
                                      scene::k_most_frames));
-    auto changed = copy_of(inside_);
-    changed->timeline = inside_->timeline.at_rate(fps);
+    auto changed = copy_of(impl_);
+    changed->timeline = impl_->timeline.at_rate(fps);
     return Scene(std::move(changed));
 }
 
@@ -157,7 +157,7 @@ Scene Scene::lasting(double seconds) const
     if (!(seconds > 0 && frames <= k_longest_clip))
         throw UsageError(fmt::format("a clip of {} s: expected above 0 s, at most {} frames", seconds, k_longest_clip));
     if (frame_count() > 1) return *this;
-    auto changed = copy_of(inside_);
+    auto changed = copy_of(impl_);
     changed->timeline.frames = std::max(1, static_cast<int>(frames));
     changed->timeline.end = changed->timeline.start + (changed->timeline.frames - 1) / fps();
     return Scene(std::move(changed));
@@ -166,15 +166,15 @@ Scene Scene::lasting(double seconds) const
 Scene Scene::with_lights(int count) const
 {
     if (count < 0) throw UsageError(fmt::format("{} lights: expected 0 or more", count));
-    if (static_cast<std::size_t>(count) >= inside_->lights.size()) return *this;
-    auto changed = copy_of(inside_);
+    if (static_cast<std::size_t>(count) >= impl_->lights.size()) return *this;
+    auto changed = copy_of(impl_);
     changed->lights.resize(static_cast<std::size_t>(count));
     return Scene(std::move(changed));
 }
 
 Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
 {
-    auto changed = copy_of(inside_);
+    auto changed = copy_of(impl_);
     changed->lights.clear();
     forget_default_light(*changed);
     for (const std::string& spec : specs) {
@@ -192,7 +192,7 @@ Scene Scene::with_environment(const std::filesystem::path& file, int lights) con
     if (lights < 1 || lights > 1024 || (lights & (lights - 1)) != 0)
         throw UsageError(fmt::format("{} lights for an environment: expected a power of two from 1 to 1024", lights));
     auto environment = std::make_shared<const scene::Environment>(io::read_float_image(file));
-    auto changed = copy_of(inside_);
+    auto changed = copy_of(impl_);
     std::erase_if(changed->lights, [](const scene::Light& light) { return light.by_default || light.of_environment; });
     forget_default_light(*changed);
     int number = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Pictures in memory: row by row from the top left, channels interleaved.
+// Images in memory: row by row from the top left, channels interleaved.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The picture of --overlay clusters: every lit surface in the colour of the cluster that it belongs to in the light's
+// The image of --overlay clusters: every lit surface in the colour of the cluster that it belongs to in the light's
 // tree, one colour a cluster, the darker the finer; grey where no light map reaches. Shapes come from how far a surface
 // faces the viewer.
 

@@ -19,7 +19,7 @@ struct RasterSettings {
     ShadowTextures shadows = ShadowTextures::coherent;
     float shadow_filter = 1;   // texels; 0: hard
     bool redrawn = false;      // paint_redrawn() will be called
-    /// While the time stays, paint_redrawn() shows what was drawn for it: who looks at one moment in several pictures,
+    /// While the time stays, paint_redrawn() shows what was drawn for it: who looks at one moment in several images,
     /// finer each time, sees it in the last, too.
     bool redrawn_stays = false;
     Indirect indirect = Indirect::off;

@@ -13,7 +13,7 @@ namespace gnomon::frame {
 
 namespace {
 constexpr std::uint8_t k_paper_tone = 24, k_ink = 210;   // of the frame around the panels, and of its text
-constexpr int k_small_picture = 900;                     // pixels; narrower ones get small letters
+constexpr int k_small_image = 900;                       // pixels; narrower ones get small letters
 constexpr int k_gap = 4;
 
 // Told apart without red and green [Okabe and Ito 2008].
@@ -63,7 +63,7 @@ int inner_width(Size panel, std::size_t panels)
 // Pixels a dot of the letters.
 int dot_of(Size panel, std::size_t panels)
 {
-    return inner_width(panel, panels) < k_small_picture ? 1 : 2;
+    return inner_width(panel, panels) < k_small_image ? 1 : 2;
 }
 
 int cell_height(Size panel, std::size_t panels)
@@ -99,7 +99,7 @@ Sums sums_of(const trace::StateMap& map)
     return sums;
 }
 
-// Every figure has the same width, so that a film's legend stands still.
+// Every figure has the same width, so that a video's legend stands still.
 std::vector<Entry> legend_of(const Sums& sums, bool paper)
 {
     const auto share = [&](std::size_t count) {
@@ -110,7 +110,8 @@ std::vector<Entry> legend_of(const Sums& sums, bool paper)
         const auto m = static_cast<std::size_t>(mark);
         entries.push_back({k_colors[m], fmt::format("{:3.0f}% {}", share(sums.trusted[m]), name)});
     };
-    add(trace::StateMark::none, paper ? "NON_SHADOW: only movers are asked" : "NONE: only movers are asked");
+    add(trace::StateMark::none,
+        paper ? "NON_SHADOW: only dynamic objects are asked" : "NONE: only dynamic objects are asked");
     add(trace::StateMark::full, paper ? "FULL_SHADOW: no ray" : "FULL: no ray");
     add(trace::StateMark::partial, paper ? "PARTIAL_SHADOW: traced" : "PARTIAL: traced");
     add(trace::StateMark::unknown, paper ? "INIT: traced" : "UNKNOWN: traced");
@@ -196,19 +197,19 @@ Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& 
     const std::size_t panels = map.lights.size();
     const int dot = dot_of(map.size, panels);
     const Size size = overlay_size(map.size, panels, paper);
-    Image8 picture(size.width, size.height, 3);
-    std::fill(picture.data.begin(), picture.data.end(), k_paper_tone);
+    Image8 image(size.width, size.height, 3);
+    std::fill(image.data.begin(), image.data.end(), k_paper_tone);
 
     // The panels, each below its title.
     for (std::size_t i = 0; i < panels; ++i) {
         const PanelPlace at = panel_place(map.size, panels, i);
-        image::draw_text(picture, titles[i], at.left, at.top - line_height(dot) + dot, map.size.width, dot, k_ink);
+        image::draw_text(image, titles[i], at.left, at.top - line_height(dot) + dot, map.size.width, dot, k_ink);
         for (int y = 0; y < map.size.height; ++y)
             for (int x = 0; x < map.size.width; ++x) {
                 const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.size.width) +
                                           static_cast<std::size_t>(x);
                 const Rgb8 color = cell_color(map.cell(i, x, y), map.shade[pixel]);
-                std::copy(color.begin(), color.end(), picture.pixel(at.left + x, at.top + y));
+                std::copy(color.begin(), color.end(), image.pixel(at.left + x, at.top + y));
             }
     }
 
@@ -222,14 +223,14 @@ Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& 
             const int side = std::min(swatch(dot), size.width - left);
             for (int y = 0; y < swatch(dot); ++y)
                 for (int x = 0; x < side; ++x)
-                    std::copy(entries[e].color.begin(), entries[e].color.end(), picture.pixel(left + x, top + y));
+                    std::copy(entries[e].color.begin(), entries[e].color.end(), image.pixel(left + x, top + y));
             const int text = left + swatch(dot) + 4 * dot;
-            image::draw_text(picture, entries[e].text, text, top + dot, size.width - text, dot, k_ink);
+            image::draw_text(image, entries[e].text, text, top + dot, size.width - text, dot, k_ink);
             left += entry_width(measured[e], dot);
         }
         top += line_height(dot);
     }
-    return picture;
+    return image;
 }
 
 }   // namespace gnomon::frame

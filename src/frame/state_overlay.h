@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The picture of --overlay shadow-states: a panel for each light, coloured by what was remembered, wrong answers
+// The image of --overlay shadow-states: a panel for each light, coloured by what was remembered, wrong answers
 // glaring, a legend with shares below. Shapes come from how far a surface faces the viewer.
 
 #include <array>
@@ -19,7 +19,7 @@ inline constexpr Rgb8 k_wrong_color{255, 0, 255}, k_wrong_behind_color{0, 255, 2
 /// Of one pixel. Wrong answers are not shaded.
 Rgb8 cell_color(const trace::StateCell& cell, std::uint8_t shade);
 
-/// How many pixels the whole picture takes: panels in a grid, legend and titles. Both even, as films need.
+/// How many pixels the whole image takes: panels in a grid, legend and titles. Both even, as videos need.
 Size overlay_size(Size panel, std::size_t panels, bool paper);
 
 /// Where a panel's first pixel lies.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 // Frustum culling: one invocation a draw. A draw keeps its place; one that is hidden or outside gets no instance, so the
-// order of drawing, and with it the picture, never depends on what was culled.
+// order of drawing, and with it the image, never depends on what was culled.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"

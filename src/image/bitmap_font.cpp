@@ -82,7 +82,7 @@ int text_width(const std::string& text, int dot)
     return static_cast<int>(text.size()) * dot * (k_glyph_width + 1);
 }
 
-void draw_text(Image8& picture, const std::string& text, int left, int top, int width, int dot, std::uint8_t ink)
+void draw_text(Image8& image, const std::string& text, int left, int top, int width, int dot, std::uint8_t ink)
 {
     const int advance = dot * (k_glyph_width + 1);
     for (std::size_t i = 0; i < text.size() && static_cast<int>(i + 1) * advance <= width; ++i) {
@@ -90,7 +90,7 @@ void draw_text(Image8& picture, const std::string& text, int left, int top, int 
         for (int y = 0; y < dot * k_glyph_height; ++y)
             for (int x = 0; x < dot * k_glyph_width; ++x)
                 if (rows[static_cast<std::size_t>(y / dot)] >> (k_glyph_width - 1 - x / dot) & 1)
-                    std::fill_n(picture.pixel(left + static_cast<int>(i) * advance + x, top + y), 3, ink);
+                    std::fill_n(image.pixel(left + static_cast<int>(i) * advance + x, top + y), 3, ink);
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A font of 5 x 7 dots, for labels in pictures: digits, letters (small ones are drawn as capitals), little punctuation.
+// A font of 5 x 7 dots, for labels in images: digits, letters (small ones are drawn as capitals), little punctuation.
 
 #include <array>
 #include <cstdint>
@@ -21,6 +21,6 @@ int text_width(const std::string& text, int dot);
 
 /// Draws one line of grey text with its upper left corner at (left, top); cuts off what is wider than `width`.
 /// @param dot  pixels a dot of the font
-void draw_text(Image8& picture, const std::string& text, int left, int top, int width, int dot, std::uint8_t ink);
+void draw_text(Image8& image, const std::string& text, int left, int top, int width, int dot, std::uint8_t ink);
 
 }   // namespace gnomon::image

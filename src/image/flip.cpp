@@ -73,7 +73,7 @@ float hyab(const glm::vec3& p, const glm::vec3& q)
     return std::abs(p.x - q.x) + std::hypot(p.y - q.y, p.z - q.z);
 }
 
-// A picture as one exposure shows it.
+// An image as one exposure shows it.
 struct Shown {
     const ImageF& image;
     bool tone_mapped = false;
@@ -95,9 +95,9 @@ struct Shown {
     }
 };
 
-// How a band of rows of a picture looks to the eye.
+// How a band of rows of an image looks to the eye.
 struct Appearance {
-    FlipField lab;        // L a' b' of the blurred picture
+    FlipField lab;        // L a' b' of the blurred image
     FlipField features;   // x: strength of edges, y: of points
 };
 
@@ -254,16 +254,16 @@ Image8 heat_map(const ImageF& map)
                                                             {251, 135, 97},
                                                             {254, 194, 135},
                                                             {252, 253, 191}}};
-    Image8 picture(map.width, map.height, 3);
+    Image8 image(map.width, map.height, 3);
     for (std::size_t i = 0; i < map.data.size(); ++i) {
         const float at = std::clamp(map.data[i], 0.0f, 1.0f) * (stations.size() - 1);
         const auto low = std::min(static_cast<std::size_t>(at), stations.size() - 2);
         const float t = at - static_cast<float>(low);
         for (std::size_t c = 0; c < 3; ++c)
-            picture.data[i * 3 + c] =
+            image.data[i * 3 + c] =
                 static_cast<std::uint8_t>(stations[low][c] + t * (stations[low + 1][c] - stations[low][c]) + 0.5f);
     }
-    return picture;
+    return image;
 }
 
 }   // namespace gnomon::image

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// How far two pictures are apart, in numbers: of a test against a reference of the same size and channels.
+// How far two images are apart, in numbers: of a test against a reference of the same size and channels.
 //
 // Sums run in pixel order in double precision: the same bits for any number of threads. What is no number counts as 0
 // and what is infinite as the largest finite one, except that pixels_different sees them as they are.
@@ -19,7 +19,7 @@ double mean_squared_error(const ImageF& test, const ImageF& reference);
 /// Sampling and Reconstruction using Greedy Error Minimization", 6].
 double relative_mse(const ImageF& test, const ImageF& reference);
 
-/// 10 log10(peak^2 / mse) decibels; none for equal pictures.
+/// 10 log10(peak^2 / mse) decibels; none for equal images.
 std::optional<double> psnr(double mse, double peak);
 
 double max_abs_difference(const ImageF& test, const ImageF& reference);
@@ -29,7 +29,7 @@ double pixels_different(const ImageF& test, const ImageF& reference);
 
 /// Structural similarity [Wang et al. 2004, "Image Quality Assessment: From Error Visibility to Structural
 /// Similarity"]: Gaussian windows of 11 x 11, sigma 1.5, K1 = 0.01, K2 = 0.03, on the luminance of three channels (else
-/// the mean over channels), averaged over all windows that lie inside the picture. Where a side is shorter than a
+/// the mean over channels), averaged over all windows that lie inside the image. Where a side is shorter than a
 /// window, windows are cut and weighed anew.
 /// @param range  of the values (L in the paper); > 0
 double ssim(const ImageF& test, const ImageF& reference, double range, Tasks& tasks);

@@ -152,7 +152,7 @@ double auto_exposure(std::span<const float> rgb)
     const double mean_bin = static_cast<double>(sum) / static_cast<double>(last - first) + 0.5;
     const double mean_stop = k_lowest_stop + mean_bin / k_bins_per_stop;
 
-    // A dark picture with bright parts is not lifted until these burn out.
+    // A dark image with bright parts is not promoted until these burn out.
     const double bright_stop = k_lowest_stop + (bright_bin + 0.5) / k_bins_per_stop;
     const double stops = std::min(std::log2(k_key) - mean_stop, std::log2(k_bright_level) - bright_stop);
     return std::clamp(stops, -k_exposure_limit, k_exposure_limit);

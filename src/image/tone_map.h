@@ -22,9 +22,9 @@ namespace gnomon::image {
 /// Display-linear colour in 0 ... 1. Negative and undefined channels count as 0, infinite ones as very bright.
 glm::vec3 tone_map(ToneMap curve, glm::vec3 linear);
 
-/// Stops that bring this picture to a pleasant brightness: the log-average of its lit pixels, without the darkest and
+/// Stops that bring this image to a pleasant brightness: the log-average of its lit pixels, without the darkest and
 /// the brightest few, goes to a fixed key [after Reinhard et al. 2002, 3.1]. From the pixels alone, by an integer
-/// histogram: the same whatever order or number of threads made them. 0 for a black picture.
+/// histogram: the same whatever order or number of threads made them. 0 for a black image.
 /// @param rgb  linear, three a pixel
 double auto_exposure(std::span<const float> rgb);
 

@@ -58,7 +58,7 @@ VisibleLight::VisibleLight(const scene::SceneState& state, const ray::RayScene& 
 void VisibleLight::find_together()
 {
     together_.clear();
-    lifted_ = rays_->lifted();
+    promoted_ = rays_->promoted();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o) {
         if (!rays_->moves(o) || !casters_.casts(o)) continue;
         const std::uint32_t owner = emitters_.owner_of(o);
@@ -94,13 +94,13 @@ void VisibleLight::begin_frame(const scene::SceneState& state, const ray::RaySce
         casters_.update(state);
         emitters_.update(state, rays, tasks);
     }
-    const bool lifted = rays.lifted() != lifted_;
-    if (lifted) forget_what_stood_still();
+    const bool promoted = rays.promoted() != promoted_;
+    if (promoted) forget_what_stood_still();
     follow_radius(first);
-    if (first || lifted || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
+    if (first || promoted || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
         !changes.vanished.empty())
-        enclose_movers();
-    if (engine_) engine_->begin_frame(emitters_, movers_);
+        enclose_dynamic();
+    if (engine_) engine_->begin_frame(emitters_, dynamic_);
 }
 
 // Somebody moved by hand what stood still: what points saw past it, and where they lie, is void. From now on it moves.
@@ -117,11 +117,11 @@ void VisibleLight::forget_seen(const RememberedPoint& point)
     if (engine_ && point.count > 0) engine_->forget({point.kept, point.count});
 }
 
-void VisibleLight::enclose_movers()
+void VisibleLight::enclose_dynamic()
 {
     const scene::SceneState& state = *state_;
-    ++movers_version_;
-    movers_.clear();
+    ++dynamic_version_;
+    dynamic_.clear();
     for (const Together& together : together_) {
         std::vector<Sphere> spheres;
         for (const scene::ObjectId o : together.objects) {
@@ -136,7 +136,7 @@ void VisibleLight::enclose_movers()
                                  corner & 4 ? box.high.z : box.low.z)));
             spheres.push_back({world.centre(), 0.5f * world.diagonal() * k_grown});
         }
-        movers_.add(std::move(spheres));
+        dynamic_.add(std::move(spheres));
     }
 }
 
@@ -423,15 +423,15 @@ void VisibleLight::push_ways(Batch& batch, const RememberedPoint& point, std::sp
     }
 }
 
-// Leaves in `blocked` which rays do not arrive.
+// Leaves in `occluded` which rays do not arrive.
 void VisibleLight::ask(Batch& batch, const ray::RayQueue& rays, ray::Against against) const
 {
     const std::size_t count = rays.size();
-    batch.blocked.resize(count + ray::k_packet_pad);
+    batch.occluded.resize(count + ray::k_packet_pad);
     if (engine_ && engine_->traces())
-        engine_->blocked(rays, batch.blocked.data(), against);
+        engine_->occluded(rays, batch.occluded.data(), against);
     else
-        rays_->blocked(rays, 0, count, batch.blocked.data(), against);
+        rays_->occluded(rays, 0, count, batch.occluded.data(), against);
     batch.counters.rays += count;
 }
 
@@ -464,17 +464,17 @@ void VisibleLight::see(Batch& batch)
             const std::size_t first = batch.fresh[f].first;
             const std::size_t last = f + 1 < batch.fresh.size() ? batch.fresh[f + 1].first : count;
             std::uint32_t seen = 0;
-            for (std::size_t e = first; e < last; ++e) seen += !batch.blocked[e];
+            for (std::size_t e = first; e < last; ++e) seen += !batch.occluded[e];
             const std::uint32_t padded = (seen + k_seen_step - 1) / k_seen_step * k_seen_step;
             points_.resized(point.count, seen);
             point.count = seen;
             point.seen = std::make_unique<SeenNode[]>(padded);
             std::uint32_t k = 0;
             for (std::size_t e = first; e < last; ++e)
-                if (!batch.blocked[e]) point.seen[k++] = pack_seen(batch.entries[e], batch.entry_weight[e]);
+                if (!batch.occluded[e]) point.seen[k++] = pack_seen(batch.entries[e], batch.entry_weight[e]);
             sum_seen(emitters_, point.seen.get(), padded, point.origin(), point.still);
             point.version = version;
-            point.movers_version = 0;
+            point.dynamic_version = 0;
             ++batch.counters.new_points;
             batch.counters.nodes += seen;
         }
@@ -502,7 +502,7 @@ void VisibleLight::see_sky(Batch& batch)
         RememberedPoint& point = *fresh.point;
         point.sky = {};
         for (std::size_t i = 0; i < k_sky_directions; ++i) {
-            if (!faces(point, i) || batch.blocked[r++]) continue;
+            if (!faces(point, i) || batch.occluded[r++]) continue;
             point.sky.set(i);
             for (int colour = 0; colour < 3; ++colour) point.still[colour] += sky_.light(i)[colour] * sky_.direction(i);
         }
@@ -514,7 +514,7 @@ void VisibleLight::shade_sky(Batch& batch, RememberedPoint& point)
 {
     SkyMask hidden;
     SkyMask near;
-    movers_.any(
+    dynamic_.any(
         [&](const Sphere& sphere) {
             near = sky_.towards(sphere.centre - point.origin(), sphere.radius) & point.sky;
             return near.any();
@@ -530,7 +530,7 @@ void VisibleLight::shade_sky(Batch& batch, RememberedPoint& point)
     });
 }
 
-// Present light: still light, and what movers change of it: what they keep off, and what comes from them.
+// Present light: still light, and what dynamic objects change of it: what they keep off, and what comes from them.
 void VisibleLight::sum(Batch& batch)
 {
     const EmitterTree::Flux &still = emitters_.still_flux(), &flux = emitters_.flux();
@@ -542,14 +542,14 @@ void VisibleLight::sum(Batch& batch)
     batch.summed.clear();
     for (RememberedPoint* p : batch.claimed) {
         RememberedPoint& point = *p;
-        if (!point.exists || point.movers_version == movers_version_ || is_near(point.key)) continue;
+        if (!point.exists || point.dynamic_version == dynamic_version_ || is_near(point.key)) continue;
         batch.summed.push_back(p);
         ++batch.counters.summed_points;
-        point.movers_version = movers_version_;
+        point.dynamic_version = dynamic_version_;
         std::copy(point.still, point.still + 3, point.light);
-        if (movers_.empty() && !emitters_.any_differs()) continue;
+        if (dynamic_.empty() && !emitters_.any_differs()) continue;
         batch.changed.clear();
-        find_changed(emitters_, point.seen.get(), point.count, point.origin(), movers_, batch.changed);
+        find_changed(emitters_, point.seen.get(), point.count, point.origin(), dynamic_, batch.changed);
         for (const ChangedNode& changed : batch.changed) {
             const SeenNode seen = point.seen[changed.place];
             const NodeId node = seen_node(seen);
@@ -567,14 +567,14 @@ void VisibleLight::sum(Batch& batch)
             batch.shares.push_back({&point, now, direction});
         }
         if (sky_.any()) shade_sky(batch, point);
-        bounce_off_movers(batch, point);
+        bounce_off_dynamic(batch, point);
     }
     add_what_arrives(batch, batch.rays, batch.shares, ray::Against::dynamic_only);
     add_what_arrives(batch, batch.bounce_rays, batch.bounces, ray::Against::everything);
     for (RememberedPoint* point : batch.summed) end_sum(*point);
 }
 
-// What movers keep off to the last is nothing, or a point in the dark would pass for one with light.
+// What dynamic objects keep off to the last is nothing, or a point in the dark would pass for one with light.
 void VisibleLight::end_sum(RememberedPoint& point)
 {
     for (int colour = 0; colour < 3; ++colour) {
@@ -590,11 +590,11 @@ void VisibleLight::add_light(RememberedPoint& point, const glm::vec3& flux, cons
 }
 
 // Light from what moves. Where it is a small part of a point's light nobody asks what stands between.
-void VisibleLight::bounce_off_movers(Batch& batch, RememberedPoint& point)
+void VisibleLight::bounce_off_dynamic(Batch& batch, RememberedPoint& point)
 {
-    if (emitters_.movers().empty()) return;
+    if (emitters_.dynamic_objects().empty()) return;
     const float still = luminance(at_part(point, point.normal));
-    for (const MoverEmitter& emitter : emitters_.movers()) {
+    for (const DynamicEmitter& emitter : emitters_.dynamic_objects()) {
         const glm::vec3 to = emitter.sample - point.origin();
         const float square = glm::dot(to, to), distance = std::sqrt(square);
         const float cosine = glm::dot(to, point.normal), facing = -glm::dot(to, emitter.normal);
@@ -620,7 +620,7 @@ void VisibleLight::add_what_arrives(Batch& batch, ray::RayQueue& rays, const std
     ask(batch, rays, against);
     batch.counters.rays_dynamic += count;
     for (std::size_t r = 0; r < count; ++r)
-        if (!batch.blocked[r]) add_light(*shares[r].point, shares[r].flux, shares[r].direction);
+        if (!batch.occluded[r]) add_light(*shares[r].point, shares[r].flux, shares[r].direction);
 }
 
 void VisibleLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)

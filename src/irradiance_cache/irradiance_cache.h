@@ -9,8 +9,8 @@
 // whatever came before, for any number of threads.
 //
 // Extends [Ki and Oh 2007]: their cut is one for all receivers and knows no visibility.
-// Cost: a new point: its cut and one ray a node. A known point: a sum, again only if flux or movers changed. A pixel:
-// the interpolation of four points.
+// Cost: a new point: its cut and one ray a node. A known point: a sum, again only if flux or dynamic objects changed. A
+// pixel: the interpolation of four points.
 
 #include <array>
 #include <atomic>
@@ -48,14 +48,14 @@ struct VisibleOptions {
     float pixels_per_near = 2;           // spacing of its points,
     float pixels_per_near_cluster = 4;   // and of those that stand for smaller triangles
     int near_rays = 64;
-    float unasked = 0.02f;   // share of a point's light: less than this comes from a mover unshadowed
+    float unasked = 0.02f;   // share of a point's light: less than this comes from a dynamic object unshadowed
     // Bytes of remembered points, or twice what the last frame shows; the longest unseen go first.
     std::size_t memory = 16u << 20;
 };
 
 struct VisibleCounters {
     std::uint64_t rays = 0;           // static and dynamic
-    std::uint64_t rays_dynamic = 0;   // of these, against movers alone
+    std::uint64_t rays_dynamic = 0;   // of these, against dynamic objects alone
     std::uint64_t new_points = 0, summed_points = 0, moving_points = 0;
     std::uint64_t near_points = 0;   // new ones; not among new_points
     std::uint64_t nodes = 0;         // seen emitters of new points
@@ -89,7 +89,7 @@ class VisibleLight {
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
 
     /// For viewers, from the next frame on: once so many rays were cast in a frame no new point is asked about; what
-    /// lacks is lit as brightly as the rest on average. 0: no limit, the only way to pictures that do not depend on
+    /// lacks is lit as brightly as the rest on average. 0: no limit, the only way to images that do not depend on
     /// history.
     void limit_rays(std::uint64_t a_frame) { most_rays_ = a_frame; }
     /// The last frame lacked points: the same frame once more would have more of them.
@@ -127,7 +127,7 @@ class VisibleLight {
     void find_together();
     void forget_what_stood_still();
     void forget_seen(const RememberedPoint& point);
-    void enclose_movers();
+    void enclose_dynamic();
     void wait(Batch& batch);
     void light_some(std::span<RememberedPoint* const> points, std::span<const std::unique_ptr<Batch>> batches,
                     Tasks& tasks);
@@ -153,14 +153,14 @@ class VisibleLight {
     void replace_hidden(Batch& batch, std::span<const IndirectPoint> points);
     void see_near(Batch& batch);
     bool near_at(float spacing) const { return spacing <= options_.near_spacing * near_.options().radius; }
-    bool movers_may_touch(const RememberedPoint& point) const;
+    bool dynamic_may_touch(const RememberedPoint& point) const;
     void see(Batch& batch);
     void see_sky(Batch& batch);
     void shade_sky(Batch& batch, RememberedPoint& point);
     void sum(Batch& batch);
     static void end_sum(RememberedPoint& point);
     static void add_light(RememberedPoint& point, const glm::vec3& flux, const glm::vec3& direction);
-    void bounce_off_movers(Batch& batch, RememberedPoint& point);
+    void bounce_off_dynamic(Batch& batch, RememberedPoint& point);
     struct Share {   // light that arrives if nothing stands between
         RememberedPoint* point;
         glm::vec3 flux, direction;
@@ -186,10 +186,10 @@ class VisibleLight {
         std::vector<scene::ObjectId> objects;
     };
     std::vector<Together> together_;
-    std::uint32_t lifted_ = 0;   // RayScene::lifted() then
-    MovingSpheres movers_;
+    std::uint32_t promoted_ = 0;   // RayScene::promoted() then
+    MovingSpheres dynamic_;
     std::vector<std::uint32_t> first_triangle_;   // by object, among all of the scene
-    std::uint32_t frame_ = 0, movers_version_ = 1;
+    std::uint32_t frame_ = 0, dynamic_version_ = 1;
     std::uint64_t most_rays_ = 0;   // a frame; 0: no limit
     std::atomic<std::uint64_t> spent_rays_ = 0;
     std::atomic<bool> lacking_ = false;
@@ -285,7 +285,7 @@ class VisibleLight::Batch {
     ray::RayQueue rays, bounce_rays;
 
     ray::Hits hits;
-    std::vector<std::uint8_t> blocked;
+    std::vector<std::uint8_t> occluded;
     struct NearPoint {
         std::uint32_t point;
         NearHints::Cell cell;

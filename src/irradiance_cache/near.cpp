@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Near light in the visible scheme: where it is wanted, where it is remembered, and what movers change of it.
+// Near light in the visible scheme: where it is wanted, where it is remembered, and what dynamic objects change of it.
 #include <algorithm>
 #include <cmath>
 
@@ -145,12 +145,12 @@ void VisibleLight::replace_hidden(Batch& batch, std::span<const IndirectPoint> p
     }
     const std::size_t count = batch.rays.size();
     if (count == 0) return;
-    batch.blocked.resize(count + ray::k_packet_pad);
-    rays_->blocked(batch.rays, 0, count, batch.blocked.data(), ray::Against::static_only);
+    batch.occluded.resize(count + ray::k_packet_pad);
+    rays_->occluded(batch.rays, 0, count, batch.occluded.data(), ray::Against::static_only);
     batch.counters.rays += count;
     std::size_t hidden = 0;
     for (std::size_t d = 0; d < count; ++d) {
-        if (!batch.blocked[d]) continue;
+        if (!batch.occluded[d]) continue;
         Batch::NearPart& near = batch.near_parts[batch.doubted[d]];
         const IndirectPoint& point = points[near.point];
         // One level of detail fades into the next here, too.
@@ -179,7 +179,8 @@ void VisibleLight::replace_hidden(Batch& batch, std::span<const IndirectPoint> p
     if (hidden > 0) serve_near(batch);
 }
 
-// Asks new points for near light from what stands still; and those that movers may touch for what is left of it.
+// Asks new points for near light from what stands still; and those that dynamic objects may touch for what is left of
+// it.
 void VisibleLight::see_near(Batch& batch)
 {
     if (!hints_) return;
@@ -212,16 +213,16 @@ void VisibleLight::see_near(Batch& batch)
             std::copy(answer.light, answer.light + 3, point.still);
             point.free[0] = answer.nearest;
             point.version = version;
-            point.movers_version = 0;
+            point.dynamic_version = 0;
             ++batch.counters.near_points;
         });
     ask(
         ray::Against::everything,
         [&](RememberedPoint& point) {
-            if (point.movers_version == movers_version_) return false;
-            point.movers_version = movers_version_;
+            if (point.dynamic_version == dynamic_version_) return false;
+            point.dynamic_version = dynamic_version_;
             std::copy(point.still, point.still + 3, point.light);
-            return movers_may_touch(point);
+            return dynamic_may_touch(point);
         },
         [&](RememberedPoint& point, const NearAnswer& answer) {
             std::copy(answer.light, answer.light + 3, point.light);
@@ -229,9 +230,9 @@ void VisibleLight::see_near(Batch& batch)
 }
 
 // Whether something that moves may come between near surfaces and the point, or between them and a light.
-bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
+bool VisibleLight::dynamic_may_touch(const RememberedPoint& point) const
 {
-    if (movers_.empty()) return false;
+    if (dynamic_.empty()) return false;
     if (point.still[0] == glm::vec3(0) && point.still[1] == glm::vec3(0) && point.still[2] == glm::vec3(0))
         return false;
     const float radius = near_.options().radius;
@@ -252,8 +253,8 @@ bool VisibleLight::movers_may_touch(const RememberedPoint& point) const
         if (!at.visible || light.of_environment) continue;
         const bool endless = light.type == scene::LightType::directional;
         const glm::vec3 way = endless ? -at.direction : at.position - point.origin();
-        if (movers_.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
-                        [](const Sphere&) { return true; }))
+        if (dynamic_.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
+                         [](const Sphere&) { return true; }))
             return true;
     }
     return false;

@@ -28,7 +28,7 @@ void VisibleLight::place(Batch& batch)
     for (RememberedPoint* point : batch.claimed) {
         if (!is_lattice(point->key)) {
             // Again whenever it may have moved.
-            if (point->version == 0 || point->movers_version != movers_version_) place_part(*point);
+            if (point->version == 0 || point->dynamic_version != dynamic_version_) place_part(*point);
             continue;
         }
         if (point->version != 0) continue;

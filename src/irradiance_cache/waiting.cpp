@@ -21,7 +21,7 @@ std::size_t piece_size(std::size_t count, bool traces)
 
 }   // namespace
 
-void PointEngine::blocked(const ray::RayQueue&, std::uint8_t*, ray::Against)
+void PointEngine::occluded(const ray::RayQueue&, std::uint8_t*, ray::Against)
 {
     fail_check(__FILE__, __LINE__, "an engine that answers no rays was asked for some");
 }
@@ -42,7 +42,7 @@ void VisibleLight::wait(Batch& batch)
         if (!point->exists) point->version = version;
         if (!point->exists || is_near(point->key)) continue;
         const bool fresh = point->version != version;
-        if (!fresh && point->movers_version == movers_version_) continue;
+        if (!fresh && point->dynamic_version == dynamic_version_) continue;
         point->waits = true;
         batch.waiting.push_back(point);
         if (fresh) spent_rays_ += k_reckoned;
@@ -77,7 +77,7 @@ void VisibleLight::light_some(std::span<RememberedPoint* const> points, std::spa
     some.clear();
     std::vector<SumRequest> wanted;
     for (RememberedPoint* point : points) {
-        if (point->movers_version == movers_version_) continue;
+        if (point->dynamic_version == dynamic_version_) continue;
         some.push_back(point);
         wanted.push_back({point->origin(), {point->kept, point->count}});
     }
@@ -98,7 +98,7 @@ void VisibleLight::light_some(std::span<RememberedPoint* const> points, std::spa
         for (std::size_t p = begin; p < end; ++p) {
             RememberedPoint& point = *some[p];
             ++batch.counters.summed_points;
-            point.movers_version = movers_version_;
+            point.dynamic_version = dynamic_version_;
             for (int colour = 0; colour < 3; ++colour)
                 point.light[colour] = point.still[colour] + sums.light[p].of[colour];
             for (; crossed != sums.crossed.end() && crossed->point == p; ++crossed) {
@@ -108,9 +108,9 @@ void VisibleLight::light_some(std::span<RememberedPoint* const> points, std::spa
                 batch.shares.push_back(
                     {&point, emitters_.flux().at(node), to * (seen_weight(crossed->seen) / glm::length(to))});
             }
-            if (movers_.empty() && !emitters_.any_differs()) continue;
+            if (dynamic_.empty() && !emitters_.any_differs()) continue;
             if (sky_.any()) shade_sky(batch, point);
-            bounce_off_movers(batch, point);
+            bounce_off_dynamic(batch, point);
         }
         add_what_arrives(batch, batch.rays, batch.shares, ray::Against::dynamic_only);
         add_what_arrives(batch, batch.bounce_rays, batch.bounces, ray::Against::everything);
@@ -152,7 +152,7 @@ void VisibleLight::see_waiting(std::span<RememberedPoint* const> points,
             const std::size_t first = batch.fresh[p - begin].first;
             const std::size_t last = p + 1 < end ? batch.fresh[p + 1 - begin].first : batch.entries.size();
             for (std::size_t e = first; e < last; ++e) {
-                if (batch.blocked[e]) continue;
+                if (batch.occluded[e]) continue;
                 seen[number].push_back(pack_seen(batch.entries[e], batch.entry_weight[e]));
                 ++lists[p].count;
             }
@@ -160,7 +160,7 @@ void VisibleLight::see_waiting(std::span<RememberedPoint* const> points,
             RememberedPoint& point = *points[p];
             std::fill(point.still, point.still + 3, glm::vec3(0));
             point.version = emitters_.geometry_version();
-            point.movers_version = 0;
+            point.dynamic_version = 0;
             ++batch.counters.new_points;
             batch.counters.nodes += lists[p].count;
         }

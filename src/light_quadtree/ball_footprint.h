@@ -3,7 +3,7 @@
 // Where a ball falls in a light view: for round things a far smaller rectangle than that of their box, which a light
 // sees from a corner.
 //
-// Seen along one axis of the picture, the ball is a circle and the eye a point beside it: the two tangents bound it.
+// Seen along one axis of the image, the ball is a circle and the eye a point beside it: the two tangents bound it.
 // Cost: two arc functions an axis.
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace gnomon::light_quadtree {
 inline constexpr double k_ball_room = 0.01;   // texels: far more than rounding moves a ray or a place
 
 /// A rectangle of texels outside of which no ray through a texel's centre meets the ball; none where the eye is within
-/// it or nearly beside it. Not cut off at the picture's rim.
+/// it or nearly beside it. Not cut off at the image's rim.
 /// @param centre  world space
 /// @param radius  scene units
 inline std::optional<light_views::Rect> ball_footprint(const light_views::ViewProjection& view,
@@ -27,7 +27,7 @@ inline std::optional<light_views::Rect> ball_footprint(const light_views::ViewPr
     double low[2], high[2];
     const glm::vec3* const axes[2] = {&view.across, &view.down};
     for (int axis = 0; axis < 2; ++axis) {
-        const double extent = glm::length(*axes[axis]);   // of half the picture, at distance 1
+        const double extent = glm::length(*axes[axis]);   // of half the image, at distance 1
         const double aside = glm::dot(off, glm::dvec3(*axes[axis])) / extent;
         if (view.perspective) {
             const double distance = std::hypot(aside, ahead);
@@ -39,7 +39,7 @@ inline std::optional<light_views::Rect> ball_footprint(const light_views::ViewPr
         } else {
             low[axis] = (aside - radius) / extent, high[axis] = (aside + radius) / extent;
         }
-        // Far outside of the picture is as good as at its rim.
+        // Far outside of the image is as good as at its rim.
         low[axis] = std::clamp(low[axis], -2.0, 2.0), high[axis] = std::clamp(high[axis], -2.0, 2.0);
     }
     const auto texel = [&](double clip) { return (0.5 * clip + 0.5) * view.size; };

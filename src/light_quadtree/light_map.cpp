@@ -46,7 +46,7 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
     const scene::Scene& scene = state.scene();
     dynamic_place_.assign(scene.objects.size(), scene::none);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if ((scene.objects[o].dynamic || rays.stands_alone(o)) && casters_.casts(o)) {
+        if ((scene.objects[o].dynamic || rays.has_own_instance(o)) && casters_.casts(o)) {
             dynamic_place_[o] = static_cast<std::uint32_t>(dynamics_.size());
             dynamics_.push_back(o);
             ball_.push_back(ball_of(scene, scene.objects[o]));
@@ -89,7 +89,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     layers.slot.assign(static_cast<std::size_t>(tiles) * static_cast<std::size_t>(tiles), -1);
     layers.kept.clear();
     layers.reach.assign(layers.slot.size(), {});
-    layers.movers.assign(dynamics_.size(), {});
+    layers.dynamic_objects.assign(dynamics_.size(), {});
     aim_view(view, state, bounds_);
     if (!view.on) return;
 
@@ -107,11 +107,12 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
         for (int y = 0; y < 1 << level; ++y)
             for (int x = 0; x < 1 << level; ++x) make_node(view, level, x, y);
 
-    for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.movers[d] = footprint(view, state, dynamics_[d]);
+    for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.dynamic_objects[d] = footprint(view, state, dynamics_[d]);
     const light_views::Rect everywhere{0, 0, view.side(), view.side()};
-    repair_view(
-        v, options_.against_everything ? std::span(&everywhere, 1) : std::span<const light_views::Rect>(layers.movers),
-        state, rays, work);
+    repair_view(v,
+                options_.against_everything ? std::span(&everywhere, 1)
+                                            : std::span<const light_views::Rect>(layers.dynamic_objects),
+                state, rays, work);
 }
 
 // Casts the rays of some of a tile's texels, no further than `reach`, and puts what they meet in front of what is
@@ -222,9 +223,9 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
     std::sort(dirty.begin(), dirty.end());
     dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
 
-    // Find the texels that a mover may cover: a function of where movers are, so of the frame alone.
+    // Find the texels that a dynamic object may cover: a function of where dynamic objects are, so of the frame alone.
     std::vector<TexelMask> covered(layers.slot.size(), 0);
-    each_tile(layers.movers, [&](const light_views::Rect& rect, int x, int y) {
+    each_tile(layers.dynamic_objects, [&](const light_views::Rect& rect, int x, int y) {
         const auto from = [](int low, int tile_at) { return std::max(low - tile_at * k_tile, 0); };
         const auto to = [](int high, int tile_at) { return std::min(high - tile_at * k_tile, k_tile); };
         const TexelMask row = (k_whole_row >> (k_tile - to(rect.x1, x))) & (k_whole_row << from(rect.x0, x));
@@ -313,7 +314,7 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
         }
         std::vector<light_views::Rect> where;
         for (const std::uint32_t d : stirred) {
-            light_views::Rect& rect = layers_[v].movers[d];
+            light_views::Rect& rect = layers_[v].dynamic_objects[d];
             where.push_back(rect);
             rect = footprint(views_[v], state, dynamics_[d]);
             where.push_back(rect);

@@ -10,11 +10,10 @@
 // Two layers. What stands still is cast once. Where something that moves is or was, tile by tile, texels are cast anew,
 // or put back as they were without it; then the nodes above what changed are made anew, and no others. A map that
 // followed any number of frames equals a new one, to the bit (a tile's rays always share the same packets). Rays at
-// movers end where the static layer begins: what stands still is not met twice.
+// dynamic objects end where the static layer begins: what stands still is not met twice.
 //
-// Cost: construction, or a light that moved: a ray a texel. A frame: rays at texels that movers may cover, in the tiles
-// that they left or entered.
-// 68 bytes a texel.
+// Cost: construction, or a light that moved: a ray a texel. A frame: rays at texels that dynamic objects may cover, in
+// the tiles that they left or entered. 68 bytes a texel.
 
 #include <span>
 #include <vector>
@@ -57,8 +56,8 @@ class LightMap {
     static constexpr TexelMask k_whole_row = (TexelMask{1} << k_tile) - 1, k_whole_tile = ~TexelMask{0};
     static_assert(k_tile * k_tile == 64);
     struct Layers {
-        std::vector<light_views::Rect> movers;   // footprint now, by place in dynamics_
-        std::vector<std::int32_t> slot;          // by tile: where its static layer is kept; -1: the tile is all static
+        std::vector<light_views::Rect> dynamic_objects;   // footprint now, by place in dynamics_
+        std::vector<std::int32_t> slot;   // by tile: where its static layer is kept; -1: the tile is all static
         std::vector<Tile> kept;
         std::vector<Distances> reach;   // by tile: to the static layer
     };

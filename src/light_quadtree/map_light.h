@@ -3,7 +3,7 @@
 // Indirect light from a light map, without visibility: the light quad-tree as published [Ki and Oh 2007], and the
 // sampling of reflective shadow maps that it is compared with [Dachsbacher and Stamminger 2005].
 //
-// Sparse receivers [Ki and Oh 2007, 3.3]: light is gathered at a coarse grid of the picture's points; a pixel whose
+// Sparse receivers [Ki and Oh 2007, 3.3]: light is gathered at a coarse grid of the image's points; a pixel whose
 // neighbours in the grid agree with it in position and normal takes theirs, every other pixel gathers by itself. Kept
 // buffers: while neither scene, light nor view moves, the map, the cut and the grid's light are used again.
 //
@@ -24,7 +24,7 @@ struct MapLightOptions {
     LightMapOptions map;
     CutLevels levels;
     RsmOptions rsm;
-    int grid = 64;                 // sparse receivers along the picture's longer side; 0: every pixel gathers
+    int grid = 64;                 // sparse receivers along the image's longer side; 0: every pixel gathers
     float grid_normals = 0.9f;     // a neighbour agrees whose normal's cosine is above this
     float grid_off_plane = 0.1f;   // and that is off the pixel's plane by less than this share of the grid's spacing
     int grid_neighbours = 3;       // of four must agree
@@ -35,7 +35,7 @@ struct MapReceiver {
     glm::vec3 position{0};
     glm::vec3 normal{0};    // unit, shading; zero: no surface
     float width = 0;        // of a pixel there, scene units
-    glm::ivec2 pixel{-1};   // of the picture; negative: not one of the picture's own points (in a mirror)
+    glm::ivec2 pixel{-1};   // of the image; negative: not one of the image's own points (in a mirror)
 };
 
 struct MapLightCounters {
@@ -52,7 +52,7 @@ class MapLight {
     /// After the state advanced and the ray scene followed.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
-    /// Pixels between two receivers of the grid, for a picture of that size; 0: no grid.
+    /// Pixels between two receivers of the grid, for an image of that size; 0: no grid.
     int grid_step(int width, int height) const;
     /// Gathers at the grid's receivers, row by row from pixel (0, 0) on, `columns` a row. After begin_frame().
     void set_grid(std::span<const MapReceiver> receivers, int columns, int step, Tasks& tasks);

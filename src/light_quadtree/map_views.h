@@ -18,7 +18,7 @@ struct LightMapOptions {
     float least_cosine = 0.05f;   // surfaces at a more grazing angle stand for no larger area
     int most_transparent = 16;    // surfaces that a ray passes before it is given up
     Validity validity;
-    bool against_everything = false;   // movers' tiles are cast as if no static layer were kept: the slow twin
+    bool against_everything = false;   // dynamic objects' tiles are cast as if no static layer were kept: the slow twin
 };
 
 /// One view of a light and its pyramid. The grid of level l has 2^l nodes a side; level `levels` are the texels.

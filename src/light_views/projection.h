@@ -6,7 +6,7 @@
 // Depth is reversed, 1 near to 0 far (perspective: near / distance along the axis, without a far plane), so that a
 // float keeps the same relative precision at every distance. Texel (0, 0) is at clip (-1, -1), as Vulkan has it. A
 // projection depends on the light and on the bounds of the whole clip alone, never on where things are or were: views
-// are stable while the light stands still, and the picture of a frame does not depend on the frames before it.
+// are stable while the light stands still, and the image of a frame does not depend on the frames before it.
 // A directional light has a second view where most of the scene fills a small part of it (a courtyard in a landscape):
 // the first is fitted to that part. It does not follow the camera, so that it stands still with the light. Cost: a few
 // matrix products.

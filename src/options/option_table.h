@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Every verb and every option, as data: the command line, --config, --help, and whatever else speaks of options are
-// made from these two tables and from nothing else.
+// Every subcommand and every option, as data: the command line, --config, --help, and whatever else speaks of options
+// are made from these two tables and from nothing else.
 
 #include <cstdint>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace gnomon::options {
 
-enum class Verb : std::uint8_t {
+enum class Subcommand : std::uint8_t {
     render,
     view,
     info,
@@ -23,8 +23,8 @@ enum class Verb : std::uint8_t {
     bench_all,
 };
 
-struct VerbInfo {
-    Verb verb;
+struct SubcommandInfo {
+    Subcommand subcommand;
     std::string_view name;        // "render", "bench trace"
     std::string_view arguments;   // as --help shows them
     int positionals;              // how many arguments that are no options
@@ -56,24 +56,24 @@ struct Option {
     double low = 0, high = 0;
     bool repeats = false;
     bool built = true;
-    std::uint32_t verbs = 0;   // set of bit(Verb)
+    std::uint32_t subcommands = 0;   // set of bit(Subcommand)
     std::string_view group{};
     std::string_view help{};
 };
 
-constexpr std::uint32_t bit(Verb verb)
+constexpr std::uint32_t bit(Subcommand subcommand)
 {
-    return 1u << static_cast<unsigned>(verb);
+    return 1u << static_cast<unsigned>(subcommand);
 }
 
-std::span<const VerbInfo> verbs();
-/// In the order in which --help shows them; a verb's options of one group stand together.
+std::span<const SubcommandInfo> subcommands();
+/// In the order in which --help shows them; a subcommand's options of one group stand together.
 std::span<const Option> options();
 
 /// nullptr if there is none.
-const VerbInfo* find_verb(std::string_view name);
+const SubcommandInfo* find_subcommand(std::string_view name);
 /// @param name  without dashes
-const Option* find_option(Verb verb, std::string_view name);
+const Option* find_option(Subcommand subcommand, std::string_view name);
 
 /// The value must be what the option wants, and built.
 /// @throws UsageError in one line that says what was expected

@@ -173,15 +173,15 @@ void OptionValues::unset(const Option& option)
 
 bool OptionValues::given(std::string_view name) const
 {
-    const Option* option = find_option(verb_, name);
-    if (!option) throw InternalError(fmt::format("the verb has no option '{}'", name));
+    const Option* option = find_option(subcommand_, name);
+    if (!option) throw InternalError(fmt::format("the subcommand has no option '{}'", name));
     return values_.find(name) != values_.end();
 }
 
 std::string OptionValues::text(std::string_view name) const
 {
     if (given(name)) return values_.find(name)->second.back();
-    return std::string(find_option(verb_, name)->fallback);
+    return std::string(find_option(subcommand_, name)->fallback);
 }
 
 std::vector<std::string> OptionValues::all(std::string_view name) const

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The values of a verb's options: what was given, else the default of the table.
+// The values of a subcommand's options: what was given, else the default of the table.
 
 #include <map>
 #include <optional>
@@ -25,10 +25,10 @@ struct Chunk {
 };
 std::optional<Chunk> parse_chunk(std::string_view word);   // I/N
 
-/// Asking for a name that the verb does not have is a bug of ours (InternalError).
+/// Asking for a name that the subcommand does not have is a bug of ours (InternalError).
 class OptionValues {
  public:
-    explicit OptionValues(Verb verb) : verb_(verb) {}
+    explicit OptionValues(Subcommand subcommand) : subcommand_(subcommand) {}
 
     /// Checks and keeps; a later call replaces an earlier one.
     /// @throws UsageError
@@ -46,7 +46,7 @@ class OptionValues {
     double number(std::string_view name) const;
 
  private:
-    Verb verb_;
+    Subcommand subcommand_;
     std::map<std::string, std::vector<std::string>, std::less<>> values_;
 };
 

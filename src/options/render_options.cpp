@@ -41,7 +41,7 @@ Overlay overlay_of(const std::string& name)
 
 }   // namespace
 
-RenderOptions read_picture_options(const OptionValues& values)
+RenderOptions read_render_options(const OptionValues& values)
 {
     RenderOptions options;
     if (values.text("renderer") == "raster") options.renderer = RenderMethod::raster;

@@ -8,6 +8,6 @@
 namespace gnomon::options {
 
 /// @throws UsageError  for options that exclude each other
-RenderOptions read_picture_options(const OptionValues& values);
+RenderOptions read_render_options(const OptionValues& values);
 
 }   // namespace gnomon::options

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Adds bounced light to the picture, from the irradiance that arrives at each pixel's surface. Formula:
+// Adds bounced light to the image, from the irradiance that arrives at each pixel's surface. Formula:
 // reflect_irradiance in src/shading/shading.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -10,7 +10,7 @@
 
 namespace gnomon::raster {
 
-/// One layer of surfaces, of the picture's size. Images are sampled (texelFetch) or read as storage images; the format
+/// One layer of surfaces, of the image's size. Images are sampled (texelFetch) or read as storage images; the format
 /// is four 32-bit floats except for the ids.
 struct GBuffer {
     vk::Image position;    // xyz: in the world; w: depth along the view's forward axis, 0 where nothing is to be lit

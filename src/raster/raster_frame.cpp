@@ -154,7 +154,7 @@ void RasterFrame::make_pipelines()
                                                 .blocks = {{"", sizeof(BouncePush), {}}}});
 }
 
-// Images of the picture's size; kept from frame to frame.
+// Images of the image's size; kept from frame to frame.
 void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t lights)
 {
     const auto width = static_cast<std::uint32_t>(size.width), height = static_cast<std::uint32_t>(size.height);
@@ -245,7 +245,7 @@ DrawPush RasterFrame::draw_push(const scene::View& view, glm::vec2 offset) const
         rows[2] = std::isfinite(view.far) ? near / (view.far - near) * glm::vec4(-view.forward, view.far)
                                           : glm::vec4(0, 0, 0, near);
     }
-    // The sample's place in the pixel: the picture moves the other way.
+    // The sample's place in the pixel: the image moves the other way.
     const glm::vec2 move = -2.0f * (offset - 0.5f) / glm::vec2(view.size.width, view.size.height);
     rows[0] += move.x * rows[3];
     rows[1] += move.y * rows[3];

@@ -49,7 +49,7 @@ struct ResolvePush {
 struct ShadePush {
     uint first_light, light_count;
     uint shadowed;   // `visibility` counts
-    uint colors;     // add to the picture and, of `layers`, to direct light
+    uint colors;     // add to the image and, of `layers`, to direct light
     uint layers;
     uint first_lit, lit_count;   // of the lights: those whose layers of what is lit are bound; add to them
     uint lit_pixels;             // from one such layer to the next

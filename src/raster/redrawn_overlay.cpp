@@ -10,7 +10,7 @@ namespace gnomon::raster {
 
 namespace {
 
-// Brightness of the picture below the colours: a marked object is seen in the dark, too.
+// Brightness of the image below the colours: a marked object is seen in the dark, too.
 constexpr float k_grey_share = 0.6f, k_mark_floor = 0.25f;
 
 glm::vec3 tint_of(Redrawn what)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The overlay of what was redrawn: the picture in grey, and each object in the colour of what the light views did with
+// The overlay of what was redrawn: the image in grey, and each object in the colour of what the light views did with
 // it in this frame. Grey: nothing; its depths were kept.
 //
 // Cost: O(objects + pixels).
@@ -21,7 +21,7 @@ enum class Redrawn : std::uint8_t {
 /// By object, of the views' last update.
 std::vector<Redrawn> redrawn_objects(const light_views::LightViews& views);
 
-/// Paints over a picture in linear light, as it is to be shown: exposed, within 0 to 1.
+/// Paints over an image in linear light, as it is to be shown: exposed, within 0 to 1.
 /// @param ids       object + 1 of each pixel, 0 for none, and another number
 /// @param exposure  in stops, of `color`
 void paint_redrawn(const IdImage& ids, const std::vector<Redrawn>& objects, double exposure, ImageF& color);

@@ -45,11 +45,11 @@ void ShadowVisibility::update(vk::Commands& commands, const gpu_scene::GpuScene&
 void ShadowVisibility::fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
                             const vk::Image& visibility)
 {
-    const shadow_textures::PictureInputs picture{&surfaces.position, &surfaces.geometric, &surfaces.ids};
+    const shadow_textures::ImageInputs image{&surfaces.position, &surfaces.geometric, &surfaces.ids};
     if (hard_)
-        hard_->record(commands, views_, casters_, picture, visibility, first, count);
+        hard_->record(commands, views_, casters_, image, visibility, first, count);
     else
-        visibility_.record(commands, views_, buffers_, textures_.get(), picture, visibility, options_.look_up, first,
+        visibility_.record(commands, views_, buffers_, textures_.get(), image, visibility, options_.look_up, first,
                            count);
 }
 

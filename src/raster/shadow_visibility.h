@@ -4,7 +4,7 @@
 //
 // Coherent: light views keep what stood still, and the item of each texel stands for all receivers' textures at once
 // (see shadow_textures/vulkan/gpu_textures.h). By depth, and by casters between: everything is drawn anew in every
-// frame, and each receiver's own texture is looked up; the same pictures, at their methods' cost.
+// frame, and each receiver's own texture is looked up; the same images, at their methods' cost.
 
 #include "gnomon/renderer.h"
 #include "light_views/light_views.h"

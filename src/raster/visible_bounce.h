@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Bounced light with shadows in the rasterised frame: the surfaces are the device's, the light is that of the traced
-// frame's remembered points (irradiance_cache/irradiance_cache.h). The processor finds which points speak for a pixel; cuts
-// and sums of points are its own or the device's.
+// frame's remembered points (irradiance_cache/irradiance_cache.h). The processor finds which points speak for a pixel;
+// cuts and sums of points are its own or the device's.
 //
 // Each layer's surfaces are read back, lit, and what arrives is sent to the device: a wait for the device a layer, 72
 // bytes a pixel down and 16 up. A pixel's light is that of the traced frame wherever both see the same surface.
@@ -20,8 +20,8 @@ namespace gnomon::raster {
 class VisibleBounce final : public BouncedLight {
  public:
     /// @param rays       follows the state before every frame; like `tasks`, must outlive this
-    /// @param on_device  cuts and sums are the device's (irradiance_cache/vulkan/gpu_points.h); so are rays of points, if
-    /// it traces rays (device_rays.h), from the first update() on
+    /// @param on_device  cuts and sums are the device's (irradiance_cache/vulkan/gpu_points.h); so are rays of points,
+    /// if it traces rays (device_rays.h), from the first update() on
     /// @throws MissingError  too little device memory
     VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
                   const irradiance_cache::VisibleOptions& options, bool on_device, Tasks& tasks);

@@ -14,7 +14,7 @@ namespace gnomon::ray {
 inline constexpr std::size_t k_packet_pad = 16;   // arrays are padded so that the last packet may be read whole
 
 /// What rays are for. It changes no answer: a tree that counts keeps a sum for each. `check`: what a measurement asks
-/// and a picture does not need.
+/// and an image does not need.
 enum class RayClass : std::uint8_t { primary, reflection, refraction, shadow, indirect, check };
 inline constexpr int k_ray_classes = 6;
 

@@ -3,9 +3,9 @@
 // Rays against a scene, on Embree. The only header of this folder that others need; no Embree type leaves it.
 //
 // Two scenes, because this Embree allows one level of instances: everything static, committed once and kept; and the
-// movers, one instance per rigid group or deforming object, of which only the small top level is rebuilt, and only in
-// frames in which one of them moved. Closest hit: the second scene starts with the first's distance. Any hit: the
-// second is asked only where the first let the ray pass. 'Dynamic objects only' is simply the second scene.
+// dynamic objects, one instance per rigid group or deforming object, of which only the small top level is rebuilt, and
+// only in frames in which one of them moved. Closest hit: the second scene starts with the first's distance. Any hit:
+// the second is asked only where the first let the ray pass. 'Dynamic objects only' is simply the second scene.
 //
 // Repeatable by construction: trees are built by one thread from inputs that do not depend on earlier frames (a
 // deforming mesh is built in its rest shape and refitted), so equal distances fall the same way every time. Robust mode
@@ -60,7 +60,7 @@ struct Hit {
 
 struct RaySceneStatistics {
     std::uint64_t static_triangles = 0;   // in the static scene, flattened and instanced
-    std::uint64_t instances = 0;          // in the movers' scene
+    std::uint64_t instances = 0;          // in the dynamic objects' scene
     std::uint64_t bytes = 0;              // Embree's memory and our baked vertices
     double build_ms = 0;                  // everything, at construction
     std::uint64_t touched = 0;            // instances and refitted meshes handled by the last update
@@ -76,22 +76,23 @@ class RayScene {
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
-    /// Follows one advance() of the state it was built from. Cost: what moved, and the movers' top level if any did.
+    /// Follows one advance() of the state it was built from. Cost: what moved, and the dynamic objects' top level if
+    /// any did.
     void update(const scene::SceneState& state);
 
     /// Nearest surface along each ray; transparent ones count. rays[begin, end) only; hits must be sized. Thread-safe.
     /// @param against  all but `one_tree`
     void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                  Against against = Against::everything) const;
-    /// blocked[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.
+    /// occluded[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.
     /// Thread-safe.
-    void blocked(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
-                 Against against = Against::everything) const;
+    void occluded(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
+                  Against against = Against::everything) const;
 
     /// The same by single rays: the twins of the packets, for tests and for lone rays.
     Hit closest_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides) const;
-    bool blocked_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                        Against against = Against::everything) const;
+    bool occluded_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                         Against against = Against::everything) const;
 
     /// Keeps one more tree over the same geometries and instances, rebuilt whenever something moves: the opponent of
     /// benchmarks, never used by a renderer.
@@ -106,14 +107,14 @@ class RayScene {
     const ObjectGeometry& geometry(scene::ObjectId object) const;
     /// Whether an object moves by itself: it deforms, or somebody moved it by hand, out of what stands still or out of
     /// its group.
-    bool stands_alone(scene::ObjectId object) const;
+    bool has_own_instance(scene::ObjectId object) const;
     /// Whether an object is among what moves: what `static_only` does not meet.
     bool moves(scene::ObjectId object) const;
     /// How rays meet it while it is visible.
     Meeting meeting(scene::ObjectId object) const;
     /// How many static objects somebody moved by hand for the first time. Counts up: what was remembered of static
     /// things is void then.
-    std::uint32_t lifted() const;
+    std::uint32_t promoted() const;
     /// Around everything visible, as of the last update.
     Box3 bounds() const;
     RaySceneStatistics statistics() const;
@@ -122,8 +123,8 @@ class RayScene {
     static int packet_width();
 
  private:
-    struct Inside;
-    std::unique_ptr<Inside> inside_;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }   // namespace gnomon::ray

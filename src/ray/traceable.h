@@ -9,7 +9,7 @@
 namespace gnomon::ray {
 
 /// Whether a ray may be handed to Embree; the others meet nothing. One that ends behind its beginning may not: Embree
-/// marks blocked rays by such an end.
+/// marks occluded rays by such an end.
 inline bool traceable(float ox, float oy, float oz, float tnear, float dx, float dy, float dz, float tfar)
 {
     // Numbers and no truth values, so that there are no branches and packets are checked at once.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Directions towards the bright parts of a picture of the surroundings, for the reference's light from there.
+// Directions towards the bright parts of an image of the surroundings, for the reference's light from there.
 //
-// The density is constant over each cell of a grid that is no finer than the picture, in proportion to the cell's mean
+// The density is constant over each cell of a grid that is no finer than the image, in proportion to the cell's mean
 // luminance. It may be 0 where a blend of texels still is not black; so it is for use beside cosine sampling, weighted
 // by the balance heuristic [Veach and Guibas 1995], which reaches every direction.
 //
-// Cost: one pass over the picture; a sample is two binary searches.
+// Cost: one pass over the image; a sample is two binary searches.
 
 #include <vector>
 
@@ -18,7 +18,7 @@ class EnvironmentSampler {
  public:
     explicit EnvironmentSampler(const scene::Environment& environment);
 
-    /// A black picture has no directions.
+    /// A black image has no directions.
     bool empty() const { return rows_.empty() || !(total_ > 0); }
     /// u, v in [0, 1). Not for an empty one. @return unit; `density` per steradian, above 0
     glm::vec3 sample(float u, float v, float& density) const;

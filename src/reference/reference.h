@@ -14,9 +14,9 @@
 //     to what each would add unshadowed.
 //   - Irradiance is the integral of radiance times the cosine. AFF, whose lights lack a factor of pi, counts in
 //   radiance
-//     as its pictures show it; so for every material: radiance sent on = diffuse / pi * irradiance.
-// With `surroundings`, what lies behind everything lights the points too: the sky and a picture of the surroundings
-// themselves, instead of the lights that stand for the picture (by both kinds of sampling, weighted by the balance
+//     as its images show it; so for every material: radiance sent on = diffuse / pi * irradiance.
+// With `surroundings`, what lies behind everything lights the points too: the sky and an image of the surroundings
+// themselves, instead of the lights that stand for the image (by both kinds of sampling, weighted by the balance
 // heuristic [Veach and Guibas 1995]). With `shining`, surfaces that shine by themselves do so too; else lights alone
 // light, which scenes without any get in place of such surfaces (scene/defaults/emissive_lights.h).
 //
@@ -63,7 +63,7 @@ IrradiancePoint irradiance_point(const shading::SurfacePoint& surface, std::uint
 /// What a point gets, three channels each; not what lamps add without a bounce.
 struct IrradianceEstimate {
     glm::vec3 indirect{0};         // after one to `bounces` bounces
-    glm::vec3 surroundings{0};     // with none, from the sky, a picture of the surroundings, shining surfaces
+    glm::vec3 surroundings{0};     // with none, from the sky, an image of the surroundings, shining surfaces
     glm::vec3 indirect_error{0};   // standard error of `indirect`; 0 with one sample, which cannot tell
     glm::vec3 error{0};            // of the sum
 };
@@ -149,7 +149,7 @@ class ReferencePaths {
     std::vector<float> light_chance_;
     ray::Hits hits_, next_hits_;
     std::vector<std::uint32_t> passing_ray_;
-    std::vector<std::uint8_t> blocked_;
+    std::vector<std::uint8_t> occluded_;
 };
 
 }   // namespace gnomon::reference

@@ -205,10 +205,10 @@ bool ReferencePaths::trace_on(int bounce)
 
     // The last ray need only know whether it leaves the scene.
     if (last && !light_.surfaces_shine_) {
-        blocked_.resize(count + ray::k_packet_pad);
-        light_.rays_.blocked(rays_, 0, count, blocked_.data());
+        occluded_.resize(count + ray::k_packet_pad);
+        light_.rays_.occluded(rays_, 0, count, occluded_.data());
         for (std::size_t r = 0; r < count; ++r)
-            if (!blocked_[r]) background(paths_[ray_path_[r]]);
+            if (!occluded_[r]) background(paths_[ray_path_[r]]);
         return false;
     }
 
@@ -329,10 +329,10 @@ void ReferencePaths::trace_shadows(bool to_surroundings)
     const std::size_t count = shadow_rays_.size();
     if (count == 0) return;
     counters_.rays += count;
-    blocked_.resize(count + ray::k_packet_pad);
-    light_.rays_.blocked(shadow_rays_, 0, count, blocked_.data());
+    occluded_.resize(count + ray::k_packet_pad);
+    light_.rays_.occluded(shadow_rays_, 0, count, occluded_.data());
     for (std::size_t r = 0; r < count; ++r) {
-        if (blocked_[r]) continue;
+        if (occluded_[r]) continue;
         Path& path = paths_[shadow_path_[r]];
         (to_surroundings ? path.surroundings : path.indirect) += shadow_gain_[r];
     }

@@ -144,7 +144,7 @@ void Environment::cut(const Part& part, int count, std::vector<EnvironmentLight>
     const int across = part.x1 - part.x0, down = part.y1 - part.y0;
     if (count == 1 || (across == 1 && down == 1)) {
         // DEVIATION(Debevec 2005, 3): the light is as strong as the part's vector irradiance, not as its flux. A wide
-        // part then lights a surface that sees all of it exactly as the picture does, and energy stays honest.
+        // part then lights a surface that sees all of it exactly as the image does, and energy stays honest.
         const double length = glm::length(sum.weighted);
         if (!(length > 0)) return;
         lights.push_back(

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Light from a picture of the surroundings, as a sky and as a few directional lights.
+// Light from an image of the surroundings, as a sky and as a few directional lights.
 //
-// The picture is longitude by latitude: its upper edge is straight up (+Y), its centre looks along -Z, its right
+// The image is longitude by latitude: its upper edge is straight up (+Y), its centre looks along -Z, its right
 // quarter along +X, and its sides meet at +Z. Texels are radiance, linear RGB.
 //
-// What rays that leave the scene see is the picture itself. What surfaces reflect diffusely comes from directional
-// lights with shadows, one for each part of the picture that a median cut makes [Debevec 2005, "A Median Cut Algorithm
+// What rays that leave the scene see is the image itself. What surfaces reflect diffusely comes from directional
+// lights with shadows, one for each part of the image that a median cut makes [Debevec 2005, "A Median Cut Algorithm
 // for Light Probe Sampling"]; they carry all of it, so there is no ambient light beside them. What rough surfaces
 // mirror is blurred too much for one ray and comes from order-2 spherical harmonics [Ramamoorthi and Hanrahan 2001, "An
 // Efficient Representation for Irradiance Environment Maps"], without shadows. So nothing is counted twice.
 //
-// Cost: one pass over the picture when it is made; a look-up is four texels.
+// Cost: one pass over the image when it is made; a look-up is four texels.
 
 #include <array>
 #include <vector>
@@ -21,7 +21,7 @@
 
 namespace gnomon::scene {
 
-/// One part of the picture, gathered into a direction.
+/// One part of the image, gathered into a direction.
 struct EnvironmentLight {
     glm::vec3 to_light{0};     // unit: the part's centroid by light
     glm::vec3 irradiance{0};   // on a surface that faces it
@@ -40,15 +40,15 @@ class Environment {
     /// The integral of radiance over all directions.
     glm::vec3 flux() const { return flux_; }
 
-    /// Cuts the picture into `count` parts of like flux. Black parts and parts of one direction cannot be cut and may
-    /// make it fewer. The same for the same picture.
+    /// Cuts the image into `count` parts of like flux. Black parts and parts of one direction cannot be cut and may
+    /// make it fewer. The same for the same image.
     /// @param count  a power of two, 1 to 1024
     std::vector<EnvironmentLight> lights(int count) const;
 
     const ImageF& image() const { return image_; }
     /// Coefficients of ambient(), in the order of Ramamoorthi and Hanrahan.
     const std::array<glm::vec3, 9>& harmonics() const { return harmonics_; }
-    /// Unit direction of a point of the picture; u from the left, v from the top, 0 to 1.
+    /// Unit direction of a point of the image; u from the left, v from the top, 0 to 1.
     static glm::vec3 direction_at(double u, double v);
 
  private:

@@ -69,7 +69,7 @@ struct Background {
 
     glm::vec3 radiance(const glm::vec3& direction) const;
     /// Irradiance / pi on an unoccluded surface with this unit normal: the sky's ambient light (the sun's is the
-    /// light's), or the picture's, blurred.
+    /// light's), or the image's, blurred.
     glm::vec3 ambient(const glm::vec3& normal) const;
 };
 

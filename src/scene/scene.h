@@ -53,11 +53,11 @@ struct Timeline {
     double start = 0;   // seconds
     double end = 0;
     int frames = 1;            // of the whole clip, at `fps`
-    double fps = 24;           // film rate
-    bool own_frames = false;   // AFF: the file numbers its frames itself; --fps then changes the film's rate alone
+    double fps = 24;           // video rate
+    bool own_frames = false;   // AFF: the file numbers its frames itself; --fps then changes the video's rate alone
 
     double time_of(int frame) const;
-    /// The same clip sampled at another rate (glTF); AFF keeps its frames and takes the rate for the film.
+    /// The same clip sampled at another rate (glTF); AFF keeps its frames and takes the rate for the video.
     Timeline at_rate(double new_fps) const;
 };
 

@@ -10,7 +10,7 @@
 
 namespace gnomon::scene {
 
-/// A camera placed in the world, for one picture size. The vertical field of view is the camera's; the width follows.
+/// A camera placed in the world, for one image size. The vertical field of view is the camera's; the width follows.
 struct View {
     glm::vec3 eye{0};
     glm::vec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};   // unit; right and up scaled by half the view's extent

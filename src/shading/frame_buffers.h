@@ -20,7 +20,7 @@ struct FrameBuffers {
     ImageF variance;              // of color
     ImageF irradiance;            // by bounces, at primary hits of surfaces that scatter light
     ImageF irradiance_variance;   // of that
-    FrameTimes times;             // of the frame; stages `scene` and `picture` are not its own
+    FrameTimes times;             // of the frame; stages `scene` and `image` are not its own
 };
 
 }   // namespace gnomon::shading

@@ -98,7 +98,7 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in)
 {
-    // A picture behind the windows has an ambient colour and no other: no light falls on it, it is simply seen.
+    // An image behind the windows has an ambient colour and no other: no light falls on it, it is simply seen.
     const bool backdrop = s.model == scene::ShadingModel::whitted && s.diffuse == glm::vec3(0) &&
                           s.specular == glm::vec3(0) && s.transmitted == glm::vec3(0);
     glm::vec3 result = stand_in || backdrop ? s.ambient * scene.ambient : glm::vec3(0);

@@ -3,7 +3,7 @@
 // How a surface answers light: Phong for AFF [Whitted 1980], GGX for glTF [Walter et al. 2007; Khronos glTF 2.0,
 // appendix B], and what goes on as mirror and refracted rays.
 //
-// AFF's convention has no pi: radiance = diffuse * irradiance. Its pictures are pi times brighter than radiometry says,
+// AFF's convention has no pi: radiance = diffuse * irradiance. Its images are pi times brighter than radiometry says,
 // in all parts alike.
 
 #include "shading/surface.h"

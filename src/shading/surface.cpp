@@ -74,7 +74,7 @@ void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3&
 }
 
 // Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle: as
-// the picture lies on it, or as the file's own tangents have it, which know nothing of a turned picture.
+// the image lies on it, or as the file's own tangents have it, which know nothing of a turned image.
 glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
                         const glm::vec3& normal, bool front)
 {

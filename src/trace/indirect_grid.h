@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The sparse receivers of a picture: what the view sees at every so many pixels, for light that is gathered there and
+// The sparse receivers of an image: what the view sees at every so many pixels, for light that is gathered there and
 // interpolated between [Ki and Oh 2007, 3.3].
 
 #include "gnomon/renderer.h"
@@ -20,7 +20,7 @@ light_quadtree::MapLightOptions map_light_options(const RenderOptions& options);
 /// Of Indirect::visible.
 irradiance_cache::VisibleOptions visible_light_options(const RenderOptions& options);
 
-/// Casts one ray at every step-th pixel, and one beyond the picture's last in each row and column.
+/// Casts one ray at every step-th pixel, and one beyond the image's last in each row and column.
 IndirectGrid cast_indirect_grid(const scene::Scene& scene, const ray::RayScene& rays, const scene::View& view, int step,
                                 Tasks& tasks);
 

@@ -48,9 +48,9 @@ struct StateMap {
     std::vector<std::uint8_t> shade;   // [pixel]: 0 grazing to 255 facing the viewer; draws the shapes
 
     /// Empty, for that many pixels.
-    void start(Size picture)
+    void start(Size image)
     {
-        size = picture;
+        size = image;
         cells.assign(lights.size() * pixels(), 0);
         shade.assign(pixels(), 0);
     }

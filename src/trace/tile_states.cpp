@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of a tile's work that shows it: from what its shadows were answered, and which answers were wrong. Nothing
-// here changes the picture.
+// here changes the image.
 #include <algorithm>
 
 #include "trace/tile_tracer.h"
@@ -15,7 +15,7 @@ void TileTracer::mark_states(std::size_t l, const TileRect& tile)
     std::uint8_t* const cells = states_->panel(static_cast<std::size_t>(panel - states_->lights.begin()));
     for (std::uint32_t p = 0; p < points_.size(); ++p) {
         const shading::SurfacePoint& s = points_[p].surface;
-        const std::size_t pixel = pixel_of_picture(points_[p].pixel, tile);
+        const std::size_t pixel = pixel_of_image(points_[p].pixel, tile);
         bool untrusted = false;
         const StateMark mark = mark_of(p, l, untrusted);
         cells[pixel] =
@@ -68,8 +68,8 @@ void TileTracer::check_lit(std::size_t l, bool primary, const TileRect& tile)
     queue_shadow_rays(l);
     shadow_rays_.purpose = ray::RayClass::check;
     const std::size_t count = shadow_rays_.size();
-    blocked_.resize(count + ray::k_packet_pad);
-    rays_.blocked(shadow_rays_, 0, count, blocked_.data());
+    occluded_.resize(count + ray::k_packet_pad);
+    rays_.occluded(shadow_rays_, 0, count, occluded_.data());
     found_lit_.assign(points_.size(), 0);
     for (const std::uint32_t p : lit_) found_lit_[p] = 1;
 
@@ -78,11 +78,11 @@ void TileTracer::check_lit(std::size_t l, bool primary, const TileRect& tile)
     const auto flag = static_cast<std::uint8_t>(primary ? StateCell::k_wrong : StateCell::k_wrong_behind);
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t p = shadow_point_[i];
-        if (found_lit_[p] == !blocked_[i]) continue;
+        if (found_lit_[p] == !occluded_[i]) continue;
         ++*counters_.shadow.rays_wrong;
         if (shown)
             states_->panel(static_cast<std::size_t>(
-                panel - states_->lights.begin()))[pixel_of_picture(points_[p].pixel, tile)] |= flag;
+                panel - states_->lights.begin()))[pixel_of_image(points_[p].pixel, tile)] |= flag;
     }
 }
 

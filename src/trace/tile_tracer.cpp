@@ -201,7 +201,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
     }
 }
 
-// What the published culling's occlusion test looks at, once all of the picture is there.
+// What the published culling's occlusion test looks at, once all of the image is there.
 // DEVIATION(Nah 2009, 2.3): with several samples a pixel, the test sees the first of each; the paper has one.
 void TileTracer::note_primary_hits(const TileRect& tile)
 {
@@ -209,7 +209,7 @@ void TileTracer::note_primary_hits(const TileRect& tile)
         shadow_culling::PrimaryHit hit{shadow_culling::no_primitive, primary_.rays.origin(i),
                                        primary_.rays.direction(i)};
         if (hits_.object[i] != scene::none) hit.primitive = paper_->primitive(hits_.object[i], hits_.triangle[i]);
-        primary_hits_[pixel_of_picture(primary_.paths[i].pixel, tile)] = hit;
+        primary_hits_[pixel_of_image(primary_.paths[i].pixel, tile)] = hit;
     }
 }
 
@@ -276,11 +276,11 @@ void TileTracer::find_lit_by_rays(std::size_t l)
     const std::size_t count = shadow_rays_.size();
     if (count == 0) return;
     counters_.shadow.rays += count;
-    blocked_.resize(count + ray::k_packet_pad);
-    rays_.blocked(shadow_rays_, 0, count, blocked_.data());
+    occluded_.resize(count + ray::k_packet_pad);
+    rays_.occluded(shadow_rays_, 0, count, occluded_.data());
     if (log_) log_->entries.push_back({shadow_rays_, true});
     for (std::size_t i = 0; i < count; ++i)
-        if (!blocked_[i]) lit_.push_back(shadow_point_[i]);
+        if (!occluded_[i]) lit_.push_back(shadow_point_[i]);
 }
 
 // The same points, by certified shadow culling: most of them without a ray.
@@ -290,10 +290,10 @@ void TileTracer::find_lit_by_memory(std::size_t l)
     const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
     const bool directional = light.type == scene::LightType::directional;
     const bool bounded = light.type == scene::LightType::spot || light.range > 0;
-    blocked_.resize(shadow_points_.size() + ray::k_packet_pad);
-    culling_->shadow(*batch_, static_cast<int>(l), blocked_.data());
+    occluded_.resize(shadow_points_.size() + ray::k_packet_pad);
+    culling_->shadow(*batch_, static_cast<int>(l), occluded_.data());
     for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
-        if (blocked_[p]) continue;
+        if (occluded_[p]) continue;
         const glm::vec3 to_light = directional ? -at.direction : at.position - shadow_points_[p].origin;
         if (glm::dot(to_light, shading_normals_[p]) <= 0) continue;
         if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
@@ -311,10 +311,10 @@ void TileTracer::find_lit_by_paper(std::size_t l)
         const shadow_culling::ShadowPoint& here = shadow_points_[shadow_point_[i]];
         origins_[i] = paper_->primitive(here.object, here.triangle);
     }
-    blocked_.resize(count + ray::k_packet_pad);
-    paper_tracer_.answer(*paper_, rays_, static_cast<int>(l), shadow_rays_, origins_, blocked_.data());
+    occluded_.resize(count + ray::k_packet_pad);
+    paper_tracer_.answer(*paper_, rays_, static_cast<int>(l), shadow_rays_, origins_, occluded_.data());
     for (std::size_t i = 0; i < count; ++i)
-        if (!blocked_[i]) lit_.push_back(shadow_point_[i]);
+        if (!occluded_[i]) lit_.push_back(shadow_point_[i]);
 }
 
 // Adds light that comes by one bounce, wherever a surface scatters light.
@@ -393,7 +393,7 @@ void TileTracer::add_reference(const TileRect& tile, bool primary)
         first_irradiance_[point.pixel] += light.indirect;
         first_variance_[point.pixel] += light.indirect_error * light.indirect_error;
         if (!options_.layers) continue;
-        // A picture of the surroundings is direct light, as are the lights that stand for it; the sky is not.
+        // An image of the surroundings is direct light, as are the lights that stand for it; the sky is not.
         const bool sky = scene_.background.kind == scene::Background::Kind::sky;
         indirect_[point.pixel] += reflected(light.indirect, sky ? light.surroundings : glm::vec3(0));
         direct_[point.pixel] += reflected(glm::vec3(0), sky ? glm::vec3(0) : light.surroundings);
@@ -423,7 +423,7 @@ void TileTracer::queue_continuations()
         const auto queue = [&](PathQueue& to, const glm::vec3& share, const glm::vec3& origin,
                                const glm::vec3& direction) {
             const glm::vec3 total = point.share * share;
-            if (largest_share(total) < options_.min_share) return;
+            if (largest_share(total) < options_.min_throughput) return;
             to.push({point.pixel, total, s.cone}, origin, 0, direction, k_infinity);
         };
         queue(next_reflected_, c.reflected_share, s.position + lift, c.reflected);
@@ -434,7 +434,7 @@ void TileTracer::queue_continuations()
     std::swap(refracted_, next_refracted_);
 }
 
-std::size_t TileTracer::pixel_of_picture(std::uint32_t pixel, const TileRect& tile) const
+std::size_t TileTracer::pixel_of_image(std::uint32_t pixel, const TileRect& tile) const
 {
     const int x = tile.x + static_cast<int>(pixel) % options_.tile,
               y = tile.y + static_cast<int>(pixel) / options_.tile;

@@ -20,7 +20,7 @@ struct TileRect {
 
 class TileTracer {
  public:
-    /// @param primary_hits  by pixel of the picture: filled for the published culling, else not touched
+    /// @param primary_hits  by pixel of the image: filled for the published culling, else not touched
     TileTracer(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                const TracedOptions& options, const Remembered& remembered, shadow_culling::PrimaryHit* primary_hits,
                TraceLog* log);
@@ -81,7 +81,7 @@ class TileTracer {
     int samples_of(const glm::vec3& share) const;
     void queue_continuations();
     void store(const TileRect& tile, shading::FrameBuffers& out) const;
-    std::size_t pixel_of_picture(std::uint32_t pixel_of_tile, const TileRect& tile) const;
+    std::size_t pixel_of_image(std::uint32_t pixel_of_tile, const TileRect& tile) const;
 
     const scene::SceneState& state_;
     const scene::Scene& scene_;
@@ -111,7 +111,7 @@ class TileTracer {
     std::vector<shadow_culling::ShadowPoint> shadow_points_;   // by point; apart, since every light reads all of them
     std::vector<glm::vec3> shading_normals_;
     std::vector<std::uint32_t> lit_;   // points that the present light reaches
-    std::vector<std::uint8_t> blocked_;
+    std::vector<std::uint8_t> occluded_;
     std::vector<shadow_culling::PrimitiveId> origins_;   // by shadow ray, for the published culling
     std::vector<std::uint8_t> found_lit_;                // by point, for the check
 

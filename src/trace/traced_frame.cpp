@@ -141,7 +141,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         std::vector<shadow_culling::PaperCulling::Notes> notes;
         for (const auto& worker : workers)
             if (worker) notes.push_back(worker->take_notes());
-        paper->see_picture(primary_hits, static_cast<std::size_t>(size.width));
+        paper->see_image(primary_hits, static_cast<std::size_t>(size.width));
         paper->end_frame(notes);
         counters.shadow.rays = paper->counters().rays;
         counters.shadow.rays_skipped = paper->counters().skipped;
@@ -161,13 +161,13 @@ std::uint64_t TraceLog::replay(const ray::RayScene& scene) const
 {
     std::uint64_t result = 0;
     ray::Hits hits;
-    std::vector<std::uint8_t> blocked;
+    std::vector<std::uint8_t> occluded;
     for (const Entry& entry : entries) {
         const std::size_t count = entry.rays.size();
         if (entry.any_hit) {
-            blocked.resize(count + ray::k_packet_pad);
-            scene.blocked(entry.rays, 0, count, blocked.data());
-            result += blocked[count / 2];
+            occluded.resize(count + ray::k_packet_pad);
+            scene.occluded(entry.rays, 0, count, occluded.data());
+            result += occluded[count / 2];
         } else {
             hits.resize(count);
             scene.closest(entry.rays, 0, count, hits, ray::Sides::front);

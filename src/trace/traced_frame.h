@@ -2,13 +2,13 @@
 #pragma once
 // One frame by ray tracing, Whitted's way [Whitted 1980], in packets and queues.
 //
-// The picture is cut into tiles; a tile is one task. Within it nothing recurses: all rays of one kind and depth wait in
+// The image is cut into tiles; a tile is one task. Within it nothing recurses: all rays of one kind and depth wait in
 // a queue and are traced together, neighbours side by side, so that packets stay full and coherent:
 //
 //   primary rays -> hits, sorted by object -> points to shade -> per light one queue of shadow rays
 //                                                             -> reflection queue, refraction queue -> next depth
 //
-// Cost: the rays. The picture depends on the scene, the view and the options alone: a tile's order of work is fixed,
+// Cost: the rays. The image depends on the scene, the view and the options alone: a tile's order of work is fixed,
 // and tiles share nothing that is written.
 
 #include <cstdint>
@@ -41,7 +41,7 @@ struct TracedOptions {
     int samples = 1;                                        // per pixel
     bool layers = false;                                    // fill all of shading::FrameBuffers, not `color` alone
     const reference::ReferenceLight* reference = nullptr;   // path-traced indirect light; then without ambient light
-    float min_share = 1 / 300.f;   // a ray that would bring less than this share of a pixel is not traced
+    float min_throughput = 1 / 300.f;   // a ray that would bring less than this share of a pixel is not traced
     // Points of bounced light: so many times further apart in mirrors and behind glass, and there the more, the less
     // (by the square root) they bring of a pixel.
     float mirrored_spacing = 4;
@@ -65,11 +65,11 @@ struct StateMap;
 
 /// What is remembered from frame to frame. At most one of the two of shadow culling.
 struct Remembered {
-    shadow_culling::CertifiedCulling* certified = nullptr;   // the picture is the same to the bit
-    shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the picture can be wrong
+    shadow_culling::CertifiedCulling* certified = nullptr;   // the image is the same to the bit
+    shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the image can be wrong
     irradiance_cache::VisibleLight* visible = nullptr;       // bounced light, at most one of the two
     light_quadtree::MapLight* map = nullptr;                 // the same without visibility
-    bool judge_later = false;   // certified culling: the caller calls judge() once the picture is shown
+    bool judge_later = false;   // certified culling: the caller calls judge() once the image is shown
     // Optional, its lights set: filled, and every answer is checked by tracing every ray.
     StateMap* states = nullptr;
 

@@ -12,11 +12,11 @@
 namespace gnomon {
 
 namespace {
-constexpr int k_widest_sheet = 1920;   // pixels; pictures are made smaller to fit, never larger
+constexpr int k_widest_sheet = 1920;   // pixels; images are made smaller to fit, never larger
 constexpr int k_gap = 8;
 constexpr int k_dot = 2;   // pixels a dot of the font
 constexpr int k_line_height = k_dot * (image::k_glyph_height + 4);
-constexpr std::uint8_t k_paper = 24;   // dark, so that the pictures' own brightness can be judged
+constexpr std::uint8_t k_paper = 24;   // dark, so that the images' own brightness can be judged
 constexpr std::uint8_t k_ink = 210;
 
 // One output pixel is the mean, in linear light, of the box of input pixels that it covers, cut at its borders.
@@ -42,10 +42,10 @@ std::vector<Box> boxes(int from, int to)
     return result;
 }
 
-void paste_smaller(const Image8& picture, int width, int height, Image8& sheet, int left, int top)
+void paste_smaller(const Image8& image, int width, int height, Image8& sheet, int left, int top)
 {
     const float* linear = linear_from_srgb8();
-    const std::vector<Box> columns = boxes(picture.width, width), rows = boxes(picture.height, height);
+    const std::vector<Box> columns = boxes(image.width, width), rows = boxes(image.height, height);
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             const Box &across = columns[static_cast<std::size_t>(x)], &down = rows[static_cast<std::size_t>(y)];
@@ -53,8 +53,8 @@ void paste_smaller(const Image8& picture, int width, int height, Image8& sheet, 
             for (int v = down.first; v <= down.last; ++v) {
                 for (int u = across.first; u <= across.last; ++u) {
                     const float weight = across.weight(u) * down.weight(v);
-                    const std::uint8_t* p = picture.pixel(u, v);
-                    for (int c = 0; c < 3; ++c) sum[c] += weight * linear[p[picture.channels >= 3 ? c : 0]];
+                    const std::uint8_t* p = image.pixel(u, v);
+                    for (int c = 0; c < 3; ++c) sum[c] += weight * linear[p[image.channels >= 3 ? c : 0]];
                     total += weight;
                 }
             }
@@ -70,24 +70,24 @@ void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const s
                          int columns, const std::filesystem::path& out)
 {
     if (pngs.empty() || columns < 1 || labels.size() != pngs.size())
-        throw UsageError(fmt::format("{}: a contact sheet needs pictures, as many labels, and a column", out.string()));
-    Image8 picture = io::read_image(pngs.front());
+        throw UsageError(fmt::format("{}: a contact sheet needs images, as many labels, and a column", out.string()));
+    Image8 image = io::read_image(pngs.front());
     const int limit = std::max(1, (k_widest_sheet - k_gap) / columns - k_gap);
-    const int width = std::min(picture.width, limit);
-    const int height = std::max(1, static_cast<int>(std::int64_t{picture.height} * width / picture.width));
-    const Size first{picture.width, picture.height};
+    const int width = std::min(image.width, limit);
+    const int height = std::max(1, static_cast<int>(std::int64_t{image.height} * width / image.width));
+    const Size first{image.width, image.height};
 
     const int rows = (static_cast<int>(pngs.size()) + columns - 1) / columns;
     const int cell_height = height + k_line_height + k_gap;
     Image8 sheet(k_gap + columns * (width + k_gap), k_gap + rows * cell_height, 3);
     std::fill(sheet.data.begin(), sheet.data.end(), k_paper);
     for (std::size_t i = 0; i < pngs.size(); ++i) {
-        if (i > 0) picture = io::read_image(pngs[i]);
-        if (Size{picture.width, picture.height} != first)
+        if (i > 0) image = io::read_image(pngs[i]);
+        if (Size{image.width, image.height} != first)
             throw UsageError(fmt::format("{}: not of the same size as {}", pngs[i].string(), pngs.front().string()));
         const int left = k_gap + static_cast<int>(i) % columns * (width + k_gap);
         const int top = k_gap + static_cast<int>(i) / columns * cell_height;
-        paste_smaller(picture, width, height, sheet, left, top);
+        paste_smaller(image, width, height, sheet, left, top);
         image::draw_text(sheet, labels[i], left, top + height + 2 * k_dot, width, k_dot, k_ink);
     }
     io::write_png(out, sheet);

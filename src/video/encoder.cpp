@@ -100,14 +100,14 @@ std::string last_line(const std::string& text)
     return last;
 }
 
-// Whether an MP4 has its index and its pictures, and ends where its last part does: an encoder that was cut short need
+// Whether an MP4 has its index and its images, and ends where its last part does: an encoder that was cut short need
 // not know it.
 bool is_whole_mp4(const fs::path& file)
 {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
     std::ifstream in(file, std::ios::binary);
-    bool index = false, pictures = false;
+    bool index = false, images = false;
     std::uintmax_t at = 0;
     while (!error && in && at < size) {
         // A part: its size in four bytes, or 1 and the size in the eight behind its name; its name in four.
@@ -123,18 +123,18 @@ bool is_whole_mp4(const fs::path& file)
         const bool large = number(0, 4) == 1;
         const std::uintmax_t part = large ? number(8, 16) : number(0, 4);
         if (part < 8 || part > size - at) return false;
-        index |= number(4, 8) == 0x6d6f6f76;      // "moov"
-        pictures |= number(4, 8) == 0x6d646174;   // "mdat"
+        index |= number(4, 8) == 0x6d6f6f76;    // "moov"
+        images |= number(4, 8) == 0x6d646174;   // "mdat"
         at += part;
     }
-    return index && pictures && at == size;
+    return index && images && at == size;
 }
 }   // namespace
 
 void encode_video(const std::vector<fs::path>& frames, double fps, const fs::path& out, const Progress& progress)
 {
-    if (frames.empty()) throw UsageError(fmt::format("{}: a film needs at least one frame", out.string()));
-    if (!(fps > 0)) throw UsageError(fmt::format("{}: a film needs a rate above 0", out.string()));
+    if (frames.empty()) throw UsageError(fmt::format("{}: a video needs at least one frame", out.string()));
+    if (!(fps > 0)) throw UsageError(fmt::format("{}: a video needs a rate above 0", out.string()));
 
     double done = 0;
     const auto go_on = [&] { return !progress || progress({"encoding", done}); };
@@ -153,7 +153,7 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
     const bool whole = status == 0 && listening && is_whole_mp4(file.temporary());
     if (!whole) {
         const std::string reason = last_line(ffmpeg.errors());
-        const std::string short_of = fmt::format("exit status {}{}", status, status == 0 ? ", but no whole film" : "");
+        const std::string short_of = fmt::format("exit status {}{}", status, status == 0 ? ", but no whole video" : "");
         throw MissingError(
             fmt::format("ffmpeg could not write {}: {}", out.string(), reason.empty() ? short_of : reason));
     }

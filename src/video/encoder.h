@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Films by the ffmpeg program (the library's licence and ABI stay its own).
+// Videos by the ffmpeg program (the library's licence and ABI stay its own).
 
 #include <filesystem>
 #include <vector>

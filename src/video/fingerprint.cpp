@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hash of what the pixels of a film depend on: all of the scene but names, and the options that shape pictures.
+// A hash of what the pixels of a video depend on: all of the scene but names, and the options that shape images.
 // Frames of before an edit must not be taken for those after it.
 #include <algorithm>
 #include <functional>

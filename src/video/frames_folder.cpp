@@ -54,7 +54,7 @@ std::vector<fs::path> entries(const fs::path& folder)
     return found;
 }
 
-nlohmann::ordered_json manifest_of(const FilmIdentity& identity)
+nlohmann::ordered_json manifest_of(const VideoIdentity& identity)
 {
     return {{"gnomon", identity.version},
             {"scene", identity.scene},
@@ -74,7 +74,7 @@ std::optional<nlohmann::ordered_json> read_manifest(const fs::path& file)
 }
 }   // namespace
 
-FramesFolder::FramesFolder(const fs::path& film) : folder_(film)
+FramesFolder::FramesFolder(const fs::path& video) : folder_(video)
 {
     folder_ += ".frames";
 }
@@ -99,7 +99,7 @@ void FramesFolder::make_and_lock(bool shared)
         made_ = fs::create_directory(folder_, error);
         if (error) throw MissingError(fmt::format("cannot make {}: {}", folder_.string(), error.message()));
         lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-        if (lock_ < 0 && errno == ENOENT) continue;   // a film that was done took it away
+        if (lock_ < 0 && errno == ENOENT) continue;   // a video that was done took it away
         alone_ = ::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
         const bool mine = alone_ || (shared && ::flock(lock_, LOCK_SH | LOCK_NB) == 0);
         struct stat locked {
@@ -125,7 +125,7 @@ fs::path FramesFolder::file(int frame) const
     return folder_ / fmt::format("frame-{:06}.png", frame);
 }
 
-void FramesFolder::open(const FilmIdentity& identity, bool keep, bool shared)
+void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
 {
     make_and_lock(shared);
     bool frames = false;
@@ -133,7 +133,7 @@ void FramesFolder::open(const FilmIdentity& identity, bool keep, bool shared)
         const std::string name = entry.filename().string();
         if (!is_ours(name))
             throw UsageError(
-                fmt::format("{} holds '{}', which is no frame of a film: move it away", folder_.string(), name));
+                fmt::format("{} holds '{}', which is no frame of a video: move it away", folder_.string(), name));
         frames |= is_frame_name(name);
     }
 

@@ -20,41 +20,41 @@ using io::OutputKind;
 using video::FramesFolder;
 
 namespace {
-// Smooth pictures take at least this much as PNG. Less room than that on the disk cannot be enough.
+// Smooth images take at least this much as PNG. Less room than that on the disk cannot be enough.
 constexpr double k_least_bytes_per_pixel = 0.1;
 // A slower one's frames last longer than MP4 can say: it would lose some. A faster one's rate is more than ffmpeg
 // takes.
-constexpr double k_slowest_film = 0.001, k_fastest_film = 1000;   // frames a second
-constexpr int k_least_film_side = 2;                              // one row or column, being odd, would be lost
-constexpr int k_largest_film_side = 16385;                        // the encoder's, and one that is lost
-constexpr int k_sheet_pictures = 12;
+constexpr double k_slowest_video = 0.001, k_fastest_video = 1000;   // frames a second
+constexpr int k_least_video_side = 2;                               // one row or column, being odd, would be lost
+constexpr int k_largest_video_side = 16385;                         // the encoder's, and one that is lost
+constexpr int k_sheet_images = 12;
 constexpr int k_sheet_columns = 4;
 constexpr std::size_t k_channels_beside_shadows = 25;   // of all other layers, those of a reference among them
-constexpr int k_overlay_warm_up = 8;                    // frames before a single picture of what is remembered
+constexpr int k_overlay_warm_up = 8;                    // frames before a single image of what is remembered
 
-void check_job(const Scene& scene, const FilmJob& job, FrameRange frames, io::OutputKind kind)
+void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
 {
     const std::string out = job.out.string();
     if (frames.count() == 0 || frames.first < 1 || frames.last > scene.frame_count())
         throw UsageError(
             fmt::format("frames {}-{}: the clip has frames 1 to {}", frames.first, frames.last, scene.frame_count()));
-    if (kind == io::OutputKind::picture && frames.count() > 1)
+    if (kind == io::OutputKind::image && frames.count() > 1)
         throw UsageError(
             fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, frames.count()));
-    if (kind == io::OutputKind::film && !(job.fps >= k_slowest_film && job.fps <= k_fastest_film))
-        throw UsageError(fmt::format("{}: a film of {:g} frames a second: expected {} to {}; --fps sets another rate",
-                                     out, job.fps, k_slowest_film, k_fastest_film));
+    if (kind == io::OutputKind::video && !(job.fps >= k_slowest_video && job.fps <= k_fastest_video))
+        throw UsageError(fmt::format("{}: a video of {:g} frames a second: expected {} to {}; --fps sets another rate",
+                                     out, job.fps, k_slowest_video, k_fastest_video));
     if (job.warm_up.value_or(0) < 0) throw UsageError("a warm-up has 0 frames or more");
     if (job.contact_sheet.empty()) return;
     if (io::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
-    if (io::output_kind(job.contact_sheet) != io::OutputKind::picture || io::is_exr_name(job.contact_sheet))
+    if (io::output_kind(job.contact_sheet) != io::OutputKind::image || io::is_exr_name(job.contact_sheet))
         throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
-    // It is written last, and would take a picture's place.
+    // It is written last, and would take an image's place.
     const auto plain = [](const fs::path& file) { return fs::absolute(file).lexically_normal(); };
     const fs::path sheet = plain(job.contact_sheet);
-    for (int frame = frames.first; kind != io::OutputKind::film && frame <= frames.last; ++frame)
+    for (int frame = frames.first; kind != io::OutputKind::video && frame <= frames.last; ++frame)
         if (plain(io::numbered_name(job.out, frame)) == sheet)
-            throw UsageError(fmt::format("{}: the contact sheet has the name of a picture", sheet.string()));
+            throw UsageError(fmt::format("{}: the contact sheet has the name of an image", sheet.string()));
     if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
 }
 
@@ -72,12 +72,12 @@ void check_layers(const Scene& scene, const RenderOptions& options, Size size, c
 }
 
 // What the encoder would refuse when all is rendered.
-void check_film_size(Size size, const fs::path& out)
+void check_video_size(Size size, const fs::path& out)
 {
-    const auto fits = [](int side) { return side >= k_least_film_side && side <= k_largest_film_side; };
+    const auto fits = [](int side) { return side >= k_least_video_side && side <= k_largest_video_side; };
     if (!fits(size.width) || !fits(size.height))
-        throw UsageError(fmt::format("{}: a film of {} x {} pixels: expected {} to {} a side", out.string(), size.width,
-                                     size.height, k_least_film_side, k_largest_film_side));
+        throw UsageError(fmt::format("{}: a video of {} x {} pixels: expected {} to {} a side", out.string(),
+                                     size.width, size.height, k_least_video_side, k_largest_video_side));
 }
 
 void check_room(const fs::path& file, Size size, int frames)
@@ -100,7 +100,7 @@ bool is_whole(const fs::path& frame, Size size)
 // Evenly spaced over the range, first and last among them.
 std::vector<std::size_t> sheet_choice(std::size_t frames)
 {
-    const std::size_t count = std::min<std::size_t>(frames, k_sheet_pictures);
+    const std::size_t count = std::min<std::size_t>(frames, k_sheet_images);
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < count; ++i) chosen.push_back(count == 1 ? 0 : i * (frames - 1) / (count - 1));
     return chosen;
@@ -128,36 +128,36 @@ void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
 }
 }   // namespace
 
-FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& job, const Progress& progress,
-                       const std::function<void(const FrameRecord&)>& on_frame)
+VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress,
+                         const std::function<void(const FrameRecord&)>& on_frame)
 {
     // Refuse what cannot work before any frame is rendered.
     const io::OutputKind kind = io::output_kind(job.out);
     const FrameRange whole =
-        job.frames.value_or(FrameRange{1, kind == io::OutputKind::picture ? 1 : scene.frame_count()});
+        job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
     check_job(scene, job, whole, kind);
     const FrameRange range = chunk_of(whole, job.chunk, job.chunks);
-    const bool encodes = kind == io::OutputKind::film && job.chunks == 1;
+    const bool encodes = kind == io::OutputKind::video && job.chunks == 1;
     if (encodes && !video::have_ffmpeg(progress))
         throw MissingError(
             "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
-    if (kind != io::OutputKind::film || encodes) io::check_writable(io::numbered_name(job.out, range.first));
+    if (kind != io::OutputKind::video || encodes) io::check_writable(io::numbered_name(job.out, range.first));
     if (!job.contact_sheet.empty()) io::check_writable(job.contact_sheet);
 
-    FilmResult result;
-    result.size = picture_size(scene, renderer.options());
-    if (kind == io::OutputKind::film) check_film_size(result.size, job.out);
+    VideoResult result;
+    result.size = image_size(scene, renderer.options());
+    if (kind == io::OutputKind::video) check_video_size(result.size, job.out);
     check_layers(scene, renderer.options(), result.size, job.out);
     check_room(job.out, result.size, range.count());
 
     video::FramesFolder folder(job.out);
-    if (kind == io::OutputKind::film) {
-        const video::FilmIdentity identity{scene.info().name, result.size,
-                                           video::fingerprint_of(scene, renderer.options()), std::string(version())};
+    if (kind == io::OutputKind::video) {
+        const video::VideoIdentity identity{scene.info().name, result.size,
+                                            video::fingerprint_of(scene, renderer.options()), std::string(version())};
         folder.open(identity, job.resume, job.chunks > 1);
     }
 
-    // A chunk's folder is its neighbours', too, which may be about to write their first frame. What ended the film is
+    // A chunk's folder is its neighbours', too, which may be about to write their first frame. What ended the video is
     // said, whatever more goes wrong here.
     const auto let_go_if_empty = [&]() noexcept {
         try {
@@ -179,31 +179,30 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
             FrameRecord record;
             record.frame = frame;
             record.time = scene.time_of(frame);
-            record.file = kind == io::OutputKind::film ? folder.file(frame) : io::numbered_name(job.out, frame);
+            record.file = kind == io::OutputKind::video ? folder.file(frame) : io::numbered_name(job.out, frame);
             record.kept = job.resume && is_whole(record.file, result.size);
             if (!step(0)) throw InterruptedError("interrupted");
             if (!record.kept) {
                 if (!warm) warm_up(scene, renderer, frame, warm_up_frames, progress);
                 warm = true;
-                const Picture picture =
-                    renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
-                picture.write(record.file);
-                record.milliseconds = picture.milliseconds;
-                record.times = picture.times;
-                record.counters = picture.counters;
-                record.noise = picture.noise;
+                const Frame image = renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
+                image.write(record.file);
+                record.milliseconds = image.milliseconds;
+                record.times = image.times;
+                record.counters = image.counters;
+                record.noise = image.noise;
             }
             if (on_frame) on_frame(record);
             result.frames.push_back(std::move(record));
         }
     } catch (const InterruptedError& error) {
-        if (kind != io::OutputKind::film) throw;
+        if (kind != io::OutputKind::video) throw;
         let_go_if_empty();
         if (!folder.has_frames()) throw;
         throw InterruptedError(
             fmt::format("{}; --resume goes on from the frames in {}", error.what(), folder.path().string()));
     } catch (...) {
-        if (kind == io::OutputKind::film) let_go_if_empty();
+        if (kind == io::OutputKind::video) let_go_if_empty();
         throw;
     }
 
@@ -213,7 +212,7 @@ FilmResult render_film(const Scene& scene, Renderer& renderer, const FilmJob& jo
         return result;
     }
 
-    // All are there: make the film, and let the frames go.
+    // All are there: make the video, and let the frames go.
     std::vector<fs::path> frames;
     for (const FrameRecord& record : result.frames) frames.push_back(record.file);
     video::encode_video(frames, job.fps, job.out, progress);

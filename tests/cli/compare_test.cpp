@@ -30,7 +30,7 @@ std::string sky(const ScratchFolder& folder)
     return folder / "sky.hdr";
 }
 
-TEST(CompareVerb, JsonHoldsAllMetrics)
+TEST(CompareSubcommand, JsonHoldsAllMetrics)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), b = gray(folder, "b.png", 151);
@@ -51,7 +51,7 @@ TEST(CompareVerb, JsonHoldsAllMetrics)
     EXPECT_EQ(equal["ssim"], 1);
 }
 
-TEST(CompareVerb, ThresholdsDecideTheExitCode)
+TEST(CompareSubcommand, ThresholdsDecideTheExitCode)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), b = gray(folder, "b.png", 151);
@@ -67,7 +67,7 @@ TEST(CompareVerb, ThresholdsDecideTheExitCode)
     EXPECT_EQ(json.json().size(), 1u);
 }
 
-TEST(CompareVerb, WhatCannotBeComparedIsAnError)
+TEST(CompareSubcommand, WhatCannotBeComparedIsAnError)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), wide = gray(folder, "wide.png", 100, 25);
@@ -79,7 +79,7 @@ TEST(CompareVerb, WhatCannotBeComparedIsAnError)
     expect_failure(run({"compare", a, a, "--heatmap", folder / "no" / "folder.png"}), 4, "folder.png");
 }
 
-TEST(CompareVerb, HeatMapIsAPng)
+TEST(CompareSubcommand, HeatMapIsAPng)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 0), b = gray(folder, "b.png", 255);
@@ -136,7 +136,7 @@ TEST(ExrOutput, HasNoMoreLightsThanCanBeReadAgain)
     };
     ASSERT_EQ(render("many.exr", "16359").code, 0);
     EXPECT_EQ(run({"compare", folder / "many.exr", folder / "many.exr", "--layer", "shadow.L16358"}).code, 0);
-    EXPECT_EQ(render("many.exr", "16359").json()["frames"][0]["ms"], 0) << "a whole picture was made again";
+    EXPECT_EQ(render("many.exr", "16359").json()["frames"][0]["ms"], 0) << "a whole image was made again";
 
     const Outcome more = render("more.exr", "16360");
     expect_failure(more, 2, "more.exr: 16360 lights; an .exr of 4 x 3 pixels has room for the shadows of 16359");

@@ -37,8 +37,8 @@ for _ in $(seq 300); do
 done
 [[ -n $window ]] || { kill -9 $program; exit 99; }
 xdotool windowfocus "$window" 2>/dev/null
-while read -r verb rest <&3; do
-    case $verb in
+while read -r subcommand rest <&3; do
+    case $subcommand in
         sleep) sleep "$rest" ;;
         await)
             for _ in $(seq 1200); do [[ -e $rest ]] && break; sleep 0.1; done
@@ -47,7 +47,7 @@ while read -r verb rest <&3; do
         type) xdotool type --delay 30 -- "$rest" ;;
         drop) "$GNOMON_DROP_FILE" "$window" "$(realpath "$rest")" || { kill -9 $program; exit 96; } ;;
         resize) xdotool windowsize "$window" $rest ;;
-        *) xdotool "$verb" $rest ;;
+        *) xdotool "$subcommand" $rest ;;
     esac
 done
 for _ in $(seq 600); do kill -0 $program 2>/dev/null || break; sleep 0.1; done

@@ -44,16 +44,16 @@ class SmallDisk {
 };
 
 // Quiet, as all that are to end with one line: where a machine is slow, lines of progress would come before it.
-std::vector<std::string> film(const fs::path& out)
+std::vector<std::string> video(const fs::path& out)
 {
     return {"render", k_scene, "-o",         out,   "--frames", "1-12",
             "--size", "64x48", "--indirect", "off", "--resume", "--quiet"};
 }
 
-std::string undisturbed_film()
+std::string undisturbed_video()
 {
     const ScratchFolder folder;
-    EXPECT_EQ(run(film(folder / "a.mp4")).code, 0);
+    EXPECT_EQ(run(video(folder / "a.mp4")).code, 0);
     return bytes_of(folder / "a.mp4");
 }
 
@@ -66,15 +66,15 @@ void expect_full_disk(const Outcome& outcome)
 
 TEST(Faults, AFullDisk)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const SmallDisk disk;
     if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
-    const std::string whole = undisturbed_film();
-    // Full from the beginning, while the frames are made, and while the film is encoded. (The size is in pages.)
+    const std::string whole = undisturbed_video();
+    // Full from the beginning, while the frames are made, and while the video is encoded. (The size is in pages.)
     int full = 0, made = 0;
     for (const int kilobytes : {4, 16, 36, 64, 80, 1024}) {
         disk.hold(kilobytes);
-        const Outcome outcome = run(film(disk / "a.mp4"));
+        const Outcome outcome = run(video(disk / "a.mp4"));
         if (outcome.code == 0) {
             ++made;
         } else {
@@ -82,7 +82,7 @@ TEST(Faults, AFullDisk)
             expect_full_disk(outcome);
             EXPECT_FALSE(fs::exists(disk / "a.mp4"));
             disk.hold(1024);
-            EXPECT_EQ(run(film(disk / "a.mp4")).code, 0);
+            EXPECT_EQ(run(video(disk / "a.mp4")).code, 0);
         }
         EXPECT_TRUE(bytes_of(disk / "a.mp4") == whole) << kilobytes << " KB";
         EXPECT_EQ(names_in(disk.path()), std::vector<std::string>{"a.mp4"});
@@ -117,41 +117,41 @@ TEST(Faults, AFullDiskForEverythingElseThatIsWritten)
 
 TEST(Faults, AFileAtItsLimit)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
-    const std::string whole = undisturbed_film();
+    const std::string whole = undisturbed_video();
     for (const rlim_t bytes : {1, 1000, 4000, 1 << 20}) {
         const auto limit = [bytes] {
             const rlimit file{bytes, bytes};
             ::setrlimit(RLIMIT_FSIZE, &file);
         };
         // Standard error is a file too, and the first of these limits cuts it short.
-        const Outcome outcome = RunningProgram(film(folder / "a.mp4"), {}, {}, limit).wait();
+        const Outcome outcome = RunningProgram(video(folder / "a.mp4"), {}, {}, limit).wait();
         EXPECT_EQ(outcome.code, bytes <= 4000 ? 4 : 0) << bytes << ": " << outcome.err;
         EXPECT_EQ(fs::exists(folder / "a.mp4"), outcome.code == 0);
     }
-    ASSERT_EQ(run(film(folder / "a.mp4")).code, 0);
+    ASSERT_EQ(run(video(folder / "a.mp4")).code, 0);
     EXPECT_TRUE(bytes_of(folder / "a.mp4") == whole);
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
 TEST(Faults, AFolderThatVanishes)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
-    const std::string whole = undisturbed_film();
+    const std::string whole = undisturbed_video();
     fs::create_directory(folder / "there");
     const fs::path frame = folder / "there/a.mp4.frames/frame-000003.png";
-    RunningProgram program(film(folder / "there/a.mp4"));
+    RunningProgram program(video(folder / "there/a.mp4"));
     ASSERT_TRUE(wait_until([&] { return fs::exists(frame); }));
     fs::rename(folder / "there", folder / "gone");
     expect_failure(program.wait(), 4, "No such file or directory");
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"gone"});
-    ASSERT_EQ(run(film(folder / "gone/a.mp4")).code, 0);
+    ASSERT_EQ(run(video(folder / "gone/a.mp4")).code, 0);
     EXPECT_TRUE(bytes_of(folder / "gone/a.mp4") == whole);
     EXPECT_EQ(names_in(folder / "gone"), std::vector<std::string>{"a.mp4"});
 
-    // A set of pictures, its folder removed outright.
+    // A set of images, its folder removed outright.
     fs::create_directory(folder / "set");
     RunningProgram set(
         {"render", k_scene, "-o", folder / "set/{frame}.png", "--size", "64x48", "--frames", "1-40", "--quiet"});
@@ -163,8 +163,8 @@ TEST(Faults, AFolderThatVanishes)
 
 TEST(Faults, AnEncoderThatDies)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
-    const std::string whole = undisturbed_film();
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
+    const std::string whole = undisturbed_video();
     const std::string found = "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n";
     const std::string last = "eval out=\\${$#}; out=${out#file:}\n";   // its last argument: where it writes
     for (const auto& [script, about] :
@@ -176,10 +176,10 @@ TEST(Faults, AnEncoderThatDies)
         const ScratchFolder folder, programs;
         std::ofstream(programs / "ffmpeg") << found << last << script << '\n';
         fs::permissions(programs / "ffmpeg", fs::perms::owner_all);
-        expect_failure(run(film(folder / "a.mp4"), {{"PATH", programs.path().string() + ":/usr/bin:/bin"}}), 4, about);
+        expect_failure(run(video(folder / "a.mp4"), {{"PATH", programs.path().string() + ":/usr/bin:/bin"}}), 4, about);
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4.frames"});
         EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << script;
-        EXPECT_EQ(run(film(folder / "a.mp4")).code, 0);
+        EXPECT_EQ(run(video(folder / "a.mp4")).code, 0);
         EXPECT_TRUE(bytes_of(folder / "a.mp4") == whole) << script;
     }
 }
@@ -187,7 +187,7 @@ TEST(Faults, AnEncoderThatDies)
 // The signal comes while the scene is made, rendered, or encoded: 130, one line, no file, no encoder left running.
 TEST(Faults, SignalsAtAnyTime)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder programs;
     std::ofstream(programs / "ffmpeg") << "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n"
                                           "touch $FLAG; exec sleep 60\n";
@@ -195,14 +195,14 @@ TEST(Faults, SignalsAtAnyTime)
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const ScratchFolder folder;
         const std::string flag = folder / "flag";
-        RunningProgram encoding(film(folder / "a.mp4"),
+        RunningProgram encoding(video(folder / "a.mp4"),
                                 {{"PATH", programs.path().string() + ":/usr/bin:/bin"}, {"FLAG", flag}});
         ASSERT_TRUE(wait_until([&] { return fs::exists(flag); }));
         encoding.send(signal);
         expect_failure(encoding.wait(), 130, "interrupted");
-        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest stay, no part of a film";
+        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest stay, no part of a video";
         fs::remove(flag);
-        EXPECT_EQ(run(film(folder / "a.mp4")).code, 0);
+        EXPECT_EQ(run(video(folder / "a.mp4")).code, 0);
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
     }
     for (const char* out : {"a.exr", "{frame}.png"}) {
@@ -220,7 +220,7 @@ TEST(Faults, SignalsAtAnyTime)
     }
 }
 
-// From too little to start with to enough: a picture, or one line and nothing.
+// From too little to start with to enough: an image, or one line and nothing.
 TEST(Faults, TooLittleMemory)
 {
     if (k_sanitized) GTEST_SKIP() << "sanitizers take address space of their own";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --indirect-memory from outside: how much is remembered changes no byte of a picture.
+// --indirect-memory from outside: how much is remembered changes no byte of an image.
 #include <fmt/format.h>
 
 #include <fstream>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A film that is killed at any moment (no handler runs, no destructor) and resumed is the film of one undisturbed run.
+// A video that is killed at any moment (no handler runs, no destructor) and resumed is the video of one undisturbed
+// run.
 #include <fmt/format.h>
 
 #include <random>
@@ -12,11 +13,11 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int k_frames = 24;
 
-// Kills the same film once at each of `moments` random moments, from before its first frame to after its last, resumes
+// Kills the same video once at each of `moments` random moments, from before its first frame to after its last, resumes
 // it each time, and compares bytes.
 void kill_and_resume(int moments, unsigned seed)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     using Clock = std::chrono::steady_clock;
     const ScratchFolder folder;
     const auto arguments = [&](const std::string& name) {
@@ -31,7 +32,7 @@ void kill_and_resume(int moments, unsigned seed)
     ASSERT_GT(bytes.size(), 1000u);
 
     // A moment: some time, at most what two frames take, after a frame has appeared; a fifth of them after the last,
-    // when the film is encoded.
+    // when the video is encoded.
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> after(0, k_frames + k_frames / 4);
     std::uniform_real_distribution<double> delay(0, 2 * seconds / k_frames);
@@ -58,7 +59,7 @@ void kill_and_resume(int moments, unsigned seed)
             among_frames += left.size() > 1;
             encoding += left.size() > k_frames + 1u;
         }
-        // What has the film's name is the film.
+        // What has the video's name is the video.
         EXPECT_TRUE(!fs::exists(folder / name) || bytes_of(folder / name) == bytes) << "killed " << at;
         const Outcome resumed = run(arguments(name));
         ASSERT_EQ(resumed.code, 0) << "killed " << at << ": " << resumed.err;
@@ -70,17 +71,17 @@ void kill_and_resume(int moments, unsigned seed)
             EXPECT_TRUE(other == "whole.mp4" || (other.starts_with(".gnomon-") && fs::is_empty(folder / other)))
                 << other << ", killed " << at;
     }
-    std::printf("%d moments: %d killed, %d of them with frames there, %d with all frames and a part of the film\n",
+    std::printf("%d moments: %d killed, %d of them with frames there, %d with all frames and a part of the video\n",
                 moments, killed, among_frames, encoding);
     EXPECT_GT(killed, moments / 2);
 }
 
-TEST(Killed, ResumedFilmsAreTheSame)
+TEST(Killed, ResumedVideosAreTheSame)
 {
     kill_and_resume(5, 1);
 }
 
-TEST(KilledFull, ResumedFilmsAreTheSameAtFiftyMoments)
+TEST(KilledFull, ResumedVideosAreTheSameAtFiftyMoments)
 {
     kill_and_resume(50, 2);
 }

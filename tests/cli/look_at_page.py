@@ -3,7 +3,7 @@
 
     look_at_page.py PAGE [FOLDER]
 
-Every picture comparison is moved by mouse and keyboard events that the browser cannot tell from real ones, over its
+Every image comparison is moved by mouse and keyboard events that the browser cannot tell from real ones, over its
 debugging pipe; its difference is switched on by a click. Prints what it saw as one JSON document: what the browser
 complained about, every chart, every comparison before and after, every download. FOLDER: screenshots of the page, a
 window's height each, come there.
@@ -42,7 +42,7 @@ LOOK = """(() => {
 
 # Where the parts of comparison N are in the window, and what it shows.
 STATE = """(() => {
-  const figure = document.querySelectorAll('figure.pictures')[%d];
+  const figure = document.querySelectorAll('figure.images')[%d];
   const box = part => { const r = figure.querySelector(part).getBoundingClientRect();
     return [r.left, r.top, r.width, r.height]; };
   const range = figure.querySelector('input[type=range]');
@@ -142,9 +142,9 @@ class Browser:
 
 
 def use(browser, number):
-    """One comparison: the slider by mouse, by keyboard, the picture itself by mouse, the difference by a click."""
+    """One comparison: the slider by mouse, by keyboard, the image itself by mouse, the difference by a click."""
     script = STATE % number
-    browser.evaluate(f"document.querySelectorAll('figure.pictures')[{number}].scrollIntoView({{block: 'center'}}); 0")
+    browser.evaluate(f"document.querySelectorAll('figure.images')[{number}].scrollIntoView({{block: 'center'}}); 0")
     browser.settle()
     seen = {"start": (now := browser.evaluate(script))}
     x, y, width, height = now["range"]
@@ -172,7 +172,7 @@ def main():
             browser.open(page)
             browser.settle()
             found = browser.evaluate(LOOK)
-            count = browser.evaluate("document.querySelectorAll('figure.pictures').length")
+            count = browser.evaluate("document.querySelectorAll('figure.images').length")
             found["pictures"] = [use(browser, i) for i in range(count)]
             if folder:
                 os.makedirs(folder, exist_ok=True)

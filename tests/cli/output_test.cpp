@@ -22,13 +22,13 @@ TEST(Refused, FoldersThatCannotBeWritten)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"file"});
 }
 
-TEST(Refused, AFilmInAFolderThatCannotBeWritten)
+TEST(Refused, AVideoInAFolderThatCannotBeWritten)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     expect_failure(run({"render", k_scene, "-o", "/proc/a.mp4", "--size", "8x8"}), 4, "/proc/a.mp4");
 }
 
-TEST(Refused, FilmsWithoutFfmpegBeforeAnythingIsRendered)
+TEST(Refused, VideosWithoutFfmpegBeforeAnythingIsRendered)
 {
     const ScratchFolder folder;
     expect_failure(run({"render", k_scene, "-o", folder / "a.mp4"}, {{"PATH", "/nonexistent"}}), 4, "ffmpeg");
@@ -71,10 +71,10 @@ TEST(Refused, AClosedStandardOutput)
     EXPECT_EQ(nlohmann::json::parse(bytes_of(json))["frames"], 40);
 }
 
-// A parent that ignores the ends of its children, or closed what they need not have, takes no film from us.
-TEST(FilmOfAnyParent, IsMadeWhateverThatIgnoresOrCloses)
+// A parent that ignores the ends of its children, or closed what they need not have, takes no video from us.
+TEST(VideoOfAnyParent, IsMadeWhateverThatIgnoresOrCloses)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
     RunningProgram program({"render", k_scene, "-o", folder / "a.mp4", "--size", "8x8", "--frames", "1-2", "--quiet"},
                            {}, {}, [] {
@@ -86,7 +86,7 @@ TEST(FilmOfAnyParent, IsMadeWhateverThatIgnoresOrCloses)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(Picture, HasTheSizeAskedForAndReplacesTheOldOne)
+TEST(Frame, HasTheSizeAskedForAndReplacesTheOldOne)
 {
     const ScratchFolder folder;
     std::ofstream(folder / "a.png") << "old";
@@ -99,7 +99,7 @@ TEST(Picture, HasTheSizeAskedForAndReplacesTheOldOne)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
 }
 
-TEST(Picture, DoesNotDependOnThreads)
+TEST(Frame, DoesNotDependOnThreads)
 {
     const ScratchFolder folder;
     for (const char* threads : {"1", "2", "3"})
@@ -111,7 +111,7 @@ TEST(Picture, DoesNotDependOnThreads)
     EXPECT_EQ(bytes_of(folder / "1.png"), bytes_of(folder / "3.png"));
 }
 
-TEST(Picture, OptionsChangeIt)
+TEST(Frame, OptionsChangeIt)
 {
     const ScratchFolder folder;
     const std::vector<std::vector<std::string>> variants = {

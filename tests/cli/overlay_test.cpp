@@ -27,7 +27,7 @@ std::size_t count_of(const std::filesystem::path& png, const frame::Rgb8& color)
     return count;
 }
 
-TEST(Overlay, OnePictureShowsAMemoryThatIsThere)
+TEST(Overlay, OneImageShowsAMemoryThatIsThere)
 {
     const ScratchFolder folder;
     const std::string out = folder / "states.png";
@@ -88,16 +88,16 @@ TEST(Overlay, PaperCountsAndShowsItsFaults)
     EXPECT_NE(outcome.err.find(std::to_string(wrong) + " of "), std::string::npos) << outcome.err;
 }
 
-TEST(Overlay, Films)
+TEST(Overlay, Videos)
 {
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
-    const std::string film = folder / "states.mp4";
-    const Words words = render(film, {"--frames", "40-43", "--overlay", "shadow-states"});
+    const std::string video = folder / "states.mp4";
+    const Words words = render(video, {"--frames", "40-43", "--overlay", "shadow-states"});
     ASSERT_EQ(run(words).code, 0);
-    const std::string bytes = bytes_of(film);
+    const std::string bytes = bytes_of(video);
     ASSERT_EQ(run(words).code, 0);
-    EXPECT_EQ(bytes, bytes_of(film));
+    EXPECT_EQ(bytes, bytes_of(video));
     EXPECT_EQ(names_in(folder.path()), Words{"states.mp4"});
 }
 
@@ -137,7 +137,7 @@ TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
     // A part begins with an empty memory, and the program says so.
     const Outcome part = with({"--chunk", "2/2"});
     ASSERT_EQ(part.code, 0) << part.err;
-    EXPECT_NE(part.err.find("pictures can differ"), std::string::npos) << part.err;
+    EXPECT_NE(part.err.find("images can differ"), std::string::npos) << part.err;
     EXPECT_NE(bytes_of(folder / "45.png"), last);
     // With its history, it is the same again.
     ASSERT_EQ(with({"--chunk", "2/2", "--warm-up", "3"}).code, 0);
@@ -148,17 +148,17 @@ TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
 }
 
 // Frames of another memory are never taken for these.
-TEST(Paper, ResumesNoFilmOfAnotherMemory)
+TEST(Paper, ResumesNoVideoOfAnotherMemory)
 {
     const ScratchFolder folder;
-    const std::string film = folder / "a.mp4";
-    ASSERT_EQ(run(render(film, {"--frames", "40-43", "--chunk", "1/2"})).code, 0);
+    const std::string video = folder / "a.mp4";
+    ASSERT_EQ(run(render(video, {"--frames", "40-43", "--chunk", "1/2"})).code, 0);
     for (const Words& other : {Words{"--shadow-culling", "paper"}, Words{"--overlay", "shadow-states"}}) {
-        Words words = render(film, {"--frames", "40-43", "--chunk", "2/2"});
+        Words words = render(video, {"--frames", "40-43", "--chunk", "2/2"});
         words.insert(words.end(), other.begin(), other.end());
         expect_failure(run(words), 2, "a.mp4.frames");
     }
-    EXPECT_EQ(run(render(film, {"--frames", "40-43", "--chunk", "2/2", "--shadow-culling", "off"})).code, 0);
+    EXPECT_EQ(run(render(video, {"--frames", "40-43", "--chunk", "2/2", "--shadow-culling", "off"})).code, 0);
 }
 
 }   // namespace

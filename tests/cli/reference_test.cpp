@@ -15,7 +15,7 @@ std::vector<std::string> reference(const std::string& out, std::vector<std::stri
     return arguments;
 }
 
-TEST(ReferencePicture, SaysWhatItIsAndHowNoisy)
+TEST(ReferenceImage, SaysWhatItIsAndHowNoisy)
 {
     const ScratchFolder folder;
     double noise[2];
@@ -31,7 +31,7 @@ TEST(ReferencePicture, SaysWhatItIsAndHowNoisy)
     EXPECT_LT(noise[1], noise[0] / 2);
 }
 
-TEST(ReferencePicture, SameSeedSameBytes)
+TEST(ReferenceImage, SameSeedSameBytes)
 {
     const ScratchFolder folder;
     const auto bytes = [&](std::vector<std::string> more) {
@@ -46,18 +46,18 @@ TEST(ReferencePicture, SameSeedSameBytes)
     EXPECT_NE(first, bytes({"--seed", "8"}));
 }
 
-TEST(ReferencePicture, NoBounceIsDirectLight)
+TEST(ReferenceImage, NoBounceIsDirectLight)
 {
     const ScratchFolder folder;
-    const auto picture = [&](const std::string& name, std::vector<std::string> more) {
+    const auto image = [&](const std::string& name, std::vector<std::string> more) {
         std::string out = folder / name;
         const Outcome outcome = run(reference(out, std::move(more)));
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return out;
     };
-    const std::string none = picture("none.exr", {"--reference", "--spp", "4", "--bounces", "0"});
-    const std::string one = picture("one.exr", {"--reference", "--spp", "64"});
-    const std::string off = picture("off.exr", {"--indirect", "off"});
+    const std::string none = image("none.exr", {"--reference", "--spp", "4", "--bounces", "0"});
+    const std::string one = image("one.exr", {"--reference", "--spp", "64"});
+    const std::string off = image("off.exr", {"--indirect", "off"});
     const auto difference = [&](const std::string& a, const std::string& b) {
         return run({"compare", a, b, "--layer", "direct", "--json"}).json()["max_abs"].get<double>();
     };
@@ -66,7 +66,7 @@ TEST(ReferencePicture, NoBounceIsDirectLight)
     EXPECT_GT(run({"compare", one, none, "--json"}).json()["rmse"].get<double>(), 1e-3);
 }
 
-TEST(ReferencePicture, OptionsThatContradictAreRefused)
+TEST(ReferenceImage, OptionsThatContradictAreRefused)
 {
     const ScratchFolder folder;
     expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
@@ -149,7 +149,7 @@ TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
     }
 }
 
-TEST(BenchIndirect, ReportHoldsTablesAndPictures)
+TEST(BenchIndirect, ReportHoldsTablesAndImages)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"bench", "indirect", "builtin:cornell", "--frames", "1-2", "--size", "64x64", "--spp",

@@ -31,8 +31,8 @@ nlohmann::json look_at(const std::filesystem::path& page)
     return nlohmann::json::parse(bytes_of(out), nullptr, false);
 }
 
-// A comparison shows its left picture up to where the slider is: dragged there by mouse, a step further by a key, then
-// where the mouse was dragged over the pictures; and the difference after a click.
+// A comparison shows its left image up to where the slider is: dragged there by mouse, a step further by a key, then
+// where the mouse was dragged over the images; and the difference after a click.
 void expect_comparison_moves(const nlohmann::json& seen, int width)
 {
     SCOPED_TRACE(seen.dump());
@@ -44,7 +44,7 @@ void expect_comparison_moves(const nlohmann::json& seen, int width)
         double hidden = -1, handle = -1;
         EXPECT_EQ(std::sscanf(now["clip"].get<std::string>().c_str(), "inset(0px %lf%% 0px 0px)", &hidden), 1);
         EXPECT_EQ(std::sscanf(now["handle"].get<std::string>().c_str(), "%lf%%", &handle), 1);
-        EXPECT_NEAR(100 - hidden, value, 0.3) << when;   // the slider has whole steps, the pictures have not
+        EXPECT_NEAR(100 - hidden, value, 0.3) << when;   // the slider has whole steps, the images have not
         EXPECT_NEAR(handle, value, 0.3) << when;
         return value;
     };
@@ -152,7 +152,7 @@ TEST(Report, OfEverythingOpensInABrowser)
     EXPECT_GE(found["charts"].size(), 12u);
     for (const nlohmann::json& chart : found["charts"]) EXPECT_GT(chart["drawn"].get<int>(), 5000) << chart;
     ASSERT_EQ(found["pictures"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
-    for (const nlohmann::json& picture : found["pictures"]) expect_comparison_moves(picture, 256);
+    for (const nlohmann::json& image : found["pictures"]) expect_comparison_moves(image, 256);
 
     const nlohmann::json document = outcome.json();
     EXPECT_EQ(document["quick"], true);

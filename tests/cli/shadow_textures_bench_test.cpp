@@ -43,7 +43,7 @@ TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
     }
 }
 
-TEST(BenchShadowTextures, WhatStandsFarFromMoversIsNotTouched)
+TEST(BenchShadowTextures, WhatStandsFarFromDynamicObjectsIsNotTouched)
 {
     const Outcome outcome =
         run({"bench", "shadow-textures", "--objects", "110", "1010", "10010", "--movers", "10", "--vertices", "60",

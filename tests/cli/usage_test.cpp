@@ -47,7 +47,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"render", scene, "-o", out, "--max-depth", "65"}, "0 to 64"},
         {{"render", scene, "-o", out, "--exposure", "bright"}, "auto or a number"},
         {{"render", scene, "-o", out, "--exposure", "nan"}, "auto or a number"},
-        {{"render", scene, "-o", out, "--tonemap", "film"}, "none, neutral, agx or aces"},
+        {{"render", scene, "-o", out, "--tonemap", "video"}, "none, neutral, agx or aces"},
         {{"render", scene, "-o", out, "--frame", "0"}, "from 1"},
         {{"render", scene, "-o", out, "--frame", "41"}, "1 to 40"},
         {{"render", scene, "-o", out, "--frames", "5-4"}, "A-B"},
@@ -75,8 +75,8 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
         {{"render", slow, "-o", folder / "a.mp4"}, "0.0001 frames a second"},
         {{"info", slow, "--json=" + scenes.path().string() + "/./slow.aff"}, "which is read"},
         {{"compare", slow, slow, "--heatmap", slow}, "which is read"},
-        {{"render", scene, "-o", out, "--contact-sheet", folder / "./out.png"}, "name of a picture"},
-        {{"render", scene, "-o", folder / "{frame}.png", "--contact-sheet", folder / "7.png"}, "name of a picture"},
+        {{"render", scene, "-o", out, "--contact-sheet", folder / "./out.png"}, "name of an image"},
+        {{"render", scene, "-o", folder / "{frame}.png", "--contact-sheet", folder / "7.png"}, "name of an image"},
         {{"render", scene, "-o", out, "--resume=no"}, "--resume takes no value"},
         {{"render", scene, "-o", out, "--quiet=5"}, "--quiet takes no value"},
         {{"render", scene, "-o", out, "--json="}, "a value is missing"},
@@ -119,7 +119,7 @@ TEST(Usage, WhatIsNotBuiltIsRefused)
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
     for (const options::Option& option : options::options()) {
-        if (!(option.verbs & options::bit(options::Verb::render))) continue;
+        if (!(option.subcommands & options::bit(options::Subcommand::render))) continue;
         std::vector<std::string> arguments{"render", "builtin:cornell", "-o", out, "--" + std::string(option.name)};
         if (!option.built) {
             if (option.kind != options::Kind::flag)
@@ -145,11 +145,11 @@ TEST(Usage, DefaultsOfTheTableAreValidAndBuilt)
 
 TEST(Usage, HelpNamesEveryOptionAndFitsALine)
 {
-    for (const options::VerbInfo& verb : options::verbs()) {
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         std::vector<std::string> arguments;
-        const std::size_t blank = verb.name.find(' ');
-        arguments.emplace_back(verb.name.substr(0, blank));
-        if (blank != std::string_view::npos) arguments.emplace_back(verb.name.substr(blank + 1));
+        const std::size_t blank = subcommand.name.find(' ');
+        arguments.emplace_back(subcommand.name.substr(0, blank));
+        if (blank != std::string_view::npos) arguments.emplace_back(subcommand.name.substr(blank + 1));
         arguments.emplace_back("--help");
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.code, 0);
@@ -160,8 +160,8 @@ TEST(Usage, HelpNamesEveryOptionAndFitsALine)
             const bool short_form = outcome.out.find(", --" + std::string(option.name)) != std::string::npos;
             const bool with_file = outcome.out.find("  --" + std::string(option.name) + "[=") != std::string::npos;
             EXPECT_EQ(at != std::string::npos || short_form || with_file,
-                      options::find_option(verb.verb, option.name) != nullptr)
-                << verb.name << " " << option.name;
+                      options::find_option(subcommand.subcommand, option.name) != nullptr)
+                << subcommand.name << " " << option.name;
         }
         for (std::size_t at = 0; at < outcome.out.size();) {
             const std::size_t end = outcome.out.find('\n', at);
@@ -171,14 +171,14 @@ TEST(Usage, HelpNamesEveryOptionAndFitsALine)
     }
 }
 
-TEST(Usage, VersionAndHelpWithoutAVerb)
+TEST(Usage, VersionAndHelpWithoutASubcommand)
 {
     EXPECT_EQ(run({"--version"}).out, "gnomon " + std::string(version()) + "\n");
     EXPECT_EQ(run({"info", "--version"}).out, run({"--version"}).out);
     const Outcome help = run({"--help"});
     EXPECT_EQ(help.code, 0);
-    for (const options::VerbInfo& verb : options::verbs())
-        EXPECT_NE(help.out.find(verb.name), std::string::npos) << verb.name;
+    for (const options::SubcommandInfo& subcommand : options::subcommands())
+        EXPECT_NE(help.out.find(subcommand.name), std::string::npos) << subcommand.name;
 }
 
 TEST(Usage, NearestWord)

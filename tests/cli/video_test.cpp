@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Films: whole or not there, and the same bytes however they came about.
+// Videos: whole or not there, and the same bytes however they came about.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -8,11 +8,11 @@ namespace {
 namespace fs = std::filesystem;
 const std::string k_scene = "builtin:cornell";
 
-class Film : public testing::Test {
+class Video : public testing::Test {
  protected:
     void SetUp() override
     {
-        if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+        if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     }
     std::vector<std::string> arguments(const std::string& name, const std::vector<std::string>& more = {}) const
     {
@@ -30,14 +30,14 @@ class Film : public testing::Test {
     ScratchFolder folder;
 };
 
-TEST_F(Film, LeavesNothingButItself)
+TEST_F(Video, LeavesNothingButItself)
 {
     make("a.mp4");
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
     EXPECT_NE(bytes_of(folder / "a.mp4").find("ftyp"), std::string::npos);
 }
 
-TEST_F(Film, IsTheSameForAnyThreadsAndChunks)
+TEST_F(Video, IsTheSameForAnyThreadsAndChunks)
 {
     make("one.mp4", {"--threads", "1"});
     make("two.mp4", {"--threads", "2"});
@@ -56,13 +56,13 @@ TEST_F(Film, IsTheSameForAnyThreadsAndChunks)
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"one.mp4", "parts.mp4", "two.mp4"}));
 }
 
-TEST_F(Film, ChunksNeedNoFfmpeg)
+TEST_F(Video, ChunksNeedNoFfmpeg)
 {
     EXPECT_EQ(run(arguments("a.mp4", {"--chunk", "1/6"}), {{"PATH", "/nonexistent"}}).code, 0);
     EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 3u);
 }
 
-TEST_F(Film, InterruptedAndResumedIsTheSame)
+TEST_F(Video, InterruptedAndResumedIsTheSame)
 {
     const std::vector<std::string> slow{"--samples", "64"};
     const fs::path frame = folder / "b.mp4.frames/frame-000003.png";
@@ -82,7 +82,7 @@ TEST_F(Film, InterruptedAndResumedIsTheSame)
     EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
-TEST_F(Film, InterruptedBeforeItsFirstFrameLeavesNothing)
+TEST_F(Video, InterruptedBeforeItsFirstFrameLeavesNothing)
 {
     RunningProgram program(
         {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
@@ -93,7 +93,7 @@ TEST_F(Film, InterruptedBeforeItsFirstFrameLeavesNothing)
 }
 
 // Chunks share a folder: one that ends before anybody's first frame leaves it to the others.
-TEST_F(Film, AnInterruptedChunkLeavesTheFolderToTheOthers)
+TEST_F(Video, AnInterruptedChunkLeavesTheFolderToTheOthers)
 {
     const fs::path frames = folder / "a.mp4.frames", manifest = frames / "manifest.json";
     // One frame each, which takes a while.
@@ -115,8 +115,8 @@ TEST_F(Film, AnInterruptedChunkLeavesTheFolderToTheOthers)
     EXPECT_TRUE(fs::exists(frames / "frame-000001.png"));
 }
 
-// What ends a film is said, also where its folder is gone by then.
-TEST_F(Film, AFolderThatIsGoneHidesNoError)
+// What ends a video is said, also where its folder is gone by then.
+TEST_F(Video, AFolderThatIsGoneHidesNoError)
 {
     RunningProgram program(
         {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
@@ -126,10 +126,10 @@ TEST_F(Film, AFolderThatIsGoneHidesNoError)
     expect_failure(program.wait(), 130, "interrupted");
 }
 
-TEST_F(Film, TornFramesAreRenderedAgain)
+TEST_F(Video, TornFramesAreRenderedAgain)
 {
     make("whole.mp4");
-    make("a.mp4", {"--chunk", "1/1"});   // one chunk is the film itself
+    make("a.mp4", {"--chunk", "1/1"});   // one chunk is the video itself
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "whole.mp4"));
 
     make("b.mp4", {"--chunk", "1/2"});
@@ -140,7 +140,7 @@ TEST_F(Film, TornFramesAreRenderedAgain)
     EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
-TEST_F(Film, FramesOfAnotherFilmAreNotTaken)
+TEST_F(Video, FramesOfAnotherVideoAreNotTaken)
 {
     make("a.mp4", {"--chunk", "1/2"});
     const auto frames = names_in(folder / "a.mp4.frames");
@@ -157,13 +157,13 @@ TEST_F(Film, FramesOfAnotherFilmAreNotTaken)
         expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
     }
     EXPECT_EQ(names_in(folder / "a.mp4.frames"), frames);
-    // Without --resume, a film begins anew.
+    // Without --resume, a video begins anew.
     make("a.mp4", {"--exposure", "1"});
     make("b.mp4", {"--exposure", "1"});
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "b.mp4"));
 }
 
-TEST_F(Film, ForeignFilesAreLeftAlone)
+TEST_F(Video, ForeignFilesAreLeftAlone)
 {
     fs::create_directory(folder / "a.mp4.frames");
     std::ofstream(folder / "a.mp4.frames/thesis.txt") << "precious";
@@ -171,7 +171,7 @@ TEST_F(Film, ForeignFilesAreLeftAlone)
     EXPECT_EQ(bytes_of(folder / "a.mp4.frames/thesis.txt"), "precious");
 }
 
-TEST_F(Film, AFailingEncoderLeavesTheFramesAndNoFilm)
+TEST_F(Video, AFailingEncoderLeavesTheFramesAndNoVideo)
 {
     const ScratchFolder programs;
     std::ofstream(programs / "ffmpeg") << "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n"
@@ -184,7 +184,7 @@ TEST_F(Film, AFailingEncoderLeavesTheFramesAndNoFilm)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(NumberedSet, ChunksAndResumeGiveTheSamePictures)
+TEST(NumberedSet, ChunksAndResumeGiveTheSameImages)
 {
     const ScratchFolder folder;
     const auto render = [&](const std::string& name, const std::vector<std::string>& more) {

@@ -41,7 +41,7 @@ Seen drive(const ScratchFolder& folder, const std::string& scene, const std::str
     return seen;
 }
 
-TEST(View, AScreenshotIsTheRenderedPictureWhateverWasLookedAtBefore)
+TEST(View, AScreenshotIsTheRenderedImageWhateverWasLookedAtBefore)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
@@ -87,7 +87,7 @@ TEST(View, ShowsTheRasterisedFrame)
     EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
 }
 
-// What a step drew into the light views is shown, and stays while pictures of that moment become finer.
+// What a step drew into the light views is shown, and stays while images of that moment become finer.
 TEST(View, ShowsWhatWasRedrawn)
 {
     NEED_WINDOWS();
@@ -122,22 +122,22 @@ TEST(View, ShowsWhatWasRedrawn)
     EXPECT_EQ(io::read_image(folder / "gnomon-0003.png").data, io::read_image(folder / "plain.png").data);
 }
 
-// Every frame once, in order, with all its pixels and all its light: the bytes of the film that is rendered, whatever
+// Every frame once, in order, with all its pixels and all its light: the bytes of the video that is rendered, whatever
 // was shown when the recording began, and whatever becomes of the window.
-TEST(View, RecordsTheFilmThatIsRendered)
+TEST(View, RecordsTheVideoThatIsRendered)
 {
     NEED_WINDOWS();
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
     // More frames than will be recorded: the clip begins again at its end.
     const Seen seen = drive(folder, "builtin:cornell", "--fps 240",
                             "sleep 1\nkey Home\nkey r\nsleep 1\nresize 400 200\nsleep 1\nkey r\n"
                             "await gnomon-0001.mp4\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
-    const std::string film = folder / "gnomon-0001.mp4";
+    const std::string video = folder / "gnomon-0001.mp4";
     EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.mp4"}));
     video::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
-                            "stream=width,height,nb_read_frames", "-of", "csv=p=0", film});
+                            "stream=width,height,nb_read_frames", "-of", "csv=p=0", video});
     ASSERT_EQ(ffprobe.wait(), 0) << ffprobe.errors();
     int width = 0, height = 0, frames = 0;
     ASSERT_EQ(std::sscanf(ffprobe.output().c_str(), "%d,%d,%d", &width, &height, &frames), 3) << ffprobe.output();
@@ -147,13 +147,13 @@ TEST(View, RecordsTheFilmThatIsRendered)
     const Outcome rendered = run({"render", "builtin:cornell", "--fps", "240", "--frames", fmt::format("1-{}", frames),
                                   "--size", "320x240", "-o", folder / "rendered.mp4"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
-    EXPECT_TRUE(bytes_of(film) == bytes_of(folder / "rendered.mp4")) << frames << " frames";
+    EXPECT_TRUE(bytes_of(video) == bytes_of(folder / "rendered.mp4")) << frames << " frames";
 }
 
-TEST(View, AFrameThatFailsEndsTheRecordingAndTheFilmIsThere)
+TEST(View, AFrameThatFailsEndsTheRecordingAndTheVideoIsThere)
 {
     NEED_WINDOWS();
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
     const ScopedVariable none("VK_DRIVER_FILES", "/nowhere.json"), none_either("VK_ICD_FILENAMES", "/nowhere.json");
     // The panel's first option, the renderer: the second choice needs a driver.
@@ -188,11 +188,11 @@ TEST(View, ReadsAFileAgainThatChanged)
     EXPECT_EQ(seen.json.at("loads"), 2);
 }
 
-// No film is of two scenes: it ends where its own does.
+// No video is of two scenes: it ends where its own does.
 TEST(View, ARecordingEndsWithItsScene)
 {
     NEED_WINDOWS();
-    if (!film_tools()) GTEST_SKIP() << "no ffmpeg";
+    if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
     const auto write = [&](int size) {
         std::ofstream(folder / "a.obj") << "v 0 0 0\nv " << size << " 0 0\nv 0 " << size << " 0\nf 1 2 3\n";

@@ -147,7 +147,7 @@ TEST(VulkanProgram, RasterWithoutADriverIsMissing)
 
 // Six frames through a loader that fails where `fault` says (failing_vulkan.cpp); "" fails nowhere. Quiet: on a busy
 // machine there would be progress to tell.
-Outcome film(const ScratchFolder& folder, const std::string& fault)
+Outcome video(const ScratchFolder& folder, const std::string& fault)
 {
     return run({"render", "builtin:cornell", "-o", folder / "{frame:04}.png", "--renderer", "raster", "--size", "48x48",
                 "--frames", "1-6", "--quiet"},
@@ -157,7 +157,7 @@ Outcome film(const ScratchFolder& folder, const std::string& fault)
 TEST(VulkanProgram, FaultsAreCodeFourOneLineAndWholeFrames)
 {
     const ScratchFolder undisturbed;
-    const Outcome whole = film(undisturbed, "");
+    const Outcome whole = video(undisturbed, "");
     ASSERT_EQ(whole.code, 0) << whole.err;
     ASSERT_EQ(names_in(undisturbed.path()).size(), 6u);
 
@@ -173,7 +173,7 @@ TEST(VulkanProgram, FaultsAreCodeFourOneLineAndWholeFrames)
           Fault{"extension", "VK_KHR_push_descriptor", false}}) {
         SCOPED_TRACE(fault.name);
         const ScratchFolder folder;
-        expect_failure(film(folder, fault.name), 4, fault.about);
+        expect_failure(video(folder, fault.name), 4, fault.about);
         const std::vector<std::string> frames = names_in(folder.path());
         EXPECT_EQ(!frames.empty(), fault.begins);
         EXPECT_LT(frames.size(), 6u);

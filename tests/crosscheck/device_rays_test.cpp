@@ -2,7 +2,7 @@
 // Rays on the device against RayScene: between points of surfaces, in several scenes, before and after things move.
 //
 // Both may part where a ray meets an edge within rounding: of a triangle, or of a hole in a mask. So few may differ,
-// and each of these must be such a ray: among its neighbours, by less than any picture shows, RayScene's own answers
+// and each of these must be such a ray: among its neighbours, by less than any image shows, RayScene's own answers
 // differ.
 #include "vk_helpers.h"
 
@@ -75,16 +75,16 @@ bool on_an_edge(const ray::RayScene& rays, const ray::RayQueue& queue, std::size
         const float x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
         return glm::vec3(x, y, random.uniform(-reach, reach));
     };
-    int blocked = 0;
+    int occluded = 0;
     for (int n = 0; n < k_neighbours; ++n) {
         const glm::vec3 from = queue.origin(i) + nudge(), to = queue.origin(i) + queue.direction(i) + nudge();
-        blocked += rays.blocked_single(from, queue.tnear[i], to - from, queue.tfar[i], against);
+        occluded += rays.occluded_single(from, queue.tnear[i], to - from, queue.tfar[i], against);
     }
-    return blocked > 0 && blocked < k_neighbours;
+    return occluded > 0 && occluded < k_neighbours;
 }
 
 struct Compared {
-    std::size_t asked = 0, differing = 0, blocked = 0;
+    std::size_t asked = 0, differing = 0, occluded = 0;
 };
 
 // Asks both about the same rays, against each part of the scene.
@@ -93,12 +93,12 @@ void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRay
 {
     std::vector<std::uint8_t> expected(queue.size()), answers(queue.size(), 2);
     for (const Against against : {Against::everything, Against::static_only, Against::dynamic_only}) {
-        rays.blocked(queue, 0, queue.size(), expected.data(), against);
-        device.blocked(commands, scene, queue, answers.data(), against);
+        rays.occluded(queue, 0, queue.size(), expected.data(), against);
+        device.occluded(commands, scene, queue, answers.data(), against);
         for (std::size_t i = 0; i < queue.size(); ++i) {
             ASSERT_LE(answers[i], 1u);
             ++sum.asked;
-            sum.blocked += expected[i];
+            sum.occluded += expected[i];
             if (answers[i] == expected[i]) continue;
             ++sum.differing;
             EXPECT_TRUE(on_an_edge(rays, queue, i, against))
@@ -129,10 +129,10 @@ Compared follow(const std::shared_ptr<vk::Device>& vulkan, const std::shared_ptr
         if (testing::Test::HasFailure()) break;
     }
     const double share = static_cast<double>(sum.differing) / static_cast<double>(sum.asked);
-    fmt::print("{} of {} answers differ ({:.1e}), {} blocked\n", sum.differing, sum.asked, share, sum.blocked);
+    fmt::print("{} of {} answers differ ({:.1e}), {} occluded\n", sum.differing, sum.asked, share, sum.occluded);
     EXPECT_LE(share, k_differing);
-    EXPECT_GT(sum.blocked, sum.asked / 50);
-    EXPECT_LT(sum.blocked, sum.asked);
+    EXPECT_GT(sum.occluded, sum.asked / 50);
+    EXPECT_LT(sum.occluded, sum.asked);
     return sum;
 }
 
@@ -404,7 +404,7 @@ TEST_F(DeviceRaysVulkan, CornersThatAreNoNumbers)
             compare(commands, gpu, device, rays, queue, sum);
         }
         EXPECT_LE(static_cast<double>(sum.differing), k_differing * static_cast<double>(sum.asked));
-        EXPECT_GT(sum.blocked, sum.asked / 20);
+        EXPECT_GT(sum.occluded, sum.asked / 20);
     }
 }
 
@@ -426,8 +426,8 @@ TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
         many.push(some.origin(i), some.tnear[i], some.direction(i), some.tfar[i]);
     }
     std::vector<std::uint8_t> expected(many.size()), answers(many.size(), 2);
-    rays.blocked(many, 0, many.size(), expected.data());
-    device.blocked(commands, scene, many, answers.data());
+    rays.occluded(many, 0, many.size(), expected.data());
+    device.occluded(commands, scene, many, answers.data());
     EXPECT_EQ(answers, expected);
 
     // Ends beyond what is, behind the beginning, and no numbers at all.
@@ -444,22 +444,22 @@ TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
     odd.push(some.origin(0), -1, some.direction(0), 1);
     odd.push(some.origin(0), 0.5f, some.direction(0), 0.25f);
     expected.assign(odd.size(), 0), answers.assign(odd.size(), 2);
-    rays.blocked(odd, 0, odd.size(), expected.data());
-    device.blocked(commands, scene, odd, answers.data());
+    rays.occluded(odd, 0, odd.size(), expected.data());
+    device.occluded(commands, scene, odd, answers.data());
     for (std::size_t i = 0; i < odd.size(); ++i)
         EXPECT_EQ(answers[i], expected[i])
             << fmt::format("ray {}: {} {} {}, {}; {} {} {}, {}", i, odd.ox[i], odd.oy[i], odd.oz[i], odd.tnear[i],
                            odd.dx[i], odd.dy[i], odd.dz[i], odd.tfar[i]);
     EXPECT_GT(std::count(answers.begin(), answers.end(), 1), 200);
 
-    device.blocked(commands, scene, ray::RayQueue(), nullptr);
+    device.occluded(commands, scene, ray::RayQueue(), nullptr);
 
     scene::Scene nothing;
     const scene::SceneState empty(test::finished(nothing), 0);
     const gpu_scene::GpuScene empty_scene(device_, empty);
     DeviceRays empty_rays(device_, empty_scene, empty);
     answers.assign(some.size(), 2);
-    empty_rays.blocked(commands, empty_scene, some, answers.data());
+    empty_rays.occluded(commands, empty_scene, some, answers.data());
     EXPECT_EQ(answers, std::vector<std::uint8_t>(some.size(), 0));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts and sums of surface points on the device against the processor's, and the light of whole pictures by both.
+// Cuts and sums of surface points on the device against the processor's, and the light of whole images by both.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -26,7 +26,7 @@ constexpr double k_nodes_that_differ = 1e-3;   // share of cuts' nodes: on the e
 constexpr double k_weight_tolerance = 1e-4;    // of weights, over themselves; more where the kernel cancels
 constexpr double k_sum_tolerance = 1e-5;       // over the sum of all lengths
 constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // where rays are the device's own
-constexpr double k_light_tolerance = 1e-4;                          // of a picture's light, over its mean
+constexpr double k_light_tolerance = 1e-4;                          // of an image's light, over its mean
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
@@ -108,10 +108,10 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
 {
     World world("cornell", 3, 2);
     EmitterTree tree(world.state, world.rays, {}, world.tasks);
-    MovingSpheres movers;
-    movers.add({{{0.3f, -0.5f, 0.2f}, 0.25f}, {{-0.4f, 0.1f, -0.1f}, 0.1f}});
+    MovingSpheres dynamic_objects;
+    dynamic_objects.add({{{0.3f, -0.5f, 0.2f}, 0.25f}, {{-0.4f, 0.1f, -0.1f}, 0.1f}});
     GpuPoints device(device_);
-    device.begin_frame(tree, movers);
+    device.begin_frame(tree, dynamic_objects);
     std::mt19937 random(11);
     const std::vector<CutRequest> requests = some_requests(world, 200);
     std::vector<SumRequest> points(requests.size());
@@ -121,7 +121,7 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
         if (round > 0) {
             world.go(3 + 4 * round);   // the light of some leaves changes
             tree.update(world.state, world.rays, world.tasks);
-            device.begin_frame(tree, movers);
+            device.begin_frame(tree, dynamic_objects);
         }
         // A third of the points gets other lists, of other lengths.
         std::vector<SeenNode> sent;
@@ -154,7 +154,7 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
             std::vector<ChangedNode> changed;
             std::vector<SeenNode> padded = seen[p];
             padded.resize((padded.size() + k_seen_step - 1) / k_seen_step * k_seen_step, 0);
-            find_changed(tree, padded.data(), points[p].seen.count, points[p].origin, movers, changed);
+            find_changed(tree, padded.data(), points[p].seen.count, points[p].origin, dynamic_objects, changed);
             std::vector<bool> crosses(seen[p].size(), false);
             for (const ChangedNode& node : changed) crosses[node.place] = node.crossed;
             glm::dvec3 sum[3] = {};
@@ -192,10 +192,10 @@ TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
 {
     World world("cornell", 3, 2);
     EmitterTree tree(world.state, world.rays, {}, world.tasks);
-    MovingSpheres movers;
-    movers.add({{{0, 0, 0}, 100.0f}});   // everything is inside
+    MovingSpheres dynamic_objects;
+    dynamic_objects.add({{{0, 0, 0}, 100.0f}});   // everything is inside
     GpuPoints device(device_);
-    device.begin_frame(tree, movers);
+    device.begin_frame(tree, dynamic_objects);
     NodeId lit = 0;
     while (tree.flux().at(lit) == glm::vec3(0)) ++lit;
     constexpr std::uint32_t k_length = 1600, k_points = 20;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light maps on the device against those that rays cast: the tree, the cut and the sums over the same texels; the maps
-// themselves; and the bounced light of whole pictures, by all methods.
+// themselves; and the bounced light of whole images, by all methods.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -32,7 +32,7 @@ constexpr double k_sum_tolerance = 1e-4;        // of sums over the same cluster
 constexpr double k_sampled_tolerance = 5e-3;    // of sums over the same texels: a sample may fall on the next one
 constexpr double k_texels_that_differ = 0.01;   // share of texels where a ray and the rasteriser see different things
 constexpr double k_flux_tolerance = 0.01;       // of a map's sum of flux
-constexpr double k_picture_tolerance = 0.05;    // mean difference of a picture's bounced light, over its mean
+constexpr double k_image_tolerance = 0.05;      // mean difference of an image's bounced light, over its mean
 
 std::shared_ptr<const scene::Scene> lit_scene(const std::string& name)
 {
@@ -226,28 +226,28 @@ TEST_F(LightMapVulkan, DrawnTexelsAreTheCastOnes)
         EXPECT_LE(static_cast<double>(other), k_texels_that_differ * static_cast<double>(texels))
             << other << " of " << texels;
         EXPECT_NEAR(drawn_flux / flux, 1, k_flux_tolerance);
-        if (std::getenv("GNOMON_PICTURES"))
+        if (std::getenv("GNOMON_IMAGES"))
             fmt::print("{}: {} of {} texels differ; flux {:.5f}\n", name, other, texels, drawn_flux / flux);
     }
 }
 
-const Layer& layer(const Picture& picture, const std::string& name)
+const Layer& layer(const Frame& image, const std::string& name)
 {
-    for (const Layer& l : picture.layers)
+    for (const Layer& l : image.layers)
         if (l.name == name) return l;
     throw std::runtime_error("no layer " + name);
 }
 
 // Mean difference of bounced light over its mean, where both see the same surface and no mirror.
-double picture_difference(const Scene& scene, int frame, RenderOptions options)
+double image_difference(const Scene& scene, int frame, RenderOptions options)
 {
     options.layers = true;
     options.max_depth = 0;
     options.exposure = 0;
-    const Picture traced = Renderer(options).render(scene, frame);
+    const Frame traced = Renderer(options).render(scene, frame);
     options.renderer = RenderMethod::raster;
-    Picture drawn = Renderer(options).render(scene, frame);
-    if (const char* folder = std::getenv("GNOMON_PICTURES")) {
+    Frame drawn = Renderer(options).render(scene, frame);
+    if (const char* folder = std::getenv("GNOMON_IMAGES")) {
         static int number = 0;
         traced.write(std::filesystem::path(folder) / fmt::format("bounce-{}-traced.png", ++number));
         drawn.write(std::filesystem::path(folder) / fmt::format("bounce-{}-raster.png", number));
@@ -271,9 +271,9 @@ void expect_same_bounce(const Scene& scene, int frame, Indirect how, bool full, 
     options.size = size;
     options.indirect = how;
     options.indirect_at_every_pixel = full;
-    const double difference = picture_difference(scene, frame, options);
-    EXPECT_LE(difference, k_picture_tolerance) << static_cast<int>(how) << (full ? ", every pixel" : "");
-    if (std::getenv("GNOMON_PICTURES"))
+    const double difference = image_difference(scene, frame, options);
+    EXPECT_LE(difference, k_image_tolerance) << static_cast<int>(how) << (full ? ", every pixel" : "");
+    if (std::getenv("GNOMON_IMAGES"))
         fmt::print("bounced light, method {}{}: {:.4f} of the mean\n", static_cast<int>(how),
                    full ? ", every pixel" : "", difference);
 }

@@ -24,9 +24,9 @@ constexpr float k_color_tolerance = 0.004f;   // of one colour channel, and of i
 constexpr float k_depth_tolerance = 1e-3f;    // relative: the same surface
 constexpr int k_edge_reach = 3;               // pixels between a differing pixel and an edge of a traced shadow
 
-const Layer& layer(const Picture& picture, const std::string& name)
+const Layer& layer(const Frame& image, const std::string& name)
 {
-    for (const Layer& l : picture.layers)
+    for (const Layer& l : image.layers)
         if (l.name == name) return l;
     throw std::runtime_error("no layer " + name);
 }
@@ -45,7 +45,7 @@ RenderOptions options_of(RenderMethod renderer, Size size)
 
 // One frame by both renderers.
 struct Pair {
-    Picture traced, raster;
+    Frame traced, raster;
     std::vector<char> plain;   // pixels that show no mirror and no glass, and the same surface in both
     std::size_t pixels = 0, plain_count = 0, lights = 0;
 
@@ -68,7 +68,7 @@ Pair render_both(const Scene& scene, int frame, Size size, ShadowTextures shadow
     Pair pair;
     pair.traced = Renderer(flat).render(scene, frame);
     pair.raster = Renderer(raster).render(scene, frame);
-    const Picture mirrors = Renderer(deep).render(scene, frame);
+    const Frame mirrors = Renderer(deep).render(scene, frame);
     pair.pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     pair.lights = scene.info().lights.size();
     const auto &a = pair.traced.layers[0].data, &m = mirrors.layers[0].data;
@@ -83,23 +83,23 @@ Pair render_both(const Scene& scene, int frame, Size size, ShadowTextures shadow
     return pair;
 }
 
-// Where GNOMON_PICTURES names a folder: the traced picture, grey, and in red what differs.
+// Where GNOMON_IMAGES names a folder: the traced image, grey, and in red what differs.
 void write_differences(const Pair& pair, Size size, const std::vector<char>& differs, const std::string& name)
 {
-    const char* folder = std::getenv("GNOMON_PICTURES");
+    const char* folder = std::getenv("GNOMON_IMAGES");
     if (!folder) return;
-    Picture picture;
-    picture.size = size;
-    picture.tonemap = ToneMap::none;
-    picture.exposure = pair.traced.exposure;
-    picture.layers.push_back({"", {"R", "G", "B"}, pair.traced.layers[0].data});
-    std::vector<float>& rgb = picture.layers[0].data;
+    Frame image;
+    image.size = size;
+    image.tonemap = ToneMap::none;
+    image.exposure = pair.traced.exposure;
+    image.layers.push_back({"", {"R", "G", "B"}, pair.traced.layers[0].data});
+    std::vector<float>& rgb = image.layers[0].data;
     for (std::size_t i = 0; i < pair.pixels; ++i) {
         const float grey = pair.plain[i] ? 0.2f + 0.2f * (rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2]) : 0.0f;
         for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = differs[i] ? (c == 0 ? 4.0f : 0.0f) : grey;
     }
-    picture.write(std::filesystem::path(folder) / (name + ".png"));
-    Picture raster = pair.raster;
+    image.write(std::filesystem::path(folder) / (name + ".png"));
+    Frame raster = pair.raster;
     raster.write(std::filesystem::path(folder) / (name + "-raster.png"));
 }
 
@@ -179,7 +179,7 @@ void expect_same_shadows(const Scene& scene, int frame, Size size, ShadowTexture
     EXPECT_LE(share, k_most_different);
     EXPECT_LE(far_share, k_most_far_off);
     testing::Test::RecordProperty("shadow_results_equal_percent", std::to_string(100 * (1 - result_share)));
-    if (std::getenv("GNOMON_PICTURES"))
+    if (std::getenv("GNOMON_IMAGES"))
         fmt::print("equal: {:.3f} % of results, {:.3f} % of pixels; far from edges {:.3f} %\n",
                    100 - 100 * result_share, 100 - 100 * share, 100 * far_share);
     testing::Test::RecordProperty("shadow_pixels_equal_percent", std::to_string(100 * (1 - share)));
@@ -196,10 +196,10 @@ TEST_F(RasterCrosscheck, TheBrightestLightsAreNumbers)
         for (const test::BrightScene& bright : test::bright_scenes({"3.4e38"})) {
             RenderOptions options = options_of(RenderMethod::raster, {32, 24});
             options.indirect = indirect;
-            const Picture picture = Renderer(options).render(bright.scene, 1);
-            EXPECT_EQ(test::count_of_no_numbers(picture), 0u)
+            const Frame image = Renderer(options).render(bright.scene, 1);
+            EXPECT_EQ(test::count_of_no_numbers(image), 0u)
                 << bright.name << ", indirect " << static_cast<int>(indirect);
-            EXPECT_GT(test::brightest_of(picture), std::min(bright.at_least, 1e4f)) << bright.name;
+            EXPECT_GT(test::brightest_of(image), std::min(bright.at_least, 1e4f)) << bright.name;
         }
 }
 
@@ -230,7 +230,7 @@ TEST_F(RasterCrosscheck, LightOfAFloorToTheHorizon)
     expect_same_light(test::floor_to_the_horizon(), 1, 0.98);
 }
 
-// Bumps, from the front and from behind; turned with their picture, but not where the file has tangents.
+// Bumps, from the front and from behind; turned with their image, but not where the file has tangents.
 TEST_F(RasterCrosscheck, LightOfNormalMaps)
 {
     scene::Scene scene;
@@ -280,7 +280,7 @@ TEST_F(RasterCrosscheck, LightOfFiles)
     }
 }
 
-// Beside bounced light, too: a picture behind the windows is seen by its ambient colour, and a court is filled dimly.
+// Beside bounced light, too: an image behind the windows is seen by its ambient colour, and a court is filled dimly.
 TEST_F(RasterCrosscheck, BackdropsAndTheFillOfCourts)
 {
     scene::Scene scene;
@@ -361,8 +361,8 @@ TEST_F(RasterCrosscheck, HardShadowsOfCutOuts)
     const Size size{240, 180};
     expect_same_shadows(balls_over_floor(true), 1, size, ShadowTextures::coherent);
     const RenderOptions options = options_of(RenderMethod::raster, size);
-    const Picture holes = Renderer(options).render(balls_over_floor(true), 1),
-                  whole = Renderer(options).render(balls_over_floor(false), 1);
+    const Frame holes = Renderer(options).render(balls_over_floor(true), 1),
+                whole = Renderer(options).render(balls_over_floor(false), 1);
     const auto &a = layer(holes, "shadow").data, &b = layer(whole, "shadow").data;
     const std::size_t lights = a.size() / layer(holes, "depth").data.size();
     std::size_t through = 0;   // lit behind the holes alone, of the same surface
@@ -396,8 +396,8 @@ TEST_F(RasterCrosscheck, WhatIsFlatIsThereOrNotInBoth)
              {ShadowTextures::coherent, ShadowTextures::depth, ShadowTextures::per_caster}) {
             RenderOptions raster = options_of(RenderMethod::raster, size);
             raster.shadow_textures = method;
-            const Picture a = Renderer(options_of(RenderMethod::trace, size)).render(scene, 1),
-                          b = Renderer(raster).render(scene, 1);
+            const Frame a = Renderer(options_of(RenderMethod::trace, size)).render(scene, 1),
+                        b = Renderer(raster).render(scene, 1);
             const auto &za = layer(a, "depth").data, &zb = layer(b, "depth").data;
             const auto &la = layer(a, "shadow").data, &lb = layer(b, "shadow").data;
             std::size_t different = 0;
@@ -412,16 +412,16 @@ TEST_F(RasterCrosscheck, WhatIsFlatIsThereOrNotInBoth)
     EXPECT_GT(seen[0], seen[1] + 300) << "its shadow";
 }
 
-// What is remembered changes nothing: a film's frames are those of fresh renderers, by all three methods.
-TEST_F(RasterCrosscheck, FilmIsItsFrames)
+// What is remembered changes nothing: a video's frames are those of fresh renderers, by all three methods.
+TEST_F(RasterCrosscheck, VideoIsItsFrames)
 {
     const Scene scene = load("builtin:cornell");
     for (const ShadowTextures method : {ShadowTextures::coherent, ShadowTextures::depth}) {
         RenderOptions options = options_of(RenderMethod::raster, {80, 80});
         options.shadow_textures = method;
-        Renderer film(options);
+        Renderer video(options);
         for (const int frame : {1, 2, 3, 12, 5}) {
-            const Picture a = film.render(scene, frame), b = Renderer(options).render(scene, frame);
+            const Frame a = video.render(scene, frame), b = Renderer(options).render(scene, frame);
             EXPECT_EQ(a.layers[0].data, b.layers[0].data) << frame;
             EXPECT_GT(a.counters.draws, 0u);
         }
@@ -436,8 +436,8 @@ TEST_F(RasterCrosscheck, OverlayShowsWhatWasRedrawn)
     options.layers = false;
     options.overlay = Overlay::redrawn;
     Renderer renderer(options);
-    const auto count = [](const Picture& picture, auto&& is) {
-        const std::vector<float>& rgb = picture.layers[0].data;
+    const auto count = [](const Frame& image, auto&& is) {
+        const std::vector<float>& rgb = image.layers[0].data;
         std::size_t found = 0;
         for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) found += is(rgb[i], rgb[i + 1], rgb[i + 2]);
         return found;
@@ -445,12 +445,12 @@ TEST_F(RasterCrosscheck, OverlayShowsWhatWasRedrawn)
     const auto red = [](float r, float g, float) { return r > 4 * g; };
     const auto colored = [](float r, float g, float b) { return std::abs(r - g) > 1e-3f || std::abs(g - b) > 1e-3f; };
     renderer.render(scene, 10);
-    const Picture moved = renderer.render(scene, 11);
+    const Frame moved = renderer.render(scene, 11);
     EXPECT_EQ(moved.size, (Size{80, 80}));
     // The ball, and nothing that it does not meet.
     EXPECT_GT(count(moved, red), 20u);
     EXPECT_LT(count(moved, red), 400u);
-    const Picture kept = renderer.render(scene, 11);
+    const Frame kept = renderer.render(scene, 11);
     EXPECT_EQ(count(kept, red), 0u);
     EXPECT_EQ(count(kept, colored), 0u);
 }
@@ -474,9 +474,9 @@ TEST_F(RasterCrosscheck, LayersBeyondWhatAShaderIsGivenAtOnce)
     RenderOptions options = options_of(RenderMethod::raster, {639, 481});
     options.shadow_textures = ShadowTextures::depth;
     options.shadow_filter = 1;
-    const Picture whole = Renderer(options).render(scene, 1);
+    const Frame whole = Renderer(options).render(scene, 1);
     const test::Replaced small(vkGetPhysicalDeviceProperties, forget_large_buffers);
-    const Picture parts = Renderer(options).render(scene, 1);
+    const Frame parts = Renderer(options).render(scene, 1);
     ASSERT_EQ(parts.layers.size(), whole.layers.size());
     for (std::size_t l = 0; l < whole.layers.size(); ++l)
         EXPECT_EQ(parts.layers[l].data, whole.layers[l].data) << whole.layers[l].name;
@@ -497,7 +497,7 @@ TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsWhole)
         EXPECT_THROW(Renderer(options).render(scene, 1), MissingError);
     }
     Renderer renderer(options);
-    const Picture whole = renderer.render(scene, 2);
+    const Frame whole = renderer.render(scene, 2);
     {
         const test::Replaced lost(
             vkQueueSubmit2,

@@ -144,10 +144,10 @@ TEST(RaySceneTwin, AnswersAsEveryTriangleInDoublePrecision)
             }
             const bool surely = twin.nearest(rays, i, false, true, -k_margin) < static_cast<double>(k_infinity);
             const bool perhaps = twin.nearest(rays, i, false, true, k_margin) < static_cast<double>(k_infinity);
-            ASSERT_TRUE(answers.blocked[i] ? perhaps : !surely) << "seed " << seed << ", ray " << i;
-            ASSERT_EQ(answers.blocked[i], answers.blocked_static[i] | answers.blocked_dynamic[i]);
+            ASSERT_TRUE(answers.occluded[i] ? perhaps : !surely) << "seed " << seed << ", ray " << i;
+            ASSERT_EQ(answers.occluded[i], answers.occluded_static[i] | answers.occluded_dynamic[i]);
             ++asked;
-            dark += answers.blocked[i];
+            dark += answers.occluded[i];
             clear += surely == perhaps;
         }
     }
@@ -202,7 +202,7 @@ TEST(RaySceneTwin, RaysThatEndBehindTheirBeginning)
         const Answers answers = ask(scene, behind), singly = ask_singly(scene, behind);
         EXPECT_EQ(differences(answers, singly), 0u) << end;
         EXPECT_EQ(count_hits(answers), 0u) << end;
-        EXPECT_EQ(std::count(answers.blocked.begin(), answers.blocked.end(), 0), 300) << end;
+        EXPECT_EQ(std::count(answers.occluded.begin(), answers.occluded.end(), 0), 300) << end;
     }
 }
 
@@ -217,7 +217,7 @@ TEST(RaySceneTwin, SidesMasksAndGlass)
             const double x = 10.0 * m + (mirror < 0 ? 100 : 0);
             const scene::NodeId node =
                 add_object(description, m, scene::none, glm::scale(translation(x, 0, 0), glm::dvec3(mirror, 1, 1)));
-            description.nodes[node].animated = m % 2 == 0;   // half of them as movers
+            description.nodes[node].animated = m % 2 == 0;   // half of them as dynamic objects
         }
     const scene::SceneState state(finished(description), 0);
     const ray::RayScene rays(state);
@@ -233,7 +233,7 @@ TEST(RaySceneTwin, SidesMasksAndGlass)
             const float x = start + 10.0f * static_cast<float>(m);
             // From outside all are seen; from inside one-sided surfaces stop light as well, glass never does.
             EXPECT_EQ(look_at(rays, x, ray::Sides::front).object, 2 * m + (start > 0)) << m;
-            EXPECT_EQ(rays.blocked_single({x, 0.01f, 0.02f}, 0, {0.1f, 0.2f, 1}, 2), m != glass) << m;
+            EXPECT_EQ(rays.occluded_single({x, 0.01f, 0.02f}, 0, {0.1f, 0.2f, 1}, 2), m != glass) << m;
         }
     }
 }

@@ -11,7 +11,7 @@ namespace {
 
 class ShadowLookUpVulkan : public test::VulkanTest {};
 
-constexpr std::uint32_t k_side = 48;   // of the picture of points
+constexpr std::uint32_t k_side = 48;   // of the image of points
 
 struct Points {
     std::vector<glm::vec4> positions, normals;
@@ -46,8 +46,8 @@ Points points_of(const scene::SceneState& state, const light_views::Casters& cas
 }
 
 template <class T>
-vk::Image picture(const std::shared_ptr<vk::Device>& device, vk::Commands& commands, const char* name, VkFormat format,
-                  const std::vector<T>& values, std::vector<vk::Buffer>& staging)
+vk::Image image(const std::shared_ptr<vk::Device>& device, vk::Commands& commands, const char* name, VkFormat format,
+                const std::vector<T>& values, std::vector<vk::Buffer>& staging)
 {
     vk::Image image(
         device,
@@ -118,13 +118,13 @@ TEST_F(ShadowLookUpVulkan, SaysWhatItsTwinSays)
         const Points points = points_of(state, views.casters(), static_cast<std::uint64_t>(frame));
         std::vector<vk::Buffer> staging;
         staging.reserve(3);
-        const vk::Image positions = picture(device_, commands, "points", VK_FORMAT_R32G32B32A32_SFLOAT,
-                                            points.positions, staging),
-                        normals = picture(device_, commands, "normals", VK_FORMAT_R32G32B32A32_SFLOAT, points.normals,
+        const vk::Image positions = image(device_, commands, "points", VK_FORMAT_R32G32B32A32_SFLOAT, points.positions,
                                           staging),
-                        objects = picture(device_, commands, "objects", VK_FORMAT_R32_UINT, points.objects, staging);
+                        normals =
+                            image(device_, commands, "normals", VK_FORMAT_R32G32B32A32_SFLOAT, points.normals, staging),
+                        objects = image(device_, commands, "objects", VK_FORMAT_R32_UINT, points.objects, staging);
         const vk::Image by_items = target("by items"), by_textures = target("by textures");
-        const PictureInputs inputs{&positions, &normals, &objects};
+        const ImageInputs inputs{&positions, &normals, &objects};
         visibility_of.record(commands, views, buffers, nullptr, inputs, by_items, options);
         visibility_of.record(commands, views, buffers, &textures, inputs, by_textures, options);
         std::vector<vk::Buffer> depth, item, seen, seen_by_textures;

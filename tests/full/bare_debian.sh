@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# From a bare Debian 12 to a film: debootstrap's smallest system in a folder, this repository's HEAD in it, and
+# From a bare Debian 12 to a video: debootstrap's smallest system in a folder, this repository's HEAD in it, and
 # `./dev demo` and `./dev test` as the README says. Everything else that is needed must be installed by ./dev itself.
 #
 # Needs root, debootstrap, git and the package archive of this machine's own apt configuration; exit 77 (skipped) without.
 # Mounts live in a mount namespace of their own and go with it, however this ends.
 #
-# GNOMON_DEMO_ARGS: options for the demo's film (default: a short and small one).
+# GNOMON_DEMO_ARGS: options for the demo's video (default: a short and small one).
 set -euo pipefail
 source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
@@ -35,9 +35,9 @@ in_namespace() {
 
     echo "bare_debian: ./dev demo, with nothing installed"
     time enter /gnomon/dev demo
-    [[ -s $root/gnomon/out/kinetic.mp4 ]] || fail "no film"
+    [[ -s $root/gnomon/out/kinetic.mp4 ]] || fail "no video"
     [[ -s $root/gnomon/out/kinetic.png ]] || fail "no contact sheet"
-    enter ffmpeg -v error -i /gnomon/out/kinetic.mp4 -f null - || fail "the film does not play"
+    enter ffmpeg -v error -i /gnomon/out/kinetic.mp4 -f null - || fail "the video does not play"
 
     local turn
     for turn in 1 2; do

@@ -22,7 +22,7 @@ folder=${3:-$(mktemp -d)}
 mkdir -p "$folder"
 [[ $# -ge 3 ]] || trap 'rm -rf "$folder"' EXIT
 
-# Two scenes of our own, one of them to be dropped, and a picture of surroundings.
+# Two scenes of our own, one of them to be dropped, and an image of surroundings.
 printf 'v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$folder/second.obj"
 "$program" render "$folder/second.obj" -o "$folder/sky.png" --size 64x32 --quiet 2>/dev/null
 
@@ -100,7 +100,7 @@ folder, began, ended, longest, program = sys.argv[1], float(sys.argv[2]), float(
 seen = json.load(open(folder + "/seen.json"))
 err = open(folder + "/err", errors="replace").read()
 print(f"{ended - began:.0f} s of input, {seen['window_frames']} window frames, the longest {seen['longest_frame_ms']:.0f} ms; "
-      f"{seen['pictures']} pictures, median {seen['median_picture_ms']:.0f} ms; {seen['loads']} loads; "
+      f"{seen['images']} images, median {seen['median_image_ms']:.0f} ms; {seen['loads']} loads; "
       f"options set: {len(seen['options_set'])}")
 faults = []
 every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "samples", "max-depth", "accelerator",

@@ -156,20 +156,20 @@ std::pair<Document, std::string> moving()
     return {d, rest};
 }
 
-// Materials, pictures and lights, with every extension that is read.
+// Materials, images and lights, with every extension that is read.
 std::pair<Document, std::string> shaded()
 {
     Document d;
     const int position = d.floats(k_square, "VEC3", 4, k_square_bounds);
     const int texcoord =
         d.accessor<std::uint16_t>({0, 0, 65535, 0, 65535, 65535, 0, 65535}, "VEC2", 5123, 4, R"(,"normalized":true)");
-    const int picture = d.view(png_seeds()[1]);
+    const int image = d.view(png_seeds()[1]);
     const std::string info = R"({"index":0,"texCoord":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0],)"
                              R"("rotation":1,"scale":[2,2],"texCoord":0}}})";
     std::string rest = fmt::format(
         R"("images":[{{"uri":"t.png"}},{{"bufferView":{},"mimeType":"image/png"}}],"samplers":[{{"magFilter":9728,)"
         R"("minFilter":9987,"wrapS":33071,"wrapT":33648}}],"textures":[{{"source":0,"sampler":0}},{{"source":1}}],)",
-        picture);
+        image);
     rest += R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0.5,0.5],"metallicFactor":0.5,)"
             R"("roughnessFactor":0.5,"baseColorTexture":)" +
             info +

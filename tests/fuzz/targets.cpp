@@ -29,9 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Pictures and scenes larger than this are refused here, so that time goes into many small inputs.
-constexpr io::ImageLimits k_picture{.max_side = 2048, .max_pixels = 1u << 20};
-constexpr io::FloatImageLimits k_float_picture{
+// Images and scenes larger than this are refused here, so that time goes into many small inputs.
+constexpr io::ImageLimits k_image{.max_side = 2048, .max_pixels = 1u << 20};
+constexpr io::FloatImageLimits k_float_image{
     .max_side = 2048, .max_pixels = 1u << 20, .max_values = 1u << 22, .max_channels = 64};
 
 // --- A folder as scenes want it, with the files that inputs name.
@@ -45,8 +45,8 @@ class Folder {
         root_ = pattern;
         fs::create_directory(root_ / "scene");
         fs::create_directory(root_ / "TextureFiles");
-        const std::string picture("P6\n2 1\n255\n\xff\x00\x00\x00\x00\xff", 17);
-        write(root_ / "TextureFiles" / "t.ppm", picture);
+        const std::string image("P6\n2 1\n255\n\xff\x00\x00\x00\x00\xff", 17);
+        write(root_ / "TextureFiles" / "t.ppm", image);
         for (const Bytes& png : png_seeds()) write(scene() / "t.png", png);
         write(scene() / "part.aff", std::string("s 0 0 0 1\n"));
         constexpr float k_floats[] = {.75f, .75f, .75f, .75f, .75f, .75f, .75f, .75f,
@@ -130,38 +130,38 @@ void check_scene(scene::Scene loaded)
 }
 
 template <class Pixels>
-void check_picture(const Pixels& picture)
+void check_image(const Pixels& image)
 {
-    const auto values = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) *
-                        static_cast<std::size_t>(picture.channels);
-    if (values == 0 || picture.data.size() != values) throw std::logic_error("a picture of the wrong size");
+    const auto values = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+                        static_cast<std::size_t>(image.channels);
+    if (values == 0 || image.data.size() != values) throw std::logic_error("an image of the wrong size");
 }
 
 // --- The targets
 
 using Input = std::span<const std::uint8_t>;
 
-std::string run_picture(Input bytes)
+std::string run_image(Input bytes)
 {
-    return reads([&] { check_picture(io::decode_image(bytes, "input", k_picture)); });
+    return reads([&] { check_image(io::decode_image(bytes, "input", k_image)); });
 }
 
 std::string run_exr(Input bytes)
 {
     return reads([&] {
-        if (io::picture_format(bytes) != io::PictureFormat::exr) throw InputError("input", "", "no OpenEXR picture");
-        const io::ExrPicture picture = io::decode_exr(bytes, "input", {}, k_float_picture);
-        for (const Layer& layer : picture.layers)
-            if (layer.data.size() != static_cast<std::size_t>(picture.size.width) *
-                                         static_cast<std::size_t>(picture.size.height) * layer.channels.size())
+        if (io::image_format(bytes) != io::ImageFormat::exr) throw InputError("input", "", "no OpenEXR image");
+        const io::ExrImage image = io::decode_exr(bytes, "input", {}, k_float_image);
+        for (const Layer& layer : image.layers)
+            if (layer.data.size() != static_cast<std::size_t>(image.size.width) *
+                                         static_cast<std::size_t>(image.size.height) * layer.channels.size())
                 throw std::logic_error("a layer of the wrong size");
-        reads([&] { io::decode_float_image(bytes, "input", k_float_picture); });
+        reads([&] { io::decode_float_image(bytes, "input", k_float_image); });
     });
 }
 
 std::string run_hdr(Input bytes)
 {
-    return reads([&] { check_picture(io::decode_hdr(bytes, "input", k_float_picture)); });
+    return reads([&] { check_image(io::decode_hdr(bytes, "input", k_float_image)); });
 }
 
 std::string run_aff(Input bytes)
@@ -201,15 +201,15 @@ std::string run_glb(Input bytes)
     return reads([&] { check_scene(io::load_gltf(file)); });
 }
 
-// The first byte chooses a verb.
+// The first byte chooses a subcommand.
 std::string run_config(Input bytes)
 {
-    if (bytes.empty()) return "no verb";
+    if (bytes.empty()) return "no subcommand";
     const fs::path file = folder().put("config.json", bytes.subspan(1));
-    const options::VerbInfo& verb = options::verbs()[bytes[0] % options::verbs().size()];
+    const options::SubcommandInfo& subcommand = options::subcommands()[bytes[0] % options::subcommands().size()];
     return reads([&] {
-        options::OptionValues values(verb.verb);
-        cli::read_config(file, verb, values);
+        options::OptionValues values(subcommand.subcommand);
+        cli::read_config(file, subcommand, values);
     });
 }
 
@@ -223,7 +223,7 @@ std::string run_options(Input bytes)
         if (word.find("config") != std::string::npos) return "not asked here";
     try {
         const cli::CommandLine line = cli::parse_command_line(words);
-        if (line.help) cli::help_text(line.verb);
+        if (line.help) cli::help_text(line.subcommand);
         return {};
     } catch (const UsageError& error) {   // repeats words as they were given; the program makes it one line
         return error.what();
@@ -233,8 +233,8 @@ std::string run_options(Input bytes)
 constexpr Target k_targets[] = {
     {"gltf", run_gltf, gltf_seeds, nullptr},       {"glb", run_glb, glb_seeds, repair_glb},
     {"obj", run_obj, obj_seeds, nullptr},          {"mtl", run_mtl, mtl_seeds, nullptr},
-    {"aff", run_aff, aff_seeds, nullptr},          {"png", run_picture, png_seeds, repair_png},
-    {"jpeg", run_picture, jpeg_seeds, nullptr},    {"ppm", run_picture, ppm_seeds, nullptr},
+    {"aff", run_aff, aff_seeds, nullptr},          {"png", run_image, png_seeds, repair_png},
+    {"jpeg", run_image, jpeg_seeds, nullptr},      {"ppm", run_image, ppm_seeds, nullptr},
     {"exr", run_exr, exr_seeds, nullptr},          {"hdr", run_hdr, hdr_seeds, nullptr},
     {"config", run_config, config_seeds, nullptr}, {"options", run_options, option_seeds, nullptr},
 };

@@ -170,7 +170,7 @@ TEST(HostileAff, WrongStatementsAreNamedWithTheirPlace)
     EXPECT_EQ(error_of(folder, std::string("k a { transl 4") + track4 + "rot 4" + turn4 + "scale 4" + track4 +
                                    "visibility 1 0 1 }"),
               "accepted");
-    // A broken picture is an error of its own file.
+    // A broken image is an error of its own file.
     expect_error(folder, fm + "tt bad.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", "bad.ppm:");
 }
 

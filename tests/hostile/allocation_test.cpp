@@ -241,7 +241,7 @@ TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
 }
 
 // What the C libraries hold does not come from operator new: where it is not given back, the process grows.
-TEST(PictureAllocations, LibrariesGiveBackTheirsWhereOursIsRefused)
+TEST(ImageAllocations, LibrariesGiveBackTheirsWhereOursIsRefused)
 {
     constexpr int side = 1024, k_tries = 20;
     const std::vector<std::uint8_t> row(side, 77);

@@ -48,7 +48,7 @@ bool reads(const Bytes& bytes)
 {
     try {
         decode_float_image(bytes, "hostile");
-        if (picture_format(bytes) == PictureFormat::exr) decode_exr(bytes, "hostile");
+        if (image_format(bytes) == ImageFormat::exr) decode_exr(bytes, "hostile");
         return true;
     } catch (const InputError& error) {
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);

@@ -191,7 +191,7 @@ TEST_F(GltfHostileMade, TheFileItselfIsNoFile)
     EXPECT_EQ(test::load_in_child(folder_ / "missing.gltf").kind, Kind::refused);
 }
 
-TEST_F(GltfHostileMade, HugePictureInAFewBytes)
+TEST_F(GltfHostileMade, HugeImageInAFewBytes)
 {
     // A PNG of 60000 x 60000 whose pixels are a kilobyte of nothing.
     std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
@@ -274,7 +274,7 @@ TEST_F(GltfHostileMade, OneFileUnderManyNamesIsReadOnce)
         "]"));
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 
-    // Pictures that nothing uses, in a file that is mostly something else.
+    // Images that nothing uses, in a file that is mostly something else.
     std::ofstream(folder_ / "p.png", std::ios::binary | std::ios::app) << std::string(16 << 20, '\0');
     outcome =
         load(document("\"images\":[" + repeated(20000, [](int) { return std::string(R"({"uri":"p.png"})"); }) + "]"));

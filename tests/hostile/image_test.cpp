@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of few bytes that would keep a reader busy, or take much memory.
+// Images of few bytes that would keep a reader busy, or take much memory.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -54,14 +54,14 @@ std::string many_scans(std::size_t side, int scans)
     return bytes + "\xff\xd9";
 }
 
-TEST(HostilePicture, AJpegRefinedForEver)
+TEST(HostileImage, AJpegRefinedForEver)
 {
     EXPECT_EQ(decoded(many_scans(64, 100)).width, 64);
     expect_refused(many_scans(64, 101), "more than 100 scans");
     expect_refused(many_scans(64, 20000), "more than 100 scans");
 }
 
-TEST(HostilePicture, PixelsThatTheBytesCannotHold)
+TEST(HostileImage, PixelsThatTheBytesCannotHold)
 {
     // A header, and nothing to speak of behind it.
     expect_refused(many_scans(4096, 2).substr(0, 1000), "4096 x 4096 pixels cannot be in 1000 bytes");
@@ -73,7 +73,7 @@ TEST(HostilePicture, PixelsThatTheBytesCannotHold)
     EXPECT_EQ(decoded({png.begin(), png.end()}).width, 4096);
 }
 
-TEST(HostilePicture, TextsThatAreNotUnpacked)
+TEST(HostileImage, TextsThatAreNotUnpacked)
 {
     const auto chunk = [](const std::string& type, const std::string& data) {
         const std::string both = type + data;

@@ -248,12 +248,12 @@ void add_floats(Maker& m)
 std::vector<MadeScene> made_gltf_scenes()
 {
     Maker m;
-    m.add("sound", Expected::picture, [](Sound&) {});
+    m.add("sound", Expected::image, [](Sound&) {});
     add_numbers(m);
     add_floats(m);
 
     // Graphs.
-    const Expected refused = Expected::refused, picture = Expected::picture, either = Expected::either;
+    const Expected refused = Expected::refused, image = Expected::image, either = Expected::either;
     m.add("a node that is its own child", refused, [](Sound& s) { s.json["nodes"][8]["children"] = {8}; });
     m.add("a cycle of two nodes", refused, [](Sound& s) { s.json["nodes"][8]["children"] = {5}; });
     m.add("a cycle through the root", refused, [](Sound& s) { s.json["nodes"][8]["children"] = {0}; });
@@ -290,7 +290,7 @@ std::vector<MadeScene> made_gltf_scenes()
                 nodes.push_back({{"extensions", {{"KHR_lights_punctual", {{"light", i % 3}}}}}});
             }
         });
-    m.add("200 cameras in one place", picture, [](Sound& s) {
+    m.add("200 cameras in one place", image, [](Sound& s) {
         for (int i = 0; i < 200; ++i) {
             s.json["scenes"][0]["nodes"].push_back(s.json["nodes"].size());
             s.json["nodes"].push_back({{"camera", 0}});
@@ -315,33 +315,33 @@ std::vector<MadeScene> made_gltf_scenes()
         s.json["nodes"][7]["scale"] = {1e-7, 1e-7, 1e-7};
     });
     for (const int axis : {0, 1, 2})
-        m.add(fmt::format("a mesh flat in axis {}", axis), picture, [axis](Sound& s) {
+        m.add(fmt::format("a mesh flat in axis {}", axis), image, [axis](Sound& s) {
             for (std::size_t i = 0; i < 4; ++i)
                 s.data[s.begin["positions"] + 3 * i + static_cast<std::size_t>(axis)] = 0;
             s.json["accessors"][0]["min"][static_cast<std::size_t>(axis)] = 0;
             s.json["accessors"][0]["max"][static_cast<std::size_t>(axis)] = 0;
         });
-    m.add("every triangle a point", picture, [](Sound& s) {
+    m.add("every triangle a point", image, [](Sound& s) {
         s.json["nodes"][0]["scale"] = s.json["nodes"][7]["scale"] = {0, 0, 0};
     });
-    m.add("turned inside out", picture, [](Sound& s) { s.json["nodes"][0]["scale"] = {-4, 4, 4}; });
-    m.add("a camera in the floor", picture, [](Sound& s) { s.json["nodes"][2]["translation"] = {0.1, -1, 0.1}; });
-    m.add("a camera on a vertex", picture, [](Sound& s) { s.json["nodes"][2]["translation"] = {-4, -1, -4}; });
-    m.add("a light in the floor", picture, [](Sound& s) { s.json["nodes"][3]["translation"] = {0, -0.6, 0}; });
-    m.add("a light on a vertex", picture, [](Sound& s) { s.json["nodes"][3]["translation"] = {-4, -1, -4}; });
+    m.add("turned inside out", image, [](Sound& s) { s.json["nodes"][0]["scale"] = {-4, 4, 4}; });
+    m.add("a camera in the floor", image, [](Sound& s) { s.json["nodes"][2]["translation"] = {0.1, -1, 0.1}; });
+    m.add("a camera on a vertex", image, [](Sound& s) { s.json["nodes"][2]["translation"] = {-4, -1, -4}; });
+    m.add("a light in the floor", image, [](Sound& s) { s.json["nodes"][3]["translation"] = {0, -0.6, 0}; });
+    m.add("a light on a vertex", image, [](Sound& s) { s.json["nodes"][3]["translation"] = {-4, -1, -4}; });
     m.add("a camera flattened", either, [](Sound& s) { s.json["nodes"][2]["scale"] = {1, 1, 0}; });
     m.add("a light flattened", either, [](Sound& s) { s.json["nodes"][4]["scale"] = {0, 0, 0}; });
-    m.add("nothing but a camera", picture, [](Sound& s) { s.json["scenes"][0]["nodes"] = {2}; });
-    m.add("nothing at all", picture, [](Sound& s) { s.json["scenes"][0].erase("nodes"); });
+    m.add("nothing but a camera", image, [](Sound& s) { s.json["scenes"][0]["nodes"] = {2}; });
+    m.add("nothing at all", image, [](Sound& s) { s.json["scenes"][0].erase("nodes"); });
     m.add("a clip of 1e9 s", either, [](Sound& s) {
         s.data[s.begin["times"] + 2] = 1e9f;
         s.json["accessors"][6]["max"] = {1e9};
     });
     m.add("keys at one time", refused, [](Sound& s) { s.data[s.begin["times"] + 1] = 0; });
 
-    // Pictures.
-    const auto picture_scene = [&](const std::string& name, Expected expected,
-                                   const std::function<std::string()>& bytes) {
+    // Images.
+    const auto image_scene = [&](const std::string& name, Expected expected,
+                                 const std::function<std::string()>& bytes) {
         m.scenes.push_back({"gltf/" + name, expected, "scene.gltf", [bytes] {
                                 Sound s = sound();
                                 Files files = files_of(s.json.dump(), s.data);
@@ -349,15 +349,15 @@ std::vector<MadeScene> made_gltf_scenes()
                                 return files;
                             }});
     };
-    picture_scene("a picture of 60000 x 60000 in a kilobyte", refused, [] { return made_png(60000, 60000, false); });
-    picture_scene("a picture of 2147483647 x 1", refused, [] { return made_png(2147483647, 1, false); });
-    picture_scene("a picture of 0 x 0", refused, [] { return made_png(0, 0, false); });
-    picture_scene("a picture of 1 x 16384", either, [] { return made_png(1, 16384, true); });
-    picture_scene("a picture of 5000 x 5000 of nothing", either, [] { return made_png(5000, 5000, true); });
-    picture_scene("a picture that is cut off", refused, [] { return made_png(64, 64, true).substr(0, 60); });
+    image_scene("an image of 60000 x 60000 in a kilobyte", refused, [] { return made_png(60000, 60000, false); });
+    image_scene("an image of 2147483647 x 1", refused, [] { return made_png(2147483647, 1, false); });
+    image_scene("an image of 0 x 0", refused, [] { return made_png(0, 0, false); });
+    image_scene("an image of 1 x 16384", either, [] { return made_png(1, 16384, true); });
+    image_scene("an image of 5000 x 5000 of nothing", either, [] { return made_png(5000, 5000, true); });
+    image_scene("an image that is cut off", refused, [] { return made_png(64, 64, true).substr(0, 60); });
     // Of no format that is read: said, and left out.
-    picture_scene("a picture that is a text", either, [] { return std::string("hello"); });
-    picture_scene("an empty picture", either, [] { return std::string(); });
+    image_scene("an image that is a text", either, [] { return std::string("hello"); });
+    image_scene("an empty image", either, [] { return std::string(); });
 
     // Names of files.
     for (const char* place : {"/buffers/0/uri", "/images/0/uri"})

@@ -14,7 +14,7 @@
 namespace gnomon::test {
 
 enum class Expected {
-    picture,   // exit code 0, every number in the OpenEXR finite
+    image,     // exit code 0, every number in the OpenEXR finite
     refused,   // exit code 3, one line
     either     // one of them, or one line and exit code 4 for want of memory, or 2 for lights an .exr has no room for
 };

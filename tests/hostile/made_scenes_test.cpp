@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hundreds of bad scenes (made_scenes.h), each rendered by the program with all layers, within 10 s of processor time
-// and 512 MB of memory. What comes out is a picture in which every number is finite, or exit code 3 and one line; the
+// and 512 MB of memory. What comes out is an image in which every number is finite, or exit code 3 and one line; the
 // full run prints the table.
 #include <sys/resource.h>
 
@@ -87,7 +87,7 @@ Result render(const MadeScene& scene)
         if (lines != 1 || !outcome.err.starts_with("gnomon: ")) result.fault = "not one line";
         if (outcome.err.find_first_of("\x1b\x01\t") != std::string::npos) result.fault = "control characters";
         if (fs::exists(out)) result.fault = "a file is left";
-        if (scene.expected == Expected::picture) result.fault = "ought to be shown";
+        if (scene.expected == Expected::image) result.fault = "ought to be shown";
     } else if (outcome.code == 4 && scene.expected == Expected::either) {
         // More than fits into the memory it may have.
         if (lines != 1 || outcome.err.find("memory") == std::string::npos) result.fault = "not one line about memory";
@@ -113,7 +113,7 @@ std::string shown(std::string text, std::size_t width)
 // Every `step`-th scene, the sound one among them.
 void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool table)
 {
-    int pictures = 0, refused = 0, no_memory = 0, faults = 0;
+    int images = 0, refused = 0, no_memory = 0, faults = 0;
     double longest = 0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         if (i % step != 0) continue;
@@ -122,7 +122,7 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
             continue;
         }
         const Result result = render(scenes[i]);
-        pictures += result.code == 0, refused += result.code == 3 || result.code == 2, no_memory += result.code == 4,
+        images += result.code == 0, refused += result.code == 3 || result.code == 2, no_memory += result.code == 4,
             faults += !result.fault.empty();
         longest = std::max(longest, result.seconds);
         EXPECT_EQ(result.fault, "") << scenes[i].name << ": " << result.line;
@@ -136,8 +136,8 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
                 result.seconds,
                 shown(result.line.substr(0, 8) == "gnomon: " ? result.line.substr(8) : result.line, 90).c_str());
     }
-    std::printf("%d pictures, %d refused, %d out of memory, %d faults; the longest %.2f s\n", pictures, refused,
-                no_memory, faults, longest);
+    std::printf("%d images, %d refused, %d out of memory, %d faults; the longest %.2f s\n", images, refused, no_memory,
+                faults, longest);
 }
 
 TEST(MadeScenes, ASampleOfGltf)

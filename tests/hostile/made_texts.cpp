@@ -134,29 +134,29 @@ std::vector<MadeScene> made_obj_scenes()
     const auto add = [&](const std::string& name, Expected expected, const std::function<std::string()>& obj) {
         scenes.push_back({"obj/" + name, expected, "", [obj] { return obj_files(obj(), k_mtl); }});
     };
-    const Expected refused = Expected::refused, picture = Expected::picture, either = Expected::either;
-    add("sound", picture, [] { return k_obj; });
+    const Expected refused = Expected::refused, image = Expected::image, either = Expected::either;
+    add("sound", image, [] { return k_obj; });
     add_numbers(scenes, "obj", k_obj, [](const std::string& text) { return obj_files(text, k_mtl); });
     add_numbers(scenes, "mtl", k_mtl, [](const std::string& text) { return obj_files(k_obj, text); });
     add("empty", refused, [] { return ""; });
-    add("vertices alone", picture, [] { return "v 0 0 0\nv 1 1 1\n"; });
+    add("vertices alone", image, [] { return "v 0 0 0\nv 1 1 1\n"; });
     add("a million vertices and no face", either, [] {
         std::string text;
         for (int i = 0; i < 1'000'000; ++i) text += "v 0 0 0\n";
         return text;
     });
-    add("all faces are points", picture, [] {
+    add("all faces are points", image, [] {
         std::string text = "v 1 1 1\n";
         for (int i = 0; i < 20'000; ++i) text += "f 1 1 1\n";
         return text;
     });
-    add("all faces are lines", picture, [] {
+    add("all faces are lines", image, [] {
         std::string text = "v 0 0 0\nv 1 1 1\nv 2 2 2\n";
         for (int i = 0; i < 20'000; ++i) text += "f 1 2 3\n";
         return text;
     });
     // A ray meets them all; ten times as many would take ten times as long.
-    add("5000 triangles in one place", picture, [] {
+    add("5000 triangles in one place", image, [] {
         std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
         for (int i = 0; i < 5'000; ++i) text += "f 1 2 3\n";
         return text;
@@ -191,7 +191,7 @@ std::vector<MadeScene> made_obj_scenes()
         add(fmt::format("materials from {}", name), either,
             [name] { return fmt::format("mtllib {}\n{}", name, k_obj); });
     for (const char* name : {"../t.png", "/etc/passwd", "no.png", ".", "/dev/zero", "m.mtl", "scene.obj", ""})
-        scenes.push_back({fmt::format("mtl a picture named '{}'", name), either, "", [name] {
+        scenes.push_back({fmt::format("mtl an image named '{}'", name), either, "", [name] {
                               return obj_files(k_obj,
                                                std::string("newmtl floor\nmap_Kd ") + name + "\nmap_d " + name + "\n");
                           }});
@@ -210,11 +210,11 @@ std::vector<MadeScene> made_aff_scenes()
     const auto add = [&](const std::string& name, Expected expected, const std::function<std::string()>& text) {
         scenes.push_back({"aff/" + name, expected, "", [text] { return aff_files(text()); }});
     };
-    const Expected refused = Expected::refused, picture = Expected::picture, either = Expected::either;
+    const Expected refused = Expected::refused, image = Expected::image, either = Expected::either;
     const std::string sound = k_aff;
-    add("sound", picture, [] { return k_aff; });
+    add("sound", image, [] { return k_aff; });
     add_numbers(scenes, "aff", k_aff, [](const std::string& text) { return aff_files(text); });
-    add("empty", picture, [] { return ""; });
+    add("empty", image, [] { return ""; });
     add("a file that includes itself", refused, [] { return "i 0 scene.aff\n"; });
     for (const char* name :
          {"../TextureFiles/t.ppm", "/etc/passwd", "no.aff", ".", "/dev/zero", "http://127.0.0.1:9/a"})
@@ -252,11 +252,11 @@ std::vector<MadeScene> made_aff_scenes()
                 "p 4 -4 -1 -4 -4 -1 4 4 -1 4 4 -1 -4 }}\n",
                 size);
         });
-    add("a camera in a sphere", picture, [=] { return sound + "s 0 1 6 .5\n"; });
-    add("a camera on a sphere", picture, [=] { return sound + "s 0 1 5 1\n"; });
-    add("a light in a sphere", picture, [=] { return sound + "s 3 4 2 .5\n"; });
-    add("a light on a floor", picture, [=] { return sound + "l 0 -1 0 1 1 1\n"; });
-    add("a sphere around it all, of glass", picture, [=] { return sound + "f 1 1 1 0 .5 10 1 1.5\ns 0 0 0 50\n"; });
+    add("a camera in a sphere", image, [=] { return sound + "s 0 1 6 .5\n"; });
+    add("a camera on a sphere", image, [=] { return sound + "s 0 1 5 1\n"; });
+    add("a light in a sphere", image, [=] { return sound + "s 3 4 2 .5\n"; });
+    add("a light on a floor", image, [=] { return sound + "l 0 -1 0 1 1 1\n"; });
+    add("a sphere around it all, of glass", image, [=] { return sound + "f 1 1 1 0 .5 10 1 1.5\ns 0 0 0 50\n"; });
     add("looking along up", either, [] { return "v from 0 9 0 at 0 0 0 up 0 1 0 angle 40 hither 1 resolution 8 8\n"; });
     add("looking nowhere", either, [] { return "v from 0 0 0 at 0 0 0 up 0 1 0 angle 40 hither 1 resolution 8 8\n"; });
     add("two tracks for one thing", either, [=] { return sound + "k thing { visibility 1 0 1 }\n"; });

@@ -204,7 +204,7 @@ TEST(ObjHostile, OneFileUnderManyNames)
     write(folder / "a.obj", libraries + triangle + "f 1 2 3\n");
     EXPECT_EQ(import_in_child(folder / "a.obj"), Outcome::loaded);
 
-    // One picture, each time of another relief.
+    // One image, each time of another relief.
     const auto png = test::png_bytes({2048, 2048, 1, PNG_COLOR_TYPE_GRAY}, {std::vector<std::uint8_t>(256)});
     write(folder / "p.png", {png.begin(), png.end()});
     std::string faces;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights as bright as numbers go, and surfaces that touch a light: no layer of any picture holds what is no number.
+// Lights as bright as numbers go, and surfaces that touch a light: no layer of any image holds what is no number.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,9 +12,9 @@ namespace {
 void expect_finite(const RenderOptions& options, const char* what)
 {
     for (const test::BrightScene& bright : test::bright_scenes({"1", "1e20", "1e30", "3.4e38"})) {
-        const Picture picture = Renderer(options).render(bright.scene, 1);
-        EXPECT_EQ(test::count_of_no_numbers(picture), 0u) << what << ", " << bright.name;
-        EXPECT_GT(test::brightest_of(picture), bright.at_least) << what << ", " << bright.name;
+        const Frame image = Renderer(options).render(bright.scene, 1);
+        EXPECT_EQ(test::count_of_no_numbers(image), 0u) << what << ", " << bright.name;
+        EXPECT_GT(test::brightest_of(image), bright.at_least) << what << ", " << bright.name;
     }
 }
 

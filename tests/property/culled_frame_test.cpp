@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certified shadow culling changes no bit: whole films with and without it, warm and cold, on any number of threads.
+// Certified shadow culling changes no bit: whole videos with and without it, warm and cold, on any number of threads.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -117,22 +117,22 @@ TEST(CulledFrame, SameWheneverItsRaysAreJudged)
 // asked again and again, and must be what rays say.
 
 // Asks `rounds` batches of random surface points and returns how many answers differ from single rays.
-std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipped, std::size_t movers = 0)
+std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipped, std::size_t dynamic_objects = 0)
 {
     using namespace shadow_culling;
-    const auto scene = Soup(seed, static_cast<int>(movers)).take();
+    const auto scene = Soup(seed, static_cast<int>(dynamic_objects)).take();
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
     CertifiedOptions options;
     // Of these few points blocks are hardly worth drawing: mostly, they are drawn all the same.
-    if (movers > 0) options.mask.asked = 1;
-    if (movers > 0 && seed % 3 != 0) options.mask.edges_per_ray = k_infinity;
+    if (dynamic_objects > 0) options.mask.asked = 1;
+    if (dynamic_objects > 0 && seed % 3 != 0) options.mask.edges_per_ray = k_infinity;
     CertifiedCulling culling(state, rays, options);
     Tasks one(1);
     Random random(seed, 77);
     std::uint64_t wrong = 0;
     for (int round = 0; round < rounds; ++round) {
-        if (movers > 0 && round % 3 != 2) move_last(*scene, state, random, movers);
+        if (dynamic_objects > 0 && round % 3 != 2) move_last(*scene, state, random, dynamic_objects);
         state.advance(0);
         rays.update(state);
         culling.begin_frame(state, rays, {glm::vec3(0, 0, 4), 0.004f, 0});
@@ -140,17 +140,17 @@ std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipp
         std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches;
         batches.push_back(culling.make_batch());
         culling.classify(*batches[0], points);
-        std::vector<std::uint8_t> blocked(points.size() + 8);
+        std::vector<std::uint8_t> occluded(points.size() + 8);
         for (std::size_t l = 0; l < scene->lights.size(); ++l) {
-            culling.shadow(*batches[0], static_cast<int>(l), blocked.data());
+            culling.shadow(*batches[0], static_cast<int>(l), occluded.data());
             const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
             const bool directional = scene->lights[l].type == scene::LightType::directional;
             for (std::size_t i = 0; i < points.size(); ++i) {
                 const glm::vec3 d = directional ? -at.direction : at.position - points[i].origin;
                 const bool faces = glm::dot(d, points[i].normal) > 0;
                 const bool truth =
-                    !faces || rays.blocked_single(points[i].origin, 0, d, directional ? k_infinity : 0.9999f);
-                wrong += truth != static_cast<bool>(blocked[i]);
+                    !faces || rays.occluded_single(points[i].origin, 0, d, directional ? k_infinity : 0.9999f);
+                wrong += truth != static_cast<bool>(occluded[i]);
             }
         }
         culling.end_frame(batches, one);
@@ -211,9 +211,9 @@ scene::View small_view(Size size, float away, float pixel)
     return view;
 }
 
-// Movers without volume, as where they are hidden by a scale of 0, and movers squeezed aslant by another's scale, which
-// rays meet roughly or not at all: what is said of them without rays is what rays say.
-TEST(CertifiedCulling, IsRightAboutMoversThatAreSqueezed)
+// Dynamic objects without volume, as where they are hidden by a scale of 0, and dynamic objects squeezed aslant by
+// another's scale, which rays meet roughly or not at all: what is said of them without rays is what rays say.
+TEST(CertifiedCulling, IsRightAboutDynamicObjectsThatAreSqueezed)
 {
     std::uint64_t skipped = 0;
     for (const double thin : {0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1}) {
@@ -284,8 +284,8 @@ TEST(CertifiedCulling, NeverWrongOnRandomSoups)
     EXPECT_GT(skipped, 100'000u);   // else nothing was put to the test
 }
 
-// Movers come and go, and stand still every third round.
-TEST(CertifiedCulling, NeverWrongOnRandomSoupsWithMovers)
+// Dynamic objects come and go, and stand still every third round.
+TEST(CertifiedCulling, NeverWrongOnRandomSoupsWithDynamicObjects)
 {
     std::uint64_t wrong = 0, skipped = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) wrong += wrong_answers(seed, 12, skipped, 3 + seed % 4);
@@ -293,7 +293,7 @@ TEST(CertifiedCulling, NeverWrongOnRandomSoupsWithMovers)
     EXPECT_GT(skipped, 25'000u);
 }
 
-TEST(CertifiedCullingFull, NeverWrongOnAThousandRandomSoupsWithMovers)
+TEST(CertifiedCullingFull, NeverWrongOnAThousandRandomSoupsWithDynamicObjects)
 {
     std::uint64_t wrong = 0, skipped = 0;
     for (std::uint64_t seed = 1; seed <= 1000; ++seed) wrong += wrong_answers(seed, 12, skipped, 3 + seed % 4);

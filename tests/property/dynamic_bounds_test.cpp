@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which movers can shadow a patch of points: the tree of their boxes against all boxes, while they move, deform, hide
-// and are moved by hand; and no ray that something dynamic blocks is ever left out.
+// Which dynamic objects can shadow a patch of points: the tree of their boxes against all boxes, while they move,
+// deform, hide and are moved by hand; and no ray that something dynamic blocks is ever left out.
 #include "shadow_culling/dynamic_mask/dynamic_bounds.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace gnomon::test {
 namespace {
 
-using shadow_culling::MoverBounds;
+using shadow_culling::DynamicBounds;
 
 using Corners = std::array<float, 6>;
 
@@ -45,16 +45,16 @@ Query random_query(Random& random, float reach)
     return query;
 }
 
-TEST(MoverBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
+TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
 {
     std::size_t selected_in_all = 0, missed = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         RandomSceneOptions options;
-        options.movers = 40, options.deforming = 10, options.reach = 12;
+        options.dynamic_objects = 40, options.deforming = 10, options.reach = 12;
         const auto scene = make_random_scene(seed, options);
         scene::SceneState state(scene, 0);
         ray::RayScene rays(state);
-        MoverBounds bounds(state, rays);
+        DynamicBounds bounds(state, rays);
         Random random(seed + 70);
         const glm::dmat4 aside = translation(3, 2, 1);
         for (int step = 0; step < 12; ++step) {
@@ -70,7 +70,7 @@ TEST(MoverBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
                 const glm::vec3 from = query.points.centre();
                 const glm::vec3 along = query.directional ? query.light : query.light - from;
                 const float end = query.directional ? k_infinity : 1;
-                if (rays.blocked_single(from, 0, along, end, ray::Against::dynamic_only))
+                if (rays.occluded_single(from, 0, along, end, ray::Against::dynamic_only))
                     missed += std::none_of(by_tree.begin(), by_tree.end(), [&](const Box3& box) {
                         return shadow_culling::segment_meets(box, from, along, end);
                     });
@@ -87,7 +87,7 @@ TEST(MoverBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
 }
 
 // Rays that come from afar are rounded by more than what is small and near the origin.
-TEST(MoverBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
+TEST(DynamicBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
 {
     scene::Scene made = scene_with_balls();
     scene::Mesh cube;
@@ -100,11 +100,11 @@ TEST(MoverBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
     made.nodes[add_object(made, 0)].animated = true;
     scene::SceneState state(finished(made), 0);
     ray::RayScene rays(state);
-    const MoverBounds bounds(state, rays);
+    const DynamicBounds bounds(state, rays);
     const glm::dvec3 light(0.3, 4, 0.2);
     constexpr double k_far = -2000;
     Random random(3);
-    std::size_t blocked = 0, missed = 0, selected = 0;
+    std::size_t occluded = 0, missed = 0, selected = 0;
     for (int i = 0; i < 40'000; ++i) {
         // By an edge of the cube.
         const glm::dvec3 edge(random.below(2) ? 0.5 : -0.5, random.below(2) ? 0.5 : -0.5,
@@ -112,21 +112,21 @@ TEST(MoverBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
         const glm::dvec3 by = edge + glm::dvec3(static_cast<double>(random.uniform(-5e-4f, 5e-4f)), 0, 0);
         const glm::vec3 from(by + (k_far - by.y) / (by.y - light.y) * (by - light));
         const glm::vec3 along = glm::vec3(light) - from;
-        if (!rays.blocked_single(from, 0, along, 0.9999f, ray::Against::dynamic_only)) continue;
-        ++blocked;
+        if (!rays.occluded_single(from, 0, along, 0.9999f, ray::Against::dynamic_only)) continue;
+        ++occluded;
         std::vector<Box3> boxes;
         bounds.select({from, from}, glm::vec3(light), false, boxes);
         selected += !boxes.empty();
         missed += boxes.empty() || !shadow_culling::segment_meets(boxes[0], from, along, 0.9999f);
     }
-    EXPECT_GT(blocked, 10'000u);
-    EXPECT_EQ(selected, blocked);
+    EXPECT_GT(occluded, 10'000u);
+    EXPECT_EQ(selected, occluded);
     EXPECT_EQ(missed, 0u);
 }
 
-TEST(MoverBounds, CostFollowsWhatIsNear)
+TEST(DynamicBounds, CostFollowsWhatIsNear)
 {
-    // Small movers all over a plain, under a lamp: a patch of points looks at those between it and the lamp.
+    // Small dynamic objects all over a plain, under a lamp: a patch of points looks at those between it and the lamp.
     std::vector<std::size_t> looked_at;
     for (const int side : {10, 40}) {
         scene::Scene scene = scene_with_balls();
@@ -138,7 +138,7 @@ TEST(MoverBounds, CostFollowsWhatIsNear)
             }
         scene::SceneState state(finished(scene), 0);
         ray::RayScene rays(state);
-        MoverBounds bounds(state, rays);
+        DynamicBounds bounds(state, rays);
         state.advance(1);
         rays.update(state);
         bounds.update(state, rays);
@@ -150,7 +150,7 @@ TEST(MoverBounds, CostFollowsWhatIsNear)
         EXPECT_LE(selected.size(), 6u);
     }
     EXPECT_LE(looked_at[0], 60u);
-    EXPECT_LE(looked_at[1], looked_at[0] + 30) << "sixteen times the movers";
+    EXPECT_LE(looked_at[1], looked_at[0] + 30) << "sixteen times the dynamic objects";
 }
 
 }   // namespace

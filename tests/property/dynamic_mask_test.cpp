@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mask says of movers, and of what stands still before them, against rays.
+// What the mask says of dynamic objects, and of what stands still before them, against rays.
 #include <gtest/gtest.h>
 
 #include "scene/builtin/builtin.h"
@@ -10,16 +10,16 @@ namespace gnomon::shadow_culling {
 namespace {
 
 struct Tally {
-    std::uint64_t free = 0, blocked = 0, unknown = 0, clear = 0;              // said
-    std::uint64_t wrongly_free = 0, wrongly_blocked = 0, wrongly_clear = 0;   // and not so
-    std::uint64_t free_on_movers = 0;
+    std::uint64_t free = 0, occluded = 0, unknown = 0, clear = 0;              // said
+    std::uint64_t wrongly_free = 0, wrongly_occluded = 0, wrongly_clear = 0;   // and not so
+    std::uint64_t free_on_dynamic = 0;
 };
 
 // Asks of all points, one light after the other, and lets rays answer the same.
-void ask_all(MoverMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
+void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
              const std::vector<ShadowPoint>& points, const std::vector<char>& moves, Tally& tally)
 {
-    MoverMask::Asked asked;
+    DynamicMask::Asked asked;
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         asked.clear_questions(points.size());
         const bool directional = scene.lights[l].type == scene::LightType::directional;
@@ -35,16 +35,16 @@ void ask_all(MoverMask& mask, const scene::Scene& scene, const scene::SceneState
             const glm::vec3 d = directional ? -state.light(l).direction : state.light(l).position - point.origin;
             const float end = directional ? k_infinity : 0.9999f;
             const auto meets = [&](ray::Against against) {
-                return rays.blocked_single(point.origin, 0, d, end, against);
+                return rays.occluded_single(point.origin, 0, d, end, against);
             };
             const MaskAnswer answer = asked.answer[q];
             if (answer == MaskAnswer::free) {
                 ++tally.free;
-                tally.free_on_movers += asked.moving[q];
+                tally.free_on_dynamic += asked.moving[q];
                 tally.wrongly_free += meets(ray::Against::dynamic_only);
-            } else if (answer == MaskAnswer::blocked) {
-                ++tally.blocked;
-                tally.wrongly_blocked += !meets(ray::Against::dynamic_only);
+            } else if (answer == MaskAnswer::occluded) {
+                ++tally.occluded;
+                tally.wrongly_occluded += !meets(ray::Against::dynamic_only);
             } else {
                 ++tally.unknown;
             }
@@ -56,26 +56,26 @@ void ask_all(MoverMask& mask, const scene::Scene& scene, const scene::SceneState
     }
 }
 
-// Movers put somewhere else in every round; the mask is told that they move from the second on.
+// Dynamic objects put somewhere else in every round; the mask is told that they move from the second on.
 Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
 {
-    const std::size_t movers = 2 + seed % 5;
-    const auto scene = Soup(seed, static_cast<int>(movers)).take();
+    const std::size_t dynamic_objects = 2 + seed % 5;
+    const auto scene = Soup(seed, static_cast<int>(dynamic_objects)).take();
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
-    std::vector<char> lifted(scene->objects.size(), 0);
-    for (std::size_t o = lifted.size() - movers; o < lifted.size(); ++o) lifted[o] = 1;
+    std::vector<char> promoted(scene->objects.size(), 0);
+    for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o) promoted[o] = 1;
     Random random(seed, 5);
-    // All of them by hand, so that the ray scene counts them as movers.
+    // All of them by hand, so that the ray scene counts them as dynamic objects.
     glm::dmat4 aside(1);
     aside[3].x = 0.1;
-    for (std::size_t o = lifted.size() - movers; o < lifted.size(); ++o)
+    for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o)
         state.override_transform(scene->objects[o].node, &aside);
     Tally tally;
     std::unique_ptr<StaticTriangles> triangles;
-    std::unique_ptr<MoverMask> mask;
+    std::unique_ptr<DynamicMask> mask;
     for (int round = 0; round < rounds; ++round) {
-        if (round > 0 && round % 3 != 0) move_last(*scene, state, random, movers);
+        if (round > 0 && round % 3 != 0) move_last(*scene, state, random, dynamic_objects);
         if (round % 4 == 3)   // a light elsewhere
             for (const scene::Light& light : scene->lights) {
                 if (random.below(2)) continue;
@@ -87,11 +87,11 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
         rays.update(state);
         if (!mask) {
             triangles = std::make_unique<StaticTriangles>(state, rays);
-            mask = std::make_unique<MoverMask>(state, rays, *triangles, options);
+            mask = std::make_unique<DynamicMask>(state, rays, *triangles, options);
         }
         const CullingView view{glm::vec3(random.uniform(-4, 4), 1, 4), 0.004f * random.uniform(0.2f, 3.0f), 0};
         mask->begin_frame(state, rays, view);
-        ask_all(*mask, *scene, state, rays, random_points(*scene, rays, random, 600), lifted, tally);
+        ask_all(*mask, *scene, state, rays, random_points(*scene, rays, random, 600), promoted, tally);
     }
     return tally;
 }
@@ -99,7 +99,7 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
 void expect_true(const Tally& tally)
 {
     EXPECT_EQ(tally.wrongly_free, 0u);
-    EXPECT_EQ(tally.wrongly_blocked, 0u);
+    EXPECT_EQ(tally.wrongly_occluded, 0u);
     EXPECT_EQ(tally.wrongly_clear, 0u);
 }
 
@@ -108,14 +108,14 @@ Tally ask_soups(std::uint64_t seeds, const MaskOptions& options)
     Tally sum;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         const Tally t = ask_soup(seed, 8, options);
-        sum.free += t.free, sum.blocked += t.blocked, sum.unknown += t.unknown, sum.clear += t.clear;
-        sum.wrongly_free += t.wrongly_free, sum.wrongly_blocked += t.wrongly_blocked;
-        sum.wrongly_clear += t.wrongly_clear, sum.free_on_movers += t.free_on_movers;
+        sum.free += t.free, sum.occluded += t.occluded, sum.unknown += t.unknown, sum.clear += t.clear;
+        sum.wrongly_free += t.wrongly_free, sum.wrongly_occluded += t.wrongly_occluded;
+        sum.wrongly_clear += t.wrongly_clear, sum.free_on_dynamic += t.free_on_dynamic;
     }
     return sum;
 }
 
-TEST(MoverMaskCulling, SaysWhatRaysSayOnRandomSoups)
+TEST(DynamicMaskCulling, SaysWhatRaysSayOnRandomSoups)
 {
     MaskOptions options;
     options.asked = 1;
@@ -123,12 +123,12 @@ TEST(MoverMaskCulling, SaysWhatRaysSayOnRandomSoups)
     expect_true(tally);
     // Else nothing was put to the test.
     EXPECT_GT(tally.free, 50'000u);
-    EXPECT_GT(tally.free_on_movers, 5'000u);
-    EXPECT_GT(tally.blocked, 5'000u);
+    EXPECT_GT(tally.free_on_dynamic, 5'000u);
+    EXPECT_GT(tally.occluded, 5'000u);
     EXPECT_GT(tally.clear, 5'000u);
 }
 
-TEST(MoverMaskCulling, CoarseTexelsToo)
+TEST(DynamicMaskCulling, CoarseTexelsToo)
 {
     MaskOptions options;
     options.asked = 1;
@@ -137,7 +137,7 @@ TEST(MoverMaskCulling, CoarseTexelsToo)
 }
 
 // Triangles that count as edge-on cover nothing, but are still in the way.
-TEST(MoverMaskCulling, FineTexelsWithinTrianglesThatCountAsEdgeOn)
+TEST(DynamicMaskCulling, FineTexelsWithinTrianglesThatCountAsEdgeOn)
 {
     MaskOptions options;
     options.asked = 1;
@@ -198,12 +198,12 @@ void ask_along_outline(double turn, Tally& tally)
     state.override_transform(scene->objects[1].node, &moved);
     state.advance(0);
     rays.update(state);
-    const std::vector<char> lifted = {0, 1};
+    const std::vector<char> promoted = {0, 1};
     const StaticTriangles triangles(state, rays);
     MaskOptions options;
     options.asked = 1;
     options.texel_pixels = 0.02f;   // finer than rounding moves a ray
-    MoverMask mask(state, rays, triangles, options);
+    DynamicMask mask(state, rays, triangles, options);
     mask.begin_frame(state, rays, {at(0, 0, 9), 0.002f, 0});
     Random random(3);
     std::vector<ShadowPoint> points;
@@ -214,10 +214,10 @@ void ask_along_outline(double turn, Tally& tally)
         point.origin = at(1e-4f * random.uniform(-1, 1), -4 + 0.01f, random.uniform(-2, 2));
         points.push_back(point);
     }
-    ask_all(mask, *scene, state, rays, points, lifted, tally);
+    ask_all(mask, *scene, state, rays, points, promoted, tally);
 }
 
-TEST(MoverMaskCulling, RaysAlongOutlinesOnTheBordersOfTexels)
+TEST(DynamicMaskCulling, RaysAlongOutlinesOnTheBordersOfTexels)
 {
     Tally tally;
     for (int k = 1; k <= 30; ++k) ask_along_outline(0.0137 * k, tally);
@@ -225,7 +225,7 @@ TEST(MoverMaskCulling, RaysAlongOutlinesOnTheBordersOfTexels)
     EXPECT_GT(tally.unknown, 10'000u);
 }
 
-TEST(MoverMaskCullingFull, SaysWhatRaysSayOnAThousandSoups)
+TEST(DynamicMaskCullingFull, SaysWhatRaysSayOnAThousandSoups)
 {
     MaskOptions options;
     options.asked = 1;
@@ -233,7 +233,7 @@ TEST(MoverMaskCullingFull, SaysWhatRaysSayOnAThousandSoups)
 }
 
 // The least height of what is inside four planes, by the tree and one triangle after the other.
-TEST(MoverMaskCulling, LeastHeightIsThatOfAllTriangles)
+TEST(DynamicMaskCulling, LeastHeightIsThatOfAllTriangles)
 {
     std::size_t some = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ten thousand frames of Kitchen by one renderer: the clip forwards, pauses, jumps, its lights going on and off. Memory
-// stays flat after a while, and at random frames the picture is that of a renderer that has seen nothing before.
+// stays flat after a while, and at random frames the image is that of a renderer that has seen nothing before.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -68,7 +68,7 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
             frame = 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(scene.frame_count())));
         else if (choice > 10)
             frame = frame % scene.frame_count() + 1;
-        const Picture picture = renderer.render(scene, frame);
+        const Frame image = renderer.render(scene, frame);
         const double now = resident_megabytes();
         if (4 * i >= 2 * frames)
             (4 * i >= 3 * frames ? late : settled) = std::max(4 * i >= 3 * frames ? late : settled, now);
@@ -76,10 +76,10 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
         if (random.below(static_cast<std::uint32_t>(frames / checkpoints)) != 0) continue;
         ++checked;
         Renderer cold(small());
-        const Picture fresh = cold.render(scene, frame);
-        ASSERT_EQ(picture.layers.size(), fresh.layers.size());
+        const Frame fresh = cold.render(scene, frame);
+        ASSERT_EQ(image.layers.size(), fresh.layers.size());
         for (std::size_t l = 0; l < fresh.layers.size(); ++l)
-            ASSERT_TRUE(picture.layers[l].data == fresh.layers[l].data)
+            ASSERT_TRUE(image.layers[l].data == fresh.layers[l].data)
                 << "layer " << fresh.layers[l].name << " of frame " << frame << " after " << i << " frames";
     }
     std::printf(

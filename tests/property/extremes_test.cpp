@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Worlds from a tenth of a millimetre to a thousand kilometres, at the origin and far from it: remembered shadows
-// change no bit, light views kept equal those drawn anew, and no layer of any picture holds what is no number.
+// change no bit, light views kept equal those drawn anew, and no layer of any image holds what is no number.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -64,22 +64,22 @@ class Extremes : public testing::TestWithParam<World> {
     test::AffFolder folder_;
 };
 
-std::vector<Picture> frames_of(const Scene& scene, RenderOptions options)
+std::vector<Frame> frames_of(const Scene& scene, RenderOptions options)
 {
     options.threads = 2;
     options.layers = true;
     Renderer renderer(options);
-    std::vector<Picture> pictures;
-    for (int frame = 1; frame <= scene.frame_count(); ++frame) pictures.push_back(renderer.render(scene, frame));
-    return pictures;
+    std::vector<Frame> images;
+    for (int frame = 1; frame <= scene.frame_count(); ++frame) images.push_back(renderer.render(scene, frame));
+    return images;
 }
 
-void expect_finite(const Picture& picture, const std::string& what)
+void expect_finite(const Frame& image, const std::string& what)
 {
-    for (const Layer& layer : picture.layers) {
+    for (const Layer& layer : image.layers) {
         std::size_t bad = 0;
         for (const float value : layer.data) bad += !std::isfinite(value);
-        EXPECT_EQ(bad, 0u) << what << ", layer " << layer.name << ", frame " << picture.frame;
+        EXPECT_EQ(bad, 0u) << what << ", layer " << layer.name << ", frame " << image.frame;
     }
 }
 
@@ -88,9 +88,9 @@ TEST_P(Extremes, RememberedShadowsAreExactAndEveryNumberIsOne)
     const Scene scene = this->scene();
     ASSERT_EQ(scene.frame_count(), k_frames);
     RenderOptions options;
-    const std::vector<Picture> remembered = frames_of(scene, options);
+    const std::vector<Frame> remembered = frames_of(scene, options);
     options.shadow_culling = ShadowCulling::off;
-    const std::vector<Picture> traced = frames_of(scene, options);
+    const std::vector<Frame> traced = frames_of(scene, options);
     std::uint64_t skipped = 0, rays = 0;
     for (std::size_t i = 0; i < remembered.size(); ++i) {
         ASSERT_EQ(remembered[i].layers.size(), traced[i].layers.size());
@@ -128,7 +128,7 @@ TEST_P(Extremes, BouncedLightIsTheSameForAnyNumberOfThreadsColdAndWarm)
         options.threads = threads;
         options.layers = true;
         Renderer renderer(options);
-        Picture last;
+        Frame last;
         for (const int frame : frames) last = renderer.render(scene, frame);
         for (const Layer& layer : last.layers)
             if (layer.name == "indirect") return layer.data;

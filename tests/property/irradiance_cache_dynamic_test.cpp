@@ -91,7 +91,7 @@ double difference_of(const std::vector<float>& a, const std::vector<float>& b)
     return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-TEST(VisibleMovers, WhatDeformsBouncesLightWhicheverObjectItIs)
+TEST(IrradianceCacheDynamic, WhatDeformsBouncesLightWhicheverObjectItIs)
 {
     const auto light_of = [](std::size_t panel_at) {
         World world(room(panel_at, Panel::bends));
@@ -131,7 +131,7 @@ std::vector<float> indirect_with_panel_at(const std::vector<std::optional<glm::d
     return light;
 }
 
-TEST(VisibleMovers, WhatIsLiftedByHandIsAsIfItHadAlwaysBeenThere)
+TEST(IrradianceCacheDynamic, PromotedObjectsRenderAsIfAlwaysDynamic)
 {
     const glm::dvec3 here(0, 0.3, 0), there(1, 0.8, 0.5), away(0, 0, -1000);
     const std::vector<float> before = indirect_with_panel_at({{}}), cold = indirect_with_panel_at({there});
@@ -149,8 +149,8 @@ TEST(VisibleMovers, WhatIsLiftedByHandIsAsIfItHadAlwaysBeenThere)
     EXPECT_NEAR(mean_of(indirect_with_panel_at({{}, glm::dvec3(0, 0.001, 0)})) / mean, 1, 0.25);
 }
 
-// It costs what a mover costs once it was lifted.
-TEST(VisibleMovers, WhatIsHeldByHandIsAMover)
+// It costs what a dynamic object costs once it was promoted.
+TEST(IrradianceCacheDynamic, WhatIsHeldByHandIsADynamic)
 {
     World world(room(k_panel, Panel::still));
     VisibleLight visible(world.state, world.rays, {}, world.tasks);

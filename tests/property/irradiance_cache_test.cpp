@@ -53,7 +53,7 @@ TEST(VisibleLight, SameBytesForAnyNumberOfThreads)
     EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 5, 128)));
 }
 
-// Near light in small pictures, too, and much of it.
+// Near light in small images, too, and much of it.
 VisibleOptions with_near_light()
 {
     VisibleOptions options;
@@ -88,8 +88,8 @@ TEST(VisibleLight, NearLightNeitherAddsNorTakes)
     EXPECT_NEAR(parted / all, 1, 0.03);
 }
 
-// Too little memory costs time; no picture shows it, and no more than twice what a frame shows is held.
-TEST(VisibleLight, LittleMemoryChangesNoPicture)
+// Too little memory costs time; no image shows it, and no more than twice what a frame shows is held.
+TEST(VisibleLight, LittleMemoryChangesNoImage)
 {
     const auto walk = [](std::size_t memory, std::size_t& most) {
         World world("kinetic", 1, 2);
@@ -123,7 +123,7 @@ TEST(VisibleLight, LittleMemoryChangesNoNearLight)
                           indirect_of("cornell", {5, 6, 7, 8}, 2, 128, little)));
 }
 
-// With a limit of rays a frame lacks points; asked again and again it ends in the picture that has none.
+// With a limit of rays a frame lacks points; asked again and again it ends in the image that has none.
 TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
 {
     World world("cornell", 3, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole frames on the kd-tree that counts: the pictures of Embree up to edges, counts that do not depend on threads,
+// Whole frames on the kd-tree that counts: the images of Embree up to edges, counts that do not depend on threads,
 // and savings by culling that show in them.
 #include <gtest/gtest.h>
 
@@ -25,9 +25,9 @@ Clip render(const Scene& scene, Accelerator accelerator, ShadowCulling culling, 
     Renderer renderer(options);
     Clip clip;
     for (int frame = 5; frame < 9; ++frame) {
-        const Picture picture = renderer.render(scene, frame);
-        clip.color.push_back(picture.layers[0].data);
-        clip.counters.push_back(picture.counters);
+        const Frame image = renderer.render(scene, frame);
+        clip.color.push_back(image.layers[0].data);
+        clip.counters.push_back(image.counters);
     }
     return clip;
 }
@@ -44,7 +44,7 @@ std::size_t pixels_different(const std::vector<float>& a, const std::vector<floa
     return different;
 }
 
-TEST(KdTreeFrame, IsThePictureOfEmbreeUpToEdges)
+TEST(KdTreeFrame, IsTheImageOfEmbreeUpToEdges)
 {
     for (const char* name : {"builtin:cornell", "builtin:kinetic"}) {
         SCOPED_TRACE(name);

@@ -93,9 +93,9 @@ Answers ask_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts
         for (const Sides sides : k_sides)
             (sides == Sides::both ? answers.both : answers.front)
                 .push_back(tree.closest(o, tnear, d, tfar, sides, counts));
-        answers.blocked.push_back(tree.blocked(o, tnear, d, tfar, Against::everything, counts));
-        answers.blocked_static.push_back(tree.blocked(o, tnear, d, tfar, Against::static_only, counts));
-        answers.blocked_dynamic.push_back(tree.blocked(o, tnear, d, tfar, Against::dynamic_only, counts));
+        answers.occluded.push_back(tree.occluded(o, tnear, d, tfar, Against::everything, counts));
+        answers.occluded_static.push_back(tree.occluded(o, tnear, d, tfar, Against::static_only, counts));
+        answers.occluded_dynamic.push_back(tree.occluded(o, tnear, d, tfar, Against::dynamic_only, counts));
     }
     return answers;
 }
@@ -108,16 +108,16 @@ Answers ask_all(const CountingKdTree& tree, const ray::RayQueue& rays)
         const float tnear = rays.tnear[i], tfar = rays.tfar[i];
         answers.both.push_back(tree.closest_of_all(o, tnear, d, tfar, Sides::both));
         answers.front.push_back(tree.closest_of_all(o, tnear, d, tfar, Sides::front));
-        answers.blocked.push_back(tree.blocked_by_any(o, tnear, d, tfar, Against::everything));
-        answers.blocked_static.push_back(tree.blocked_by_any(o, tnear, d, tfar, Against::static_only));
-        answers.blocked_dynamic.push_back(tree.blocked_by_any(o, tnear, d, tfar, Against::dynamic_only));
+        answers.occluded.push_back(tree.occluded_by_any(o, tnear, d, tfar, Against::everything));
+        answers.occluded_static.push_back(tree.occluded_by_any(o, tnear, d, tfar, Against::static_only));
+        answers.occluded_dynamic.push_back(tree.occluded_by_any(o, tnear, d, tfar, Against::dynamic_only));
     }
     return answers;
 }
 
 /// Rays whose answers differ by more than the rounding of different formulas: whether anything is met, or how far off.
 struct Differences {
-    std::size_t closest = 0, blocked = 0;
+    std::size_t closest = 0, occluded = 0;
 };
 
 Differences against_embree(const Answers& tree, const Answers& embree)
@@ -129,8 +129,8 @@ Differences against_embree(const Answers& tree, const Answers& embree)
     };
     for (std::size_t i = 0; i < tree.both.size(); ++i) {
         d.closest += differ(tree.both[i], embree.both[i]) || differ(tree.front[i], embree.front[i]);
-        d.blocked += tree.blocked[i] != embree.blocked[i] || tree.blocked_static[i] != embree.blocked_static[i] ||
-                     tree.blocked_dynamic[i] != embree.blocked_dynamic[i];
+        d.occluded += tree.occluded[i] != embree.occluded[i] || tree.occluded_static[i] != embree.occluded_static[i] ||
+                      tree.occluded_dynamic[i] != embree.occluded_dynamic[i];
     }
     return d;
 }
@@ -257,7 +257,7 @@ TEST(KdTree, AnswersAsAllTrianglesWhereSplitsLie)
 
 TEST(KdTree, AnswersAsEmbreeDoes)
 {
-    std::size_t asked = 0, closest = 0, blocked = 0;
+    std::size_t asked = 0, closest = 0, occluded = 0;
     for (std::uint64_t seed = 1; seed <= 6; ++seed)
         for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
             const SceneState state(scene, 0.3 * static_cast<double>(seed));
@@ -266,13 +266,13 @@ TEST(KdTree, AnswersAsEmbreeDoes)
             const ray::RayQueue queue = random_rays(seed + 50, 3000);
             KdCounts counts;
             const Differences d = against_embree(ask_tree(tree, queue, counts), ask_singly(rays, queue));
-            asked += queue.size(), closest += d.closest, blocked += d.blocked;
+            asked += queue.size(), closest += d.closest, occluded += d.occluded;
         }
     RecordProperty("closest_differences", static_cast<int>(closest));
-    RecordProperty("blocked_differences", static_cast<int>(blocked));
+    RecordProperty("occluded_differences", static_cast<int>(occluded));
     // Rays through holes' borders, and through edges of what moves (tested in another space), may go either way.
     EXPECT_LE(closest, asked / 10000) << "of " << asked;
-    EXPECT_LE(blocked, asked / 10000) << "of " << asked;
+    EXPECT_LE(occluded, asked / 10000) << "of " << asked;
 }
 
 TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
@@ -324,7 +324,7 @@ TEST(KdTree, FollowsWhatIsMovedByHandAndWhatVanishes)
             KdCounts counts;
             const glm::vec3 from(x + 0.013f, 0.017f, 50);
             EXPECT_EQ(tree.closest(from, 0, {0, 0, -1}, 1000, Sides::both, counts).object, object) << x;
-            EXPECT_EQ(tree.blocked(from, 0, {0, 0, -1}, 1000, Against::everything, counts), object != scene::none);
+            EXPECT_EQ(tree.occluded(from, 0, {0, 0, -1}, 1000, Against::everything, counts), object != scene::none);
         }
     };
     const auto go_to = [&](double time) {
@@ -353,16 +353,16 @@ TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
     scene::Scene scene = scene_with_balls();
     Random random(1);
     for (int i = 0; i < 300; ++i) add_object(scene, 0, scene::none, random_placement(random, 10));
-    const scene::NodeId mover = add_object(scene, 0);
-    scene.nodes[mover].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
+    const scene::NodeId dynamic_object = add_object(scene, 0);
+    scene.nodes[dynamic_object].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
     const SceneState state(finished(scene), 0);
     const RayScene rays(state);
     const CountingKdTree tree(state, rays);
     KdCounts beside, everything;
     for (int i = 0; i < 100; ++i) {
         const glm::vec3 from(-12, 4 + 0.05f * static_cast<float>(i), random.uniform(-9, 9));
-        EXPECT_FALSE(tree.blocked(from, 0, {1, 0, 0}, 30, Against::dynamic_only, beside));
-        tree.blocked(from, 0, {1, 0, 0}, 30, Against::everything, everything);
+        EXPECT_FALSE(tree.occluded(from, 0, {1, 0, 0}, 30, Against::dynamic_only, beside));
+        tree.occluded(from, 0, {1, 0, 0}, 30, Against::everything, everything);
     }
     EXPECT_EQ(beside.nodes, 200u) << "the root and its dynamic child";
     EXPECT_EQ(beside.tests, 0u);
@@ -397,7 +397,7 @@ TEST(KdTree, AnEmptySceneLetsEverythingPass)
     const RayScene rays(state);
     const CountingKdTree tree(state, rays);
     KdCounts counts;
-    EXPECT_FALSE(tree.blocked({0, 0, 0}, 0, {1, 0, 0}, 1, Against::everything, counts));
+    EXPECT_FALSE(tree.occluded({0, 0, 0}, 0, {1, 0, 0}, 1, Against::everything, counts));
     EXPECT_EQ(tree.closest({0, 0, 0}, 0, {1, 0, 0}, 7, Sides::both, counts).object, scene::none);
     EXPECT_EQ(tree.closest({0, 0, 0}, 0, {1, 0, 0}, 7, Sides::both, counts).t, 7.0f);
     EXPECT_EQ(counts.tests, 0u);
@@ -442,18 +442,18 @@ void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, do
     const RayScene rays(state);
     const CountingKdTree tree(state, rays);
     const SceneRays asked = rays_in(state, rays, 7, count);
-    std::size_t closest = 0, blocked = 0;
+    std::size_t closest = 0, occluded = 0;
     for (const ray::RayQueue* queue : {&asked.seen, &asked.shadow}) {
         KdCounts counts;
         const Differences d = against_embree(ask_tree(tree, *queue, counts), ask_singly(rays, *queue));
-        closest += d.closest, blocked += d.blocked;
+        closest += d.closest, occluded += d.occluded;
     }
     const std::size_t all = asked.seen.size() + asked.shadow.size();
     testing::Test::RecordProperty("rays", static_cast<int>(all));
     testing::Test::RecordProperty("closest_differences", static_cast<int>(closest));
-    testing::Test::RecordProperty("blocked_differences", static_cast<int>(blocked));
+    testing::Test::RecordProperty("occluded_differences", static_cast<int>(occluded));
     EXPECT_LE(closest, all / 2000) << "of " << all;
-    EXPECT_LE(blocked, all / 2000) << "of " << all;
+    EXPECT_LE(occluded, all / 2000) << "of " << all;
 }
 
 TEST(KdTree, AnswersAsEmbreeDoesInBuiltInScenes)

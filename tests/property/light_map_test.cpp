@@ -95,7 +95,7 @@ TEST(LightMap, ABallsFootprintHoldsTheBall)
     EXPECT_GT(inside, 2000);
 }
 
-// Rays at movers, cut off where the static layer begins, against rays at everything, at all texels.
+// Rays at dynamic objects, cut off where the static layer begins, against rays at everything, at all texels.
 TEST(LightMap, LayersTogetherAreTheWholeScene)
 {
     for (const char* name : {"cornell", "spheres?objects=40&dynamic=25", "kinetic"}) {

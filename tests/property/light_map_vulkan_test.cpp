@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light maps on the device: kept up to date they equal new ones, to the bit, whatever moves; and pictures lit by them
+// Light maps on the device: kept up to date they equal new ones, to the bit, whatever moves; and images lit by them
 // are the same cold and warm.
 #include "vk_helpers.h"
 
@@ -66,7 +66,7 @@ TEST_F(LightMapVulkanFull, RepairedEqualsANewOneOverManyFrames)
     follow_script(device_, 5, 300);
 }
 
-TEST_F(LightMapVulkanProperty, PicturesAreTheSameColdAndWarm)
+TEST_F(LightMapVulkanProperty, ImagesAreTheSameColdAndWarm)
 {
     const Scene scene = load("builtin:cornell");
     for (const Indirect how : {Indirect::quadtree, Indirect::rsm, Indirect::visible}) {

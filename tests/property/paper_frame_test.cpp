@@ -25,10 +25,10 @@ Clip render(const Scene& scene, FrameRange frames, RenderOptions options)
     Renderer renderer(std::move(options));
     Clip clip;
     for (int frame = frames.first; frame <= frames.last; ++frame) {
-        const Picture picture = renderer.render(scene, frame);
-        clip.color.push_back(picture.layers[0].data);
-        if (const Layer* layer = picture.layer("shadow")) clip.shadow.push_back(layer->data);
-        clip.counters.push_back(picture.counters);
+        const Frame image = renderer.render(scene, frame);
+        clip.color.push_back(image.layers[0].data);
+        if (const Layer* layer = image.layer("shadow")) clip.shadow.push_back(layer->data);
+        clip.counters.push_back(image.counters);
     }
     return clip;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A viewer's session in which somebody lifts what stood still: the picture is that of a session that knew it no other
+// A viewer's session in which somebody lifts what stood still: the image is that of a session that knew it no other
 // way.
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ void wait_for(const Done& done)
     }
 }
 
-// The last picture of these requests, each shown whole before the next.
+// The last image of these requests, each shown whole before the next.
 Image8 last_of(std::vector<ViewRequest> requests)
 {
     ViewSession session(2);
@@ -40,8 +40,8 @@ Image8 last_of(std::vector<ViewRequest> requests)
     }
     EXPECT_EQ(session.load_state().error, "");
     EXPECT_EQ(session.load_state().frame_error, "");
-    const auto picture = session.picture(0);
-    return picture ? picture->image : Image8();
+    const auto image = session.image(0);
+    return image ? image->image : Image8();
 }
 
 void expect_warm_is_cold(const RenderOptions& options)
@@ -55,15 +55,15 @@ void expect_warm_is_cold(const RenderOptions& options)
     before.size = {96, 96};
     before.options = options;
     before.options.exposure = 0;
-    ViewRequest lifted = before, higher = before;
-    lifted.hands = {{block, true, {0, 0.3f, 0.2f}}};
+    ViewRequest promoted = before, higher = before;
+    promoted.hands = {{block, true, {0, 0.3f, 0.2f}}};
     higher.hands = {{block, true, {-0.1f, 0.6f, 0.3f}}};
     const Image8 cold = last_of({higher});
-    EXPECT_TRUE(cold.data == last_of({before, lifted, higher}).data) << static_cast<int>(options.indirect);
+    EXPECT_TRUE(cold.data == last_of({before, promoted, higher}).data) << static_cast<int>(options.indirect);
     EXPECT_FALSE(cold.data == last_of({before}).data);
 }
 
-TEST(LiftedView, WarmIsCold)
+TEST(PromotedView, WarmIsCold)
 {
     RenderOptions options;
     for (const Indirect indirect : {Indirect::visible, Indirect::quadtree}) {
@@ -73,9 +73,9 @@ TEST(LiftedView, WarmIsCold)
 }
 
 #ifdef GNOMON_VULKAN
-class LiftedViewVulkan : public test::VulkanTest {};
+class PromotedViewVulkan : public test::VulkanTest {};
 
-TEST_F(LiftedViewVulkan, WarmIsCold)
+TEST_F(PromotedViewVulkan, WarmIsCold)
 {
     RenderOptions options;
     options.renderer = RenderMethod::raster;
@@ -84,7 +84,7 @@ TEST_F(LiftedViewVulkan, WarmIsCold)
     expect_warm_is_cold(options);
 }
 #else
-TEST(LiftedViewVulkan, LeftOut)
+TEST(PromotedViewVulkan, LeftOut)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

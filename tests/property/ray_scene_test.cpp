@@ -44,7 +44,7 @@ TEST(RayScene, PacketsAnswerAsSingleRaysDo)
     }
 }
 
-// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is blocked does not depend on which
+// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is occluded does not depend on which
 // others share its packet. Rays pass the rims of flat things in the planes of the axes, which are all box.
 TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
 {
@@ -85,15 +85,15 @@ TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
             }
             std::vector<std::uint8_t> together(queue.size() + ray::k_packet_pad),
                 alone(queue.size() + ray::k_packet_pad);
-            rays.blocked(queue, 0, queue.size(), together.data());
-            std::size_t blocked = 0, differ = 0, single = 0;
+            rays.occluded(queue, 0, queue.size(), together.data());
+            std::size_t occluded = 0, differ = 0, single = 0;
             for (std::size_t r = 0; r < queue.size(); ++r) {
-                rays.blocked(queue, r, r + 1, alone.data());
-                blocked += together[r];
+                rays.occluded(queue, r, r + 1, alone.data());
+                occluded += together[r];
                 differ += together[r] != alone[0];
-                single += together[r] != rays.blocked_single(queue.origin(r), 0, queue.direction(r), queue.tfar[r]);
+                single += together[r] != rays.occluded_single(queue.origin(r), 0, queue.direction(r), queue.tfar[r]);
             }
-            EXPECT_GT(blocked, 5000u);
+            EXPECT_GT(occluded, 5000u);
             EXPECT_EQ(differ, 0u) << away << " away, seed " << seed;
             EXPECT_EQ(single, 0u) << away << " away, seed " << seed;
         }
@@ -316,7 +316,7 @@ TEST(RayScene, FollowsWhatIsMovedByHand)
     const auto expect_at = [&](std::initializer_list<std::pair<float, scene::ObjectId>> places) {
         for (const auto& [x, object] : places) {
             EXPECT_EQ(look_at(rays, x).object, object) << x;
-            EXPECT_EQ(rays.blocked_single({x, 0, 50}, 0, {0, 0, -1}, 100), object != scene::none) << x;
+            EXPECT_EQ(rays.occluded_single({x, 0, 50}, 0, {0, 0, -1}, 100), object != scene::none) << x;
         }
     };
     double time = 0;
@@ -386,7 +386,7 @@ TEST(RayScene, AnEmptySceneLetsEverythingPass)
     ray::RayScene rays(state);
     const Answers answers = ask(rays, random_rays(1, 100));
     EXPECT_EQ(count_hits(answers), 0u);
-    EXPECT_EQ(std::count(answers.blocked.begin(), answers.blocked.end(), 0), 100);
+    EXPECT_EQ(std::count(answers.occluded.begin(), answers.occluded.end(), 0), 100);
     EXPECT_TRUE(rays.bounds().empty());
     EXPECT_EQ(rays.statistics().static_triangles, 0u);
     state.advance(1);
@@ -413,7 +413,7 @@ TEST(RayScene, MeetsTheFlatOneOfManyCopies)
     const Answers answers = ask(rays, queue);
     for (std::size_t i = 0; i < k_copies; ++i) {
         EXPECT_EQ(answers.both[i].object, i);
-        EXPECT_TRUE(answers.blocked[i]);
+        EXPECT_TRUE(answers.occluded[i]);
     }
     EXPECT_NEAR(answers.both[5].t, 5, 1e-4);
 }
@@ -436,13 +436,13 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         add_object(scene, mesh);
         scene.nodes[add_object(scene, mesh)].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
     }
-    // A mover that shrinks to a point, and one that always is one.
+    // A dynamic object that shrinks to a point, and one that always is one.
     const glm::dmat4 there = translation(10, 0, 0);
     const scene::NodeId shrinking = add_object(scene, 0);
     scene.nodes[shrinking].transform = std::make_shared<JumpTrack>(1, there, glm::scale(there, glm::dvec3(0)));
     const scene::NodeId point = add_object(scene, 0, scene::none, glm::scale(translation(20, 0, 0), glm::dvec3(0)));
     scene.nodes[point].animated = true;
-    // Movers of sizes no ray can be taken to, and one whose vertices go astray.
+    // Dynamic objects of sizes no ray can be taken to, and one whose vertices go astray.
     const double sizes[] = {1e-30, 1e30, 1e-12, std::nan(""), k_infinity};
     for (const double size : sizes)
         for (const glm::dvec3& shape : {glm::dvec3(1, size, 1), glm::dvec3(size)})

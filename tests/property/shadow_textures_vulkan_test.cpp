@@ -133,8 +133,8 @@ bool same_square(const vk::Buffer& a, const vk::Buffer& b, const light_views::Ti
 }
 
 // A clip's frames one after the other: the rendering buffers of all views.
-void follow_film(const std::shared_ptr<vk::Device>& device, const std::shared_ptr<const scene::Scene>& scene, int first,
-                 int last)
+void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_ptr<const scene::Scene>& scene,
+                  int first, int last)
 {
     scene::SceneState state(scene, scene->timeline.time_of(first));
     LightViewsOptions kept_options, anew_options;
@@ -174,20 +174,20 @@ void follow_film(const std::shared_ptr<vk::Device>& device, const std::shared_pt
     EXPECT_LT(2 * draws, all_draws);   // it did remember
 }
 
-TEST_F(ShadowTexturesVulkan, FilmOfKineticIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkan, VideoOfKineticIsAsDrawnAnew)
 {
-    follow_film(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 38, 41);
+    follow_video(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 38, 41);
 }
 
-TEST_F(ShadowTexturesVulkanFull, FilmOfKineticIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkanFull, VideoOfKineticIsAsDrawnAnew)
 {
-    follow_film(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 1, 120);
+    follow_video(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 1, 120);
 }
 
-TEST_F(ShadowTexturesVulkanFull, FilmOfKitchenIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenIsAsDrawnAnew)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
-    follow_film(device_, load(file.string()).inside(), 1, 800);
+    follow_video(device_, load(file.string()).inside(), 1, 800);
 }
 
 TEST_F(ShadowTexturesVulkan, CoherenceChangesNoBitAndMethodsAgree)

@@ -18,7 +18,7 @@ namespace {
 using shadow_culling::ShadowPoint;
 using trace::StateMark;
 
-// The first hits of a picture.
+// The first hits of an image.
 struct FirstHits {
     std::vector<ShadowPoint> points;
     std::vector<std::pair<int, int>> pixels;
@@ -87,11 +87,11 @@ class StateMapTest : public testing::Test {
         const bool directional = scene->lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
         return directional ? -at.direction : at.position - from;
     }
-    bool blocked_by_static(int l, const glm::vec3& from) const
+    bool occluded_by_static(int l, const glm::vec3& from) const
     {
         const bool directional = scene->lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
-        return rays->blocked_single(from, 0, to_light(l, from), directional ? k_infinity : 0.9999f,
-                                    ray::Against::static_only);
+        return rays->occluded_single(from, 0, to_light(l, from), directional ? k_infinity : 0.9999f,
+                                     ray::Against::static_only);
     }
 
     std::shared_ptr<const scene::Scene> scene;
@@ -156,7 +156,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
                     }
                     ASSERT_EQ(cell.mark, mark_of(state_then)) << "frame " << frame << " at " << x << ", " << y;
                     if (cell.mark == StateMark::none || cell.mark == StateMark::full) {
-                        EXPECT_EQ(blocked_by_static(l, point.origin), cell.mark == StateMark::full);
+                        EXPECT_EQ(occluded_by_static(l, point.origin), cell.mark == StateMark::full);
                     }
                     ++compared;
                 }

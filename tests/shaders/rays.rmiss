@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_ray_tracing : require
-layout(location = 0) rayPayloadInEXT uint blocked;
+layout(location = 0) rayPayloadInEXT uint occluded;
 
 void main()
 {
-    blocked = 0;
+    occluded = 0;
 }

@@ -181,7 +181,7 @@ TEST(Builtin, SpheresStayInTheirCubeAndTheirPathsClose)
     }
 }
 
-TEST(Builtin, ACrowdIsTheSameAroundTheMoversHoweverLarge)
+TEST(Builtin, ACrowdIsTheSameAroundTheDynamicObjectsHoweverLarge)
 {
     const Scene few = make_builtin("spheres?objects=110&movers=10&crowd=1"),
                 many = make_builtin("spheres?objects=3000&movers=10&crowd=1");
@@ -196,17 +196,17 @@ TEST(Builtin, ACrowdIsTheSameAroundTheMoversHoweverLarge)
         const glm::dvec3 p = transform_point(to_light, glm::dvec3(scene.world_matrix(object.node, time)[3]));
         return std::max(std::abs(p.x), std::abs(p.y)) / -p.z;
     };
-    double movers_reach = 0;
+    double dynamic_reach = 0;
     const double radius = static_cast<double>(few.meshes[0].bounds().high.y) / 55;   // no nearer to the lamp
     for (std::size_t i = 0; i < 10; ++i)
         for (int frame = 1; frame <= 240; frame += 5)
-            movers_reach =
-                std::max(movers_reach, across(few, few.objects[i], few.timeline.time_of(frame)) + 1.1 * radius);
+            dynamic_reach =
+                std::max(dynamic_reach, across(few, few.objects[i], few.timeline.time_of(frame)) + 1.1 * radius);
     for (std::size_t i = 0; i < many.objects.size(); ++i) {
         if (i < 100) {
             EXPECT_EQ(few.world_matrix(few.objects[i].node, 0), many.world_matrix(many.objects[i].node, 0));
         } else {
-            EXPECT_GT(across(many, many.objects[i], 0) - 0.1 / 55, movers_reach) << i;
+            EXPECT_GT(across(many, many.objects[i], 0) - 0.1 / 55, dynamic_reach) << i;
         }
     }
 }

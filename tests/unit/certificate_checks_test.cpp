@@ -74,7 +74,7 @@ glm::dvec3 anywhere(Random& random, double reach)
 }
 
 // A triangle whose edge grazes a side of the shaft: between the receiver's edge and the light, to within rounding, and
-// going outward (nothing blocks) or inward (all but the very edge is blocked).
+// going outward (nothing blocks) or inward (all but the very edge is occluded).
 Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
 {
     Outcome sum;
@@ -95,7 +95,7 @@ Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
         // Points of the inside teach; points of the very edge are asked as well.
         Rehearsal rehearsal(std::move(stage), with(rules));
         auto points = rehearsal.points({0}, 50);
-        rehearsal.teach(points, inward ? Teach::blocked_ones : Teach::free_ones);
+        rehearsal.teach(points, inward ? Teach::occluded_ones : Teach::free_ones);
         for (int i = 1; i < 400; ++i)
             points.push_back(test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 400,
                                                 1e-9f * random.uniform(1, 4), true));
@@ -189,54 +189,54 @@ const Scene k_scenes[] = {
      [](const CertificateOptions& rules) {
          Stage stage = stage_with_receiver();
          stage.add(large_triangle(1), test::cut_out);
-         return play(std::move(stage), rules, Teach::blocked_ones);
+         return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"opaque_neighbour", without(Check::opaque_neighbour),
      [](const CertificateOptions& rules) {
          Stage stage = stage_with_receiver();
          stage.add(left_half(0.4f, 1));
          stage.add(right_half(0.4f, 1), test::cut_out);
-         return play(std::move(stage), rules, Teach::blocked_ones);
+         return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"same_bits", without(Check::same_bits),
      [](const CertificateOptions& rules) {   // a slit
          Stage stage = stage_with_receiver();
          stage.add(left_half(0.3f, 1));
          stage.add(right_half(0.3005f, 1));
-         return play(std::move(stage), rules, Teach::blocked_ones, 20000);
+         return play(std::move(stage), rules, Teach::occluded_ones, 20000);
      }},
     {"no_open_edge", without(Check::no_open_edge),
      [](const CertificateOptions& rules) {
          Stage stage = stage_with_receiver();
          stage.add(left_half(0.4f, 1));
-         return play(std::move(stage), rules, Teach::blocked_ones);
+         return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"no_silhouette", without(Check::no_silhouette),
      [](const CertificateOptions& rules) {   // a fold: both halves go to the left
          Stage stage = stage_with_receiver();
          stage.add(left_half(0.4f, 1));
          stage.add({{0.4f, -9, 1}, {0.4f, 9, 1}, {-20, 0, 1.2f}});
-         return play(std::move(stage), rules, Teach::blocked_ones);
+         return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"clearance", [](CertificateOptions& rules) { rules.clearance = -1; },
      [](const CertificateOptions& rules) {   // a plane that cuts through the receiver
          Stage stage = stage_with_receiver();
          stage.add({{-20, -60, -20.3f}, {-20, 60, -20.3f}, {80, 0, 79.7f}});
-         return play(std::move(stage), rules, Teach::blocked_ones);
+         return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"end_gap", [](CertificateOptions& rules) { rules.end_gap = -1; },
      [](const CertificateOptions& rules) {   // a shade nearer to the lamp than rays go
          Stage stage = stage_with_receiver();
          stage.add({{0.2f, 0.2f, 1.9999f}, {0.5f, 0.2f, 1.9999f}, {0.2f, 0.5f, 1.9999f}});
          stage.add(small_triangle(1));
-         return play(std::move(stage), rules, Teach::blocked_ones);
+         return play(std::move(stage), rules, Teach::occluded_ones);
      }},
 
     // --- Both
     {"light_grazes", [](CertificateOptions& rules) { rules.graze_lifts = -1; }, lamp_that_grazes},
 
     // --- What moves
-    {"movers_asked", without(Check::movers_asked),
+    {"dynamic_tested", without(Check::dynamic_tested),
      [](const CertificateOptions& rules) {
          Stage stage = stage_with_receiver();
          stage.add(small_triangle(1), test::two_sided,
@@ -255,7 +255,7 @@ const Scene k_scenes[] = {
      [](const CertificateOptions& rules) {
          return light_that_jumps(rules, {0, 1, 2});
      }},
-    {"lifted_not_receiver", without(Check::lifted_not_receiver),
+    {"promoted_not_receiver", without(Check::promoted_not_receiver),
      [](const CertificateOptions& rules) {   // the receiver is moved under what did not shadow it
          Stage stage = stage_with_receiver();
          stage.add(left_half(-5, 1));
@@ -264,7 +264,7 @@ const Scene k_scenes[] = {
          move_by_hand(rehearsal, 0, {-15, 0, 0});
          return rehearsal.ask(rehearsal.points({0}, 1000));
      }},
-    {"lifted_not_occluder", without(Check::lifted_not_occluder),
+    {"promoted_not_occluder", without(Check::promoted_not_occluder),
      [](const CertificateOptions& rules) {   // the shade is gone before anything is learned
          Stage stage = stage_with_receiver();
          stage.add(large_triangle(1));
@@ -273,11 +273,11 @@ const Scene k_scenes[] = {
          move_by_hand(rehearsal, 1, {0, 0, 50});
          rehearsal.ask({});
          const auto points = rehearsal.points({0}, 1000);
-         rehearsal.teach(points, Teach::blocked_ones);
+         rehearsal.teach(points, Teach::occluded_ones);
          rehearsal.advance(0);
          return rehearsal.ask(points);
      }},
-    {"lifted_shadow_gone", without(Check::lifted_shadow_gone),
+    {"promoted_shadow_gone", without(Check::promoted_shadow_gone),
      [](const CertificateOptions& rules) {
          Stage stage = stage_with_receiver();
          stage.add(large_triangle(1));
@@ -341,7 +341,7 @@ TEST(CertificateChecksByHand, RimIsTraced)
         Rehearsal::Points points;
         for (int i = 1; i < 400; ++i) {
             auto p = test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 1000, 5e-7f, true);
-            in_shade += test::truly_blocked(rehearsal.state(), rehearsal.rays(), p, 0);
+            in_shade += test::truly_occluded(rehearsal.state(), rehearsal.rays(), p, 0);
             if (lie) p.v += 1e-3f;
             points.push_back(p);
         }
@@ -430,8 +430,9 @@ TEST(CertificateChecksByHand, OccluderIsInTheWay)
     EXPECT_TRUE(certify_full(triangles, shaft, 1, rules));
 }
 
-// What a mover did to a ray is no evidence: the ground in its shadow is proven free of static shadows all the same.
-TEST(CertificateChecksByHand, MoversAreNoEvidence)
+// What a dynamic object did to a ray is no evidence: the ground in its shadow is proven free of static shadows all the
+// same.
+TEST(CertificateChecksByHand, DynamicObjectsAreNoEvidence)
 {
     Stage stage = stage_with_receiver();
     stage.add(large_triangle(1), test::two_sided,

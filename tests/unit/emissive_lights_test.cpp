@@ -47,9 +47,9 @@ TEST(Emitters, KeepTheFlux)
     Scene scene;
     // Facing down, 2 x 3, under a node that lifts and turns it about the vertical.
     const glm::dmat4 world = glm::dmat4(glm::dmat3(0, 0, -1, 0, 1, 0, 1, 0, 0));
-    glm::dmat4 lifted = world;
-    lifted[3] = {5, 4, 1, 1};
-    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, lifted);
+    glm::dmat4 promoted = world;
+    promoted[3] = {5, 4, 1, 1};
+    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, promoted);
     add_quad(scene, add_material(scene, {0, 0, 0}), {0, 0, -3}, {10, 0, 0}, {0, 0, 8});
     scene.finish();
     add_emitter_lights(scene);

@@ -189,13 +189,13 @@ TEST(EnvironmentLight, WhiteInWhiteIsWhite)
         RenderOptions options;
         options.size = {32, 32};
         Renderer renderer(options);
-        const Picture picture = renderer.render(scene, 1);
+        const Frame image = renderer.render(scene, 1);
         double sum = 0;
-        for (const float value : picture.layers[0].data) {
+        for (const float value : image.layers[0].data) {
             EXPECT_NEAR(value, 1.0f, 0.06f);
             sum += value;
         }
-        EXPECT_NEAR(sum / static_cast<double>(picture.layers[0].data.size()), 1, 0.03);
+        EXPECT_NEAR(sum / static_cast<double>(image.layers[0].data.size()), 1, 0.03);
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frames of a film have in common: --resume must not take those of before an edit for those after it.
+// What frames of a video have in common: --resume must not take those of before an edit for those after it.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -90,7 +90,7 @@ scene::Scene everything()
 
 using Edit = std::function<void(scene::Scene&)>;
 
-// Every one shapes the picture.
+// Every one shapes the image.
 const std::map<std::string, Edit>& edits()
 {
     static const std::map<std::string, Edit> all{
@@ -199,7 +199,7 @@ TEST(Fingerprint, TheRateOfATurntable)
     }
 }
 
-// A film that nobody could wait for costs no more here than one of a minute.
+// A video that nobody could wait for costs no more here than one of a minute.
 TEST(Fingerprint, OfAClipWithoutEnd)
 {
     auto made = std::make_shared<scene::Scene>(everything());

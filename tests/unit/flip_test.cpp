@@ -30,15 +30,15 @@ double flip_of(const ImageF& a, const ImageF& b)
     return mean_of(flip_ldr(a, b, tasks));
 }
 
-TEST(Flip, EqualPicturesDoNotDiffer)
+TEST(Flip, EqualImagesDoNotDiffer)
 {
     Tasks tasks(2);
-    const ImageF picture = noise(50, 70, 1);
-    for (const float error : flip_ldr(picture, picture, tasks).data) ASSERT_EQ(error, 0.0f);
-    for (const float error : flip_hdr(picture, picture, tasks).data) ASSERT_EQ(error, 0.0f);
+    const ImageF image = noise(50, 70, 1);
+    for (const float error : flip_ldr(image, image, tasks).data) ASSERT_EQ(error, 0.0f);
+    for (const float error : flip_hdr(image, image, tasks).data) ASSERT_EQ(error, 0.0f);
 }
 
-// Even pictures have no features and are not changed by blurring, so the paper's formulas can be done by hand.
+// Even images have no features and are not changed by blurring, so the paper's formulas can be done by hand.
 // Black and white: HyAB = 100. The largest difference, green and blue, with L* a* b* of (87.73, -86.18, 83.18) and
 // (32.30, 79.19, -107.86), after Hunt: 55.44 + |(-101.18, 107.81)| = 203.3. In powers of 0.7: 25.12 and 41.28; the knee
 // is at 0.4 * 41.28 = 16.51, so the error is 0.95 + 0.05 * (25.12 - 16.51) / (41.28 - 16.51) = 0.9674.

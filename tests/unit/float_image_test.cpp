@@ -47,7 +47,7 @@ TEST(Exr, LayersComeBackToTheBit)
     const Size size{37, 21};
     const std::vector<Layer> layers = some_layers(size);
     write_exr(scratch / "a.exr", size, layers);
-    const ExrPicture back = decode_exr(bytes_of(scratch / "a.exr"), "a.exr");
+    const ExrImage back = decode_exr(bytes_of(scratch / "a.exr"), "a.exr");
     EXPECT_EQ(back.size, size);
     ASSERT_EQ(back.layers.size(), layers.size());
     for (const Layer& layer : layers) {
@@ -72,7 +72,7 @@ TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
     std::vector<std::uint8_t> longer = whole;
     longer[static_cast<std::size_t>(at - whole.begin()) + name.size()] = 40;
     EXPECT_THROW(check_exr(longer, "a.exr", {}), InputError);
-    // Lists of texts, and small pictures, say sizes of their own.
+    // Lists of texts, and small images, say sizes of their own.
     for (const char* type : {"stringvector", "preview", "chlist"}) {
         std::vector<std::uint8_t> more(whole.begin(), whole.begin() + 8);
         for (const char* text : {"own", type}) {
@@ -110,10 +110,10 @@ TEST(Exr, OneLayerOrOneChannelCanBeRead)
     const std::vector<Layer> layers = some_layers({37, 21});
     write_exr(scratch / "a.exr", {37, 21}, layers);
     const auto bytes = bytes_of(scratch / "a.exr");
-    const ExrPicture depth = decode_exr(bytes, "a.exr", "depth");
+    const ExrImage depth = decode_exr(bytes, "a.exr", "depth");
     ASSERT_EQ(depth.layers.size(), 1u);
     EXPECT_EQ(depth.layers[0].data, layers[1].data);
-    const ExrPicture one = decode_exr(bytes, "a.exr", "shadow.L3");
+    const ExrImage one = decode_exr(bytes, "a.exr", "shadow.L3");
     ASSERT_EQ(one.layers.size(), 1u);
     ASSERT_EQ(one.layers[0].channels, std::vector<std::string>{"L3"});
     EXPECT_EQ(one.layers[0].data[5], layers[3].data[5 * 12 + 3]);
@@ -132,7 +132,7 @@ TEST(Exr, WholeFilesAreTold)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     EXPECT_FALSE(is_whole_exr(scratch / "b.exr", {37, 21}));
     EXPECT_FALSE(is_whole_exr(scratch / "none.exr", {37, 21}));
-    // Frames of films may be larger than what is read.
+    // Frames of videos may be larger than what is read.
     const Size wide{FloatImageLimits{}.max_side + 1, 1};
     const Layer line{"", {"Y"}, std::vector<float>(static_cast<std::size_t>(wide.width))};
     write_exr(scratch / "wide.exr", wide, std::span(&line, 1));
@@ -151,7 +151,7 @@ TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
     ASSERT_EQ(room_in_exr(size), shadow.channels.size());
     write_exr(scratch / "a.exr", size, std::span(&shadow, 1));
     EXPECT_TRUE(is_whole_exr(scratch / "a.exr", size));
-    const ExrPicture back = decode_exr(bytes_of(scratch / "a.exr"), "a.exr");
+    const ExrImage back = decode_exr(bytes_of(scratch / "a.exr"), "a.exr");
     ASSERT_EQ(back.layers.size(), 1u);
     EXPECT_EQ(back.layers[0].channels, shadow.channels);
     EXPECT_EQ(back.layers[0].data, shadow.data);
@@ -163,7 +163,7 @@ TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
     EXPECT_FALSE(std::filesystem::exists(scratch / "b.exr"));
 }
 
-TEST(Exr, AWidePictureHasRoomForLess)
+TEST(Exr, AWideImageHasRoomForLess)
 {
     // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, and does not read it.
     EXPECT_EQ(room_in_exr({2047, 1}), 16384u);

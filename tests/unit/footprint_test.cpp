@@ -113,7 +113,7 @@ TEST(Footprint, StepsAreDifferencesOfCoordinates)
 TEST(Footprint, MakesOneSampleStandForItsPixel)
 {
     const gnomon::Scene scene = test::floor_to_the_horizon();
-    const auto picture = [&](int samples) {
+    const auto image = [&](int samples) {
         return Renderer({.size = {160, 120},
                          .samples = samples,
                          .shadow_culling = ShadowCulling::off,
@@ -122,7 +122,7 @@ TEST(Footprint, MakesOneSampleStandForItsPixel)
             .layers[0]
             .data;
     };
-    const std::vector<float> one = picture(1), many = picture(256);
+    const std::vector<float> one = image(1), many = image(256);
     // From just below the horizon to the nearest squares, which are some pixels wide.
     double square = 0, mean = 0;
     std::size_t count = 0;

@@ -46,7 +46,7 @@ Scene clouds(std::uint64_t seed, const glm::dvec3& there)
     return scene;
 }
 
-// How much of the picture's half width and half height (4:3) the vertices reach at a time; behind the eye: infinite.
+// How much of the image's half width and half height (4:3) the vertices reach at a time; behind the eye: infinite.
 glm::dvec2 reach(const Scene& scene, const FramingOptions& options, const glm::dvec3& eye, double time)
 {
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), options.back));
@@ -72,7 +72,7 @@ FramingOptions from_the_right()
     return options;
 }
 
-TEST(Framing, EverythingIsInThePictureAtEveryTimeAndFillsIt)
+TEST(Framing, EverythingIsInTheImageAtEveryTimeAndFillsIt)
 {
     const FramingOptions options = from_the_right();
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {

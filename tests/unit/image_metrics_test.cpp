@@ -47,7 +47,7 @@ TEST(Metrics, OffsetsInClosedForm)
     EXPECT_DOUBLE_EQ(pixels_different(a, b), 1.0 / 600);
 }
 
-TEST(Metrics, EqualPictures)
+TEST(Metrics, EqualImages)
 {
     Tasks tasks(1);
     const ImageF a = noise(1);
@@ -67,8 +67,8 @@ TEST(Metrics, WhatIsNoNumberDiffersFromANumber)
     EXPECT_TRUE(std::isfinite(mean_squared_error(a, b)));
 }
 
-// Even pictures have no variance: only the luminance term is left [Wang et al. 2004, eq. 6].
-TEST(Ssim, EvenPicturesInClosedForm)
+// Even images have no variance: only the luminance term is left [Wang et al. 2004, eq. 6].
+TEST(Ssim, EvenImagesInClosedForm)
 {
     Tasks tasks(1);
     const double c1 = 1e-4, expected = (2 * 0.25 * 0.75 + c1) / (0.25 * 0.25 + 0.75 * 0.75 + c1);
@@ -76,7 +76,7 @@ TEST(Ssim, EvenPicturesInClosedForm)
     EXPECT_NEAR(ssim(even(1, 0.25f), even(1, 0.75f), 1, tasks), expected, 1e-9);
 }
 
-// A negative has the covariance of the picture with its sign turned, so structure is negative where means agree.
+// A negative has the covariance of the image with its sign turned, so structure is negative where means agree.
 TEST(Ssim, ANegativeIsUnlike)
 {
     Tasks tasks(1);
@@ -102,7 +102,7 @@ TEST(Ssim, IsSymmetricAndFallsWithNoise)
     }
 }
 
-// The definition without separable sums, for one pixel size of picture: a single window.
+// The definition without separable sums, for one pixel size of image: a single window.
 TEST(Ssim, OneWindowByDefinition)
 {
     Tasks tasks(1);
@@ -129,7 +129,7 @@ TEST(Ssim, OneWindowByDefinition)
     EXPECT_NEAR(ssim(a, b, 1, tasks), expected, 1e-12);
 }
 
-TEST(Ssim, TakesPicturesSmallerThanAWindow)
+TEST(Ssim, TakesImagesSmallerThanAWindow)
 {
     Tasks tasks(1);
     ImageF a(3, 1, 3), b(3, 1, 3);
@@ -138,7 +138,7 @@ TEST(Ssim, TakesPicturesSmallerThanAWindow)
     EXPECT_NEAR(ssim(a, b, 1, tasks), (2 * 0.25 * 0.75 + 1e-4) / (0.25 * 0.25 + 0.75 * 0.75 + 1e-4), 1e-9);
 }
 
-TEST(Compare, EncodedAndLinearPictures)
+TEST(Compare, EncodedAndLinearImages)
 {
     const test::ScratchFolder scratch;
     Image8 gray(16, 16, 3), other = gray;

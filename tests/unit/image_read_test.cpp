@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures from files and memory: what they mean, and what is refused.
+// Images from files and memory: what they mean, and what is refused.
 #include "io/image/image_file.h"
 
 #include <sys/stat.h>

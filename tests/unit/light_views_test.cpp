@@ -152,14 +152,15 @@ TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
     }
 }
 
-std::shared_ptr<const scene::Scene> still_life(int still, int movers)
+std::shared_ptr<const scene::Scene> still_life(int still, int dynamic_objects)
 {
     scene::Scene scene = test::scene_with_balls();
-    for (int i = 0; i < still; ++i) {   // a carpet of balls, as dense everywhere, the first ones under the movers
+    for (int i = 0; i < still;
+         ++i) {   // a carpet of balls, as dense everywhere, the first ones under the dynamic objects
         const int x = i % 10 + 10 * (i / 100 % 32), z = i / 10 % 10 + 10 * (i / 3200);
         test::add_object(scene, 0, scene::none, glm::scale(test::translation(0.1 * x, 0, 0.1 * z), glm::dvec3(0.05)));
     }
-    for (int i = 0; i < movers; ++i) {
+    for (int i = 0; i < dynamic_objects; ++i) {
         const scene::NodeId node = test::add_object(scene, 0);
         const glm::dmat4 size = glm::scale(glm::dmat4(1), glm::dvec3(0.05));
         const glm::dmat4 a = test::translation(0.1 * i, 0.3, 0.4) * size,
@@ -232,8 +233,8 @@ TEST(LightViews, ManyLightsKeepTheirPlaces)
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 5; ++column)
             test::add_object(scene, 0, scene::none, test::translation(3 * column, 0, 3 * row));
-    const scene::NodeId mover = test::add_object(scene, 0);
-    scene.nodes[mover].transform = std::make_shared<test::SwayTrack>(glm::dvec3(5, 2, 5), 1);
+    const scene::NodeId dynamic_object = test::add_object(scene, 0);
+    scene.nodes[dynamic_object].transform = std::make_shared<test::SwayTrack>(glm::dvec3(5, 2, 5), 1);
     for (int i = 0; i < 100; ++i) {
         const int column = i % 10, row = i / 10;
         scene::Light light;
@@ -256,7 +257,7 @@ TEST(LightViews, ManyLightsKeepTheirPlaces)
             EXPECT_EQ(views.views()[v].tile.rect(), places[v]);
             EXPECT_NE(views.views()[v].plan.kind, ViewPlan::Kind::whole);   // no view is ever made anew
         }
-        // The mover, where it is seen; in the first frame it leaves the static buffer.
+        // The dynamic object, where it is seen; in the first frame it leaves the static buffer.
         if (frame > 1) {
             EXPECT_LE(views.counts().draws, views.views().size());
         }

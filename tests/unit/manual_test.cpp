@@ -34,13 +34,13 @@ TEST(Manual, EveryOptionIsWhereAPersonLooks)
 // What shows options takes their order from the table.
 TEST(Manual, OptionsOfOneGroupStandTogether)
 {
-    for (const options::VerbInfo& verb : options::verbs()) {
+    for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         std::vector<std::string_view> groups;
         for (const options::Option& option : options::options())
-            if ((option.verbs & bit(verb.verb)) && (groups.empty() || groups.back() != option.group))
+            if ((option.subcommands & bit(subcommand.subcommand)) && (groups.empty() || groups.back() != option.group))
                 groups.push_back(option.group);
         const std::set<std::string_view> different(groups.begin(), groups.end());
-        EXPECT_EQ(groups.size(), different.size()) << verb.name;
+        EXPECT_EQ(groups.size(), different.size()) << subcommand.name;
     }
 }
 

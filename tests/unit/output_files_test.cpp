@@ -45,13 +45,13 @@ Image8 noise(int width, int height, int channels)
 
 TEST(OutputKind, FollowsExtensionAndPattern)
 {
-    EXPECT_EQ(io::output_kind("a/b.png"), OutputKind::picture);
-    EXPECT_EQ(io::output_kind("b.PNG"), OutputKind::picture);
+    EXPECT_EQ(io::output_kind("a/b.png"), OutputKind::image);
+    EXPECT_EQ(io::output_kind("b.PNG"), OutputKind::image);
     EXPECT_EQ(io::output_kind("a{frame}.png"), OutputKind::numbered);
     EXPECT_EQ(io::output_kind("{frame:04}.png"), OutputKind::numbered);
-    EXPECT_EQ(io::output_kind("{frame}/still.png"), OutputKind::picture);   // folders are not patterns
-    EXPECT_EQ(io::output_kind("b.mp4"), OutputKind::film);
-    EXPECT_EQ(io::output_kind("b.Exr"), OutputKind::picture);
+    EXPECT_EQ(io::output_kind("{frame}/still.png"), OutputKind::image);   // folders are not patterns
+    EXPECT_EQ(io::output_kind("b.mp4"), OutputKind::video);
+    EXPECT_EQ(io::output_kind("b.Exr"), OutputKind::image);
     EXPECT_EQ(io::output_kind("{frame}.exr"), OutputKind::numbered);
     EXPECT_TRUE(io::is_exr_name("b.EXR"));
     EXPECT_FALSE(io::is_exr_name("exr.png"));
@@ -93,17 +93,17 @@ TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
 }
 
 // Two runs at once would take each other's frames for theirs, or away.
-TEST(FramesFolder, IsOneFilms)
+TEST(FramesFolder, IsOneVideos)
 {
     const test::ScratchFolder folder;
-    const video::FilmIdentity film{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
+    const video::VideoIdentity video{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
     {
         video::FramesFolder one(folder / "a.mp4");
-        one.open(film, false, false);
+        one.open(video, false, false);
         std::ofstream(one.file(1)) << "a frame";
         for (const bool keep : {false, true}) {
             video::FramesFolder two(folder / "a.mp4");
-            EXPECT_THROW(two.open(keep ? film : other, keep, false), MissingError);
+            EXPECT_THROW(two.open(keep ? video : other, keep, false), MissingError);
         }
         EXPECT_EQ(bytes_of(one.file(1)), "a frame");
         one.remove();
@@ -112,12 +112,12 @@ TEST(FramesFolder, IsOneFilms)
         next.open(other, false, false);   // of another folder by that name
     }
 
-    // Chunks work side by side, of one film: also before there is a first frame.
+    // Chunks work side by side, of one video: also before there is a first frame.
     video::FramesFolder first(folder / "b.mp4"), second(folder / "b.mp4"), third(folder / "b.mp4");
-    first.open(film, false, true);
-    second.open(film, false, true);
+    first.open(video, false, true);
+    second.open(video, false, true);
     EXPECT_THROW(third.open(other, false, true), UsageError);
-    EXPECT_THROW(third.open(film, true, false), MissingError) << "a film takes its frames away when it is done";
+    EXPECT_THROW(third.open(video, true, false), MissingError) << "a video takes its frames away when it is done";
 }
 
 TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
@@ -227,8 +227,8 @@ TEST(WritePng, ReadsBackTheSame)
     }
 }
 
-// Two pictures of one grey: whatever the sheet makes of them, their middle keeps its brightness.
-TEST(ContactSheet, MakesPicturesSmallerInLinearLight)
+// Two images of one grey: whatever the sheet makes of them, their middle keeps its brightness.
+TEST(ContactSheet, MakesImagesSmallerInLinearLight)
 {
     test::ScratchFolder folder;
     Image8 stripes(2000, 40, 3);   // black and white columns: half the light, not half the code

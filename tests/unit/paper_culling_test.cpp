@@ -25,7 +25,7 @@ scene::Mesh triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
 }
 
 // Five objects of one triangle each, so that primitive and object have one number, and two lamps.
-enum : PrimitiveId { wide, small, beside, mover, other, primitive_count };
+enum : PrimitiveId { wide, small, beside, dynamic_object, other, primitive_count };
 
 std::shared_ptr<const scene::Scene> five_triangles()
 {
@@ -38,7 +38,8 @@ std::shared_ptr<const scene::Scene> five_triangles()
         triangle({-5, -5, 2}, {-3, -5, 2}, {-5, -3, 2}),      // moves
         triangle({-900, 0, 0}, {-902, 0, 0}, {-900, 2, 0}),   // far off, on the other side
     };
-    for (scene::MeshId m = 0; m < primitive_count; ++m) scene.nodes[test::add_object(scene, m)].animated = m == mover;
+    for (scene::MeshId m = 0; m < primitive_count; ++m)
+        scene.nodes[test::add_object(scene, m)].animated = m == dynamic_object;
     for (int l = 0; l < 2; ++l) {
         scene.lights.emplace_back();
         scene.lights.back().node = scene.add_node("light", scene::none, test::translation(0.5 + l, 0.5, 50));
@@ -86,13 +87,13 @@ class PaperCullingTest : public testing::Test {
     void see(std::initializer_list<std::pair<PrimitiveId, std::size_t>> shown)
     {
         constexpr std::size_t width = 200;
-        std::vector<PrimaryHit> picture(3 * width);
+        std::vector<PrimaryHit> image(3 * width);
         std::size_t x = 2;
         for (const auto& [primitive, pixels] : shown) {
-            for (std::size_t i = 0; i < pixels; ++i) picture[width + x++] = pixel(primitive);
+            for (std::size_t i = 0; i < pixels; ++i) image[width + x++] = pixel(primitive);
             x += 2;
         }
-        culling_.see_picture(picture, width);
+        culling_.see_image(image, width);
     }
     ShadowDecision decide(PrimitiveId primitive, int light = 0) { return culling_.decide(primitive, light, notes_[0]); }
     void note(PrimitiveId primitive, StaticPart part, int light = 0, bool dynamic = false)
@@ -105,7 +106,7 @@ class PaperCullingTest : public testing::Test {
 
 TEST_F(PaperCullingTest, WhatMovesIsDynamicEvenAtTheEdge)
 {
-    const std::vector<PrimaryHit> row = {pixel(mover), pixel(mover), pixel(mover)};
+    const std::vector<PrimaryHit> row = {pixel(dynamic_object), pixel(dynamic_object), pixel(dynamic_object)};
     EXPECT_EQ(test_occlusion(row, {}, true, triangles_, modes_).extra_tests, 0u);
     expect_modes({k_init, k_init, k_init, k_dynamic, k_init});
 }
@@ -232,13 +233,13 @@ TEST(PaperSetModes, Table3)
 {
     using enum ShadowMode;
     const SetModesOptions ours;
-    EXPECT_EQ(shadow_bits(StaticPart::blocked, false, ours), full_shadow);
-    EXPECT_EQ(shadow_bits(StaticPart::blocked, true, ours), full_shadow);
+    EXPECT_EQ(shadow_bits(StaticPart::occluded, false, ours), full_shadow);
+    EXPECT_EQ(shadow_bits(StaticPart::occluded, true, ours), full_shadow);
     EXPECT_EQ(shadow_bits(StaticPart::free, false, ours), non_shadow);
     EXPECT_EQ(shadow_bits(StaticPart::free, true, ours), non_shadow);
     EXPECT_EQ(shadow_bits(StaticPart::unknown, true, ours), init);
     const SetModesOptions printed{.remember_dynamic_blockers = true};
-    EXPECT_EQ(shadow_bits(StaticPart::blocked, false, printed), full_shadow);
+    EXPECT_EQ(shadow_bits(StaticPart::occluded, false, printed), full_shadow);
     EXPECT_EQ(shadow_bits(StaticPart::free, false, printed), non_shadow);
     EXPECT_EQ(shadow_bits(StaticPart::free, true, printed), full_shadow);
     EXPECT_EQ(shadow_bits(StaticPart::unknown, true, printed), full_shadow);
@@ -307,7 +308,7 @@ TEST_F(PaperCullingTest, WhatOneFrameLearnsTheNextUses)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
-    note(wide, StaticPart::blocked, 0);
+    note(wide, StaticPart::occluded, 0);
     note(wide, StaticPart::free, 1);
     see({{wide, 10}});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal) << "within the frame nothing changes";
@@ -327,7 +328,7 @@ TEST_F(PaperCullingTest, PartlyOccludedIsNotForEver)
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::free);
     const std::vector<PrimaryHit> edge(1, pixel(wide));
-    culling_.see_picture(edge, 1);
+    culling_.see_image(edge, 1);
     culling_.end_frame(notes_);
     EXPECT_EQ(culling_.modes().occlusion(wide), k_partial);
     culling_.begin_frame(state_, rays_, PaperChanges{});
@@ -356,7 +357,7 @@ TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::non_shadow) << "the shadow bits stay";
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
-    note(wide, StaticPart::blocked);   // a shadow that was too small to be seen
+    note(wide, StaticPart::occluded);   // a shadow that was too small to be seen
     see({{wide, 161}});
     culling_.end_frame(notes_);
     EXPECT_EQ(culling_.modes().occlusion(wide), k_whole);
@@ -366,7 +367,7 @@ TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
 TEST_F(PaperCullingTest, HitsInMirrorsTeachShadowsButNotWhetherAllWasSeen)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
-    note(small, StaticPart::blocked);
+    note(small, StaticPart::occluded);
     see({{wide, 10}});
     culling_.end_frame(notes_);
     EXPECT_EQ(culling_.modes().shadow(small, 0), ShadowMode::full_shadow);
@@ -377,8 +378,8 @@ TEST_F(PaperCullingTest, HitsInMirrorsTeachShadowsButNotWhetherAllWasSeen)
 TEST_F(PaperCullingTest, AMovedLightForgetsItsModesAlone)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
-    note(wide, StaticPart::blocked, 0);
-    note(wide, StaticPart::blocked, 1);
+    note(wide, StaticPart::occluded, 0);
+    note(wide, StaticPart::occluded, 1);
     see({{wide, 10}});
     culling_.end_frame(notes_);
     const scene::LightId moved[] = {1};
@@ -391,7 +392,7 @@ TEST_F(PaperCullingTest, AnObjectThatStartsOrStopsForgetsWhatItMayShadow)
 {
     const auto learn = [&] {
         culling_.begin_frame(state_, rays_, PaperChanges{});
-        for (const PrimitiveId p : {wide, small, beside, other}) note(p, StaticPart::blocked);
+        for (const PrimitiveId p : {wide, small, beside, other}) note(p, StaticPart::occluded);
         see({{wide, 10}, {small, 4}, {beside, 4}, {other, 4}});
         culling_.end_frame(notes_);
     };
@@ -435,9 +436,9 @@ TEST_F(PaperCullingTest, NotesOfManyThreadsMergeToTheSame)
         culling.begin_frame(state_, rays_, PaperChanges{});
         tasks.for_each(20000, [&](std::size_t i, int worker) {
             const auto p = static_cast<PrimitiveId>(i % primitive_count);
-            const bool blocked = p == wide ? i % 3 == 0 : p == small;
+            const bool occluded = p == wide ? i % 3 == 0 : p == small;
             culling.decide(p, static_cast<int>(i % 2), notes[static_cast<std::size_t>(worker)]);
-            culling.note(p, static_cast<int>(i % 2), blocked ? StaticPart::blocked : StaticPart::free, false,
+            culling.note(p, static_cast<int>(i % 2), occluded ? StaticPart::occluded : StaticPart::free, false,
                          notes[static_cast<std::size_t>(worker)]);
         });
         culling.end_frame(notes);

@@ -114,7 +114,7 @@ TEST(PointKernels, ACutBringsTheLightOfAllLeaves)
     EXPECT_LT(below / sum, 0.002) << "lost: the place that is asked for a node lies below the horizon";
 }
 
-TEST(PointKernels, FindsWhatMoversMayChange)
+TEST(PointKernels, FindsWhatDynamicObjectsMayChange)
 {
     const World world;
     ASSERT_TRUE(world.tree.any_differs()) << "the ball stands in the light";
@@ -125,7 +125,7 @@ TEST(PointKernels, FindsWhatMoversMayChange)
         const glm::vec3 origin(number(), number(), number());
         const auto count = static_cast<std::uint32_t>(random() % 100);
         const std::vector<SeenNode> seen = world.some(count, static_cast<unsigned>(round));
-        MovingSpheres movers;
+        MovingSpheres dynamic_objects;
         std::vector<Sphere> each;
         for (std::uint32_t group = 0; group < 3; ++group) {
             std::vector<Sphere> together;
@@ -133,10 +133,10 @@ TEST(PointKernels, FindsWhatMoversMayChange)
             for (int m = 0; m < 4; ++m)
                 together.push_back({middle + 0.1f * glm::vec3(number(), number(), number()), 0.05f});
             each.insert(each.end(), together.begin(), together.end());
-            movers.add(std::move(together));
+            dynamic_objects.add(std::move(together));
         }
         std::vector<ChangedNode> changed;
-        find_changed(world.tree, seen.data(), count, origin, movers, changed);
+        find_changed(world.tree, seen.data(), count, origin, dynamic_objects, changed);
         std::size_t next = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
             const NodeId node = seen_node(seen[k]);
@@ -165,7 +165,7 @@ TEST(PointKernels, FindsWhatMoversMayChange)
     EXPECT_LT(found, asked);
 }
 
-TEST(MoverEmitters, LightComesOffTheBallAndFollowsIt)
+TEST(DynamicEmitters, LightComesOffTheBallAndFollowsIt)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     scene::SceneState state(scene, scene->timeline.time_of(1));
@@ -174,11 +174,11 @@ TEST(MoverEmitters, LightComesOffTheBallAndFollowsIt)
     EmitterTree tree(state, rays, {}, tasks);
     const auto middle = [&] {
         glm::vec3 sum(0);
-        for (const MoverEmitter& emitter : tree.movers()) sum += emitter.position;
-        return sum / static_cast<float>(tree.movers().size());
+        for (const DynamicEmitter& emitter : tree.dynamic_objects()) sum += emitter.position;
+        return sum / static_cast<float>(tree.dynamic_objects().size());
     };
-    ASSERT_FALSE(tree.movers().empty());
-    for (const MoverEmitter& emitter : tree.movers()) {
+    ASSERT_FALSE(tree.dynamic_objects().empty());
+    for (const DynamicEmitter& emitter : tree.dynamic_objects()) {
         EXPECT_GT(emitter.flux.z, emitter.flux.x) << "a blue ball";
         EXPECT_NEAR(glm::length(emitter.normal), 1, 1e-4f);
         EXPECT_LT(emitter.area, 0.2f) << "half of its surface at most";

@@ -29,9 +29,9 @@ TEST(PublicInterface, WhatWasMovedFrom)
     EXPECT_THROW(renderer.options(), UsageError);
     EXPECT_THROW(renderer.device(), UsageError);
     const test::ScratchFolder folder;
-    FilmJob job;
+    VideoJob job;
     job.out = folder / "a.png";
-    EXPECT_THROW(render_film(taken, renderer, job), UsageError);
+    EXPECT_THROW(render_video(taken, renderer, job), UsageError);
     renderer = std::move(other);
     EXPECT_NO_THROW(renderer.render(taken, 1));
     // NOLINTEND(bugprone-use-after-move, performance-move-const-arg)
@@ -54,11 +54,11 @@ TEST(PublicInterface, NumbersThatAreNone)
     Renderer renderer(small());
     const Scene scene = load("builtin:cornell");
     for (const double fps : {nan, inf, 0.0, -1.0, 1e-4, 1e7}) {
-        FilmJob job;
+        VideoJob job;
         job.out = folder / "a.mp4";
         job.fps = fps;
         int frames = 0;
-        EXPECT_THROW(render_film(scene, renderer, job, {}, [&](const FrameRecord&) { ++frames; }), UsageError) << fps;
+        EXPECT_THROW(render_video(scene, renderer, job, {}, [&](const FrameRecord&) { ++frames; }), UsageError) << fps;
         EXPECT_EQ(frames, 0);
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
@@ -76,12 +76,12 @@ TEST(PublicInterface, OptionsThatExcludeEachOther)
 TEST(PublicInterface, ThreadsOfAComparison)
 {
     const test::ScratchFolder folder;
-    const auto picture = folder / "a.png";
-    Renderer(small()).render(load("builtin:cornell"), 1).write(picture);
+    const auto image = folder / "a.png";
+    Renderer(small()).render(load("builtin:cornell"), 1).write(image);
     CompareOptions options;
     for (const int threads : {-1, 1025, std::numeric_limits<int>::max()}) {
         options.threads = threads;
-        EXPECT_THROW(compare(picture, picture, options), UsageError) << threads;
+        EXPECT_THROW(compare(image, image, options), UsageError) << threads;
     }
 }
 

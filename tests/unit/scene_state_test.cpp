@@ -61,8 +61,8 @@ TEST(SceneState, ListsWhatStartsMovesAndStops)
 {
     Scene scene = scene_with_triangle_mesh();
     add_object(scene);   // object 0, still
-    const NodeId mover = add_object(scene);
-    scene.nodes[mover].transform = std::make_shared<Slide>(1, 2);
+    const NodeId dynamic_object = add_object(scene);
+    scene.nodes[dynamic_object].transform = std::make_shared<Slide>(1, 2);
     scene.finish();
     SceneState state(std::make_shared<Scene>(scene), 0);
 
@@ -166,7 +166,7 @@ TEST(SceneState, MovesByHandAndGivesBack)
     EXPECT_EQ(state.object_matrix(0)[3].y, 0.0f);
 }
 
-// 10 movers among `count` objects: what one step touches.
+// 10 dynamic objects among `count` objects: what one step touches.
 std::uint64_t touched_with(int count)
 {
     Scene scene = scene_with_triangle_mesh();
@@ -247,10 +247,10 @@ TEST(SceneState, ManyObjectsOnOneSkinOfManyJoints)
     scene.meshes[0].skin.emplace();
     scene.meshes[0].skin->joints[0].assign(3, glm::u16vec4(0));
     scene.meshes[0].skin->weights[0].assign(3, glm::vec4(1, 0, 0, 0));
-    const NodeId mover = scene.add_node("mover", none);
-    scene.nodes[mover].transform = std::make_shared<Slide>(1, 2);
+    const NodeId dynamic_object = scene.add_node("dynamic object", none);
+    scene.nodes[dynamic_object].transform = std::make_shared<Slide>(1, 2);
     Skin skin;
-    for (int i = 0; i < many; ++i) skin.joints.push_back(scene.add_node("joint", mover));
+    for (int i = 0; i < many; ++i) skin.joints.push_back(scene.add_node("joint", dynamic_object));
     skin.inverse_bind.assign(many, glm::dmat4(1));
     scene.skins.push_back(skin);
     for (int i = 0; i < many; ++i) scene.nodes[add_object(scene)].skin = 0;

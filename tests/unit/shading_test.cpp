@@ -155,7 +155,7 @@ glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
     return s.normal;
 }
 
-TEST(Shading, NormalMapsTurnWithTheirPictureAndAreReversedBehind)
+TEST(Shading, NormalMapsTurnWithTheirImageAndAreReversedBehind)
 {
     const float half_turn = static_cast<float>(k_pi);
     const glm::vec3 leans = mapped_normal(0, false, true);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of shadow states: where panels lie, which colours they have, what a renderer hands out.
+// The image of shadow states: where panels lie, which colours they have, what a renderer hands out.
 #include <gtest/gtest.h>
 
 #include "frame/state_overlay.h"
@@ -67,7 +67,7 @@ TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
                 const Image8 image = frame::paint_states(map, titles, paper);
                 const Size whole = frame::overlay_size(size, static_cast<std::size_t>(lights), paper);
                 EXPECT_EQ((Size{image.width, image.height}), whole);
-                EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "films want even sizes";
+                EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "videos want even sizes";
                 for (std::size_t p = 0; p < map.lights.size(); ++p) {
                     const frame::PanelPlace at = frame::panel_place(size, map.lights.size(), p);
                     ASSERT_LE(at.left + size.width, image.width);
@@ -93,12 +93,12 @@ TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
         options.layers = true;
         Renderer renderer(options);
         renderer.render(scene, 1);
-        const Picture picture = renderer.render(scene, 2);
-        EXPECT_EQ(picture.size, picture_size(scene, options));
-        EXPECT_EQ(picture.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
-        EXPECT_EQ(picture.layers.size(), 1u);
+        const Frame image = renderer.render(scene, 2);
+        EXPECT_EQ(image.size, image_size(scene, options));
+        EXPECT_EQ(image.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
+        EXPECT_EQ(image.layers.size(), 1u);
         // Colours come out as they were painted.
-        const std::vector<std::uint8_t> bytes = picture.to_srgb8();
+        const std::vector<std::uint8_t> bytes = image.to_srgb8();
         const Rgb8 legend = frame::state_color(StateMark::none);
         const auto found = std::search(bytes.begin(), bytes.end(), legend.begin(), legend.end());
         EXPECT_NE(found, bytes.end());
@@ -119,7 +119,7 @@ TEST(StateOverlay, RefusesWhatCannotBeShown)
     EXPECT_THROW(Renderer{options}.render(scene, 1), UsageError);
     options.overlay_light.reset();
     options.size = {16000, 15000};
-    EXPECT_THROW(picture_size(scene, options), UsageError);
+    EXPECT_THROW(image_size(scene, options), UsageError);
 }
 
 }   // namespace

@@ -83,7 +83,7 @@ TEST(Texels, DepthsAreComparedWithWhatLiesOver)
     for (std::size_t i = 3; i < 4999; ++i) {
         const std::uint32_t texel = points.texel[i];
         const float depth = points.depth[i];
-        const MaskAnswer expected = depth > over.ends[over.full(texel)]                  ? MaskAnswer::blocked
+        const MaskAnswer expected = depth > over.ends[over.full(texel)]                  ? MaskAnswer::occluded
                                     : depth < over.begins[over.first(texel)]             ? MaskAnswer::free
                                     : moving[i] && depth < over.begins[over.next(texel)] ? MaskAnswer::maybe_self
                                                                                          : MaskAnswer::unknown;
@@ -95,7 +95,7 @@ TEST(Texels, DepthsAreComparedWithWhatLiesOver)
     EXPECT_EQ(answer[2], MaskAnswer::not_drawn);
     EXPECT_EQ(answer[4999], MaskAnswer::not_drawn);
     for (const std::size_t beyond : {2u, 4999u}) EXPECT_EQ(clear[beyond], 7);
-    for (const MaskAnswer a : {MaskAnswer::blocked, MaskAnswer::free, MaskAnswer::unknown, MaskAnswer::maybe_self})
+    for (const MaskAnswer a : {MaskAnswer::occluded, MaskAnswer::free, MaskAnswer::unknown, MaskAnswer::maybe_self})
         EXPECT_GT(counted[static_cast<int>(a)], 50u);
     EXPECT_GT(cleared, 50u);
 }

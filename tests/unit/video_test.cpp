@@ -41,11 +41,11 @@ std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
     return frames;
 }
 
-// What `ffprobe` says about a film.
-std::string probe(const fs::path& film, const std::string& entries)
+// What `ffprobe` says about a video.
+std::string probe(const fs::path& video, const std::string& entries)
 {
     video::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=" + entries, "-of",
-                            "default=noprint_wrappers=1:nokey=1", film.string()});
+                            "default=noprint_wrappers=1:nokey=1", video.string()});
     EXPECT_EQ(ffprobe.wait(), 0) << ffprobe.errors();
     return ffprobe.output();
 }
@@ -59,7 +59,7 @@ class ScopedPath {
     std::string before_;
 };
 
-void expect_no_film(const test::ScratchFolder& folder)
+void expect_no_video(const test::ScratchFolder& folder)
 {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
         EXPECT_EQ(entry.path().extension(), ".png") << entry.path();
@@ -70,16 +70,16 @@ TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
     if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
     const std::vector<fs::path> frames = make_frames(folder, 9);
-    video::encode_video(frames, 39.95, folder / "-a film.mp4", {});
+    video::encode_video(frames, 39.95, folder / "-a video.mp4", {});
     video::encode_video(frames, 39.95, folder / "b.mp4", {});
-    EXPECT_EQ(bytes_of(folder / "-a film.mp4"), bytes_of(folder / "b.mp4"));
+    EXPECT_EQ(bytes_of(folder / "-a video.mp4"), bytes_of(folder / "b.mp4"));
     EXPECT_EQ(probe(folder / "b.mp4", "width,height,pix_fmt,r_frame_rate,nb_read_frames"),
               "64\n48\nyuv420p\n799/20\n9\n");
-    const std::string film = bytes_of(folder / "b.mp4");
-    EXPECT_LT(film.find("moov"), film.find("mdat")) << "the index comes first, so that players can start at once";
+    const std::string video = bytes_of(folder / "b.mp4");
+    EXPECT_LT(video.find("moov"), video.find("mdat")) << "the index comes first, so that players can start at once";
 }
 
-TEST(Video, OneFrameIsAFilmToo)
+TEST(Video, OneFrameIsAVideoToo)
 {
     if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
@@ -94,7 +94,7 @@ TEST(Video, WithoutFfmpegSaysSo)
     const ScopedPath path(folder.path().string());
     EXPECT_FALSE(video::have_ffmpeg());
     EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", {}), MissingError);
-    expect_no_film(folder);
+    expect_no_video(folder);
 }
 
 // Stands in for ffmpeg with a script of one line.
@@ -118,7 +118,7 @@ std::string failure_with(const std::string& line)
     } catch (const MissingError& error) {
         message = error.what();
     }
-    expect_no_film(folder);
+    expect_no_video(folder);
     return message;
 }
 
@@ -140,7 +140,7 @@ TEST(Video, CanBeInterrupted)
     int asked = 0;
     EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
                  InterruptedError);
-    expect_no_film(folder);
+    expect_no_video(folder);
     // Before the rendering, too.
     asked = 0;
     EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);

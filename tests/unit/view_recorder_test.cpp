@@ -31,15 +31,15 @@ struct RecorderTest : testing::Test {
     const test::ScopedVariable place{"TMPDIR", temporary.path().string()};
 };
 
-TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoFilmComesOfThem)
+TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoVideoComesOfThem)
 {
     {
         Recorder recorder;
-        for (const int pictures : {2, 0, 1}) {
+        for (const int images : {2, 0, 1}) {
             ASSERT_EQ(recorder.start(24), "");
-            for (int i = 0; i < pictures; ++i) EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
+            for (int i = 0; i < images; ++i) EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
             EXPECT_FALSE(fs::is_empty(temporary.path()));
-            EXPECT_EQ(recorder.stop().empty(), pictures == 0);
+            EXPECT_EQ(recorder.stop().empty(), images == 0);
         }
         EXPECT_THROW(recorder.finish(), MissingError);
         EXPECT_TRUE(fs::is_empty(temporary.path()));
@@ -49,7 +49,7 @@ TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoFilmComesOfThem)
     EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
-TEST_F(RecorderTest, AFilmsPicturesAreOfOneSize)
+TEST_F(RecorderTest, AVideosImagesAreOfOneSize)
 {
     Recorder recorder;
     ASSERT_EQ(recorder.start(24), "");
@@ -58,7 +58,7 @@ TEST_F(RecorderTest, AFilmsPicturesAreOfOneSize)
     EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
 }
 
-// Memory would fill with pictures that come faster than they are written.
+// Memory would fill with images that come faster than they are written.
 TEST_F(RecorderTest, SaysWhenItIsBehind)
 {
     Recorder recorder;
@@ -68,10 +68,10 @@ TEST_F(RecorderTest, SaysWhenItIsBehind)
     Image8 noise(800, 400, 3);
     std::minstd_rand random(1);
     for (std::uint8_t& byte : noise.data) byte = static_cast<std::uint8_t>(random() >> 8);
-    int pictures = 0;
-    for (; pictures < 100 && !recorder.behind(); ++pictures) recorder.add(noise);
-    EXPECT_LT(pictures, 100);
-    EXPECT_GT(pictures, 3);
+    int images = 0;
+    for (; images < 100 && !recorder.behind(); ++images) recorder.add(noise);
+    EXPECT_LT(images, 100);
+    EXPECT_GT(images, 3);
     recorder.finish();
     EXPECT_FALSE(recorder.behind());
 }

@@ -36,14 +36,14 @@ void load(ViewSession& session, double fps = 0, const std::string& what = "built
     ASSERT_EQ(session.load_state().error, "");
 }
 
-// The last picture of a request, once it gets no better.
-std::shared_ptr<const ViewPicture> finished(ViewSession& session, const ViewRequest& request)
+// The last image of a request, once it gets no better.
+std::shared_ptr<const ViewImage> finished(ViewSession& session, const ViewRequest& request)
 {
-    const auto before = session.picture(0);
+    const auto before = session.image(0);
     session.ask(request);
     EXPECT_TRUE(comes([&] { return !session.busy() && !session.refining(); })) << "rendered again and again";
     EXPECT_EQ(session.load_state().error, "");
-    return session.picture(before ? before->number : 0);
+    return session.image(before ? before->number : 0);
 }
 
 ViewRequest at(double time)
@@ -55,7 +55,7 @@ ViewRequest at(double time)
 }
 
 // By hand, where it is now and a little higher.
-HandMoved lifted(scene::NodeId node)
+HandMoved promoted(scene::NodeId node)
 {
     return {node, true, glm::vec3(0, 0.3f, 0)};
 }
@@ -69,7 +69,7 @@ scene::NodeId node_called(const Scene& scene, const std::string& name)
     return 0;
 }
 
-bool same(const std::shared_ptr<const ViewPicture>& a, const std::shared_ptr<const ViewPicture>& b)
+bool same(const std::shared_ptr<const ViewImage>& a, const std::shared_ptr<const ViewImage>& b)
 {
     return a && b && a->image.data == b->image.data;
 }
@@ -82,9 +82,9 @@ TEST(ViewSession, AHandOnWhatTheSceneDoesNotHaveHoldsNothing)
     ViewRequest request = at(0);
     request.scene = session.scene();
     const auto nodes = static_cast<scene::NodeId>(session.scene()->inside()->nodes.size());
-    request.hands = {lifted(nodes), lifted(nodes + 100)};
+    request.hands = {promoted(nodes), promoted(nodes + 100)};
     for (int i = 0; i < 2; ++i) EXPECT_TRUE(same(finished(session, request), plain));
-    request.hands.push_back(lifted(node_called(*session.scene(), "ball")));
+    request.hands.push_back(promoted(node_called(*session.scene(), "ball")));
     EXPECT_FALSE(same(finished(session, request), plain));
 }
 
@@ -113,7 +113,7 @@ TEST(ViewSession, AHandOnWhatIsSqueezedToNothingHoldsItStill)
     const auto with_hand = [&](ViewSession& s, double time) {
         ViewRequest request = at(time);
         request.scene = s.scene();
-        request.hands = {lifted(node_called(*s.scene(), "triangle"))};
+        request.hands = {promoted(node_called(*s.scene(), "triangle"))};
         return finished(s, request);
     };
     ASSERT_TRUE(with_hand(session, 0));
@@ -129,7 +129,7 @@ TEST(ViewSession, HandsPicksAndCamerasOfAnotherSceneAreNotThisOnes)
     load(session);
     ViewRequest request = at(0);
     request.scene = session.scene();
-    request.hands = {lifted(node_called(*session.scene(), "ball"))};
+    request.hands = {promoted(node_called(*session.scene(), "ball"))};
     request.pick = {24, 18};
     const auto before = finished(session, request);
     ASSERT_TRUE(before && before->picked);
@@ -160,7 +160,7 @@ TEST(ViewSession, TheOverlayDoesNotWaitForBouncedLight)
     ViewSession session(1, k_few_rays);
     load(session);
     session.ask(at(0));
-    ASSERT_TRUE(comes([&] { return session.picture(0) != nullptr; }));
+    ASSERT_TRUE(comes([&] { return session.image(0) != nullptr; }));
     ViewRequest overlay = at(0);
     overlay.options.overlay = Overlay::shadow_states;
     const auto shown = finished(session, overlay);
@@ -200,21 +200,21 @@ TEST(ViewSession, ARequestOvertakesTheRefiningOfTheOneBefore)
     ViewRequest first = at(0);
     first.scene = session.scene();
     first.pick = {80, 60};
-    first.size = {160, 120};   // hundreds of pictures
+    first.size = {160, 120};   // hundreds of images
     session.ask(first);
     ASSERT_TRUE(comes([&] { return session.refining(); }));
     EXPECT_FALSE(session.busy());
     ViewRequest second = at(0.8);
     second.whole = true;
     const std::uint64_t wanted = session.ask(second);
-    const std::uint64_t shown = session.picture(0)->number;
-    std::shared_ptr<const ViewPicture> next;
+    const std::uint64_t shown = session.image(0)->number;
+    std::shared_ptr<const ViewImage> next;
     ASSERT_TRUE(comes([&] {
-        next = session.picture(shown - 1);
+        next = session.image(shown - 1);
         return next->request == wanted;
     }));
     EXPECT_LE(next->number, shown + 2) << "only the one under way comes before it";
-    EXPECT_TRUE(next->picked) << "the answer came with a picture that nobody may have taken";
+    EXPECT_TRUE(next->picked) << "the answer came with an image that nobody may have taken";
 }
 
 TEST(ViewSession, AWholeFrameIsTheRefinedOneAtOnce)
@@ -256,9 +256,9 @@ TEST(ViewSession, TheDeviceGathersBouncedLightWhereThatIsAskedFor)
     request.options.renderer = RenderMethod::raster;
     for (const IndirectOn on : {IndirectOn::vulkan, IndirectOn::cpu}) {
         request.options.indirect_on = on;
-        const auto picture = finished(session, request);
-        ASSERT_TRUE(picture);
-        EXPECT_EQ(picture->counters.indirect.gathered_by_vulkan, on == IndirectOn::vulkan);
+        const auto image = finished(session, request);
+        ASSERT_TRUE(image);
+        EXPECT_EQ(image->counters.indirect.gathered_by_vulkan, on == IndirectOn::vulkan);
     }
 }
 #endif

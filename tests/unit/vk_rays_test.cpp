@@ -136,8 +136,8 @@ struct Stage {
 };
 
 // The same grid, by hand: whether a function of the place holds. Places on the diagonal belong to either triangle.
-template <class Inside>
-void expect_grid(const std::string& answers, const Inside& inside)
+template <class Impl>
+void expect_grid(const std::string& answers, const Impl& inside)
 {
     ASSERT_EQ(answers.size(), k_side * k_side);
     for (std::uint32_t y = 0; y < k_side; ++y)

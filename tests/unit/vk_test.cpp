@@ -333,7 +333,7 @@ TEST_F(Vulkan, FaultTooLittleMemory)
                     "taking 64 MiB for buffer 'big' failed: out of device memory"));
     EXPECT_TRUE(
         has(thrown<MissingError>([&] { vk::Image(device_, {.name = "picture", .usage = VK_IMAGE_USAGE_SAMPLED_BIT}); }),
-            "image 'picture'"));
+            "image 'image'"));
 }
 
 // Where a driver gives whatever it is asked for, and is killed for it.

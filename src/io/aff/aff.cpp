@@ -158,7 +158,7 @@ scene::TextureId Reader::texture(AffTokens& tokens, const AffToken& name)
     const auto bytes = read_whole_file(path, shown_as, options_.max_texture_bytes - texture_bytes_);
     texture_bytes_ += bytes.size();
     if (bytes.size() < 2 || bytes[0] != 'P' || bytes[1] != '6')
-        throw InputError(shown_as, "", "not a binary PPM picture");
+        throw InputError(shown_as, "", "not a binary PPM image");
     place->second = builder_.add_texture(utf8_from_latin1(name.text), decode_image(bytes, shown_as));
     return place->second;
 }

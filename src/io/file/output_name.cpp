@@ -61,11 +61,11 @@ OutputKind output_kind(const fs::path& out)
 {
     const std::string extension = extension_of(out);
     const bool numbered = find_pattern(out).has_value();
-    if (extension == ".png" || extension == ".exr") return numbered ? OutputKind::numbered : OutputKind::picture;
+    if (extension == ".png" || extension == ".exr") return numbered ? OutputKind::numbered : OutputKind::image;
     if (extension != ".mp4")
         throw UsageError(fmt::format("{}: cannot write '{}'; write .png, .exr or .mp4", out.string(), extension));
-    if (numbered) throw UsageError(fmt::format("{}: a film is one file; leave out {{frame}}", out.string()));
-    return OutputKind::film;
+    if (numbered) throw UsageError(fmt::format("{}: a video is one file; leave out {{frame}}", out.string()));
+    return OutputKind::video;
 }
 
 bool is_exr_name(const fs::path& out)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Names of pictures, numbered sets and films.
+// Names of images, numbered sets and videos.
 
 #include <filesystem>
 
 namespace gnomon::io {
 
-enum class OutputKind { picture, numbered, film };
+enum class OutputKind { image, numbered, video };
 
 /// What a name asks for: by its extension, and whether it holds {frame} or {frame:0N}.
 /// @throws UsageError for an extension we do not write, or a pattern that makes no sense

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // From a checked document to a scene: meshes, materials with their textures, nodes with what hangs on them, animations.
-// Only what the default scene reaches is built. What is built of geometry and pictures is bounded by the bytes that the
+// Only what the default scene reaches is built. What is built of geometry and images is bounded by the bytes that the
 // file has (see Limits): an accessor or an image may be used often, and zeros need no bytes at all.
 
 #include <map>
@@ -24,14 +24,14 @@ class Materials {
     void check_unused();
 
  private:
-    struct Picture {
+    struct DecodedImage {
         bool read = false;
         Image8 image;
     };
     scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
-    const Image8& picture(Index image);
+    const Image8& decoded_image(Index image);
 
     const Model& model_;
     Data& data_;
@@ -42,7 +42,7 @@ class Materials {
     scene::MaterialId default_ = scene::none;
     std::map<std::string, Index> by_source_;   // the first image of a file or a place in a buffer
     std::vector<Index> first_;                 // by image, once asked for
-    std::map<Index, Picture> pictures_;        // by first image, as textures are
+    std::map<Index, DecodedImage> images_;     // by first image, as textures are
     std::map<std::tuple<Index, int, int, int, int, bool, bool>, scene::TextureId> textures_;
 };
 

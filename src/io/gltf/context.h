@@ -27,7 +27,7 @@ struct Limits {
     std::uint64_t geometry_bytes_per_byte = 64;
     // Instances of meshes cost a few bytes of the file each; what all of them draw that others have drawn already.
     std::uint64_t repeated_triangles = 1ull << 27;
-    // Pictures likewise, in pixels: a byte of deflated data stands for at most 1032 bytes.
+    // Images likewise, in pixels: a byte of deflated data stands for at most 1032 bytes.
     std::uint64_t pixels = 4ull << 20;
     std::uint64_t pixels_per_byte = 1032;
     std::size_t warnings = 24;

@@ -12,26 +12,26 @@ namespace gnomon::io::gltf {
 
 namespace {
 
-enum class PictureFormat : std::uint8_t { png, jpeg, other };
+enum class ImageFormat : std::uint8_t { png, jpeg, other };
 
-PictureFormat format_of(std::span<const std::uint8_t> bytes)
+ImageFormat format_of(std::span<const std::uint8_t> bytes)
 {
     constexpr std::uint8_t png[] = {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
     constexpr std::uint8_t jpeg[] = {0xff, 0xd8, 0xff};
     const auto begins = [&](std::span<const std::uint8_t> magic) {
         return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
     };
-    return begins(png) ? PictureFormat::png : begins(jpeg) ? PictureFormat::jpeg : PictureFormat::other;
+    return begins(png) ? ImageFormat::png : begins(jpeg) ? ImageFormat::jpeg : ImageFormat::other;
 }
 
-constexpr int k_most_looked_at = 1000;   // chunks or markers of a picture that nobody uses
+constexpr int k_most_looked_at = 1000;   // chunks or markers of an image that nobody uses
 
-// What is wrong with a picture up to where its pixels begin; empty: nothing.
+// What is wrong with an image up to where its pixels begin; empty: nothing.
 std::string header_fault(std::span<const std::uint8_t> b)
 {
     const auto u16 = [&](std::size_t i) { return static_cast<std::size_t>(b[i]) << 8 | b[i + 1]; };
-    const char* ends = "the picture ends within its header";
-    if (format_of(b) == PictureFormat::png) {
+    const char* ends = "the image ends within its header";
+    if (format_of(b) == ImageFormat::png) {
         int chunks = 0;
         for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_most_looked_at;) {
             const std::size_t length = u16(i) << 16 | u16(i + 2);
@@ -44,7 +44,7 @@ std::string header_fault(std::span<const std::uint8_t> b)
         }
         return chunks > k_most_looked_at ? "" : ends;
     }
-    if (format_of(b) == PictureFormat::jpeg) {
+    if (format_of(b) == ImageFormat::jpeg) {
         int markers = 0;
         for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_most_looked_at;) {
             if (b[i] != 0xff) return "the JPEG's markers are broken";
@@ -140,21 +140,21 @@ std::vector<std::uint8_t> Materials::bytes_of(Index index)
     return {bytes.begin(), bytes.end()};
 }
 
-const Image8& Materials::picture(Index index)
+const Image8& Materials::decoded_image(Index index)
 {
     index = first_of(index);
-    Picture& picture = pictures_[index];
-    if (picture.read) return picture.image;
-    picture.read = true;
+    DecodedImage& image = images_[index];
+    if (image.read) return image.image;
+    image.read = true;
     const std::string here = at("/images", index);
     const std::vector<std::uint8_t> bytes = bytes_of(index);
     if (bytes.empty()) {
         context_.warn(here, "has no data: its textures are left out");
-        return picture.image;
+        return image.image;
     }
-    if (format_of(bytes) == PictureFormat::other) {
+    if (format_of(bytes) == ImageFormat::other) {
         context_.warn(here, "is neither PNG nor JPEG: its textures are left out");
-        return picture.image;
+        return image.image;
     }
     // What the data can stand for bounds what is decoded; that of buffers counts already.
     if (model_.images[index].uri) {
@@ -168,24 +168,24 @@ const Image8& Materials::picture(Index index)
     limits.stored_values = true;   // [glTF 2.0, 3.8.3]: what PNG says of colour spaces is to be ignored
     limits.max_pixels = std::min(limits.max_pixels, pixels_left_);
     try {
-        picture.image = decode_image(bytes, here, limits);
+        image.image = decode_image(bytes, here, limits);
     } catch (const InputError& error) {
         context_.fail(here, error.problem());
     }
-    return picture.image;
+    return image.image;
 }
 
 void Materials::check_unused()
 {
     for (Index i = 0; i < model_.images.size(); ++i) {
         if (first_of(i) != i) continue;
-        if (const auto known = pictures_.find(i); known != pictures_.end() && known->second.read) continue;
+        if (const auto known = images_.find(i); known != images_.end() && known->second.read) continue;
         const Image& image = model_.images[i];
         const std::string fault = !image.uri && image.view != k_absent ? header_fault(data_.view_bytes(image.view))
                                                                        : header_fault(bytes_of(i));
         if (!fault.empty()) context_.fail(at("/images", i), fault);
     }
-    pictures_.clear();
+    images_.clear();
 }
 
 scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer)
@@ -203,7 +203,7 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
                       fmt::format("uses texture coordinates {}: only 0 and 1 are supported; left out", info.texcoord));
         return result;
     }
-    const Image8& image = picture(texture.source);
+    const Image8& image = decoded_image(texture.source);
     if (image.empty()) return result;
 
     const scene::Sampler sampler =

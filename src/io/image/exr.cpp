@@ -159,21 +159,21 @@ void write_exr(const std::filesystem::path& file, Size size, std::span<const Lay
     out.commit();
 }
 
-ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
-                      const std::optional<std::string>& only, const FloatImageLimits& limits)
+ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
+                    const std::optional<std::string>& only, const FloatImageLimits& limits)
 {
     const ExrHeader header = check_exr(bytes, name, limits);
-    ExrPicture picture{header.size, layers_of(header.channels, only)};
+    ExrImage image{header.size, layers_of(header.channels, only)};
     const std::size_t pixels =
         static_cast<std::size_t>(header.size.width) * static_cast<std::size_t>(header.size.height);
 
     // Take memory for the layers that are wanted.
     std::size_t values = 0;
-    for (const Layer& layer : picture.layers) values += layer.channels.size() * pixels;
+    for (const Layer& layer : image.layers) values += layer.channels.size() * pixels;
     if (values > limits.max_values) throw InputError(name, "", fmt::format("{} values are more than allowed", values));
-    if (picture.layers.empty()) return picture;
+    if (image.layers.empty()) return image;
     Imf::FrameBuffer frame;
-    for (Layer& layer : picture.layers) {
+    for (Layer& layer : image.layers) {
         const std::size_t count = layer.channels.size();
         layer.data.assign(count * pixels, 0.0f);
         for (std::size_t c = 0; c < count; ++c) {
@@ -201,7 +201,7 @@ ExrPicture decode_exr(std::span<const std::uint8_t> bytes, const std::string& na
         std::replace(what.begin(), what.end(), '\n', ' ');
         throw InputError(name, "", "OpenEXR: " + what);
     }
-    return picture;
+    return image;
 }
 
 bool is_whole_exr(const std::filesystem::path& file, Size size)
@@ -212,7 +212,7 @@ bool is_whole_exr(const std::filesystem::path& file, Size size)
     own.max_pixels = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
     own.max_file_bytes = std::numeric_limits<std::uint64_t>::max();
     try {
-        return check_exr(read_picture_bytes(file, own), file.string(), own).size == size;
+        return check_exr(read_image_bytes(file, own), file.string(), own).size == size;
     } catch (const InputError&) {
         return false;
     }

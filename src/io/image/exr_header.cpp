@@ -261,7 +261,7 @@ ExrHeader check_exr(std::span<const std::uint8_t> bytes, const std::string& name
     // Version and flags.
     const std::uint32_t version = file.word();
     if ((version & k_version_mask) != k_version) file.fail(fmt::format("version {}", version & k_version_mask));
-    if (version & (k_deep | k_multipart)) file.fail("deep or multi-part; only flat single pictures are supported");
+    if (version & (k_deep | k_multipart)) file.fail("deep or multi-part; only flat single images are supported");
     if (version & ~(k_version_mask | k_tiled | k_long_names)) file.fail("unknown flags");
     found.tiled = (version & k_tiled) != 0;
 

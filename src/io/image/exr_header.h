@@ -5,7 +5,7 @@
 //
 // What a header claims decides how much memory a reader takes, so it is held against limits and against the bytes that
 // are there: every attribute, every entry of the chunk table and every chunk must lie inside the file. Flat single-part
-// pictures alone: scan lines, or tiles of one level; lossless compression and PXR24.
+// images alone: scan lines, or tiles of one level; lossless compression and PXR24.
 
 #include <cstdint>
 #include <span>

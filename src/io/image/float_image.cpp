@@ -15,11 +15,11 @@ namespace gnomon::io {
 namespace fs = std::filesystem;
 
 namespace {
-// The picture itself of an OpenEXR file: R G B, or one channel of grey.
-ImageF color_of(const ExrPicture& picture, const std::string& name)
+// The image itself of an OpenEXR file: R G B, or one channel of grey.
+ImageF color_of(const ExrImage& file, const std::string& name)
 {
-    if (picture.layers.empty()) throw InputError(name, "", "no channels R G B or Y");
-    const Layer& layer = picture.layers.front();
+    if (file.layers.empty()) throw InputError(name, "", "no channels R G B or Y");
+    const Layer& layer = file.layers.front();
     const auto find = [&](const char* channel) {
         const auto at = std::find(layer.channels.begin(), layer.channels.end(), channel);
         return at == layer.channels.end() ? -1 : static_cast<int>(at - layer.channels.begin());
@@ -27,7 +27,7 @@ ImageF color_of(const ExrPicture& picture, const std::string& name)
     int from[3] = {find("R"), find("G"), find("B")};
     if (from[0] < 0 && from[1] < 0 && from[2] < 0) from[0] = from[1] = from[2] = find("Y");
     if (from[0] < 0 || from[1] < 0 || from[2] < 0) throw InputError(name, "", "no channels R G B or Y");
-    ImageF image(picture.size.width, picture.size.height, 3);
+    ImageF image(file.size.width, file.size.height, 3);
     const std::size_t pixels = image.data.size() / 3, step = layer.channels.size();
     for (std::size_t i = 0; i < pixels; ++i)
         for (std::size_t c = 0; c < 3; ++c)
@@ -47,25 +47,25 @@ ImageF color_of(const Image8& encoded)
 }
 }   // namespace
 
-PictureFormat picture_format(std::span<const std::uint8_t> bytes)
+ImageFormat image_format(std::span<const std::uint8_t> bytes)
 {
-    if (is_exr(bytes)) return PictureFormat::exr;
-    return is_hdr(bytes) ? PictureFormat::hdr : PictureFormat::other;
+    if (is_exr(bytes)) return ImageFormat::exr;
+    return is_hdr(bytes) ? ImageFormat::hdr : ImageFormat::other;
 }
 
-std::vector<std::uint8_t> read_picture_bytes(const fs::path& file, const FloatImageLimits& limits)
+std::vector<std::uint8_t> read_image_bytes(const fs::path& file, const FloatImageLimits& limits)
 {
     return read_whole_file(file, file.string(), limits.max_file_bytes);
 }
 
 ImageF decode_float_image(std::span<const std::uint8_t> bytes, const std::string& name, const FloatImageLimits& limits)
 {
-    switch (picture_format(bytes)) {
-        case PictureFormat::exr:
+    switch (image_format(bytes)) {
+        case ImageFormat::exr:
             return color_of(decode_exr(bytes, name, "", limits), name);
-        case PictureFormat::hdr:
+        case ImageFormat::hdr:
             return decode_hdr(bytes, name, limits);
-        case PictureFormat::other:
+        case ImageFormat::other:
             break;
     }
     ImageLimits ldr;
@@ -76,7 +76,7 @@ ImageF decode_float_image(std::span<const std::uint8_t> bytes, const std::string
 
 ImageF read_float_image(const fs::path& file, const FloatImageLimits& limits)
 {
-    return decode_float_image(read_picture_bytes(file, limits), file.string(), limits);
+    return decode_float_image(read_image_bytes(file, limits), file.string(), limits);
 }
 
 }   // namespace gnomon::io

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Pictures as linear light: OpenEXR and Radiance HDR as they are, PNG, JPEG and PPM decoded from sRGB.
+// Images as linear light: OpenEXR and Radiance HDR as they are, PNG, JPEG and PPM decoded from sRGB.
 
 #include <cstdint>
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace gnomon::io {
 
-/// Channels of one OpenEXR file, written or read: a picture has one a light. OpenEXR keeps about a kilobyte of each.
+/// Channels of one OpenEXR file, written or read: an image has one a light. OpenEXR keeps about a kilobyte of each.
 constexpr int k_max_exr_channels = 16384;
 
 struct FloatImageLimits {
@@ -24,14 +24,14 @@ struct FloatImageLimits {
     std::uint64_t max_values_per_byte = 1 << 12;   // no compression we read packs more into one byte of the file
 };
 
-enum class PictureFormat { exr, hdr, other };
+enum class ImageFormat { exr, hdr, other };
 
 /// By content, not by name.
-PictureFormat picture_format(std::span<const std::uint8_t> bytes);
+ImageFormat image_format(std::span<const std::uint8_t> bytes);
 
 /// The bytes of an ordinary file; never opens a pipe or a device for reading.
 /// @throws InputError
-std::vector<std::uint8_t> read_picture_bytes(const std::filesystem::path& file, const FloatImageLimits& limits = {});
+std::vector<std::uint8_t> read_image_bytes(const std::filesystem::path& file, const FloatImageLimits& limits = {});
 
 /// Linear RGB. Grey becomes three equal channels; alpha is left out.
 /// @throws InputError

@@ -68,7 +68,7 @@ class Decoder {
     // Variables until an empty line.
     void read_header()
     {
-        if (!is_hdr(bytes_)) fail("no Radiance picture");
+        if (!is_hdr(bytes_)) fail("no Radiance image");
         line();
         for (int count = 0;; ++count) {
             if (count == k_most_lines) fail("the header has no end");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Radiance pictures (.hdr, RGBE) [Ward 1991, "Real Pixels", Graphics Gems II; Radiance reference, "picture file
+// Radiance images (.hdr, RGBE) [Ward 1991, "Real Pixels", Graphics Gems II; Radiance reference, "image file
 // format"].
 //
 // Both run-length schemes and plain pixels; rows from the top, columns from the left (-Y h +X w), as every tool writes
@@ -14,7 +14,7 @@
 
 namespace gnomon::io {
 
-/// Whether the bytes begin as a Radiance picture does.
+/// Whether the bytes begin as a Radiance image does.
 bool is_hdr(std::span<const std::uint8_t> bytes);
 
 /// Linear RGB.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Pictures from and to files. Reading checks the header against limits before it allocates; writing goes to a temporary
+// Images from and to files. Reading checks the header against limits before it allocates; writing goes to a temporary
 // name in the same folder and renames, so a file is whole or not there.
 
 #include <cstdint>

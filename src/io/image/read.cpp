@@ -21,9 +21,9 @@ namespace {
 void check_size(std::uint64_t width, std::uint64_t height, const std::string& name, const ImageLimits& limits)
 {
     const auto side = static_cast<std::uint64_t>(limits.max_side);
-    if (width == 0 || height == 0) throw InputError(name, "", "picture without pixels");
+    if (width == 0 || height == 0) throw InputError(name, "", "image without pixels");
     if (width > side || height > side || width * height > limits.max_pixels)
-        throw InputError(name, "", fmt::format("picture of {} x {} pixels is larger than allowed", width, height));
+        throw InputError(name, "", fmt::format("image of {} x {} pixels is larger than allowed", width, height));
 }
 
 // --- PNG, by libpng's simplified reader: it never calls longjmp across our frames.
@@ -34,7 +34,7 @@ struct PngChunks {
 };
 
 // libpng takes the memory that a chunk claims before it looks for the bytes. And it unpacks every text, which can be
-// packed a thousandfold, one after the other; none is part of the picture.
+// packed a thousandfold, one after the other; none is part of the image.
 PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name, bool stored_values)
 {
     constexpr std::size_t k_magic = 8, k_head = 8, k_checksum = 4;   // head: length, type
@@ -108,7 +108,7 @@ Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, 
 
 // --- JPEG
 
-// A progressive picture may be refined for ever, with a few bytes each time that go through all its pixels. Encoders
+// A progressive image may be refined for ever, with a few bytes each time that go through all its pixels. Encoders
 // write about ten scans.
 constexpr int k_most_scans = 100;
 
@@ -297,7 +297,7 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
     if (starts_with(bytes, {0x89, 'P', 'N', 'G'})) return decode_png(bytes, name, limits);
     if (starts_with(bytes, {0xff, 0xd8, 0xff})) return decode_jpeg(bytes, name, limits);
     if (starts_with(bytes, {'P', '6'}) || starts_with(bytes, {'P', '5'})) return decode_pnm(bytes, name, limits);
-    throw InputError(name, "", "not a picture that is read here (PNG, JPEG, binary PPM)");
+    throw InputError(name, "", "not an image that is read here (PNG, JPEG, binary PPM)");
 }
 
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits)

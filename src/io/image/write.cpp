@@ -19,7 +19,7 @@
 namespace gnomon::io {
 
 namespace {
-// Fixed, so that the bytes depend on the pixels alone. On rendered pictures, this level with this filter takes a third
+// Fixed, so that the bytes depend on the pixels alone. On rendered images, this level with this filter takes a third
 // of the time of libpng's defaults, for files of the same size.
 constexpr int k_compression_level = 3;
 constexpr int k_filter = PNG_FILTER_UP;

@@ -89,12 +89,12 @@ void ObjText::skip_blanks()
 std::string_view ObjText::next_statement()
 {
     // Leave the statement, over the lines that it continues on.
-    while (inside_ && !ends_line(at_)) {
+    while (impl_ && !ends_line(at_)) {
         const std::size_t length = continuation(at_);
         at_ += std::max<std::size_t>(length, 1);
         if (length) ++line_, line_begin_ = at_;
     }
-    inside_ = true;
+    impl_ = true;
 
     // Pass empty lines and comments; a comment does not continue.
     while (true) {

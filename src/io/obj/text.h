@@ -56,7 +56,7 @@ class ObjText {
     const char* line_begin_;
     std::uint32_t line_ = 1, word_line_ = 1;
     std::size_t word_column_ = 1;
-    bool inside_ = false;   // a statement
+    bool impl_ = false;   // a statement
 };
 
 /// For messages: printable ASCII kept, the rest shown as '?', cut after 60 characters.

@@ -61,14 +61,14 @@ std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, Made& m
     return std::nullopt;
 }
 
-// A channel of the pixel that stands where (x, y) of a picture of another size is.
+// A channel of the pixel that stands where (x, y) of an image of another size is.
 const std::uint8_t* nearest(const Image8& image, int x, int y, const Image8& like)
 {
     return image.pixel(static_cast<int>(static_cast<std::int64_t>(x) * image.width / like.width),
                        static_cast<int>(static_cast<std::int64_t>(y) * image.height / like.height));
 }
 
-// Opacity, 0 to 255: the channel that -imfchan names, else alpha if the picture has some, else its brightness.
+// Opacity, 0 to 255: the channel that -imfchan names, else alpha if the image has some, else its brightness.
 std::uint8_t opacity(const std::uint8_t* p, int channels, const MtlMap& map)
 {
     const bool has_alpha = channels == 2 || channels == 4;
@@ -130,7 +130,7 @@ bool is_grey(const Image8& image)
     return true;
 }
 
-// The normals of a height field: x to the right, y up the picture, z out of it.
+// The normals of a height field: x to the right, y up the image, z out of it.
 Image8 normals_from_heights(const Image8& heights, float bump)
 {
     const int w = heights.width, h = heights.height;

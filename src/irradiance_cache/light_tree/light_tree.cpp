@@ -100,7 +100,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
         while ((1 << view.levels) < side) ++view.levels;
         view.first = end;
         end = first_of_level(view, view.levels + 1);
-        view.blocked.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
+        view.occluded.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
     }
     quads_.resize(end / 4);
     GNOMON_CHECK(end <= k_most_nodes);
@@ -115,7 +115,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(views_[v]); });
     find_roots();
     mark_changes();
-    gather_movers();
+    gather_dynamic();
 }
 
 void EmitterTree::find_dynamics()
@@ -123,7 +123,7 @@ void EmitterTree::find_dynamics()
     dynamics_.clear();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
         if (rays_->moves(o) && casters_.casts(o)) dynamics_.push_back(o);
-    lifted_ = rays_->lifted();
+    promoted_ = rays_->promoted();
 }
 
 void EmitterTree::find_roots()
@@ -191,9 +191,9 @@ void EmitterTree::make_view(View& view)
         still_.set(id, glm::vec3(0));
         view.dirty.push_back(id);
     }
-    std::fill(view.blocked.begin(), view.blocked.end(), 0);
+    std::fill(view.occluded.begin(), view.occluded.end(), 0);
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
-    view.movers.clear();
+    view.dynamic_objects.clear();
     if (!view.on) return;
     const auto projections = light_views::project(light, at, bounds_, view.side, light_views::k_projection);
     view.projection = projections[static_cast<std::size_t>(view.face)];
@@ -269,8 +269,8 @@ void EmitterTree::make_view(View& view)
         quad.radius[lane] = node.radius, quad.area[lane] = node.area, quad.flux[lane] = node.flux;
         samples_.places[id] = glm::vec4(node.sample, samples_.places[id].w);   // see mark_changes()
     }
-    find_movers(view);
-    block_leaves(view, view.movers);
+    find_dynamic(view);
+    block_leaves(view, view.dynamic_objects);
 }
 
 // Four children in one fixed order.
@@ -281,13 +281,13 @@ void EmitterTree::sum_children(Flux& flux, NodeId id) const
     flux.set(id, sum);
 }
 
-void EmitterTree::find_movers(View& view) const
+void EmitterTree::find_dynamic(View& view) const
 {
-    view.movers.clear();
+    view.dynamic_objects.clear();
     if (!view.on) return;
     for (const scene::ObjectId o : dynamics_) {
         const light_views::Rect rect = casters_.footprint(view.projection, *state_, o);
-        if (!rect.empty()) view.movers.push_back(rect);
+        if (!rect.empty()) view.dynamic_objects.push_back(rect);
     }
 }
 
@@ -316,15 +316,15 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
         else
             queue.push(from, 0, -at.direction, k_infinity);
     }
-    std::vector<std::uint8_t> blocked(asked.size() + ray::k_packet_pad);
-    rays_->blocked(queue, 0, asked.size(), blocked.data(), ray::Against::dynamic_only);
+    std::vector<std::uint8_t> occluded(asked.size() + ray::k_packet_pad);
+    rays_->occluded(queue, 0, asked.size(), occluded.data(), ray::Against::dynamic_only);
 
     std::vector<std::uint32_t> dirty;
     for (std::size_t k = 0; k < asked.size(); ++k) {
         const std::uint32_t i = asked[k];
-        if (view.blocked[i] == blocked[k]) continue;
-        view.blocked[i] = blocked[k];
-        flux_.set(leaves + i, blocked[k] ? glm::vec3(0) : still_.at(leaves + i));
+        if (view.occluded[i] == occluded[k]) continue;
+        view.occluded[i] = occluded[k];
+        flux_.set(leaves + i, occluded[k] ? glm::vec3(0) : still_.at(leaves + i));
         dirty.push_back(i);
         view.dirty.push_back(leaves + i);
     }
@@ -358,9 +358,9 @@ void EmitterTree::mark_changes()
 
 // What the lights shine on that moves, anew for every frame in which anything does: by owner and by the octant in which
 // it faces.
-void EmitterTree::gather_movers()
+void EmitterTree::gather_dynamic()
 {
-    movers_.clear();
+    dynamic_.clear();
     struct Lit {
         glm::vec3 position, sample;
         std::size_t of;
@@ -373,15 +373,15 @@ void EmitterTree::gather_movers()
     std::vector<double> measure;
     std::vector<std::uint32_t> asked;
     for (const View& view : views_) {
-        // Their texels; of large movers not every one.
+        // Their texels; of large dynamic objects not every one.
         std::size_t area = 0;
-        for (const light_views::Rect& rect : view.movers)
+        for (const light_views::Rect& rect : view.dynamic_objects)
             area += static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
         int step = 1;
-        while (area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) > options_.mover_rays)
+        while (area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) > options_.dynamic_rays)
             step *= 2;
         asked.clear();
-        for (const light_views::Rect& rect : view.movers)
+        for (const light_views::Rect& rect : view.dynamic_objects)
             for (int y = rect.y0 / step * step; y < rect.y1; y += step)
                 for (int x = rect.x0 / step * step; x < rect.x1; x += step) asked.push_back(morton(x, y));
         std::sort(asked.begin(), asked.end());
@@ -405,9 +405,9 @@ void EmitterTree::gather_movers()
                 (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
             const std::uint32_t owner = owner_of(leaf.object);
             const auto [at, first] =
-                found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, movers_.size());
-            if (first) movers_.push_back({.owner = owner});
-            MoverEmitter& emitter = movers_[at->second];
+                found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, dynamic_.size());
+            if (first) dynamic_.push_back({.owner = owner});
+            DynamicEmitter& emitter = dynamic_[at->second];
             const float flux = luminance(leaf.flux);
             emitter.flux += leaf.flux;
             emitter.area += leaf.area;
@@ -416,33 +416,33 @@ void EmitterTree::gather_movers()
             lit.push_back({leaf.position, leaf.sample, at->second});
         }
     }
-    std::vector<float> nearest(movers_.size(), k_infinity);
-    for (MoverEmitter& emitter : movers_) {
+    std::vector<float> nearest(dynamic_.size(), k_infinity);
+    for (DynamicEmitter& emitter : dynamic_) {
         const float flux = luminance(emitter.flux), length = glm::length(emitter.normal);
         if (flux > 0) emitter.position /= flux;
         if (length > 0) emitter.normal /= length;
     }
     for (const Lit& leaf : lit) {
-        const float distance = glm::length(leaf.position - movers_[leaf.of].position);
-        if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, movers_[leaf.of].sample = leaf.sample;
+        const float distance = glm::length(leaf.position - dynamic_[leaf.of].position);
+        if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, dynamic_[leaf.of].sample = leaf.sample;
     }
     // The brightest, in the order in which they were met.
-    if (movers_.size() > options_.mover_emitters) {
+    if (dynamic_.size() > options_.dynamic_emitters) {
         std::vector<float> flux;
-        for (const MoverEmitter& emitter : movers_) flux.push_back(luminance(emitter.flux));
-        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.mover_emitters), flux.end(),
-                         std::greater<>());
-        const float least = flux[options_.mover_emitters];
-        std::erase_if(movers_, [&](const MoverEmitter& emitter) { return !(luminance(emitter.flux) > least); });
+        for (const DynamicEmitter& emitter : dynamic_) flux.push_back(luminance(emitter.flux));
+        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_emitters),
+                         flux.end(), std::greater<>());
+        const float least = flux[options_.dynamic_emitters];
+        std::erase_if(dynamic_, [&](const DynamicEmitter& emitter) { return !(luminance(emitter.flux) > least); });
     }
-    std::erase_if(movers_, [](const MoverEmitter& emitter) { return emitter.flux == glm::vec3(0); });
+    std::erase_if(dynamic_, [](const DynamicEmitter& emitter) { return emitter.flux == glm::vec3(0); });
 }
 
 std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
 {
     const scene::GroupId group = state_->scene().objects[object].group;
     constexpr std::uint32_t k_alone = 1u << 31;   // apart from all groups, and from k_no_owner
-    return group == scene::none || rays_->stands_alone(object) ? object | k_alone : group;
+    return group == scene::none || rays_->has_own_instance(object) ? object | k_alone : group;
 }
 
 void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
@@ -453,12 +453,13 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     changed_.clear();
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
-    const bool lifted = rays.lifted() != lifted_;
-    geometry_changed_ = lifted || !changes.lights_moved.empty();
-    if (lifted) find_dynamics();
+    const bool promoted = rays.promoted() != promoted_;
+    geometry_changed_ = promoted || !changes.lights_moved.empty();
+    if (promoted) find_dynamics();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
-            if (lifted || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
+            if (promoted ||
+                std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
                 make_view(views_[v]);
         });
         find_roots();
@@ -467,19 +468,19 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     const bool still =
         changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
     if (still && !geometry_changed_) return;
-    if (!still && !lifted) follow_movers(changes);
+    if (!still && !promoted) follow_dynamic(changes);
     mark_changes();
-    gather_movers();
+    gather_dynamic();
 }
 
-void EmitterTree::follow_movers(const scene::FrameChanges& changes)
+void EmitterTree::follow_dynamic(const scene::FrameChanges& changes)
 {
     for (View& view : views_) {
         if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
             continue;
-        std::vector<light_views::Rect> where = view.movers;
-        find_movers(view);
-        where.insert(where.end(), view.movers.begin(), view.movers.end());
+        std::vector<light_views::Rect> where = view.dynamic_objects;
+        find_dynamic(view);
+        where.insert(where.end(), view.dynamic_objects.begin(), view.dynamic_objects.end());
         const std::uint64_t before = dirty_leaves_;
         block_leaves(view, where);
         if (dirty_leaves_ != before) ++flux_version_;

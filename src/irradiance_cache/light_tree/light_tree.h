@@ -28,8 +28,8 @@ struct EmitterOptions {
     std::size_t views = 6144;        // at most, six for a lamp that shines all around; the weakest lights are left out
     float least_cosine = 0.05f;      // surfaces at a more grazing angle stand for no larger area
     float ray_end = 0.9999f;
-    std::size_t mover_rays = 4096;     // by view, against what moves and is lit
-    std::size_t mover_emitters = 64;   // at most; the darkest are left out
+    std::size_t dynamic_rays = 4096;     // by view, against what moves and is lit
+    std::size_t dynamic_emitters = 64;   // at most; the darkest are left out
 };
 
 using NodeId = std::uint32_t;
@@ -45,7 +45,7 @@ struct EmitterQuad {
 };
 
 /// What the lights shine on of a thing that moves, and that faces one octant.
-struct MoverEmitter {
+struct DynamicEmitter {
     std::uint32_t owner = 0;            // owner_of() what it is on
     glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is unit
     glm::vec3 sample{0};                // where visibility is asked
@@ -83,11 +83,11 @@ class EmitterTree {
     bool any_differs() const { return differing_ > 0; }
     /// Nodes that the last update asked anew, or all that may have changed: their flux and their mark; some twice.
     const std::vector<NodeId>& changed() const { return changed_; }
-    const std::vector<MoverEmitter>& movers() const { return movers_; }
+    const std::vector<DynamicEmitter>& dynamic_objects() const { return dynamic_; }
     /// Of an object that moves: its rigid group, or it alone.
     std::uint32_t owner_of(scene::ObjectId object) const;
-    /// By node: a place on the leaf nearest to the mean, lifted: where visibility is asked. Beside it, w: 1 if present
-    /// flux differs from still flux, else 0: who asks which ways cross what moves wants both.
+    /// By node: a place on the leaf nearest to the mean, promoted: where visibility is asked. Beside it, w: 1 if
+    /// present flux differs from still flux, else 0: who asks which ways cross what moves wants both.
     struct Samples {
         std::vector<glm::vec4> places;
         glm::vec3 at(NodeId id) const { return glm::vec3(places[id]); }
@@ -118,10 +118,10 @@ class EmitterTree {
         NodeId first = 0;           // of its nodes, a multiple of 4: level 1, level 2, ... in Morton order
         bool on = false;
         light_views::ViewProjection projection;
-        std::vector<light_views::Rect> movers;   // footprints now
-        glm::mat4 near_clip{1};                  // of the same light's first view
-        std::vector<std::uint8_t> blocked;       // by leaf, in tree order
-        std::vector<NodeId> dirty;               // flux changed in this frame
+        std::vector<light_views::Rect> dynamic_objects;   // footprints now
+        glm::mat4 near_clip{1};                           // of the same light's first view
+        std::vector<std::uint8_t> occluded;               // by leaf, in tree order
+        std::vector<NodeId> dirty;                        // flux changed in this frame
     };
     struct Leaf {
         scene::ObjectId object = scene::none;
@@ -131,11 +131,11 @@ class EmitterTree {
     void make_view(View& view);
     Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
                  double measure) const;
-    void follow_movers(const scene::FrameChanges& changes);
-    void find_movers(View& view) const;
+    void follow_dynamic(const scene::FrameChanges& changes);
+    void find_dynamic(View& view) const;
     void block_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
-    void gather_movers();
+    void gather_dynamic();
     void find_dynamics();
     void find_roots();
     void sum_children(Flux& flux, NodeId id) const;
@@ -152,14 +152,14 @@ class EmitterTree {
     Samples samples_;
     Flux flux_, still_;
     std::size_t differing_ = 0;
-    std::vector<MoverEmitter> movers_;
+    std::vector<DynamicEmitter> dynamic_;
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
     std::vector<NodeId> changed_;             // by the last update
     std::vector<scene::ObjectId> dynamics_;   // what moves and casts shadows
-    std::uint32_t lifted_ = 0;                // RayScene::lifted() then
+    std::uint32_t promoted_ = 0;              // RayScene::promoted() then
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;
     std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;

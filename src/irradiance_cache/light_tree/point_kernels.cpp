@@ -304,7 +304,7 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
 }
 
 void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                     const MovingSpheres& movers, std::vector<ChangedNode>& changed)
+                     const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed)
 {
     const hn::CappedTag<float, k_seen_step> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -318,7 +318,7 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
         const auto at = hn::BitCast(di, hn::ShiftLeft<2>(node));
         auto found = hn::Lt(one, zero), crossed = found;
         if (differs) found = hn::Gt(hn::GatherIndex(d, places + 3, at), zero);
-        if (!movers.empty()) {
+        if (!dynamic_objects.empty()) {
             const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
             const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
             const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
@@ -335,7 +335,7 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
                 const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
                 return hn::Le(off, hn::Set(d, sphere.radius * sphere.radius));
             };
-            const std::vector<MovingSpheres::Node>& nodes = movers.nodes();
+            const std::vector<MovingSpheres::Node>& nodes = dynamic_objects.nodes();
             for (std::uint32_t m = 0; m < nodes.size();) {
                 const auto near = meets(nodes[m].sphere);
                 if (nodes[m].single) crossed = hn::Or(crossed, near);
@@ -398,9 +398,9 @@ void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count
 }
 
 void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                  const MovingSpheres& movers, std::vector<ChangedNode>& changed)
+                  const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed)
 {
-    HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, movers, changed);
+    HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, dynamic_objects, changed);
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -58,6 +58,6 @@ struct ChangedNode {
 /// @param count    without what fills the last step
 /// @param changed  out: by place, rising
 void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                  const MovingSpheres& movers, std::vector<ChangedNode>& changed);
+                  const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed);
 
 }   // namespace gnomon::irradiance_cache

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which places on static surfaces have others so near that they want near light (near_light.h): a few per cent of most
-// pictures.
+// images.
 //
 // Every static triangle is cut into cells of about the near radius; of a cell's sides a few short rays, spread over the
 // cell, tell once and for all whether anything stands close. A function of the static geometry and the radius alone: so

@@ -96,10 +96,10 @@ void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, c
     }
     const std::size_t asked = scratch.shadow_rays.size();
     scratch.cast += asked;
-    scratch.blocked.resize(asked + ray::k_packet_pad);
-    rays.blocked(scratch.shadow_rays, 0, asked, scratch.blocked.data(), against);
+    scratch.occluded.resize(asked + ray::k_packet_pad);
+    rays.occluded(scratch.shadow_rays, 0, asked, scratch.occluded.data(), against);
     for (std::size_t s = 0; s < asked; ++s) {
-        if (scratch.blocked[s]) continue;
+        if (scratch.occluded[s]) continue;
         const Scratch::Lit& lit = scratch.lit[s];
         for (int colour = 0; colour < 3; ++colour)
             answers[lit.receiver].light[colour] += lit.light[colour] * lit.direction;

@@ -8,7 +8,7 @@
 // radius is near light, fading out towards it; the nodes of the emitters' tree give the rest (far_share()).
 //
 // Cost: `rays` short rays a point, and one ray a light where they meet a lit surface. Only static surfaces give near
-// light; what moves may block it, and is light of its own (MoverEmitter).
+// light; what moves may block it, and is light of its own (DynamicEmitter).
 
 #include <vector>
 
@@ -46,7 +46,7 @@ class NearLight {
     struct Scratch {
         ray::RayQueue rays, shadow_rays;
         ray::Hits hits;
-        std::vector<std::uint8_t> blocked;
+        std::vector<std::uint8_t> occluded;
         struct Lit {
             std::size_t receiver;
             glm::vec3 light, direction;

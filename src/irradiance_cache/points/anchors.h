@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where indirect light is remembered: points on surfaces that depend on the geometry and on a level of detail, and on
-// nothing else. So a picture does not depend on which frames came before it.
+// nothing else. So an image does not depend on which frames came before it.
 //
 // Lattice anchors: the lines of a cubic lattice of spacing 2^level along the axis that the surface faces most, where
 // they meet static geometry near a lattice plane. Four lines surround a point; what they hold is interpolated. Part

@@ -3,7 +3,7 @@
 // Who cuts the emitters' tree for surface points and sums what they see, if not the processor's threads: a device
 // (vulkan/gpu_points.h). Visibility, too, if it can.
 //
-// Many points at a time: VisibleLight collects all that a picture needs before it asks. What a point sees is kept on
+// Many points at a time: VisibleLight collects all that an image needs before it asks. What a point sees is kept on
 // the engine's side. Its arithmetic is that of point_kernels.h up to rounding, and repeatable.
 
 #include <span>
@@ -61,7 +61,7 @@ class PointEngine {
 
     /// After the tree followed the frame. What is kept stays; it is the caller's to forget it where nodes were made
     /// anew.
-    virtual void begin_frame(const EmitterTree& tree, const MovingSpheres& movers) = 0;
+    virtual void begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects) = 0;
 
     /// As cut_tree().
     virtual void cut(std::span<const CutRequest> points, const CutOptions& options, PointCuts& cuts) = 0;
@@ -75,8 +75,8 @@ class PointEngine {
 
     /// It answers rays, too.
     virtual bool traces() const { return false; }
-    /// As RayScene::blocked(), for all of a queue. Only if it traces.
-    virtual void blocked(const ray::RayQueue& rays, std::uint8_t* blocked, ray::Against against);
+    /// As RayScene::occluded(), for all of a queue. Only if it traces.
+    virtual void occluded(const ray::RayQueue& rays, std::uint8_t* occluded, ray::Against against);
 
     /// Of its own memory, seen nodes apart.
     virtual std::size_t bytes() const = 0;

@@ -4,7 +4,7 @@
 // each, and what moves takes from it only the bits in its cone.
 //
 // Each direction stands for an equal share of the sphere (a spherical Fibonacci lattice) with the sky's gradient there;
-// the sun is a light of its own. Environment pictures are lights, too (scene/environment.h), and are not meant here.
+// the sun is a light of its own. Environment images are lights, too (scene/environment.h), and are not meant here.
 
 #include <array>
 #include <cstdint>

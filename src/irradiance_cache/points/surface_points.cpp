@@ -61,7 +61,7 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget,
     const auto age_of = [&](const RememberedPoint& p) { return std::min(frame - p.ready.load(), k_ages - 1); };
     for (const Shard& shard : shards_)
         for (const auto& p : shard.points) size[age_of(*p)] += bytes_of(*p);
-    // Large pictures need room for more than their own points, too.
+    // Large images need room for more than their own points, too.
     budget = std::max(budget, 2 * size[0]);
     if (all <= budget) return;
     std::uint32_t oldest = k_ages - 1;

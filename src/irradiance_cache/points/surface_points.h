@@ -38,9 +38,9 @@ struct RememberedPoint {
     std::int16_t slopes[4] = {0, 0, 0, 0};
     // By colour: irradiance is dot(light, normal), near this point's own normal. If nothing moved; and present.
     glm::vec3 still[3] = {}, light[3] = {};
-    std::uint32_t owner = k_no_owner;   // of what moves: EmitterTree::owner_of()
-    std::uint32_t version = 0;          // of the emitters' geometry that `seen` belongs to; 0: never asked
-    std::uint32_t movers_version = 0;   // that `light` belongs to
+    std::uint32_t owner = k_no_owner;    // of what moves: EmitterTree::owner_of()
+    std::uint32_t version = 0;           // of the emitters' geometry that `seen` belongs to; 0: never asked
+    std::uint32_t dynamic_version = 0;   // that `light` belongs to
     // What it sees of the emitters past everything static; padded to k_seen_step. With a PointEngine, that has it.
     std::uint32_t count = 0;
     std::uint32_t kept = 0;   // the engine's name for it, if count > 0

@@ -84,10 +84,10 @@ vk::Buffer& GpuPoints::fitting(vk::Buffer& buffer, const char* name, std::size_t
     return buffer;
 }
 
-void GpuPoints::begin_frame(const EmitterTree& tree, const MovingSpheres& movers)
+void GpuPoints::begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects)
 {
     tree_ = &tree;
-    send_spheres(movers);
+    send_spheres(dynamic_objects);
     if (geometry_version_ != tree.geometry_version())
         send_tree(tree);
     else
@@ -136,10 +136,10 @@ void GpuPoints::send_flux(const EmitterTree& tree)
     commands_.submit();
 }
 
-void GpuPoints::send_spheres(const MovingSpheres& movers)
+void GpuPoints::send_spheres(const MovingSpheres& dynamic_objects)
 {
     std::vector<shared::GpuMovingSphere> spheres;
-    for (const MovingSpheres::Node& node : movers.nodes())
+    for (const MovingSpheres::Node& node : dynamic_objects.nodes())
         spheres.push_back({node.sphere.centre, node.sphere.radius, node.next, node.single ? 1u : 0u});
     const std::size_t bytes = spheres.size() * sizeof(shared::GpuMovingSphere);
     if (spheres.size() == spheres_host_.size() &&
@@ -357,9 +357,9 @@ void GpuPoints::trace_with(std::unique_ptr<ray::DeviceRays> rays, const gpu_scen
     scene_ = &scene;
 }
 
-void GpuPoints::blocked(const ray::RayQueue& rays, std::uint8_t* blocked, ray::Against against)
+void GpuPoints::occluded(const ray::RayQueue& rays, std::uint8_t* occluded, ray::Against against)
 {
-    if (!rays.empty()) rays_->blocked(commands_, *scene_, rays, blocked, against);
+    if (!rays.empty()) rays_->occluded(commands_, *scene_, rays, occluded, against);
 }
 
 std::size_t GpuPoints::bytes() const

@@ -21,7 +21,7 @@ class GpuPoints : public PointEngine {
     /// @throws MissingError  too little device memory; so do the others
     explicit GpuPoints(const std::shared_ptr<vk::Device>& device);
 
-    void begin_frame(const EmitterTree& tree, const MovingSpheres& movers) override;
+    void begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects) override;
     void cut(std::span<const CutRequest> points, const CutOptions& options, PointCuts& cuts) override;
     void keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists) override;
     void forget(const KeptNodes& list) override;
@@ -33,7 +33,7 @@ class GpuPoints : public PointEngine {
     void trace_with(std::unique_ptr<ray::DeviceRays> rays, const gpu_scene::GpuScene& scene);
     ray::DeviceRays* rays() { return rays_.get(); }
     bool traces() const override { return rays_ != nullptr; }
-    void blocked(const ray::RayQueue& rays, std::uint8_t* blocked, ray::Against against) override;
+    void occluded(const ray::RayQueue& rays, std::uint8_t* occluded, ray::Against against) override;
 
     /// Cuts longer than the device had room for, which the processor made, so far.
     std::uint64_t long_cuts() const { return long_cuts_; }
@@ -41,7 +41,7 @@ class GpuPoints : public PointEngine {
  private:
     void send_tree(const EmitterTree& tree);
     void send_flux(const EmitterTree& tree);
-    void send_spheres(const MovingSpheres& movers);
+    void send_spheres(const MovingSpheres& dynamic_objects);
     vk::Buffer& fitting(vk::Buffer& buffer, const char* name, std::size_t bytes);
     void dispatch_sum(std::uint32_t points);
     std::uint32_t take(std::uint32_t count);

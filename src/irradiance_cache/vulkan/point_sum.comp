@@ -20,7 +20,7 @@ layout(push_constant, scalar) uniform Push { PointSumPush push; };
 const float k_tiny = 1e-30;
 shared GpuPointLight sums[GNOMON_POINT_LANES];
 
-bool passes_mover(vec3 origin, vec3 way)
+bool passes_dynamic(vec3 origin, vec3 way)
 {
     const float inverse = 1 / max(dot(way, way), k_tiny);
     for (uint m = 0; m < push.spheres;) {
@@ -46,7 +46,7 @@ void main()
         const vec3 arriving = flux.at[node];
         if (arriving == vec3(0)) continue;
         const vec3 way = places.at[node].xyz - request.origin;
-        if (passes_mover(request.origin, way)) {
+        if (passes_dynamic(request.origin, way)) {
             const uint at = atomicAdd(count.crossed, 1);
             if (at < push.most_crossed) crossed.at[at] = GpuCrossed(point, k, seen);
             continue;

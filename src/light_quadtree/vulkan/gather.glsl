@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounced light at a picture's surfaces, or at a list of points: sparse receivers first, then every pixel from those
+// Bounced light at an image's surfaces, or at a list of points: sparse receivers first, then every pixel from those
 // around it that agree with it, or by itself [Ki and Oh 2007, 3.3]. As map_light.cpp. An invocation has a few pixels,
 // which share what is read of a light. Included after
 //
@@ -15,7 +15,7 @@ layout(binding = GNOMON_IMAGES + 3, rgba32f) uniform image2D grid_normal;
 layout(binding = GNOMON_IMAGES + 4, rgba32f) uniform image2D grid_light;
 layout(binding = GNOMON_IMAGES + 5, rgba32f) uniform writeonly image2D irradiance;
 
-// The pixel that a receiver of the grid stands on; beyond the picture's end, the last.
+// The pixel that a receiver of the grid stands on; beyond the image's end, the last.
 ivec2 grid_pixel(ivec2 at)
 {
     return min(at * int(push.step), ivec2(push.width, push.height) - 1);

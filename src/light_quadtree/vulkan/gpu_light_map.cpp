@@ -93,7 +93,7 @@ GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene:
             dynamics_.push_back(o);
         }
     dirty_.resize(views_.size());
-    movers_.resize(views_.size());
+    dynamic_.resize(views_.size());
     make_pipelines();
 
     const auto views = static_cast<std::uint32_t>(views_.size());
@@ -194,12 +194,12 @@ bool GpuLightMap::find_dirty(const scene::SceneState& state)
         if (aimed) aim_view(view, state, bounds_);
         if (aimed || all) {
             dirty_[v] = {0, 0, view.side(), view.side()};
-            movers_[v].assign(dynamics_.size(), {});
+            dynamic_[v].assign(dynamics_.size(), {});
             for (std::size_t d = 0; d < dynamics_.size() && view.on; ++d)
-                movers_[v][d] = casters_.footprint(view.projection, state, dynamics_[d]);
+                dynamic_[v][d] = casters_.footprint(view.projection, state, dynamics_[d]);
         } else if (view.on) {
             for (const scene::ObjectId o : stirred) {
-                Rect& rect = movers_[v][dynamic_place_[o]];
+                Rect& rect = dynamic_[v][dynamic_place_[o]];
                 dirty_[v] = around(dirty_[v], rect);
                 rect = casters_.footprint(view.projection, state, o);
                 dirty_[v] = around(dirty_[v], rect);

@@ -80,10 +80,10 @@ class GpuLightMap {
     light_views::Casters casters_;
     light_views::SceneBounds bounds_;
     std::vector<MapView> views_;
-    std::vector<light_views::Rect> dirty_;                 // by view
-    std::vector<std::vector<light_views::Rect>> movers_;   // by view and place in dynamics_: where each is
-    std::vector<scene::ObjectId> dynamics_;                // that cast
-    std::vector<std::uint32_t> dynamic_place_;             // by object; none: it stands still
+    std::vector<light_views::Rect> dirty_;                  // by view
+    std::vector<std::vector<light_views::Rect>> dynamic_;   // by view and place in dynamics_: where each is
+    std::vector<scene::ObjectId> dynamics_;                 // that cast
+    std::vector<std::uint32_t> dynamic_place_;              // by object; none: it stands still
     bool fresh_ = true;
     std::uint32_t version_ = 0;
     Work work_;

@@ -3,7 +3,7 @@
 // Bounced light from a light map, without visibility, on the device: the light quad-tree as published [Ki and Oh 2007],
 // and the sampling that it is compared with [Dachsbacher and Stamminger 2005]. The twin of MapLight, kernel and all.
 //
-// Surfaces come as images; so does what arrives. Sparse receivers stand on pixels of the picture. Cost: the map's
+// Surfaces come as images; so does what arrives. Sparse receivers stand on pixels of the image. Cost: the map's
 // (gpu_light_map.h); lights times receivers; 48 bytes a receiver of the grid.
 
 #include "light_quadtree/map_light.h"
@@ -11,11 +11,11 @@
 
 namespace gnomon::light_quadtree {
 
-/// A picture's surfaces: four 32-bit floats a pixel.
+/// An image's surfaces: four 32-bit floats a pixel.
 struct MapSurfaces {
     const vk::Image* position;   // w: not 0 where light is wanted
     const vk::Image* normal;     // unit, shading
-    Size size;                   // of the picture
+    Size size;                   // of the image
     glm::vec3 eye{0};
     float pixel_width = 0, pixel_spread = 0;   // of the view, as scene::View has them
 };
@@ -34,7 +34,7 @@ class GpuMapLight {
     void record_grid(vk::Commands& commands, const MapSurfaces& surfaces);
     /// Records what arrives at every pixel, into an image of the same size (four 32-bit floats, a storage image).
     void record_light(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance);
-    /// The same for a list of points, laid out as any image: its position.w is a point's pixel in the picture, from 1.
+    /// The same for a list of points, laid out as any image: its position.w is a point's pixel in the image, from 1.
     void record_listed(vk::Commands& commands, const MapSurfaces& points, const vk::Image& irradiance);
 
     /// Lights in use: samples, or clusters as the device counted them in what read_count() returned.

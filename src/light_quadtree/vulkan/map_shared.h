@@ -89,10 +89,10 @@ struct MapImagePush {
 struct GatherPush {
     vec3 eye;
     float pixel_width, pixel_spread;
-    uint width, height;         // of the picture
+    uint width, height;         // of the image
     uint step, columns, rows;   // of the grid; step 0: none
     uint fill_grid;             // else light points
-    uint listed;   // points are a list, and position.w is a point's pixel, from 1; else they are the picture
+    uint listed;                // points are a list, and position.w is a point's pixel, from 1; else they are the image
     float grid_normals, grid_off_plane;
     uint grid_neighbours;
     uint views, samples;   // of sampling: a view

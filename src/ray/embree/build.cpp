@@ -35,7 +35,7 @@ Meeting meeting_by(const glm::mat4& m)
     return stray_of(m) <= k_true_stray ? Meeting::truly : Meeting::roughly;
 }
 
-SceneHandle RayScene::Inside::new_scene(RTCBuildQuality quality, unsigned flags) const
+SceneHandle RayScene::Impl::new_scene(RTCBuildQuality quality, unsigned flags) const
 {
     SceneHandle handle(rtcNewScene(device.get()));
     rtcSetSceneFlags(handle.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | flags));
@@ -43,7 +43,7 @@ SceneHandle RayScene::Inside::new_scene(RTCBuildQuality quality, unsigned flags)
     return handle;
 }
 
-void RayScene::Inside::build(const scene::SceneState& state)
+void RayScene::Impl::build(const scene::SceneState& state)
 {
     scene = state.shared_scene();
     width = packet_width();
@@ -95,15 +95,14 @@ void RayScene::Inside::build(const scene::SceneState& state)
     device.check();
 }
 
-void RayScene::Inside::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)
+void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)
 {
     vertices.bake(mesh.positions, mesh.normals, mesh.tangents, matrix);
     baked_bytes += vertices.bytes();
 }
 
 // What shading needs to know about an object.
-void RayScene::Inside::describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid,
-                                bool mirrored)
+void RayScene::Impl::describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored)
 {
     ObjectGeometry& g = geometry[object];
     g.mesh = &scene->meshes[scene->objects[object].mesh];
@@ -115,7 +114,7 @@ void RayScene::Inside::describe(scene::ObjectId object, const BakedVertices& ver
     g.mirrored = mirrored;
 }
 
-void RayScene::Inside::add_still(const scene::SceneState& state, scene::ObjectId o)
+void RayScene::Impl::add_still(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = scene->objects[o];
     const scene::Mesh& mesh = scene->meshes[object.mesh];
@@ -138,7 +137,7 @@ void RayScene::Inside::add_still(const scene::SceneState& state, scene::ObjectId
     for (auto id = first; id < still_records.size(); ++id) still_ids[o].push_back(id);
 }
 
-void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene::ObjectId o)
+void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = scene->objects[o];
     const scene::Mesh& mesh = scene->meshes[object.mesh];
@@ -148,7 +147,7 @@ void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene:
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
         attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
-        // One tree for all: what the most shrunken of them needs, with room for rays from where movers go.
+        // One tree for all: what the most shrunken of them needs, with room for rays from where dynamic objects go.
         constexpr float k_room = 4;
         shared->box = box_of(shared->vertices.front().positions, mesh);
         for (const scene::Object& other : scene->objects)
@@ -177,7 +176,7 @@ void RayScene::Inside::add_still_instance(const scene::SceneState& state, scene:
 }
 
 // Objects that move as one share a tree, in the space of the node that moves them.
-void RayScene::Inside::add_group(const scene::SceneState& state, scene::GroupId g)
+void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
 {
     const scene::RigidGroup& group = scene->groups[g];
     solid_of_group[g] = static_cast<std::uint32_t>(solids.size());
@@ -202,7 +201,7 @@ void RayScene::Inside::add_group(const scene::SceneState& state, scene::GroupId 
 
 // Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the frame in which
 // it was first seen. (A geometry of quality `refit` is built when it is committed for the first time.)
-void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId o)
+void RayScene::Impl::add_alone(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = scene->objects[o];
     const scene::Mesh& mesh = scene->meshes[object.mesh];
@@ -223,7 +222,7 @@ void RayScene::Inside::add_alone(const scene::SceneState& state, scene::ObjectId
 
 // The tree of a solid that is one object, to be committed: refitted from frame to frame if it deforms, but where that
 // cannot be.
-void RayScene::Inside::make_tree_of_one(Solid& solid)
+void RayScene::Impl::make_tree_of_one(Solid& solid)
 {
     const bool refitted = solid.deforming && !solid.sorted_anew;
     solid.margin_geometry = {};
@@ -235,7 +234,7 @@ void RayScene::Inside::make_tree_of_one(Solid& solid)
 }
 
 // What others' margins depend on.
-void RayScene::Inside::measure(Solid& solid, const scene::SceneState& state)
+void RayScene::Impl::measure(Solid& solid, const scene::SceneState& state)
 {
     solid.visible = state.object_visible(solid.objects.front());
     solid.meeting = meeting_by(solid.to_world);
@@ -244,7 +243,7 @@ void RayScene::Inside::measure(Solid& solid, const scene::SceneState& state)
 }
 
 // Builds a solid's tree, whose box depends on how far everything reaches, and places it.
-void RayScene::Inside::finish(std::uint32_t s, const scene::SceneState& state)
+void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
 {
     Solid& solid = solids[s];
     solid.attach_margin(device.get());
@@ -258,7 +257,7 @@ void RayScene::Inside::finish(std::uint32_t s, const scene::SceneState& state)
     show(solid, state.object_visible(solid.objects.front()));
 }
 
-void RayScene::Inside::build_one_tree()
+void RayScene::Impl::build_one_tree()
 {
     one = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
     unsigned past_still = 0;

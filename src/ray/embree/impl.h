@@ -81,7 +81,7 @@ struct Met {
     std::uint32_t triangle;
 };
 
-struct RayScene::Inside {
+struct RayScene::Impl {
     EmbreeDevice device;
     std::shared_ptr<const scene::Scene> scene;
     int width = 8;
@@ -101,7 +101,7 @@ struct RayScene::Inside {
     SceneHandle moving;
     std::deque<Solid> solids;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
-    std::uint32_t lifted = 0;   // static objects, by hand
+    std::uint32_t promoted = 0;   // static objects, by hand
 
     SceneHandle one;   // both, for comparison; mostly absent
 
@@ -119,8 +119,8 @@ struct RayScene::Inside {
     // kdtree_queues.cpp
     void closest_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                            Against against) const;
-    void blocked_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
-                           Against against) const;
+    void occluded_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
+                            Against against) const;
     void add_to_kdtree_sums(RayClass purpose, const KdCounts& counts) const;
 
     // build.cpp
@@ -139,7 +139,7 @@ struct RayScene::Inside {
 
     // margin.cpp
     float present_reach() const;
-    /// Before the movers' top level is built again.
+    /// Before the dynamic objects' top level is built again.
     void follow_margins();
 
     // ray_scene.cpp

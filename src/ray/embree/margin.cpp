@@ -104,7 +104,7 @@ void Solid::set_margin(float wanted)
 }
 
 // Largest coordinate of everything that rays come to.
-float RayScene::Inside::present_reach() const
+float RayScene::Impl::present_reach() const
 {
     float reach = still_reach;
     for (const Solid& solid : solids)
@@ -114,7 +114,7 @@ float RayScene::Inside::present_reach() const
 }
 
 // From the present alone, so that a scene that was followed has the trees of a new one.
-void RayScene::Inside::follow_margins()
+void RayScene::Impl::follow_margins()
 {
     const float reach = present_reach();
     for (Solid& solid : solids) {

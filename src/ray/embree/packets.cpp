@@ -99,9 +99,9 @@ void occlude_width(RTCScene scene, RTCScene then, TraceContext& context, const R
         Packet<W>::occluded(valid, asked, &context.embree, &packet);
         int open = 0;
         for (int i = 0; i < W; ++i) {
-            const int blocked = valid[i] & -static_cast<int>(packet.tfar[i] < 0);   // Embree's mark of a blocked ray
-            valid[i] &= ~blocked;
-            active[i] &= ~blocked;
+            const int occluded = valid[i] & -static_cast<int>(packet.tfar[i] < 0);   // Embree's mark of a occluded ray
+            valid[i] &= ~occluded;
+            active[i] &= ~occluded;
             open |= valid[i];
         }
         if (open == 0) break;

@@ -22,7 +22,7 @@ struct RawHits {
 void intersect_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
                       int count, const float* tfar, RawHits& hits);
 /// Asks one scene, and then another (null: none) with what the first let pass: rays are loaded once.
-/// @param active  per lane: -1 to trace, 0 to leave alone; on return 0 as well for those that are blocked
+/// @param active  per lane: -1 to trace, 0 to leave alone; on return 0 as well for those that are occluded
 void occlude_packet(int width, RTCScene scene, RTCScene then, TraceContext& context, const RayQueue& rays,
                     std::size_t begin, int count, int* active);
 

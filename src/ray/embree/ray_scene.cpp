@@ -27,11 +27,11 @@ RTCRay make_ray(const glm::vec3& origin, float tnear, const glm::vec3& direction
 
 }   // namespace
 
-RayScene::RayScene(const scene::SceneState& state) : inside_(std::make_unique<Inside>())
+RayScene::RayScene(const scene::SceneState& state) : impl_(std::make_unique<Impl>())
 {
     const auto start = std::chrono::steady_clock::now();
-    inside_->build(state);
-    inside_->statistics.build_ms =
+    impl_->build(state);
+    impl_->statistics.build_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -39,18 +39,18 @@ RayScene::~RayScene() = default;
 
 void RayScene::update(const scene::SceneState& state)
 {
-    inside_->update(state);
-    if (!inside_->kdtree) return;
-    inside_->kdtree->update(state, *this);
-    for (Inside::Sums& sums : inside_->kdtree_sums) sums.nodes = 0, sums.tests = 0;
+    impl_->update(state);
+    if (!impl_->kdtree) return;
+    impl_->kdtree->update(state, *this);
+    for (Impl::Sums& sums : impl_->kdtree_sums) sums.nodes = 0, sums.tests = 0;
 }
 
 void RayScene::keep_one_tree()
 {
-    inside_->build_one_tree();
+    impl_->build_one_tree();
 }
 
-Met RayScene::Inside::met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const
+Met RayScene::Impl::met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const
 {
     if (!in_moving && instance != k_nothing) {
         // A static instance: the object is the instance's, the triangle the shared mesh's.
@@ -64,7 +64,7 @@ Met RayScene::Inside::met(unsigned geometry_id, unsigned instance, unsigned tria
 void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                        Against against) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     if (in.kdtree) return in.closest_on_kdtree(rays, begin, end, hits, sides, against);
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     const bool asks_still = against != Against::dynamic_only;
@@ -94,11 +94,11 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
     }
 }
 
-void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* blocked,
-                       Against against) const
+void RayScene::occluded(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
+                        Against against) const
 {
-    const Inside& in = *inside_;
-    if (in.kdtree) return in.blocked_on_kdtree(rays, begin, end, blocked, against);
+    const Impl& in = *impl_;
+    if (in.kdtree) return in.occluded_on_kdtree(rays, begin, end, occluded, against);
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     TraceContext context(TraceContext::Kind::any);
     RTCScene first = in.still.get(), then = in.solids.empty() ? nullptr : in.moving.get();
@@ -111,41 +111,41 @@ void RayScene::blocked(const RayQueue& rays, std::size_t begin, std::size_t end,
         const int count = static_cast<int>(std::min(step, end - at));
         for (int i = 0; i < 16; ++i) active[i] = i < count ? -1 : 0;
         if (first) occlude_packet(in.width, first, then, context, rays, at, count, active);
-        for (int i = 0; i < count; ++i) blocked[at - begin + static_cast<std::size_t>(i)] = active[i] == 0;
+        for (int i = 0; i < count; ++i) occluded[at - begin + static_cast<std::size_t>(i)] = active[i] == 0;
     }
 }
 
 const ObjectGeometry& RayScene::geometry(scene::ObjectId object) const
 {
-    return inside_->geometry[object];
+    return impl_->geometry[object];
 }
 
-bool RayScene::stands_alone(scene::ObjectId object) const
+bool RayScene::has_own_instance(scene::ObjectId object) const
 {
-    return inside_->solid_of_object[object] != scene::none;
+    return impl_->solid_of_object[object] != scene::none;
 }
 
 bool RayScene::moves(scene::ObjectId object) const
 {
-    return inside_->scene->objects[object].dynamic || stands_alone(object);
+    return impl_->scene->objects[object].dynamic || has_own_instance(object);
 }
 
 Meeting RayScene::meeting(scene::ObjectId object) const
 {
-    if (const std::uint32_t s = inside_->solid_of(object); s != scene::none) return inside_->solids[s].meeting;
-    const glm::mat4* to_world = inside_->geometry[object].to_world;
+    if (const std::uint32_t s = impl_->solid_of(object); s != scene::none) return impl_->solids[s].meeting;
+    const glm::mat4* to_world = impl_->geometry[object].to_world;
     return to_world ? meeting_by(*to_world) : Meeting::truly;
 }
 
-std::uint32_t RayScene::lifted() const
+std::uint32_t RayScene::promoted() const
 {
-    return inside_->lifted;
+    return impl_->promoted;
 }
 
 Box3 RayScene::bounds() const
 {
     Box3 result;
-    for (const SceneHandle* part : {&inside_->still, &inside_->moving}) {
+    for (const SceneHandle* part : {&impl_->still, &impl_->moving}) {
         RTCBounds box;
         rtcGetSceneBounds(part->get(), &box);
         const Box3 own{{box.lower_x, box.lower_y, box.lower_z}, {box.upper_x, box.upper_y, box.upper_z}};
@@ -156,7 +156,7 @@ Box3 RayScene::bounds() const
 
 RaySceneStatistics RayScene::statistics() const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     RaySceneStatistics result = in.statistics;
     result.instances = in.solids.size();
     result.bytes = in.device.bytes() + in.baked_bytes;
@@ -178,7 +178,7 @@ int RayScene::packet_width()
 Hit RayScene::closest_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                              Sides sides) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     Hit hit;
     hit.t = tfar;
@@ -196,17 +196,17 @@ Hit RayScene::closest_single(const glm::vec3& origin, float tnear, const glm::ve
     return hit;
 }
 
-bool RayScene::blocked_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                              Against against) const
+bool RayScene::occluded_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                               Against against) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     if (!traceable(origin.x, origin.y, origin.z, tnear, direction.x, direction.y, direction.z, tfar)) return false;
     TraceContext context(TraceContext::Kind::any);
     const auto blocks = [&](const SceneHandle& tree) {
         RTCRay ray = make_ray(origin, tnear, direction, tfar, k_mask_blocks);
         rtcOccluded1(tree.get(), &context.embree, &ray);
-        return ray.tfar < 0;   // Embree's mark of a blocked ray
+        return ray.tfar < 0;   // Embree's mark of a occluded ray
     };
     if (against == Against::one_tree) return blocks(in.one);
     return (against != Against::dynamic_only && blocks(in.still)) ||

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From frame to frame: what moved is placed anew, what deformed is refitted, and the movers' top level is rebuilt.
+// From frame to frame: what moved is placed anew, what deformed is refitted, and the dynamic objects' top level is
+// rebuilt.
 #include <algorithm>
 
 #include "base/bits.h"
@@ -7,7 +8,7 @@
 
 namespace gnomon::ray {
 
-void RayScene::Inside::update(const scene::SceneState& state)
+void RayScene::Impl::update(const scene::SceneState& state)
 {
     const scene::FrameChanges& changes = state.changes();
     ++updates;
@@ -38,7 +39,7 @@ void RayScene::Inside::update(const scene::SceneState& state)
     for (const scene::ObjectId o : changes.appeared)
         if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), true);
 
-    // Rebuild the movers' small top level, and nothing else.
+    // Rebuild the dynamic objects' small top level, and nothing else.
     if (statistics.touched > 0 || regrouped) follow_margins();
     if (statistics.touched > 0) device.commit(moving.get());
     if (one.get() && regrouped)
@@ -48,7 +49,7 @@ void RayScene::Inside::update(const scene::SceneState& state)
     device.check();
 }
 
-void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
+void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
 {
     const scene::DeformedMesh& shape = state.deformed(solid.objects.front());
     const scene::Mesh& mesh = *geometry[solid.objects.front()].mesh;
@@ -84,7 +85,7 @@ void RayScene::Inside::refit(Solid& solid, const scene::SceneState& state)
     if (solid.instance.get()) rtcCommitGeometry(solid.instance.get());
 }
 
-void RayScene::Inside::place(Solid& solid, const scene::SceneState& state)
+void RayScene::Impl::place(Solid& solid, const scene::SceneState& state)
 {
     solid.to_world = solid.anchor == scene::none ? glm::mat4(1) : glm::mat4(state.world(solid.anchor));
     solid.normal_to_world = normal_matrix(solid.to_world);
@@ -101,7 +102,7 @@ void RayScene::Inside::place(Solid& solid, const scene::SceneState& state)
     rtcCommitGeometry(solid.instance.get());
 }
 
-void RayScene::Inside::show(Solid& solid, bool visible)
+void RayScene::Impl::show(Solid& solid, bool visible)
 {
     solid.visible = visible;
     const bool enable = visible && solid.has_volume;
@@ -113,7 +114,7 @@ void RayScene::Inside::show(Solid& solid, bool visible)
         rtcDisableGeometry(solid.instance.get());
 }
 
-std::uint32_t RayScene::Inside::solid_of(scene::ObjectId o) const
+std::uint32_t RayScene::Impl::solid_of(scene::ObjectId o) const
 {
     if (solid_of_object[o] != scene::none) return solid_of_object[o];
     const scene::GroupId g = scene->objects[o].group;
@@ -121,7 +122,7 @@ std::uint32_t RayScene::Inside::solid_of(scene::ObjectId o) const
 }
 
 // Whether an object is where its group takes it. The state multiplies the same matrices in the same order: equal bits.
-bool RayScene::Inside::rides_along(const scene::SceneState& state, scene::ObjectId o) const
+bool RayScene::Impl::rides_along(const scene::SceneState& state, scene::ObjectId o) const
 {
     const scene::NodeId anchor = scene->groups[scene->objects[o].group].anchor;
     const auto expected = [&](const auto& self, scene::NodeId n) -> glm::dmat4 {
@@ -134,7 +135,7 @@ bool RayScene::Inside::rides_along(const scene::SceneState& state, scene::Object
 
 // Static objects that move, and passengers that move against their group, become solids of their own, for good.
 // @return whether there were any
-bool RayScene::Inside::lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates)
+bool RayScene::Impl::lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates)
 {
     bool still_changed = false, any = false;
     for (const scene::ObjectId o : candidates) {
@@ -145,7 +146,7 @@ bool RayScene::Inside::lift_out(const scene::SceneState& state, const std::vecto
             still_ids[o].clear();
             statistics.static_triangles -= geometry[o].mesh->triangles.size();
             still_changed = true;
-            ++lifted;
+            ++promoted;
         } else if (!rides_along(state, o)) {
             Solid& group = solids[solid_of_group[g]];
             for (unsigned id = 0; id < group.records.size(); ++id)

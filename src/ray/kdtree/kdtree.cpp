@@ -114,7 +114,7 @@ bool usable(const glm::vec3& o, float tnear, const glm::vec3& d, float tfar)
 
 }   // namespace
 
-struct CountingKdTree::Inside {
+struct CountingKdTree::Impl {
     std::shared_ptr<const scene::Scene> scene;
     KdOptions options;
     KdPart still, moving;
@@ -171,9 +171,9 @@ struct CountingKdTree::Inside {
 };
 
 CountingKdTree::CountingKdTree(const scene::SceneState& state, const RayScene& rays, const KdOptions& options)
-    : inside_(std::make_unique<Inside>())
+    : impl_(std::make_unique<Impl>())
 {
-    Inside& in = *inside_;
+    Impl& in = *impl_;
     in.scene = state.shared_scene();
     in.options = options;
     for (const scene::Object& object : in.scene->objects) in.dynamic.push_back(object.dynamic);
@@ -186,7 +186,7 @@ CountingKdTree::~CountingKdTree() = default;
 
 void CountingKdTree::update(const scene::SceneState& state, const RayScene& rays)
 {
-    Inside& in = *inside_;
+    Impl& in = *impl_;
     const scene::FrameChanges& changes = state.changes();
     // What somebody moved by hand is dynamic from now on.
     bool regrouped = false;
@@ -202,10 +202,10 @@ void CountingKdTree::update(const scene::SceneState& state, const RayScene& rays
         in.rebuild(in.moving, in.options.moving, state, rays);
 }
 
-bool CountingKdTree::blocked(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                             Against against, KdCounts& counts) const
+bool CountingKdTree::occluded(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                              Against against, KdCounts& counts) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     if (!usable(origin, tnear, direction, tfar)) return false;
     const KdRay ray(origin, tnear, direction, tfar);
     ++counts.nodes;   // the root
@@ -222,7 +222,7 @@ bool CountingKdTree::blocked(const glm::vec3& origin, float tnear, const glm::ve
 Hit CountingKdTree::closest(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
                             KdCounts& counts, Against against) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     Hit best;
     best.t = tfar;
     if (!usable(origin, tnear, direction, tfar)) return best;
@@ -239,10 +239,10 @@ Hit CountingKdTree::closest(const glm::vec3& origin, float tnear, const glm::vec
     return best;
 }
 
-bool CountingKdTree::blocked_by_any(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                                    Against against) const
+bool CountingKdTree::occluded_by_any(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                                     Against against) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     if (!usable(origin, tnear, direction, tfar)) return false;
     const KdRay ray(origin, tnear, direction, tfar);
     KdCounts counts;
@@ -254,7 +254,7 @@ bool CountingKdTree::blocked_by_any(const glm::vec3& origin, float tnear, const 
 Hit CountingKdTree::closest_of_all(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                                    Sides sides, Against against) const
 {
-    const Inside& in = *inside_;
+    const Impl& in = *impl_;
     Hit best;
     best.t = tfar;
     if (!usable(origin, tnear, direction, tfar)) return best;
@@ -279,7 +279,7 @@ KdStatistics CountingKdTree::statistics() const
         s.build_ms = part.build_ms;
         return s;
     };
-    return {of(inside_->still), of(inside_->moving)};
+    return {of(impl_->still), of(impl_->moving)};
 }
 
 }   // namespace gnomon::ray

@@ -14,7 +14,8 @@
 // DEVIATION(Nah 2009, 2.4): there nodes are marked as free of dynamic primitives, and such traversal stops at them;
 // with trees apart it stops at one child of the root.
 //
-// DEVIATION(Hunt 2007, 4): nothing is built lazily: the static tree is built once, and the movers' tree is small.
+// DEVIATION(Hunt 2007, 4): nothing is built lazily: the static tree is built once, and the dynamic objects' tree is
+// small.
 //
 // All triangles are tested in world space, corners as RayScene::geometry() gives them. Equal distances: the smaller
 // object, then the smaller triangle.
@@ -33,8 +34,8 @@ struct KdCounts {
     std::uint64_t tests = 0;
 };
 
-/// How one of the two trees is built. Costs are in units of one node's traversal. The defaults of the movers' tree
-/// trade tests for time: it is built in every frame.
+/// How one of the two trees is built. Costs are in units of one node's traversal. The defaults of the dynamic objects'
+/// tree trade tests for time: it is built in every frame.
 struct KdBuildOptions {
     bool from_hierarchy = true;      // false: single triangles from the root on, the slow twin
     int open_groups = 32;            // bounds that are looked at for one upper split
@@ -77,28 +78,28 @@ class CountingKdTree {
     CountingKdTree(const CountingKdTree&) = delete;
     CountingKdTree& operator=(const CountingKdTree&) = delete;
 
-    /// Follows one advance() of the state, after RayScene::update. Cost: nothing if nothing moved, else the movers'
-    /// tree; the static tree only if a static object was moved by hand (it is dynamic from then on).
+    /// Follows one advance() of the state, after RayScene::update. Cost: nothing if nothing moved, else the dynamic
+    /// objects' tree; the static tree only if a static object was moved by hand (it is dynamic from then on).
     void update(const scene::SceneState& state, const RayScene& rays);
 
     /// Whether something that blocks light lies past tnear, up to and with tfar. Thread-safe.
-    bool blocked(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Against against,
-                 KdCounts& counts) const;
+    bool occluded(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Against against,
+                  KdCounts& counts) const;
     /// The nearest surface, transparent ones included; t is tfar where there is none. Thread-safe.
     Hit closest(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
                 KdCounts& counts, Against against = Against::everything) const;
 
     /// The same by asking every triangle: the trees' slow twins.
-    bool blocked_by_any(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                        Against against) const;
+    bool occluded_by_any(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                         Against against) const;
     Hit closest_of_all(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
                        Against against = Against::everything) const;
 
     KdStatistics statistics() const;
 
  private:
-    struct Inside;
-    std::unique_ptr<Inside> inside_;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }   // namespace gnomon::ray

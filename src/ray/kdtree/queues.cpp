@@ -4,15 +4,15 @@
 
 namespace gnomon::ray {
 
-void RayScene::Inside::add_to_kdtree_sums(RayClass purpose, const KdCounts& counts) const
+void RayScene::Impl::add_to_kdtree_sums(RayClass purpose, const KdCounts& counts) const
 {
     Sums& sums = kdtree_sums[static_cast<std::size_t>(purpose)];
     sums.nodes.fetch_add(counts.nodes, std::memory_order_relaxed);
     sums.tests.fetch_add(counts.tests, std::memory_order_relaxed);
 }
 
-void RayScene::Inside::closest_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits,
-                                         Sides sides, Against against) const
+void RayScene::Impl::closest_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits,
+                                       Sides sides, Against against) const
 {
     KdCounts counts;
     for (std::size_t i = begin; i < end; ++i) {
@@ -25,24 +25,24 @@ void RayScene::Inside::closest_on_kdtree(const RayQueue& rays, std::size_t begin
     add_to_kdtree_sums(rays.purpose, counts);
 }
 
-void RayScene::Inside::blocked_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end,
-                                         std::uint8_t* blocked, Against against) const
+void RayScene::Impl::occluded_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end,
+                                        std::uint8_t* occluded, Against against) const
 {
     KdCounts counts;
     for (std::size_t i = begin; i < end; ++i)
-        blocked[i - begin] =
-            kdtree->blocked(rays.origin(i), rays.tnear[i], rays.direction(i), rays.tfar[i], against, counts);
+        occluded[i - begin] =
+            kdtree->occluded(rays.origin(i), rays.tnear[i], rays.direction(i), rays.tfar[i], against, counts);
     add_to_kdtree_sums(rays.purpose, counts);
 }
 
 void RayScene::trace_on_kdtree(const scene::SceneState& state)
 {
-    inside_->kdtree = std::make_unique<CountingKdTree>(state, *this);
+    impl_->kdtree = std::make_unique<CountingKdTree>(state, *this);
 }
 
 KdCounts RayScene::kdtree_work(RayClass purpose) const
 {
-    const Inside::Sums& sums = inside_->kdtree_sums[static_cast<std::size_t>(purpose)];
+    const Impl::Sums& sums = impl_->kdtree_sums[static_cast<std::size_t>(purpose)];
     return {sums.nodes, sums.tests};
 }
 

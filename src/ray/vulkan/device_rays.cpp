@@ -90,7 +90,7 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
     if (objects > std::min<std::uint64_t>(k_most_objects, device->ray_limits().most_instances))
         throw MissingError(fmt::format("Vulkan: {} objects are more than the device traces rays against", objects));
     for (scene::ObjectId o = 0; o < objects; ++o)
-        dynamic_.push_back(scene_->objects[o].dynamic || (as && as->stands_alone(o)));
+        dynamic_.push_back(scene_->objects[o].dynamic || (as && as->has_own_instance(o)));
     find_runs();
 
     // Tables by which holes are found, and the matrices of what is flat.
@@ -129,10 +129,10 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
     pipeline_ = vk::Pipeline(
         device,
         vk::RayDesc{
-            .name = "blocked rays",
-            .generation = {"blocked.rgen", k_generation},
-            .miss = {"blocked.rmiss", k_miss},
-            .any_hit = {"blocked.rahit", k_any_hit},
+            .name = "occluded rays",
+            .generation = {"occluded.rgen", k_generation},
+            .miss = {"occluded.rmiss", k_miss},
+            .any_hit = {"occluded.rahit", k_any_hit},
             .blocks = {
                 {"objects", sizeof(GpuObject), {{"colors", offsetof(GpuObject, colors)}}},
                 {"materials", sizeof(GpuMaterial), {{"base_color_texture", offsetof(GpuMaterial, base_color_texture)}}},
@@ -376,8 +376,8 @@ void DeviceRays::make_room(std::uint32_t rays)
     answers_host_ = vk::Buffer(device_, "answers to rays (read back)", answers_.bytes(), vk::Access::readback);
 }
 
-void DeviceRays::blocked(vk::Commands& commands, const GpuScene& scene, const ray::RayQueue& rays, std::uint8_t* out,
-                         ray::Against against)
+void DeviceRays::occluded(vk::Commands& commands, const GpuScene& scene, const ray::RayQueue& rays, std::uint8_t* out,
+                          ray::Against against)
 {
     const std::pair<const char*, const vk::Buffer*> inputs[] = {{"objects", &scene.objects},
                                                                 {"draws", &scene.draws},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Is something in the way? As RayScene::blocked() answers, by the device's own tracing of rays: ray-tracing pipelines,
+// Is something in the way? As RayScene::occluded() answers, by the device's own tracing of rays: ray-tracing pipelines,
 // not ray queries, since there are devices without these.
 //
 // A bottom level for each mesh that is instanced, for each deforming object, and for what stands still squeezed flat
@@ -11,8 +11,8 @@
 // Against RayScene, answers differ where a ray meets an edge within rounding: devices test triangles and place
 // instances by arithmetic of their own.
 //
-// update() costs what deformed, and a new top level if anything moved. blocked() takes 32 bytes to the device a ray and
-// 4 back.
+// update() costs what deformed, and a new top level if anything moved. occluded() takes 32 bytes to the device a ray
+// and 4 back.
 
 #include "gpu_scene/gpu_scene.h"
 #include "ray/ray_scene.h"
@@ -39,8 +39,8 @@ class DeviceRays {
     /// out[i] = 1 where something that blocks light lies between the ends of ray i, else 0. Submits, once for
     /// k_rays_at_once rays.
     /// @param against  `one_tree` is `everything`: it is one tree
-    void blocked(vk::Commands& commands, const gpu_scene::GpuScene& scene, const ray::RayQueue& rays, std::uint8_t* out,
-                 ray::Against against = ray::Against::everything);
+    void occluded(vk::Commands& commands, const gpu_scene::GpuScene& scene, const ray::RayQueue& rays,
+                  std::uint8_t* out, ray::Against against = ray::Against::everything);
 
     /// Built by the last update, or by the constructor.
     struct Work {

@@ -3,9 +3,9 @@
 // Nothing was in the way.
 #extension GL_EXT_ray_tracing : require
 
-layout(location = 0) rayPayloadInEXT uint blocked;
+layout(location = 0) rayPayloadInEXT uint occluded;
 
 void main()
 {
-    blocked = 0;
+    occluded = 0;
 }

@@ -46,7 +46,7 @@ SpheresOptions parse_spheres(std::string_view parameters)
         else if (key == "dynamic")
             options.dynamic = parse_number(key, value, 0.0, 100.0);
         else if (key == "movers")
-            options.movers = parse_number(key, value, 0, 1'000'000);
+            options.dynamic_objects = parse_number(key, value, 0, 1'000'000);
         else if (key == "vertices")
             options.vertices = parse_number(key, value, 5, 1'000'000);
         else if (key == "seed")
@@ -56,8 +56,9 @@ SpheresOptions parse_spheres(std::string_view parameters)
         else
             refuse(fmt::format("builtin:spheres has no parameter '{}'", key));
     }
-    if (options.movers > options.objects)
-        refuse(fmt::format("builtin:spheres: {} movers among {} objects", options.movers, options.objects));
+    if (options.dynamic_objects > options.objects)
+        refuse(fmt::format("builtin:spheres: {} dynamic objects among {} objects", options.dynamic_objects,
+                           options.objects));
     return options;
 }
 

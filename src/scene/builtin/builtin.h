@@ -18,13 +18,13 @@ Scene make_cornell();
 Scene make_kinetic();
 
 struct SpheresOptions {
-    int objects = 300;     // 1 to 1,000,000
-    double dynamic = 10;   // percent that move in every frame; or
-    int movers = -1;       // that many, if >= 0
-    int vertices = 2037;   // of one sphere: 2 poles + rings; the nearest possible count is taken
+    int objects = 300;          // 1 to 1,000,000
+    double dynamic = 10;        // percent that move in every frame; or
+    int dynamic_objects = -1;   // that many, if >= 0
+    int vertices = 2037;        // of one sphere: 2 poles + rings; the nearest possible count is taken
     std::uint64_t seed = 1;
-    // What stands still is small; k_spheres_near of it stand where movers pass, all others beside, so that the movers'
-    // surroundings are the same whatever `objects` is.
+    // What stands still is small; k_spheres_near of it stand where dynamic objects pass, all others beside, so that the
+    // dynamic objects' surroundings are the same whatever `objects` is.
     bool crowd = false;
 };
 constexpr int k_spheres_near = 90;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// builtin:cornell: what its picture shows is fixed by numbers alone, all of them here.
+// builtin:cornell: what its image shows is fixed by numbers alone, all of them here.
 
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>

@@ -38,12 +38,12 @@ class Palette {
         scene_.materials.push_back(m);
         return static_cast<MaterialId>(scene_.materials.size() - 1);
     }
-    /// @param repeats  of the picture, a metre
-    MaterialId textured(const char* name, TextureId picture, float repeats, float roughness,
+    /// @param repeats  of the image, a metre
+    MaterialId textured(const char* name, TextureId image, float repeats, float roughness,
                         const glm::vec3& color = glm::vec3(1))
     {
         const MaterialId id = add(name, color, roughness);
-        scene_.materials[id].base_color_texture.texture = picture;
+        scene_.materials[id].base_color_texture.texture = image;
         scene_.materials[id].base_color_texture.scale = glm::vec2(repeats);
         return id;
     }

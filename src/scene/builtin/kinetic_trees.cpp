@@ -134,7 +134,7 @@ MeshId make_cypress(Scene& scene, const Materials& m)
     return add_mesh(scene, b, "cypress");
 }
 
-// Stands outside the picture: its shade falls into it.
+// Stands outside the image: its shade falls into it.
 MeshId make_olive(Scene& scene, const Materials& m)
 {
     MeshBuilder b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Pictures made in code: stone, plaster, marble, the face of a sundial. Value noise on a lattice that wraps, so that
+// Images made in code: stone, plaster, marble, the face of a sundial. Value noise on a lattice that wraps, so that
 // every pattern but the dial tiles. sRGB, a function of the arguments alone. Cost: size squared times octaves.
 
 #include <vector>

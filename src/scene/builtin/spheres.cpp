@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // builtin:spheres: equal spheres in a cube, a part of which moves; the scene in which shadow textures are measured.
 //
-// All objects instance one mesh. Movers follow closed curves, each coordinate a short Fourier series with random
-// phases, so that none ever rests between two frames and the clip's end meets its beginning. Cost: constant a sphere.
+// All objects instance one mesh. Dynamic objects follow closed curves, each coordinate a short Fourier series with
+// random phases, so that none ever rests between two frames and the clip's end meets its beginning. Cost: constant a
+// sphere.
 
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
@@ -26,8 +27,8 @@ constexpr double k_radius = 0.47;
 constexpr double k_light_height = 60;    // above the cube's centre
 constexpr double k_cone_margin = 1.02;   // of the tangent: the cube's nearest corners are just inside
 
-// A crowd: movers stay in a column of this half width as the light sees it; who stands still is small, and stands in
-// the column or beyond its shadow at the cube's floor.
+// A crowd: dynamic objects stay in a column of this half width as the light sees it; who stands still is small, and
+// stands in the column or beyond its shadow at the cube's floor.
 constexpr double k_stage = 3, k_beside = 3.7;
 constexpr double k_small_radius = 0.05;
 constexpr int k_small_vertices = 38;
@@ -111,14 +112,15 @@ Scene make_spheres(const SpheresOptions& options)
     add_sphere("sphere", k_radius, options.vertices);
     if (options.crowd) add_sphere("small sphere", k_small_radius, k_small_vertices);
 
-    const int movers =
-        options.movers >= 0 ? options.movers : static_cast<int>(std::lround(options.objects * options.dynamic / 100));
+    const int dynamic_objects = options.dynamic_objects >= 0
+                                    ? options.dynamic_objects
+                                    : static_cast<int>(std::lround(options.objects * options.dynamic / 100));
 
     // Place them; whoever moves needs room to. Positions are random, so the first ones are as good as any.
     Random random(options.seed);
     scene.nodes.reserve(static_cast<std::size_t>(options.objects) + 2);
     for (int i = 0; i < options.objects; ++i) {
-        const bool moves = i < movers;
+        const bool moves = i < dynamic_objects;
         const bool small = options.crowd && !moves;
         const double room = k_half - (small ? k_small_radius : k_radius) - (moves ? ClosedPath::reach() : 0.0);
         glm::dvec3 centre;
@@ -126,7 +128,7 @@ Scene make_spheres(const SpheresOptions& options)
             for (int axis = 0; axis < 3; ++axis)
                 centre[axis] = (axis == 1 ? room : across) * (2.0 * random.uniform() - 1.0);
         };
-        const bool near = options.crowd && i < movers + k_spheres_near;
+        const bool near = options.crowd && i < dynamic_objects + k_spheres_near;
         draw(near ? std::min(room, k_stage - k_half + room) : room);
         while (small && !near && std::max(std::abs(centre.x), std::abs(centre.z)) < k_beside) draw(room);
         const NodeId node = scene.add_node({}, none, glm::translate(glm::dmat4(1), centre));

@@ -14,7 +14,7 @@ constexpr double k_huge = std::numeric_limits<double>::max();
 constexpr double k_least_distance = 0.05;   // before the nearest point, of the size
 constexpr double k_least_size = 1e-6;
 
-// A point with the coordinates r to the right, u up and b back is within the picture's width, seen from (x, y, d), if
+// A point with the coordinates r to the right, u up and b back is within the image's width, seen from (x, y, d), if
 // |r - x| <= t (d - b), with t the tangent of half the angle across. So the greatest r + t b bounds x + t d from below
 // and the greatest -r + t b bounds -x + t d; both are met nearest half-way. The height likewise.
 class Frustum {

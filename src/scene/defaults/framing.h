@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where a camera stands that sees all of a clip: the nearest place, in a given direction, from which every vertex lies
-// within the picture at every time that is looked at.
+// within the image at every time that is looked at.
 //
 // Cost: the vertices once, those of what moves once for each of `looks` times.
 
@@ -12,7 +12,7 @@ namespace gnomon::scene {
 struct FramingOptions {
     glm::dvec3 back{0, 0, 1};   // unit, from the scene to the camera; not upright
     double vertical_fov = 0.7;
-    double narrowest_aspect = 4.0 / 3.0;   // wider pictures show more at the sides
+    double narrowest_aspect = 4.0 / 3.0;   // wider images show more at the sides
     double margin = 1.08;
     int looks = 17;   // times of the clip
     float widest_clip =

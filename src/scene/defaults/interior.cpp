@@ -23,7 +23,7 @@ float longest_side(const Box3& box)
     return std::max({size.x, size.y, size.z});
 }
 
-// A box that is open on one upright side, like a stage: seen from before it, so that the opening fills the picture.
+// A box that is open on one upright side, like a stage: seen from before it, so that the opening fills the image.
 bool find_stage(const SpaceGrid& grid, Interior& result)
 {
     const Box3& box = grid.box();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A coarse picture of where a scene's surfaces are, to ask what a point is surrounded by: a grid of cells, each with
+// A coarse image of where a scene's surfaces are, to ask what a point is surrounded by: a grid of cells, each with
 // the directions that surfaces in it face. For choosing default cameras and lamps; not for shading.
 //
 // Cost: linear in triangles and covered cells; the number of samples is bounded whatever the triangles' sizes.

@@ -3,7 +3,7 @@
 // Proofs about all shadow rays from a piece of a triangle at once.
 //
 //   NONE  no static triangle meets the shaft to the light: every ray is free.
-//   FULL  one connected patch of static triangles closes the shaft's cross-section: every ray is blocked. The patch is
+//   FULL  one connected patch of static triangles closes the shaft's cross-section: every ray is occluded. The patch is
 //         flooded from a triangle known to be in the way, over every edge that meets the shaft; each such edge must be
 //         shared by exactly two triangles and not be a silhouette seen from the light. Then the patch, projected from
 //         the light, covers the cross-section: its edge cannot lie inside.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers a batch for one light: what is known, then what the mask of movers tells, then rays.
+// Answers a batch for one light: what is known, then what the mask of dynamic objects tells, then rays.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -45,18 +45,18 @@ struct CertifiedCulling::Lamp {
     }
 };
 
-bool CertifiedCulling::may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const
+bool CertifiedCulling::may_meet_dynamic(const Batch& batch, const Lamp& lamp, std::uint32_t point) const
 {
     constexpr std::size_t k_most_boxes = 8;   // where there are more a ray is cheaper
-    if (batch.movers.size() > k_most_boxes) return true;
+    if (batch.dynamic_objects.size() > k_most_boxes) return true;
     const glm::vec3& origin = batch.points[point].origin;
     const glm::vec3 direction = lamp.from(origin);
-    return std::any_of(batch.movers.begin(), batch.movers.end(),
+    return std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(),
                        [&](const Box3& box) { return segment_meets(box, origin, direction, lamp.end); });
 }
 
 // Answers what is known, eight points at a time, and lists the rest.
-void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const
 {
     const std::size_t count = batch.points.size();
     const int shift = 2 * (lamp.index % k_lights_per_group);
@@ -67,16 +67,16 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
     std::uint8_t* const is_open = batch.open.data();
     std::size_t asked = 0;
     std::uint64_t known_count = 0;
-    const bool ask_movers_too = !options_.certificates.left_out.has(Check::movers_asked);
+    const bool test_dynamic_too = !options_.certificates.left_out.has(Check::dynamic_tested);
     for (std::size_t first = 0; first < count; first += 8) {
         // States are 00 unknown, 01 none, 10 full, 11 partial.
         const std::uint64_t eight = eight_at(states + first);
         const std::uint64_t low = (eight >> shift) & k_ones, high = (eight >> (shift + 1)) & k_ones;
         const std::uint64_t full = high & ~low, known = low ^ high;
-        std::memcpy(blocked + first, &full, 8);
+        std::memcpy(occluded + first, &full, 8);
         known_count += static_cast<std::uint64_t>(__builtin_popcountll(known));   // they face the light
         std::uint64_t rest =
-            ask_movers_too && batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
+            test_dynamic_too && batch.strip_open[first / Batch::k_strip] ? k_ones & ~full : ~known & k_ones;
         for (; rest != 0; rest &= rest - 1) {
             const std::size_t in_eight = static_cast<std::size_t>(__builtin_ctzll(rest)) / 8, p = first + in_eight;
             if (p >= count) break;
@@ -87,7 +87,7 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
             if (open) {
                 const glm::vec3 direction = lamp.from(here.origin);
                 dark = !(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction);
-                blocked[p] = dark;
+                occluded[p] = dark;
             }
             // Written always, kept where it is not dark: nobody can foretell which.
             asked_point[asked] = point;
@@ -100,12 +100,12 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* b
     batch.counters.skipped += known_count;
 }
 
-// Asks the mask what movers do, and queues the rays it leaves.
-void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* blocked)
+// Asks the mask what dynamic objects do, and queues the rays it leaves.
+void CertifiedCulling::test_dynamic(Batch& batch, const Lamp& lamp, std::uint8_t* occluded)
 {
-    using Answer = MoverMask::Answer;
-    MoverMask::Asked& asked = batch.asked;
-    const bool draw = !batch.movers.empty();
+    using Answer = DynamicMask::Answer;
+    DynamicMask::Asked& asked = batch.asked;
+    const bool draw = !batch.dynamic_objects.empty();
     if (draw) mask_->answer(static_cast<std::uint32_t>(lamp.index), batch.points, asked);
     for (std::size_t first = 0; first < asked.count; first += 8) {
         // What is settled, eight at a time: free, and static geometry known or out of the way.
@@ -125,8 +125,8 @@ void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* 
             if (i >= asked.count) break;
             const std::uint32_t point = asked.point[i];
             const Answer answer = draw ? asked.answer[i] : Answer::free;
-            if (answer == Answer::blocked) {
-                blocked[point] = 1;
+            if (answer == Answer::occluded) {
+                occluded[point] = 1;
                 batch.counters.skipped += batch.open[i];
                 continue;
             }
@@ -134,12 +134,12 @@ void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* 
             if (batch.open[i] && !(draw && asked.clear[i])) {
                 batch.static_rays.push(origin, 0, lamp.from(origin), lamp.end);
                 batch.static_point.push_back(point);
-                batch.then_movers.push_back(answer == Answer::unknown ||
-                                            (answer == Answer::not_drawn && may_meet_mover(batch, lamp, point)));
+                batch.then_dynamic.push_back(answer == Answer::unknown ||
+                                             (answer == Answer::not_drawn && may_meet_dynamic(batch, lamp, point)));
                 continue;
             }
             batch.counters.skipped += batch.open[i];
-            if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_mover(batch, lamp, point)))
+            if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_dynamic(batch, lamp, point)))
                 continue;
             batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
             batch.dynamic_point.push_back(point);
@@ -150,17 +150,17 @@ void CertifiedCulling::ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* 
     batch.counters.skipped -= batch.dynamic_point.size();
 }
 
-// Traces what may meet something static, and queues what must then be traced against movers.
-void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked)
+// Traces what may meet something static, and queues what must then be traced against dynamic objects.
+void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* occluded)
 {
     const std::size_t traced = batch.static_point.size();
     if (traced == 0) return;
     batch.hit.resize(traced + ray::k_packet_pad);
-    rays_->blocked(batch.static_rays, 0, traced, batch.hit.data(), ray::Against::static_only);
+    rays_->occluded(batch.static_rays, 0, traced, batch.hit.data(), ray::Against::static_only);
     for (std::size_t r = 0; r < traced; ++r) {
         const std::uint32_t point = batch.static_point[r];
-        blocked[point] = batch.hit[r];
-        if (batch.hit[r] || !batch.then_movers[r]) continue;
+        occluded[point] = batch.hit[r];
+        if (batch.hit[r] || !batch.then_dynamic[r]) continue;
         const glm::vec3& origin = batch.points[point].origin;
         batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
         batch.dynamic_point.push_back(point);
@@ -208,14 +208,14 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
         }
         float u, v;
         rim.inside(batch.at.uv[point].x, batch.at.uv[point].y, u, v);
-        const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_blocked : k_saw_free) << shift);
+        const auto saw = static_cast<std::uint8_t>((batch.hit[r] ? k_saw_occluded : k_saw_free) << shift);
         std::atomic_ref<std::uint8_t>(evidence[micro_index_at(u, v, level)]).fetch_or(saw, std::memory_order_relaxed);
     }
 }
 
 // A light that moves: nothing is remembered of it, and nothing drawn, for nobody asks twice. Every point that it may
 // reach is a ray against all there is.
-void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const
+void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const
 {
     ray::RayQueue& queue = batch.static_rays;
     queue.clear();
@@ -223,19 +223,19 @@ void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* b
     for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
         const ShadowPoint& here = batch.points[p];
         const glm::vec3 direction = lamp.from(here.origin);
-        blocked[p] = 1;
+        occluded[p] = 1;
         if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) continue;
         queue.push(here.origin, 0, direction, lamp.end);
         batch.static_point.push_back(p);
     }
     const std::size_t traced = queue.size();
     batch.hit.resize(traced + ray::k_packet_pad);
-    rays_->blocked(queue, 0, traced, batch.hit.data());
-    for (std::size_t r = 0; r < traced; ++r) blocked[batch.static_point[r]] = batch.hit[r];
+    rays_->occluded(queue, 0, traced, batch.hit.data());
+    for (std::size_t r = 0; r < traced; ++r) occluded[batch.static_point[r]] = batch.hit[r];
     batch.counters.traced += traced;
 }
 
-void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays)
+void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* occluded, std::uint8_t* rays)
 {
     const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
     const scene::Light& described = state_->scene().lights[static_cast<std::size_t>(light)];
@@ -247,37 +247,37 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* blocked, st
         lamp.outer_cosine = std::cos(described.outer_angle);
     }
     if (!light_on_[static_cast<std::size_t>(light)]) {
-        trace_all(batch, lamp, blocked);
+        trace_all(batch, lamp, occluded);
         if (rays)
             for (const std::uint32_t point : batch.static_point) rays[point] = 1;
         return;
     }
-    movers_->select(batch.bounds, lamp.to, directional, batch.movers);
+    dynamic_->select(batch.bounds, lamp.to, directional, batch.dynamic_objects);
     batch.strip_open.assign(batch.strip_bounds.size(), 0);
     for (std::size_t s = 0; s < batch.strip_open.size(); ++s)
-        batch.strip_open[s] = std::any_of(batch.movers.begin(), batch.movers.end(), [&](const Box3& box) {
-            return may_shadow(box, batch.strip_bounds[s], lamp.to, directional);
-        });
+        batch.strip_open[s] =
+            std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(),
+                        [&](const Box3& box) { return may_shadow(box, batch.strip_bounds[s], lamp.to, directional); });
     batch.static_rays.clear();
     batch.static_point.clear();
-    batch.then_movers.clear();
+    batch.then_dynamic.clear();
     batch.dynamic_rays.clear();
     batch.dynamic_point.clear();
     batch.asked.clear_questions(batch.points.size());
     batch.open.resize(batch.points.size() + 8);
-    sort_open(batch, lamp, blocked);
-    ask_movers(batch, lamp, blocked);
+    sort_open(batch, lamp, occluded);
+    test_dynamic(batch, lamp, occluded);
     if (rays) {
         for (const std::uint32_t point : batch.static_point) rays[point] = 1;
         for (const std::uint32_t point : batch.dynamic_point) rays[point] = 2;
     }
-    trace_static(batch, lamp, blocked);
+    trace_static(batch, lamp, occluded);
 
     // Trace against what moves, where nothing static was in the way.
     if (const std::size_t moving = batch.dynamic_point.size(); moving > 0) {
         batch.hit.resize(moving + ray::k_packet_pad);
-        rays_->blocked(batch.dynamic_rays, 0, moving, batch.hit.data(), ray::Against::dynamic_only);
-        for (std::size_t r = 0; r < moving; ++r) blocked[batch.dynamic_point[r]] |= batch.hit[r];
+        rays_->occluded(batch.dynamic_rays, 0, moving, batch.hit.data(), ray::Against::dynamic_only);
+        for (std::size_t r = 0; r < moving; ++r) occluded[batch.dynamic_point[r]] |= batch.hit[r];
     }
 }
 

@@ -35,8 +35,8 @@ CertifiedCulling::CertifiedCulling(const scene::SceneState& state, const ray::Ra
     triangles_ = std::make_unique<StaticTriangles>(state, rays, options.certificates.left_out);
     memory_ = std::make_unique<ShadowMemory>(2 * triangles_->size(), lights, options.memory);
     light_on_.assign(static_cast<std::size_t>(lights), 1);
-    movers_ = std::make_unique<MoverBounds>(state, rays);
-    mask_ = std::make_unique<MoverMask>(state, rays, *triangles_, options.mask);
+    dynamic_ = std::make_unique<DynamicBounds>(state, rays);
+    mask_ = std::make_unique<DynamicMask>(state, rays, *triangles_, options.mask);
 }
 
 CertifiedCulling::~CertifiedCulling() = default;
@@ -54,7 +54,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
     ++frame_;
     counters_ = {};
     const scene::FrameChanges& changes = state.changes();
-    movers_->update(state, rays);
+    dynamic_->update(state, rays);
     mask_->begin_frame(state, rays, view);
 
     // A light that moves is not remembered; one that stopped starts afresh.
@@ -64,7 +64,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
         if (!left_out.has(Check::light_stops)) memory_->forget_light(static_cast<int>(l));
         light_on_[l] = 1;
     }
-    forget_what_was_lifted();
+    forget_promoted();
     any_light_on_ = std::find(light_on_.begin(), light_on_.end(), 1) != light_on_.end();
     group_mask_.assign(static_cast<std::size_t>(memory_->groups()), 0);
     for (std::size_t l = 0; l < light_on_.size(); ++l)
@@ -73,7 +73,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
 }
 
 // A static object moved by hand: what stands still is no longer what it was.
-void CertifiedCulling::forget_what_was_lifted()
+void CertifiedCulling::forget_promoted()
 {
     const scene::FrameChanges& changes = state_->changes();
     std::vector<RememberedLight> lights;
@@ -130,7 +130,7 @@ std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
     return std::min(k_max_level, static_cast<std::uint32_t>(std::ceil(0.5 * std::log2(parts))));
 }
 
-// Of the strip that begins at a point. What follows it is fetched meanwhile: a picture's points come from far.
+// Of the strip that begins at a point. What follows it is fetched meanwhile: an image's points come from far.
 void CertifiedCulling::Batch::find_bounds(std::size_t first)
 {
     constexpr std::size_t k_line = 64;

@@ -3,19 +3,19 @@
 // Certified shadow culling: the idea of [Nah 2009] made exact.
 //
 // The paper remembers, per whole triangle, what the pixels it happened to see said. Here every static triangle is cut
-// into small parts as fine as the picture needs, and a part's shadow is remembered only once it is proven for all of
+// into small parts as fine as the image needs, and a part's shadow is remembered only once it is proven for all of
 // its points (certificates.h): NONE, then only what moves is traced; FULL, then nothing is; else PARTIAL, and the ray
-// is cast. So the picture is the same to the bit as with every ray traced, whatever the memory holds.
+// is cast. So the image is the same to the bit as with every ray traced, whatever the memory holds.
 //
 // A frame goes: `begin_frame` follows what moved. `classify` and `shadow`, from many threads, answer batches of shadow
 // queries, tracing what is not known and noting what those rays saw as evidence. `end_frame` judges the parts with new
-// evidence: rays blocked and free in one part make it PARTIAL at no cost; else the one certificate that the evidence
+// evidence: rays occluded and free in one part make it PARTIAL at no cost; else the one certificate that the evidence
 // allows is tried, from the coarsest open part down.
 //
-// What moves is asked of a picture of its outlines as the light sees them, drawn where enough points ask
-// (mover_mask.h); it also answers points on movers. What it cannot tell is traced.
+// What moves is asked of an image of its outlines as the light sees them, drawn where enough points ask
+// (dynamic_mask.h); it also answers points on dynamic objects. What it cannot tell is traced.
 //
-// Cost a frame: one look-up a query, the mask, the rays of PARTIAL parts and along the movers' outlines, and
+// Cost a frame: one look-up a query, the mask, the rays of PARTIAL parts and along the dynamic objects' outlines, and
 // certificates for what came into view. What stands still and was seen before costs the look-up alone.
 
 #include <functional>
@@ -48,9 +48,9 @@ struct CullingCounters {
     std::uint64_t queries = 0;   // (point, light) pairs asked
     std::uint64_t skipped = 0;   // answered without a ray
     std::uint64_t dynamic_only =
-        0;                       // traced against movers alone (those that could meet one); the rest of NONE is skipped
-    std::uint64_t traced = 0;    // traced against everything
-    std::uint64_t partial = 0;   // of these, on parts known to be partial
+        0;   // traced against dynamic objects alone (those that could meet one); the rest of NONE is skipped
+    std::uint64_t traced = 0;              // traced against everything
+    std::uint64_t partial = 0;             // of these, on parts known to be partial
     std::uint64_t certificates = 0;        // tried
     std::uint64_t certified = 0;           // that held
     std::uint64_t forgotten_records = 0;   // of static objects that started to move
@@ -73,12 +73,12 @@ class CertifiedCulling {
     /// Takes the points of a batch and finds their parts.
     void classify(Batch& batch, std::span<const ShadowPoint> points);
     /// Answers one light for all points of the batch.
-    /// @param blocked  by point, with room for 8 more: 1 where the light is behind the surface, or something that
+    /// @param occluded  by point, with room for 8 more: 1 where the light is behind the surface, or something that
     /// blocks
     ///                 light lies between
-    /// @param rays     optional, by point: 1 where a ray was traced against everything, 2 against movers alone; else
-    /// left
-    void shadow(Batch& batch, int light, std::uint8_t* blocked, std::uint8_t* rays = nullptr);
+    /// @param rays     optional, by point: 1 where a ray was traced against everything, 2 against dynamic objects
+    /// alone; else left
+    void shadow(Batch& batch, int light, std::uint8_t* occluded, std::uint8_t* rays = nullptr);
     ShadowState state_of(const Batch& batch, std::uint32_t point, int light) const;
 
     /// Judges what this frame's rays saw in the batches that took part. Order of batches does not matter.
@@ -87,9 +87,9 @@ class CertifiedCulling {
         note_news(batches);
         judge(tasks);
     }
-    /// The two halves of it, for who shows the picture in between: what was seen is gathered, and judged as long as
+    /// The two halves of it, for who shows the image in between: what was seen is gathered, and judged as long as
     /// `go_on` says so (asked once in a while, from any thread), or without it as far as the frame can afford
-    /// certificates by the rays it saved; the rest waits for the next call, in whatever frame. Pictures never depend on
+    /// certificates by the rays it saved; the rest waits for the next call, in whatever frame. Images never depend on
     /// how much was judged. @return whether nothing is left
     void note_news(std::span<const std::unique_ptr<Batch>> batches);
     bool judge(Tasks& tasks, const std::function<bool()>& go_on = {});
@@ -99,19 +99,19 @@ class CertifiedCulling {
     std::size_t bytes() const;
     /// The most that evidence took at once; it is freed when it is judged.
     std::size_t most_evidence_bytes() const;
-    /// The mask of movers: room that is used afresh every frame.
+    /// The mask of dynamic objects: room that is used afresh every frame.
     std::size_t mask_bytes() const;
     std::size_t visible_triangles() const { return memory_->live_records(); }
 
  private:
     struct Lamp;
-    void trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
-    void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* blocked) const;
-    void ask_movers(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
-    void trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* blocked);
+    void trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const;
+    void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const;
+    void test_dynamic(Batch& batch, const Lamp& lamp, std::uint8_t* occluded);
+    void trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* occluded);
     void note_seen(Batch& batch, int light);
-    bool may_meet_mover(const Batch& batch, const Lamp& lamp, std::uint32_t point) const;
-    void forget_what_was_lifted();
+    bool may_meet_dynamic(const Batch& batch, const Lamp& lamp, std::uint32_t point) const;
+    void forget_promoted();
     std::vector<RememberedLight> remembered_lights() const;
     RimCodes rim_of_record(RecordId record) const;
     std::uint64_t affordable() const;
@@ -123,8 +123,8 @@ class CertifiedCulling {
     CullingView view_;
     std::unique_ptr<StaticTriangles> triangles_;
     std::unique_ptr<ShadowMemory> memory_;
-    std::unique_ptr<MoverBounds> movers_;
-    std::unique_ptr<MoverMask> mask_;
+    std::unique_ptr<DynamicBounds> dynamic_;
+    std::unique_ptr<DynamicMask> mask_;
     std::vector<char> light_on_;   // its states count: it stands still
     bool any_light_on_ = true;
     std::vector<std::uint8_t> group_mask_;   // per group of four: bits of the lights that are on
@@ -155,11 +155,11 @@ class CertifiedCulling::Batch {
     // Scratch of shadow().
     ray::RayQueue static_rays, dynamic_rays;
     std::vector<std::uint32_t> static_point, dynamic_point;
-    std::vector<std::uint8_t> then_movers;   // by static ray: 1 where what moves is asked if nothing static is hit
+    std::vector<std::uint8_t> then_dynamic;   // by static ray: 1 where what moves is asked if nothing static is hit
     std::vector<std::uint8_t> hit;
-    std::vector<Box3> movers;
-    MoverMask::Asked asked;
-    std::vector<std::uint8_t> strip_open;   // by strip: 1 where a mover may be in the way
+    std::vector<Box3> dynamic_objects;
+    DynamicMask::Asked asked;
+    std::vector<std::uint8_t> strip_open;   // by strip: 1 where a dynamic object may be in the way
     std::vector<std::uint8_t> open;         // by question: 1 where what stands still may be in the way
 };
 

@@ -21,12 +21,12 @@ enum class Check : std::uint8_t {
     no_open_edge,       // an edge in the shaft has another triangle behind it
     no_silhouette,      // which goes on, seen from the light, on the other side
     // What moves
-    movers_asked,          // NONE is about static geometry alone
-    light_moves,           // nothing is remembered of a light that moves
-    light_stops,           // which starts afresh when it stands still
-    lifted_not_receiver,   // a static object moved by hand is no remembered receiver
-    lifted_not_occluder,   // nor an occluder in new certificates
-    lifted_shadow_gone,    // what it may have shadowed is judged again
+    dynamic_tested,          // NONE is about static geometry alone
+    light_moves,             // nothing is remembered of a light that moves
+    light_stops,             // which starts afresh when it stands still
+    promoted_not_receiver,   // a static object moved by hand is no remembered receiver
+    promoted_not_occluder,   // nor an occluder in new certificates
+    promoted_shadow_gone,    // what it may have shadowed is judged again
 };
 
 /// A set of checks to leave out; empty for everybody but tests.

@@ -26,7 +26,7 @@ Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight>
 {
     Forgotten result;
 
-    // Find where it stood, as far as it blocked light.
+    // Find where it stood, as far as it occluded light.
     Box3 footprint;
     const auto [begin, end] = triangles.of(object);
     for (TriangleId id = begin; id < end; ++id)
@@ -34,10 +34,10 @@ Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight>
             for (const glm::vec3& p : triangles[id].p) footprint.add(p);
 
     // Drop what it received.
-    if (!options.left_out.has(Check::lifted_not_receiver))
+    if (!options.left_out.has(Check::promoted_not_receiver))
         for (RecordId record = 2 * begin; record < 2 * end; ++record) result.records += memory.drop(record);
     triangles.remove(object);
-    if (footprint.empty() || options.left_out.has(Check::lifted_shadow_gone)) return result;
+    if (footprint.empty() || options.left_out.has(Check::promoted_shadow_gone)) return result;
 
     // Open again what it may have shadowed.
     for (const RememberedLight& light : lights) {

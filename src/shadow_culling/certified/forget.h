@@ -3,7 +3,7 @@
 // What is forgotten when a static object starts to move: only what its absence can change.
 //
 //   its own parts      it is no remembered receiver any more
-//   FULL behind it     it may have been what blocked
+//   FULL behind it     it may have been what occluded
 //   PARTIAL behind it  can do better without it; judged again
 //   NONE               stays true when something leaves
 //

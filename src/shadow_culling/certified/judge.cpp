@@ -78,8 +78,8 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
 
     if (state == ShadowState::unknown) {
         if (allowed_ == 0) return;
-        state = saw == (k_saw_free | k_saw_blocked) ? ShadowState::partial
-                                                    : certify(part, at_level, light, saw == k_saw_blocked);
+        state = saw == (k_saw_free | k_saw_occluded) ? ShadowState::partial
+                                                     : certify(part, at_level, light, saw == k_saw_occluded);
         if (state != ShadowState::partial) {
             fill_down(part, at_level, light, state);
             return;
@@ -95,7 +95,7 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
     for (const MicroTriangle& c : child) judge_part(c, at_level + 1, light);
 }
 
-ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_blocked)
+ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_occluded)
 {
     const scene::Light& lamp = state_.scene().lights[static_cast<std::size_t>(light)];
     const scene::LightState& at = state_.light(static_cast<scene::LightId>(light));
@@ -120,7 +120,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     ++counters_.certificates;
     --allowed_;
     bool holds = false;
-    if (!saw_blocked) {
+    if (!saw_occluded) {
         holds = certify_none(triangles_, shaft, rules);
     } else if (shaft.valid()) {
         // Find what is in the way of the middle, and try the largest first.
@@ -136,7 +136,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     }
     if (!holds) return ShadowState::partial;
     ++counters_.certified;
-    return saw_blocked ? ShadowState::full : ShadowState::none;
+    return saw_occluded ? ShadowState::full : ShadowState::none;
 }
 
 // Writes a decided part into all finer levels that are kept: where look-ups read.

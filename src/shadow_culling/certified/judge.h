@@ -3,8 +3,8 @@
 // Turns evidence into states, one record (one side of one static triangle) at a time.
 //
 // Top down: a part without evidence is left alone; one decided already needs nothing; one in which rays were both
-// blocked and free is PARTIAL without any proof; else the certificate that the evidence allows is tried. Where it fails
-// the part is PARTIAL, and its quarters, which get states of their own now, are judged.
+// occluded and free is PARTIAL without any proof; else the certificate that the evidence allows is tried. Where it
+// fails the part is PARTIAL, and its quarters, which get states of their own now, are judged.
 
 #include "shadow_culling/certified/certified_culling.h"
 
@@ -26,7 +26,7 @@ class Judge {
  private:
     void gather_evidence(const std::uint8_t* finest);
     void judge_part(const MicroTriangle& part, std::uint32_t at_level, int light);
-    ShadowState certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_blocked);
+    ShadowState certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_occluded);
     void fill_down(const MicroTriangle& part, std::uint32_t at_level, int light, ShadowState state);
 
     const scene::SceneState& state_;

@@ -36,8 +36,8 @@ namespace gnomon::shadow_culling {
 
 enum class ShadowState : std::uint8_t { unknown = 0, none = 1, full = 2, partial = 3 };
 
-/// Evidence bits of one light: some ray was free, some ray was blocked by static geometry.
-inline constexpr std::uint8_t k_saw_free = 1, k_saw_blocked = 2;
+/// Evidence bits of one light: some ray was free, some ray was occluded by static geometry.
+inline constexpr std::uint8_t k_saw_free = 1, k_saw_occluded = 2;
 
 inline constexpr int k_lights_per_group = 4;
 inline constexpr std::uint32_t k_no_slot = 0xffffffffu;

@@ -7,7 +7,7 @@
 
 namespace gnomon::shadow_culling {
 
-/// From where the picture is taken: sets how fine parts get, never what they say.
+/// From where the image is taken: sets how fine parts get, never what they say.
 struct CullingView {
     glm::vec3 eye{0};
     float pixel_spread = 0;   // growth of a pixel's width per unit of distance; 0: orthographic

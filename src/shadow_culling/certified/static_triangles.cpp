@@ -61,7 +61,7 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
     count_.assign(scene.objects.size(), 0);
     std::vector<scene::ObjectId> space;   // by triangle: none for the world's, else the instance's own
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].dynamic || rays.stands_alone(o) || !state.object_visible(o) ||
+        if (scene.objects[o].dynamic || rays.has_own_instance(o) || !state.object_visible(o) ||
             rays.meeting(o) == ray::Meeting::never)
             continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
@@ -208,8 +208,8 @@ std::uint32_t StaticTriangles::build_range(std::uint32_t node, std::uint32_t beg
 void StaticTriangles::remove(scene::ObjectId object)
 {
     const auto [begin, end] = of(object);
-    if (!left_out_.has(Check::lifted_not_receiver)) first_[object] = no_triangle;
-    if (left_out_.has(Check::lifted_not_occluder)) return;
+    if (!left_out_.has(Check::promoted_not_receiver)) first_[object] = no_triangle;
+    if (left_out_.has(Check::promoted_not_occluder)) return;
     for (TriangleId id = begin; id < end; ++id) {
         take_from_tree(id);
         for (std::size_t e = 0; e < 3; ++e) {

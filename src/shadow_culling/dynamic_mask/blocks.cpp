@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the blocks of a mover mask.
+// Draws the blocks of a dynamic object mask.
 #include <algorithm>
 
 #include "shadow_culling/dynamic_mask/parts.h"
@@ -56,7 +56,7 @@ void or_bits(std::uint32_t* row, std::uint32_t texels, std::uint32_t value)
 
 // The block, drawn; or none, where as many rays are cheaper: by the rays that points would take that ask for it now, or
 // that did so in the frame before, whichever are more.
-MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key, std::uint32_t rays)
+DynamicMask::Block* DynamicMask::block_at(LightMask& mask, BlockKey key, std::uint32_t rays)
 {
     const std::size_t wrap = mask.table.size() - 1;
     Block* block = nullptr;
@@ -124,7 +124,7 @@ MoverMask::Block* MoverMask::block_at(LightMask& mask, BlockKey key, std::uint32
 }
 
 // Gathers who may be in a block, by a bin.
-void MoverMask::find_prints(const LightMask& mask, Block& block) const
+void DynamicMask::find_prints(const LightMask& mask, Block& block) const
 {
     const std::uint32_t face = face_of(block.key);
     const auto [low_x, high_x, low_y, high_y, texels] = place_of(block.key);
@@ -152,7 +152,7 @@ void MoverMask::find_prints(const LightMask& mask, Block& block) const
         block.edges += static_cast<std::uint32_t>(units_[mask.prints[p].unit]->shape->edge.size());
 }
 
-void MoverMask::draw(LightMask& mask, Block& block)
+void DynamicMask::draw(LightMask& mask, Block& block)
 {
     const auto [low_x, high_x, low_y, high_y, texels] = place_of(block.key);
     MaskTexels& texels_over = block.texels;
@@ -263,7 +263,7 @@ void MoverMask::draw(LightMask& mask, Block& block)
 }
 
 // Found once a block, and remembered while the light stands still.
-float MoverMask::static_begins(LightMask& mask, Block& block) const
+float DynamicMask::static_begins(LightMask& mask, Block& block) const
 {
     const float known = block.static_begins.load(std::memory_order_relaxed);
     if (!std::isnan(known)) return known;

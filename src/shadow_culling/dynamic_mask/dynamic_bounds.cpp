@@ -72,78 +72,80 @@ bool narrow(float low, float slope_low, float high, float slope_high, float box_
 
 }   // namespace
 
-MoverBounds::MoverBounds(const scene::SceneState& state, const ray::RayScene& rays)
+DynamicBounds::DynamicBounds(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::Scene& scene = state.scene();
     by_group_.assign(scene.groups.size(), scene::none);
     by_object_.assign(scene.objects.size(), scene::none);
     for (scene::GroupId g = 0; g < scene.groups.size(); ++g) {
-        by_group_[g] = static_cast<std::uint32_t>(movers_.size());
-        Mover mover{scene::none, g, {}, {}, 0};
+        by_group_[g] = static_cast<std::uint32_t>(dynamic_.size());
+        DynamicObject dynamic_object{scene::none, g, {}, {}, 0};
         for (const scene::ObjectId o : scene.groups[g].objects)
-            if (!rays.stands_alone(o)) mover.own.add(bounds_of(rays.geometry(o)));
-        movers_.push_back(mover);
+            if (!rays.has_own_instance(o)) dynamic_object.own.add(bounds_of(rays.geometry(o)));
+        dynamic_.push_back(dynamic_object);
     }
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) mover_of(o, scene, rays);
-    for (Mover& mover : movers_) place(mover, state, rays);
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) dynamic_of(o, scene, rays);
+    for (DynamicObject& dynamic_object : dynamic_) place(dynamic_object, state, rays);
     grow_tree();
 }
 
-// Takes in movers that are new.
-void MoverBounds::grow_tree()
+// Takes in dynamic objects that are new.
+void DynamicBounds::grow_tree()
 {
-    if (tree_.size() == movers_.size()) return;
+    if (tree_.size() == dynamic_.size()) return;
     std::vector<Box3> boxes;
-    boxes.reserve(movers_.size());
-    for (const Mover& mover : movers_) boxes.push_back(mover.world);
+    boxes.reserve(dynamic_.size());
+    for (const DynamicObject& dynamic_object : dynamic_) boxes.push_back(dynamic_object.world);
     tree_ = BoxTree(boxes);
 }
 
-// An object's own mover, or its group's; none for what stands still.
-std::uint32_t MoverBounds::mover_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays)
+// An object's own dynamic object, or its group's; none for what stands still.
+std::uint32_t DynamicBounds::dynamic_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays)
 {
-    if (!rays.stands_alone(object)) {
+    if (!rays.has_own_instance(object)) {
         const scene::GroupId group = scene.objects[object].group;
         return group != scene::none ? by_group_[group] : scene::none;
     }
     if (by_object_[object] == scene::none) {
-        by_object_[object] = static_cast<std::uint32_t>(movers_.size());
-        movers_.push_back({object, scene::none, {}, {}, 0});
+        by_object_[object] = static_cast<std::uint32_t>(dynamic_.size());
+        dynamic_.push_back({object, scene::none, {}, {}, 0});
     }
     return by_object_[object];
 }
 
-void MoverBounds::place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays)
+void DynamicBounds::place(DynamicObject& dynamic_object, const scene::SceneState& state, const ray::RayScene& rays)
 {
-    mover.world = Box3{};
-    if (mover.group != scene::none) {
-        const scene::RigidGroup& group = state.scene().groups[mover.group];
+    dynamic_object.world = Box3{};
+    if (dynamic_object.group != scene::none) {
+        const scene::RigidGroup& group = state.scene().groups[dynamic_object.group];
         const auto o = std::find_if(group.objects.begin(), group.objects.end(),
-                                    [&](scene::ObjectId object) { return !rays.stands_alone(object); });
-        if (o != group.objects.end() && state.group_visible(mover.group))
-            mover.world = met(transformed(mover.own, glm::mat4(state.world(group.anchor))), rays.meeting(*o));
-    } else if (state.object_visible(mover.object)) {
-        const ray::ObjectGeometry& geometry = rays.geometry(mover.object);
+                                    [&](scene::ObjectId object) { return !rays.has_own_instance(object); });
+        if (o != group.objects.end() && state.group_visible(dynamic_object.group))
+            dynamic_object.world =
+                met(transformed(dynamic_object.own, glm::mat4(state.world(group.anchor))), rays.meeting(*o));
+    } else if (state.object_visible(dynamic_object.object)) {
+        const ray::ObjectGeometry& geometry = rays.geometry(dynamic_object.object);
         const Box3 own = bounds_of(geometry);
-        mover.world = met(geometry.to_world ? transformed(own, *geometry.to_world) : own, rays.meeting(mover.object));
+        dynamic_object.world =
+            met(geometry.to_world ? transformed(own, *geometry.to_world) : own, rays.meeting(dynamic_object.object));
     }
-    const auto index = static_cast<std::uint32_t>(&mover - movers_.data());
-    if (index < tree_.size()) tree_.move(index, mover.world);
+    const auto index = static_cast<std::uint32_t>(&dynamic_object - dynamic_.data());
+    if (index < tree_.size()) tree_.move(index, dynamic_object.world);
 }
 
-void MoverBounds::update(const scene::SceneState& state, const ray::RayScene& rays)
+void DynamicBounds::update(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::FrameChanges& changes = state.changes();
     const scene::Scene& scene = state.scene();
     ++updates_;
     const auto follow = [&](std::uint32_t m) {
-        if (m == scene::none || movers_[m].placed_at == updates_) return;
-        movers_[m].placed_at = updates_;
-        place(movers_[m], state, rays);
+        if (m == scene::none || dynamic_[m].placed_at == updates_) return;
+        dynamic_[m].placed_at = updates_;
+        place(dynamic_[m], state, rays);
     };
     for (const scene::GroupId g : changes.groups_moved) follow(by_group_[g]);
     for (const auto* list : {&changes.vanished, &changes.appeared, &changes.deformed, &changes.moved})
-        for (const scene::ObjectId o : *list) follow(mover_of(o, scene, rays));
+        for (const scene::ObjectId o : *list) follow(dynamic_of(o, scene, rays));
     grow_tree();
 }
 
@@ -163,21 +165,21 @@ bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light,
     return true;
 }
 
-std::size_t MoverBounds::select(const Box3& points, const glm::vec3& light, bool directional,
-                                std::vector<Box3>& selected) const
+std::size_t DynamicBounds::select(const Box3& points, const glm::vec3& light, bool directional,
+                                  std::vector<Box3>& selected) const
 {
     selected.clear();
     return tree_.find([&](const Box3& box) { return may_shadow(box, points, light, directional); },
-                      [&](std::uint32_t mover) { selected.push_back(movers_[mover].world); });
+                      [&](std::uint32_t dynamic_object) { selected.push_back(dynamic_[dynamic_object].world); });
 }
 
-void MoverBounds::select_of_all(const Box3& points, const glm::vec3& light, bool directional,
-                                std::vector<Box3>& selected) const
+void DynamicBounds::select_of_all(const Box3& points, const glm::vec3& light, bool directional,
+                                  std::vector<Box3>& selected) const
 {
     selected.clear();
-    for (const Mover& mover : movers_)
-        if (!mover.world.empty() && may_shadow(mover.world, points, light, directional))
-            selected.push_back(mover.world);
+    for (const DynamicObject& dynamic_object : dynamic_)
+        if (!dynamic_object.world.empty() && may_shadow(dynamic_object.world, points, light, directional))
+            selected.push_back(dynamic_object.world);
 }
 
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end)

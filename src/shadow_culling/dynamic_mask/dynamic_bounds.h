@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where what moves is now, as boxes, and which of it can shadow a patch of points from a light: the mask that keeps
-// rays from static, unshadowed points away from the movers' tree.
+// rays from static, unshadowed points away from the dynamic objects' tree.
 //
 // Cost a frame: the groups that moved, by the depth of a tree of their boxes. Cost a query: what is near, and that
 // depth.
@@ -13,11 +13,11 @@
 
 namespace gnomon::shadow_culling {
 
-class MoverBounds {
+class DynamicBounds {
  public:
-    MoverBounds(const scene::SceneState& state, const ray::RayScene& rays);
+    DynamicBounds(const scene::SceneState& state, const ray::RayScene& rays);
     /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still, or
-    /// out of its group, is a mover of its own from then on.
+    /// out of its group, is a dynamic object of its own from then on.
     void update(const scene::SceneState& state, const ray::RayScene& rays);
 
     /// Boxes that a ray from anywhere in `points` to the light may meet. Conservative.
@@ -28,18 +28,18 @@ class MoverBounds {
     void select_of_all(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
 
  private:
-    struct Mover {
+    struct DynamicObject {
         scene::ObjectId object;        // none: a group
         scene::GroupId group;          // none: an object by itself
         Box3 own;                      // of a group, in the space of its anchor
         Box3 world;                    // empty while it is hidden
         std::uint64_t placed_at = 0;   // the update that last did
     };
-    std::uint32_t mover_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays);
-    void place(Mover& mover, const scene::SceneState& state, const ray::RayScene& rays);
+    std::uint32_t dynamic_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays);
+    void place(DynamicObject& dynamic_object, const scene::SceneState& state, const ray::RayScene& rays);
     void grow_tree();
 
-    std::vector<Mover> movers_;
+    std::vector<DynamicObject> dynamic_;
     BoxTree tree_;   // of their world boxes
     std::vector<std::uint32_t> by_group_, by_object_;
     std::uint64_t updates_ = 0;

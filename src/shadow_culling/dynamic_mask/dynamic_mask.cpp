@@ -15,27 +15,27 @@ constexpr float k_no_rise = 0.25f;
 
 }   // namespace
 
-MoverMask::MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
-                     const MaskOptions& options)
+DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
+                         const MaskOptions& options)
     : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
 {
     const scene::Scene& scene = state.scene();
     unit_of_.assign(scene.objects.size(), scene::none);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if (scene.objects[o].dynamic || rays.stands_alone(o)) take_in(o);
+        if (scene.objects[o].dynamic || rays.has_own_instance(o)) take_in(o);
     // Instances of one mesh have one shape.
-    std::unordered_map<const glm::vec3*, std::shared_ptr<const MoverShape>> shapes[2];
+    std::unordered_map<const glm::vec3*, std::shared_ptr<const DynamicShape>> shapes[2];
     for (const auto& unit : units_) {
         const ray::ObjectGeometry& geometry = rays.geometry(unit->object);
         auto& shape = shapes[unit->deforming][geometry.positions];
-        if (!shape) shape = std::make_shared<MoverShape>(shape_of(scene, geometry, unit->deforming));
+        if (!shape) shape = std::make_shared<DynamicShape>(shape_of(scene, geometry, unit->deforming));
         unit->shape = shape;
     }
     for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
 }
 
 // An object that moves, from now on.
-MoverMask::Unit& MoverMask::take_in(scene::ObjectId object)
+DynamicMask::Unit& DynamicMask::take_in(scene::ObjectId object)
 {
     unit_of_[object] = static_cast<std::uint32_t>(units_.size());
     units_.push_back(std::make_unique<Unit>());
@@ -46,9 +46,9 @@ MoverMask::Unit& MoverMask::take_in(scene::ObjectId object)
     return unit;
 }
 
-void MoverMask::measure(Unit& unit) const
+void DynamicMask::measure(Unit& unit) const
 {
-    unit.alone = rays_->stands_alone(unit.object);
+    unit.alone = rays_->has_own_instance(unit.object);
     unit.own = Box3{};
     if (unit.deforming) return;
     const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
@@ -56,9 +56,9 @@ void MoverMask::measure(Unit& unit) const
         for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
 }
 
-MoverMask::~MoverMask() = default;
+DynamicMask::~DynamicMask() = default;
 
-void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view)
+void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view)
 {
     state_ = &state;
     rays_ = &rays;
@@ -67,17 +67,17 @@ void MoverMask::begin_frame(const scene::SceneState& state, const ray::RayScene&
     for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
         for (const scene::ObjectId o : *list) {
             const bool known = unit_of_[o] != scene::none;
-            if (known && units_[unit_of_[o]]->alone == rays.stands_alone(o)) continue;
+            if (known && units_[unit_of_[o]]->alone == rays.has_own_instance(o)) continue;
             Unit& unit = known ? *units_[unit_of_[o]] : take_in(o);
             if (known) measure(unit);   // taken out of its group
-            unit.shape = std::make_shared<MoverShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
+            unit.shape = std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
         }
     bool crowded = false;   // with blocks that an earlier view asked for
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;
 }
 
-MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
+DynamicMask::LightMask& DynamicMask::prepared(std::uint32_t light)
 {
     LightMask& mask = *lights_[light];
     if (mask.prepared.load(std::memory_order_acquire) == frame_) return mask;
@@ -95,8 +95,8 @@ MoverMask::LightMask& MoverMask::prepared(std::uint32_t light)
     return mask;
 }
 
-// Whether a mover may be in the way of its own point.
-bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
+// Whether a dynamic object may be in the way of its own point.
+bool DynamicMask::rises(const Print& print, const ShadowPoint& point) const
 {
     const std::vector<float>& rise = units_[print.unit]->shape->rise;
     const std::size_t side = 2 * static_cast<std::size_t>(point.triangle) + (point.front != print.mirrored ? 0 : 1);
@@ -106,7 +106,7 @@ bool MoverMask::rises(const Print& print, const ShadowPoint& point) const
     return !(rise[side] * print.stretch <= k_no_rise * lift);
 }
 
-void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points, Asked& asked)
+void DynamicMask::answer(std::uint32_t light, std::span<const ShadowPoint> points, Asked& asked)
 {
     const std::size_t count = asked.count;
     if (count == 0) return;
@@ -163,7 +163,7 @@ void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points,
         compare_depths(texels, first, end, over, asked.moving.data(), still, asked.answer.data(), asked.clear.data());
         if (!moving) continue;
 
-        // Is what begins over a point on a mover only itself?
+        // Is what begins over a point on a dynamic object only itself?
         for (std::size_t i = first; i < end; ++i) {
             if (asked.answer[i] != Answer::maybe_self) continue;
             const ShadowPoint& point = points[asked.point[i]];
@@ -174,7 +174,7 @@ void MoverMask::answer(std::uint32_t light, std::span<const ShadowPoint> points,
     }
 }
 
-std::size_t MoverMask::bytes() const
+std::size_t DynamicMask::bytes() const
 {
     std::size_t bytes = 0;
     for (const auto& mask : lights_) {

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the movers can shadow this frame, seen from a light: a picture of them on the light's plane that answers most
-// points without a ray.
+// What the dynamic objects can shadow this frame, seen from a light: an image of them on the light's plane that answers
+// most points without a ray.
 //
 // Each object that moves is a surface whose projection has an outline: the edges where it folds over as seen from the
 // light, and those it ends at. Where no outline passes, the number of its layers is the same all over [the argument of
 // certify_full, turned round]; so only outlines are drawn, widened by the margin of rounding, and layers are counted
 // along the rows. A texel then knows, of everything over it (MaskTexels, texels.h), which object begins first and which
 // next, and one that covers all of it. A point deeper than that one ends is in shadow; one nearer than all that begins
-// over it is free of movers. A point on a mover is over itself: where its triangle sees all of its object below its
-// plane, it counts from the next one on.
+// over it is free of dynamic objects. A point on a dynamic object is over itself: where its triangle sees all of its
+// object below its plane, it counts from the next one on.
 //
-// For points on movers the static scene is asked, too: of every block the least depth at which anything static begins
-// is kept while the light stands still. A nearer point is clear of it.
+// For points on dynamic objects the static scene is asked, too: of every block the least depth at which anything static
+// begins is kept while the light stands still. A nearer point is clear of it.
 //
 // Drawn in blocks of texels about a pixel wide, where that is cheaper than the rays it may spare: by the edges of
-// the movers there, and by who asks now and asked in the frame before. Kept while nothing moves. What a block holds,
-// and whether it is asked, does not depend on threads, nor do counts.
+// the dynamic objects there, and by who asks now and asked in the frame before. Kept while nothing moves. What a block
+// holds, and whether it is asked, does not depend on threads, nor do counts.
 //
-// Cost a frame: for each light asked, a box for every mover, the outlines of those in the blocks asked, and the blocks.
+// Cost a frame: for each light asked, a box for every dynamic object, the outlines of those in the blocks asked, and
+// the blocks.
 
 #include <atomic>
 #include <memory>
@@ -34,15 +35,16 @@
 namespace gnomon::shadow_culling {
 
 struct MaskOptions {
-    float texel_pixels = 2;       // width of a texel, in the pixels of the view
-    std::uint32_t asked = 24;     // points of a batch that make a block worth a look
-    double edges_per_ray = 3;     // of the movers in a block, for every ray it may spare, up to which it is drawn
-    double margin = 8e-6;         // rays stray less than this, as a fraction of the largest coordinate in play
+    float texel_pixels = 2;     // width of a texel, in the pixels of the view
+    std::uint32_t asked = 24;   // points of a batch that make a block worth a look
+    double edges_per_ray =
+        3;                  // of the dynamic objects in a block, for every ray it may spare, up to which it is drawn
+    double margin = 8e-6;   // rays stray less than this, as a fraction of the largest coordinate in play
     double min_facing = 1e-2;     // sine under which a triangle counts as edge-on: it covers nothing
     double depth_margin = 4e-4;   // between a point and what it is compared to, as a fraction of the coordinates there
 };
 
-class MoverMask {
+class DynamicMask {
  public:
     struct Unit;
     struct Print;
@@ -52,12 +54,12 @@ class MoverMask {
     using Answer = MaskAnswer;
 
     /// @param triangles  what stands still; kept by reference, and asked as it is then
-    MoverMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
-              const MaskOptions& options);
-    ~MoverMask();
+    DynamicMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
+                const MaskOptions& options);
+    ~DynamicMask();
 
     /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still is
-    /// a mover from then on. (What is known of what stands still remains true: it only got less.)
+    /// a dynamic object from then on. (What is known of what stands still remains true: it only got less.)
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view);
 
     /// Questions about one light, and their answers, by question. A thread's own; reused.
@@ -76,7 +78,7 @@ class MoverMask {
         }
 
      private:
-        friend class MoverMask;
+        friend class DynamicMask;
         Texels texels;
         struct Run {
             std::uint32_t first, block;   // question; into `key`

@@ -36,7 +36,7 @@ std::vector<std::uint32_t> weld(const ray::ObjectGeometry& geometry, bool deform
     return same;
 }
 
-void find_edges(MoverShape& shape)
+void find_edges(DynamicShape& shape)
 {
     struct Half {
         std::uint32_t a, b, triangle;
@@ -65,7 +65,7 @@ void find_edges(MoverShape& shape)
     }
 }
 
-void find_rises(MoverShape& shape, const ray::ObjectGeometry& geometry)
+void find_rises(DynamicShape& shape, const ray::ObjectGeometry& geometry)
 {
     const scene::Mesh& mesh = *geometry.mesh;
     std::vector<std::uint32_t> used(shape.masked_vertex);
@@ -91,10 +91,10 @@ void find_rises(MoverShape& shape, const ray::ObjectGeometry& geometry)
 
 }   // namespace
 
-MoverShape shape_of(const scene::Scene& scene, const ray::ObjectGeometry& geometry, bool deforming)
+DynamicShape shape_of(const scene::Scene& scene, const ray::ObjectGeometry& geometry, bool deforming)
 {
     const scene::Mesh& mesh = *geometry.mesh;
-    MoverShape shape;
+    DynamicShape shape;
     const std::vector<std::uint32_t> same = weld(geometry, deforming);
     std::vector<std::uint32_t> number(mesh.positions.size(), 0xffffffffu);   // in `vertex`
     for (const scene::MeshPart& part : mesh.parts) {

@@ -13,7 +13,7 @@
 
 namespace gnomon::shadow_culling {
 
-struct MoverShape {
+struct DynamicShape {
     struct Edge {
         std::uint32_t a, b;           // corners, into `vertex`
         std::uint32_t first, count;   // of its triangles, into `sides`
@@ -35,6 +35,6 @@ struct MoverShape {
     bool blocks() const { return !triangle.empty() || !masked_vertex.empty(); }
 };
 
-MoverShape shape_of(const scene::Scene& scene, const ray::ObjectGeometry& geometry, bool deforming);
+DynamicShape shape_of(const scene::Scene& scene, const ray::ObjectGeometry& geometry, bool deforming);
 
 }   // namespace gnomon::shadow_culling

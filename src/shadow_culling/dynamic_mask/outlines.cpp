@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outline of a mover on a light's plane.
+// The outline of a dynamic object on a light's plane.
 #include <cmath>
 
 #include "shadow_culling/dynamic_mask/parts.h"
@@ -7,7 +7,7 @@
 namespace gnomon::shadow_culling {
 
 // Finds the outline of a unit, and where exactly it begins and ends.
-void MoverMask::find_outline(LightMask& mask, Print& print)
+void DynamicMask::find_outline(LightMask& mask, Print& print)
 {
     std::vector<Piece>& outline = mask.outlines[&print - mask.prints.data()];
     outline.clear();
@@ -20,7 +20,7 @@ void MoverMask::find_outline(LightMask& mask, Print& print)
         print.mirrored = glm::determinant(linear) < 0;
     }
     if (rays_->meeting(unit.object) == ray::Meeting::roughly) print.stretch = k_infinity;   // any of it rises
-    const MoverShape& shape = *unit.shape;
+    const DynamicShape& shape = *unit.shape;
     if (print.blind) return;
     const LightSpace& space = mask.space;
 
@@ -88,11 +88,11 @@ void MoverMask::find_outline(LightMask& mask, Print& print)
     }
 
     // An edge belongs to the outline unless two triangles meet there that lie on either side.
-    for (const MoverShape::Edge& edge : shape.edge) {
+    for (const DynamicShape::Edge& edge : shape.edge) {
         std::int32_t layers = 0;   // that lie to the left of it, less those to the right
         bool edge_on = false;
         for (std::uint32_t s = edge.first; s < edge.first + edge.count; ++s) {
-            const MoverShape::Side& side = shape.sides[s];
+            const DynamicShape::Side& side = shape.sides[s];
             layers += side.forward ? turn[side.triangle] : -turn[side.triangle];
             edge_on = edge_on || turn[side.triangle] == 0;
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What a mover mask is made of; for its own files alone.
+// What a dynamic object mask is made of; for its own files alone.
 
 #include <array>
 #include <unordered_map>
@@ -19,16 +19,16 @@ struct Piece {
 };
 
 // An object that moves.
-struct MoverMask::Unit {
+struct DynamicMask::Unit {
     scene::ObjectId object = scene::none;
     bool deforming = false;
     bool alone = false;   // its corners are in its own space, else in its group's
     Box3 own;             // in that space, of a rigid one
-    std::shared_ptr<const MoverShape> shape;
+    std::shared_ptr<const DynamicShape> shape;
 };
 
 // A unit on one face of a light's plane.
-struct MoverMask::Print {
+struct DynamicMask::Print {
     std::uint32_t unit = 0, face = 0;
     float low_x = 0, low_y = 0, high_x = 1, high_y = 1;   // on the plane
     float between = 0;                                    // margin of depths
@@ -38,7 +38,7 @@ struct MoverMask::Print {
     bool blind = false;   // may be anywhere: too near to the light's plane to be drawn, or met roughly
 };
 
-struct MoverMask::Block {
+struct DynamicMask::Block {
     BlockKey key = 0;
     std::atomic<bool> ready = false;   // who may be here is known
     std::atomic<int> drawn = 0;        // 1: someone draws it; 2: it is; 3: it cannot be
@@ -52,7 +52,7 @@ struct MoverMask::Block {
     std::vector<std::uint32_t> print_of;   // by number in `texels`
 };
 
-struct MoverMask::LightMask {
+struct DynamicMask::LightMask {
     std::mutex mutex;
     std::atomic<std::uint32_t> prepared = 0;   // frame
     LightSpace space;

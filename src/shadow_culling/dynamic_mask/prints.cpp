@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where on a light's plane every mover is.
+// Where on a light's plane every dynamic object is.
 #include <algorithm>
 
 #include "shadow_culling/dynamic_mask/parts.h"
@@ -21,8 +21,8 @@ float largest_coordinate(const Box3& box)
 
 }   // namespace
 
-// Finds where on the light's plane every mover may be, by its box.
-void MoverMask::place_prints(LightMask& mask, std::uint32_t light)
+// Finds where on the light's plane every dynamic object may be, by its box.
+void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
 {
     const scene::LightState& at = state_->light(light);
     visibility::LightPoint to;
@@ -151,9 +151,9 @@ void MoverMask::place_prints(LightMask& mask, std::uint32_t light)
 }
 
 // Starts afresh what is known of what stands still, where the light or the margin is another.
-void MoverMask::forget_static_unless(LightMask& mask, const LightSpace& space, float coordinate) const
+void DynamicMask::forget_static_unless(LightMask& mask, const LightSpace& space, float coordinate) const
 {
-    constexpr double k_room = 1.5;             // so that movers that come and go do not ask for another margin
+    constexpr double k_room = 1.5;             // so that dynamic objects that come and go do not ask for another margin
     constexpr std::size_t k_most = 1u << 16;   // blocks
     const bool same = mask.static_margin >= mask.margin && mask.space.light().place == space.light().place &&
                       mask.static_begins.size() < k_most;
@@ -164,7 +164,7 @@ void MoverMask::forget_static_unless(LightMask& mask, const LightSpace& space, f
 }
 
 // Sorts the prints into a coarse grid around them all.
-void MoverMask::fill_bins(LightMask& mask) const
+void DynamicMask::fill_bins(LightMask& mask) const
 {
     float low[2] = {1, 1}, high[2] = {0, 0};
     for (const Print& print : mask.prints) {

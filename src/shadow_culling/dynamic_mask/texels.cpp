@@ -126,7 +126,7 @@ void compare_depths(const Texels& points, std::size_t first, std::size_t end, co
                     const std::uint8_t* moving, float still, MaskAnswer* answer, std::uint8_t* clear)
 {
     static_assert(static_cast<int>(MaskAnswer::unknown) == 1 && static_cast<int>(MaskAnswer::free) == 2 &&
-                  static_cast<int>(MaskAnswer::blocked) == 3 && static_cast<int>(MaskAnswer::maybe_self) == 4);
+                  static_cast<int>(MaskAnswer::occluded) == 3 && static_cast<int>(MaskAnswer::maybe_self) == 4);
     const float* const begins = over.begins.data();
     const float* const ends = over.ends.data();
     for (std::size_t i = first; i < end; ++i) {

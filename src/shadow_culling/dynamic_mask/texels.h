@@ -51,7 +51,7 @@ std::uint32_t level_of(const LightSpace& space, const CullingView& view, float t
 
 /// What is known of a point and something that lies over texels. `maybe_self`: unknown for what begins first alone,
 /// which may be what the point is on.
-enum class MaskAnswer : std::uint8_t { not_drawn, unknown, free, blocked, maybe_self };
+enum class MaskAnswer : std::uint8_t { not_drawn, unknown, free, occluded, maybe_self };
 
 /// Points and their texels, by point; arrays are padded.
 struct Texels {
@@ -83,7 +83,7 @@ struct MaskTexels {
     std::uint32_t full(std::uint32_t at) const { return texel[at] >> 16 & 255; }
 };
 
-/// answer[i] for points [first, end) of one block: blocked behind what covers the texel, free before anything begins,
+/// answer[i] for points [first, end) of one block: occluded behind what covers the texel, free before anything begins,
 /// else unknown; of points that move, unknown or maybe_self. Arrays may be read and written up to a step beyond the
 /// end.
 /// @param moving  by point: 1 where it is on something that moves

@@ -52,7 +52,7 @@ class Modes {
     /// @param touched  the caller's own list; gets the primitive if nothing was noted of it in this frame before
     void note_shadow(PrimitiveId primitive, int light, ShadowMode bits, std::vector<PrimitiveId>& touched);
 
-    // The same for primary hits; by one thread, in the order of the picture.
+    // The same for primary hits; by one thread, in the order of the image.
     /// Counts a pixel that shows the primitive.
     void note_pixel(PrimitiveId primitive, std::vector<PrimitiveId>& rendered)
     {

@@ -103,17 +103,17 @@ ShadowDecision PaperCulling::decide(PrimitiveId origin, int light, Notes& notes)
     return decision;
 }
 
-void PaperCulling::note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_blocked, Notes& notes)
+void PaperCulling::note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_occluded, Notes& notes)
 {
     // DEVIATION(Nah 2009, Table 3): `cullingResult` is nowhere assigned. Traversal of dynamic objects alone counts as
     // culled and sets no bits: callers note full traversals alone.
     // Moving primitives are never FULLY_RENDERED, so their shadow modes would never be read.
     if (triangles_.is_dynamic(origin)) return;
-    const ShadowMode bits = shadow_bits(static_part, dynamic_blocked, options_.set_modes);
+    const ShadowMode bits = shadow_bits(static_part, dynamic_occluded, options_.set_modes);
     if (bits != ShadowMode::init) modes_.note_shadow(origin, light, bits, notes.touched);
 }
 
-void PaperCulling::see_picture(std::span<const PrimaryHit> hits, std::size_t width)
+void PaperCulling::see_image(std::span<const PrimaryHit> hits, std::size_t width)
 {
     GNOMON_CHECK(width > 0 && hits.size() % width == 0);
     for (std::size_t begin = 0; begin < hits.size(); begin += width) {

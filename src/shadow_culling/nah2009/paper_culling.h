@@ -3,20 +3,20 @@
 // Shadow culling as published: J.-H. Nah, W.-C. Park, T.-D. Han, "Shadow Culling for Interactive Ray Tracing" (2009).
 //
 // What static geometry does to static geometry under a light that stands still does not change from frame to frame. So
-// every triangle remembers, per light, whether the shadow rays that left it were all blocked or all free; where all of
+// every triangle remembers, per light, whether the shadow rays that left it were all occluded or all free; where all of
 // the triangle was seen, the next frame's rays are not traced, or against moving objects alone.
 //
 // A frame goes:
 //   begin_frame     forgets what moved lights and objects have made untrue
 //   decide, trace, note   per hit and light, from any threads; each with its own notes
-//   see_picture     the occlusion test over the primary hits (before or after the shadow rays, at any time in the
+//   see_image     the occlusion test over the primary hits (before or after the shadow rays, at any time in the
 //   frame) end_frame       merges the notes
 //
 // DEVIATION(Nah 2009, 2.3 to 2.6): modes are read as they stood when the frame began, and what is learned is merged
-// when it ends; the paper writes them as it goes. So the picture does not depend on threads, nor on the order of the
+// when it ends; the paper writes them as it goes. So the image does not depend on threads, nor on the order of the
 // pixels.
 //
-// The scheme is a heuristic and its pictures can be wrong: shadows smaller than a pixel, primitives whose left or upper
+// The scheme is a heuristic and its images can be wrong: shadows smaller than a pixel, primitives whose left or upper
 // part is hidden, points never shaded. Nothing here hides that: callers compare against a full trace.
 //
 // Cost: one look-up a shadow ray; 0 to 2 triangle tests a pixel; the merge of what was seen. A light that moves costs a
@@ -75,11 +75,11 @@ class PaperCulling {
     /// What to do about one shadow ray.
     ShadowDecision decide(PrimitiveId origin, int light, Notes& notes) const;
     /// What a ray met whose decision was full_traversal; the others teach nothing.
-    /// @param dynamic_blocked  by a moving object; need not be known where a static one blocks
-    void note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_blocked, Notes& notes);
-    /// The occlusion test over all rows of the picture; once a frame, by one thread.
+    /// @param dynamic_occluded  by a moving object; need not be known where a static one blocks
+    void note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_occluded, Notes& notes);
+    /// The occlusion test over all rows of the image; once a frame, by one thread.
     /// @param hits  row by row from the top left, width a row
-    void see_picture(std::span<const PrimaryHit> hits, std::size_t width);
+    void see_image(std::span<const PrimaryHit> hits, std::size_t width);
 
     /// Merges and empties the notes of all threads that took part.
     void end_frame(std::span<Notes> notes);

@@ -6,7 +6,7 @@
 namespace gnomon::shadow_culling {
 
 void PaperTracer::answer(PaperCulling& culling, const ray::RayScene& rays, int light, const ray::RayQueue& asked,
-                         std::span<const PrimitiveId> origins, std::uint8_t* blocked, std::uint8_t* traced)
+                         std::span<const PrimitiveId> origins, std::uint8_t* occluded, std::uint8_t* traced)
 {
     GNOMON_CHECK_EQ(asked.size(), origins.size());
     full_.clear(), moving_.clear();
@@ -18,7 +18,7 @@ void PaperTracer::answer(PaperCulling& culling, const ray::RayScene& rays, int l
         if (traced)
             traced[i] = decision == ShadowDecision::in_shadow ? 0 : decision == ShadowDecision::dynamic_only ? 2 : 1;
         if (decision == ShadowDecision::in_shadow) {
-            blocked[i] = 1;
+            occluded[i] = 1;
             continue;
         }
         const bool all = decision == ShadowDecision::full_traversal;
@@ -27,35 +27,35 @@ void PaperTracer::answer(PaperCulling& culling, const ray::RayScene& rays, int l
     }
 
     // Trace what is left.
-    trace_full(culling, rays, light, origins, blocked);
+    trace_full(culling, rays, light, origins, occluded);
     hit_.resize(moving_.size() + ray::k_packet_pad);
-    rays.blocked(moving_, 0, moving_.size(), hit_.data(), ray::Against::dynamic_only);
-    for (std::size_t i = 0; i < moving_.size(); ++i) blocked[moving_ray_[i]] = hit_[i];
+    rays.occluded(moving_, 0, moving_.size(), hit_.data(), ray::Against::dynamic_only);
+    for (std::size_t i = 0; i < moving_.size(); ++i) occluded[moving_ray_[i]] = hit_[i];
 }
 
 // Static objects first: only so is it known what they did to a ray that something dynamic blocks, too.
 void PaperTracer::trace_full(PaperCulling& culling, const ray::RayScene& rays, int light,
-                             std::span<const PrimitiveId> origins, std::uint8_t* blocked)
+                             std::span<const PrimitiveId> origins, std::uint8_t* occluded)
 {
     hit_.resize(full_.size() + ray::k_packet_pad);
-    rays.blocked(full_, 0, full_.size(), hit_.data(), ray::Against::static_only);
+    rays.occluded(full_, 0, full_.size(), hit_.data(), ray::Against::static_only);
     // What the static objects let pass meets the dynamic ones; those rays move to the front of the queue.
     std::size_t passed = 0;
     for (std::size_t i = 0, count = full_.size(); i < count; ++i) {
         const std::uint32_t r = full_ray_[i];
         if (hit_[i]) {
-            blocked[r] = 1;
-            culling.note(origins[r], light, StaticPart::blocked, false, notes_);
+            occluded[r] = 1;
+            culling.note(origins[r], light, StaticPart::occluded, false, notes_);
             continue;
         }
         for (auto* a : {&full_.ox, &full_.oy, &full_.oz, &full_.tnear, &full_.dx, &full_.dy, &full_.dz, &full_.tfar})
             (*a)[passed] = (*a)[i];
         full_ray_[passed++] = r;
     }
-    rays.blocked(full_, 0, passed, hit_.data(), ray::Against::dynamic_only);
+    rays.occluded(full_, 0, passed, hit_.data(), ray::Against::dynamic_only);
     for (std::size_t i = 0; i < passed; ++i) {
         const std::uint32_t r = full_ray_[i];
-        blocked[r] = hit_[i];
+        occluded[r] = hit_[i];
         culling.note(origins[r], light, StaticPart::free, hit_[i] != 0, notes_);
     }
 }

@@ -23,17 +23,18 @@ class PaperTracer {
     /// Answers one light's shadow rays. Threads may share `culling`, each with a tracer of its own.
     /// @param asked    the rays, as a full trace would cast them
     /// @param origins  by ray: the primitive that it leaves
-    /// @param blocked  by ray: 1 where it is taken as blocked, else 0
-    /// @param traced   optional, by ray: 1 where it was traced against everything, 2 against movers alone, 0 not at all
+    /// @param occluded  by ray: 1 where it is taken as occluded, else 0
+    /// @param traced   optional, by ray: 1 where it was traced against everything, 2 against dynamic objects alone, 0
+    /// not at all
     void answer(PaperCulling& culling, const ray::RayScene& rays, int light, const ray::RayQueue& asked,
-                std::span<const PrimitiveId> origins, std::uint8_t* blocked, std::uint8_t* traced = nullptr);
+                std::span<const PrimitiveId> origins, std::uint8_t* occluded, std::uint8_t* traced = nullptr);
 
     /// What it learned in this frame, for PaperCulling::end_frame.
     Notes take_notes() { return std::exchange(notes_, {}); }
 
  private:
     void trace_full(PaperCulling& culling, const ray::RayScene& rays, int light, std::span<const PrimitiveId> origins,
-                    std::uint8_t* blocked);
+                    std::uint8_t* occluded);
 
     Notes notes_;
     ray::RayQueue full_, moving_;

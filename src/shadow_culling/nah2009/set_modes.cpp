@@ -3,15 +3,16 @@
 
 namespace gnomon::shadow_culling {
 
-ShadowMode shadow_bits(StaticPart static_part, bool dynamic_blocked, const SetModesOptions& options)
+ShadowMode shadow_bits(StaticPart static_part, bool dynamic_occluded, const SetModesOptions& options)
 {
     if (options.remember_dynamic_blockers)
-        return dynamic_blocked || static_part == StaticPart::blocked ? ShadowMode::full_shadow : ShadowMode::non_shadow;
+        return dynamic_occluded || static_part == StaticPart::occluded ? ShadowMode::full_shadow
+                                                                       : ShadowMode::non_shadow;
 
     // DEVIATION(Nah 2009, Table 3): the coherence claimed is that of static on static. Only what a static occluder, or
     // the absence of one, did is remembered; Table 3 sets FULL_SHADOW for any blocker.
     switch (static_part) {
-        case StaticPart::blocked:
+        case StaticPart::occluded:
             return ShadowMode::full_shadow;
         case StaticPart::free:
             return ShadowMode::non_shadow;

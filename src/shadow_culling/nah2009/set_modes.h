@@ -16,11 +16,11 @@ struct SetModesOptions {
 };
 
 /// What a traced shadow ray met among the static objects.
-enum class StaticPart : std::uint8_t { free, blocked, unknown };
+enum class StaticPart : std::uint8_t { free, occluded, unknown };
 
 /// Table 3, the bits that a ray traced against everything sets; INIT: none.
 /// @param unknown for a ray that ended at a moving object before all static ones were tried
-ShadowMode shadow_bits(StaticPart static_part, bool dynamic_blocked, const SetModesOptions& options);
+ShadowMode shadow_bits(StaticPart static_part, bool dynamic_occluded, const SetModesOptions& options);
 
 /// 2.6: what the occlusion mode becomes at the end of a frame that rendered the primitive.
 /// @param begun        as the frame began

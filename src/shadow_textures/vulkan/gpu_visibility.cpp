@@ -22,15 +22,15 @@ GpuVisibility::GpuVisibility(const std::shared_ptr<vk::Device>& device, const li
 
 void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews& views,
                            const light_views::GpuLightViews& buffers, const GpuTextures* textures,
-                           const PictureInputs& picture, const vk::Image& out, const LookupOptions& options)
+                           const ImageInputs& inputs, const vk::Image& out, const LookupOptions& options)
 {
     const auto lights = static_cast<std::uint32_t>(views.atlas().first_tile.size() - 1);
-    record(commands, views, buffers, textures, picture, out, options, 0, lights);
+    record(commands, views, buffers, textures, inputs, out, options, 0, lights);
 }
 
 void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews& views,
                            const light_views::GpuLightViews& buffers, const GpuTextures* textures,
-                           const PictureInputs& picture, const vk::Image& out, const LookupOptions& options,
+                           const ImageInputs& inputs, const vk::Image& out, const LookupOptions& options,
                            std::uint32_t first, std::uint32_t count)
 {
     if (count == 0) return;
@@ -39,16 +39,16 @@ void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews
     records_.update(commands, views);
     vk::Pass pass = commands.pass("shadow look-up");
     records_.declare(pass, buffers, textures);
-    for (const vk::Image* image : {picture.positions, picture.normals, picture.objects})
+    for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects})
         pass.reads(*image, vk::Use::sampled);
     pass.writes(out).compute([&](vk::Recorder& recorder) {
         recorder.bind(pipeline_);
-        recorder.set("positions", *picture.positions, buffers.sampler());
-        recorder.set("normals", *picture.normals, buffers.sampler());
-        recorder.set("objects", *picture.objects, buffers.sampler());
+        recorder.set("positions", *inputs.positions, buffers.sampler());
+        recorder.set("normals", *inputs.normals, buffers.sampler());
+        recorder.set("objects", *inputs.objects, buffers.sampler());
         records_.bind(recorder, buffers, textures);
         recorder.set("visibility", out);
-        const glm::uvec2 size(picture.positions->width(), picture.positions->height());
+        const glm::uvec2 size(inputs.positions->width(), inputs.positions->height());
         shared::LookupConstants constants = LookupRecords::constants(size, views, textures, options);
         constants.first_light = first;
         recorder.push(constants);

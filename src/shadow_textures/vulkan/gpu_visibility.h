@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the picture takes from shadow textures: how much of each light each of its pixels sees.
+// What the image takes from shadow textures: how much of each light each of its pixels sees.
 //
 // Cost: pixels times lights times the filter's texels. The records of views are sent when a light moved.
 
@@ -8,8 +8,8 @@
 
 namespace gnomon::shadow_textures {
 
-/// The picture's points, as many pixels each.
-struct PictureInputs {
+/// The image's points, as many pixels each.
+struct ImageInputs {
     const vk::Image* positions = nullptr;   // world space, float
     const vk::Image* normals = nullptr;     // geometric, unit, on the viewer's side
     const vk::Image* objects = nullptr;     // unsigned: object + 1, 0 where nothing is
@@ -22,11 +22,11 @@ class GpuVisibility {
     /// @param textures  the receivers' own textures are looked up; nullptr: the items instead
     /// @param out       R8_UNORM, storage, an array with a layer a light: 255 lit, 0 in shadow or facing away
     void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
-                const GpuTextures* textures, const PictureInputs& picture, const vk::Image& out,
+                const GpuTextures* textures, const ImageInputs& inputs, const vk::Image& out,
                 const LookupOptions& options);
     /// The same for lights first ... first + count - 1, in layers 0 ... count - 1.
     void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
-                const GpuTextures* textures, const PictureInputs& picture, const vk::Image& out,
+                const GpuTextures* textures, const ImageInputs& inputs, const vk::Image& out,
                 const LookupOptions& options, std::uint32_t first, std::uint32_t count);
 
  private:

@@ -54,11 +54,11 @@ bool is_around(uint bounds, uvec2 at)
 
 // Goes through one list; a macro, for buffers are no arguments. `word`: entries of the block at
 // `next`'s that are still to be looked at.
-#define BLOCKED_BY(list, first, blocks_of, entries, test)                                                              \
+#define OCCLUDED_BY(list, first, blocks_of, entries, test)                                                              \
     {                                                                                                                  \
         uint next = first[list], last = first[list + 1u], block = next / GNOMON_BLOCK_ENTRIES, word = 0u;              \
         uint skip = next % GNOMON_BLOCK_ENTRIES;                                                                       \
-        while (!blocked) {                                                                                             \
+        while (!occluded) {                                                                                             \
             bool found = false;                                                                                        \
             while (!found && (word != 0u || block * GNOMON_BLOCK_ENTRIES < last)) {                                    \
                 if (word == 0u) {                                                                                      \
@@ -71,7 +71,7 @@ bool is_around(uint bounds, uvec2 at)
                 }                                                                                                      \
             }                                                                                                          \
             if (!found) break;                                                                                         \
-            blocked = test(entries[next].triangle, origin, to_light, end);                                             \
+            occluded = test(entries[next].triangle, origin, to_light, end);                                             \
         }                                                                                                              \
     }
 
@@ -103,10 +103,10 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
 
     // Each invocation goes on to its next triangle around the point, then all test theirs at once: a device that runs
     // them in step would else test whenever one of them has to.
-    bool blocked = false;
-    BLOCKED_BY(list, static_first, static_blocks, static_entries, blocks)
-    BLOCKED_BY(list, moving_first, moving_blocks, moving_entries, blocks)
-    BLOCKED_BY(list + 1u, static_first, static_blocks, static_entries, blocks_masked)
-    BLOCKED_BY(list + 1u, moving_first, moving_blocks, moving_entries, blocks_masked)
-    return blocked ? 0.0 : 1.0;
+    bool occluded = false;
+    OCCLUDED_BY(list, static_first, static_blocks, static_entries, blocks)
+    OCCLUDED_BY(list, moving_first, moving_blocks, moving_entries, blocks)
+    OCCLUDED_BY(list + 1u, static_first, static_blocks, static_entries, blocks_masked)
+    OCCLUDED_BY(list + 1u, moving_first, moving_blocks, moving_entries, blocks_masked)
+    return occluded ? 0.0 : 1.0;
 }

@@ -30,8 +30,8 @@ void HardVisibility::update(vk::Commands& commands, const light_views::LightView
 }
 
 void HardVisibility::record(vk::Commands& commands, const light_views::LightViews& views,
-                            const light_views::CasterGeometry& casters, const PictureInputs& picture,
-                            const vk::Image& out, std::uint32_t first, std::uint32_t count)
+                            const light_views::CasterGeometry& casters, const ImageInputs& inputs, const vk::Image& out,
+                            std::uint32_t first, std::uint32_t count)
 {
     if (count == 0) return;
     GNOMON_CHECK_LE(count, out.desc().layers);
@@ -40,18 +40,18 @@ void HardVisibility::record(vk::Commands& commands, const light_views::LightView
     records_.declare_views(pass);
     casters.declare_alpha(pass);
     cells_.declare(pass);
-    for (const vk::Image* image : {picture.positions, picture.normals, picture.objects})
+    for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects})
         pass.reads(*image, vk::Use::sampled);
     pass.writes(out).compute([&](vk::Recorder& recorder) {
         recorder.bind(pipeline_);
-        recorder.set("positions", *picture.positions, sampler_.get());
-        recorder.set("normals", *picture.normals, sampler_.get());
-        recorder.set("objects", *picture.objects, sampler_.get());
+        recorder.set("positions", *inputs.positions, sampler_.get());
+        recorder.set("normals", *inputs.normals, sampler_.get());
+        recorder.set("objects", *inputs.objects, sampler_.get());
         records_.bind_views(recorder);
         casters.bind_alpha(recorder);
         cells_.bind(recorder);
         recorder.set("visibility", out);
-        const glm::uvec2 size(picture.positions->width(), picture.positions->height());
+        const glm::uvec2 size(inputs.positions->width(), inputs.positions->height());
         shared::LookupConstants constants = LookupRecords::constants(size, views, nullptr, LookupOptions());
         constants.first_light = first;
         recorder.push(constants);

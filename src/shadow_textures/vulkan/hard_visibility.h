@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the picture takes from the lights where edges of shadows are to be hard: those of the casters' triangles, not of
+// What the image takes from the lights where edges of shadows are to be hard: those of the casters' triangles, not of
 // texels (hard_edges.glsl). The light views still say what changed; their depths are not looked at.
 //
 // Cost: pixels times lights times the triangles over a cell; with ten thousand leaves between, many.
@@ -20,7 +20,7 @@ class HardVisibility {
 
     /// @param out  as GpuVisibility::record has it: lights first ... first + count - 1
     void record(vk::Commands& commands, const light_views::LightViews& views,
-                const light_views::CasterGeometry& casters, const PictureInputs& picture, const vk::Image& out,
+                const light_views::CasterGeometry& casters, const ImageInputs& inputs, const vk::Image& out,
                 std::uint32_t first, std::uint32_t count);
 
     const light_views::CasterCells& cells() const { return cells_; }

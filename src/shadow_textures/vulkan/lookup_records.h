@@ -28,7 +28,7 @@ class LookupRecords {
     vk::Pass& declare_views(vk::Pass& pass) const;
     void bind_views(vk::Recorder& recorder) const;
 
-    /// @param size  of the picture
+    /// @param size  of the image
     static shared::LookupConstants constants(glm::uvec2 size, const light_views::LightViews& views,
                                              const GpuTextures* textures, const LookupOptions& options);
 

@@ -26,7 +26,7 @@ struct LightRecord {
 };
 
 struct LookupConstants {
-    uvec2 size;           // of the picture
+    uvec2 size;           // of the image
     float filter_width;   // of the box that softens edges, in texels; 0: hard
     float self_margin;    // see LookupOptions
     float other_margin;

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// How much of some lights each pixel sees, from the picture's positions, normals and object numbers. One layer a light.
+// How much of some lights each pixel sees, from the image's positions, normals and object numbers. One layer a light.
 #include "shadow_textures/vulkan/lookup_shared.h"
 #include "shadow_textures/vulkan/textures_shared.h"
 
