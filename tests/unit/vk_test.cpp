@@ -332,7 +332,7 @@ TEST_F(Vulkan, FaultTooLittleMemory)
     EXPECT_TRUE(has(thrown<MissingError>([&] { vk::Buffer(device_, "big", 64 << 20); }),
                     "taking 64 MiB for buffer 'big' failed: out of device memory"));
     EXPECT_TRUE(
-        has(thrown<MissingError>([&] { vk::Image(device_, {.name = "picture", .usage = VK_IMAGE_USAGE_SAMPLED_BIT}); }),
+        has(thrown<MissingError>([&] { vk::Image(device_, {.name = "image", .usage = VK_IMAGE_USAGE_SAMPLED_BIT}); }),
             "image 'image'"));
 }
 
