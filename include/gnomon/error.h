@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The exceptions the library throws, one type for each thing a caller can do about it.
+// The exceptions that the library throws, one type for each way in which a caller can react.
 //
-// Assert for our bug, exception for the world, return value for the expected. `what()` is always one line, ready to be
-// shown to a person.
+// A failed internal check throws InternalError, and expected outcomes are return values. `what()` is always one line
+// that can be shown to the user.
 
 #include <stdexcept>
 #include <string>
 
 namespace gnomon {
 
-/// Everything the library throws derives from this.
+/// Base class of all exceptions that the library throws.
 class Error : public std::runtime_error {
  public:
     using std::runtime_error::runtime_error;
 };
 
-/// A file that cannot be used: names the file, the place in it, and what is wrong there. Exit code 3.
+/// An input file that cannot be used. The message names the file, the place in it and the fault. Exit code 3.
 class InputError : public Error {
  public:
-    /// @param file   path as the user gave it, or as the file that names it does
-    /// @param place  "line:column", a JSON pointer, "byte N", or empty where the whole file is meant
+    /// @param file   path as the user gave it, or as another file refers to it
+    /// @param place  "line:column", a JSON pointer, "byte N", or empty if the whole file is meant
     /// @param what   one clause without a full stop: "expected 3 numbers, found '}'"
     InputError(std::string file, std::string place, std::string what);
 
@@ -32,13 +32,13 @@ class InputError : public Error {
     std::string file_, place_, problem_;
 };
 
-/// An option or argument that makes no sense. Exit code 2.
+/// An option or argument that is invalid. Exit code 2.
 class UsageError : public Error {
  public:
     using Error::Error;
 };
 
-/// Something the machine lacks: a device, a driver, ffmpeg, room on the disk, a writable folder. Exit code 4.
+/// Something that the machine lacks: a device, a driver, ffmpeg, disk space, a writable folder. Exit code 4.
 class MissingError : public Error {
  public:
     using Error::Error;
@@ -50,7 +50,7 @@ class InterruptedError : public Error {
     using Error::Error;
 };
 
-/// A check of ours failed: a bug of the library. Exit code 5.
+/// An internal check failed, which is a bug of the library. Exit code 5.
 class InternalError : public Error {
  public:
     using Error::Error;

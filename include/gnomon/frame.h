@@ -24,18 +24,19 @@ struct Frame {
     double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
     ToneMap tonemap = ToneMap::neutral;
     FrameCounters counters;
-    double noise = 0;          // of a reference: its standard error, root mean square, over the image's mean
+    double noise = 0;   // of a reference: the root mean square of its standard error, divided by the image's mean
     double milliseconds = 0;   // of the frame, without loading and writing
-    FrameTimes times;          // of that, by stage
+    FrameTimes times;          // the same time by stage
     double time = 0;           // scene time in seconds
     int frame = 1;
 
     const Layer* layer(const std::string& name) const;
-    /// Exposed, tone-mapped and encoded: width * height * 3 bytes.
+    /// Applies exposure, tone mapping and sRGB encoding. Returns width * height * 3 bytes.
     std::vector<std::uint8_t> to_srgb8() const;
-    /// Writes .png (tone-mapped), or .exr (all layers, linear, without exposure). The file appears whole or not at all.
-    /// @throws UsageError    another extension; more channels than fit an .exr: 16,384, less if over 2,047 pixels wide
-    /// @throws MissingError  it cannot be written
+    /// Writes .png (tone-mapped) or .exr (all layers, linear, without exposure). The file is replaced atomically.
+    /// @throws UsageError    another extension; more channels than fit an .exr: 16,384, or fewer if the image is wider
+    ///         than 2,047 pixels
+    /// @throws MissingError  the file cannot be written
     void write(const std::filesystem::path& file) const;
 };
 

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where a frame's time went.
+// // The time that a frame took, by stage.
 
 #include <array>
 #include <cstddef>
 
 namespace gnomon {
 
-/// Milliseconds of a traced frame by stage. What several threads do at once counts as if they shared it evenly, so the
-/// sum is the frame's time less what threads waited for each other. All zero for a rasterised frame.
+/// Milliseconds of a traced frame by stage. Time that several threads spend at once is divided evenly among them, so
+/// the sum is the frame's time minus the time that threads waited for each other. All zero for a rasterised frame.
 struct FrameTimes {
     enum Stage {
-        scene,               // what moved, and the trees of rays
-        light_maps,          // what lights see, and what changed there
-        rays,                // camera rays, mirrored and refracted ones
-        surfaces,            // what they hit, and its shading
-        shadows,             // which lights reach it
-        indirect,            // light of one bounce at what is seen
-        indirect_mirrored,   // the same at what is seen in mirrors and through glass
-        proofs,              // of shadows, for the frames to come
+        scene,               // changes of the scene, and updates of the ray-tracing acceleration structures
+        light_maps,          // light views and what changed in them
+        rays,                // camera rays, reflected and refracted rays
+        surfaces,            // hit points and their shading
+        shadows,             // visibility of the lights
+        indirect,            // one-bounce light at directly visible surfaces
+        indirect_mirrored,   // the same at surfaces seen in mirrors and through glass
+        proofs,              // certificates of visibility for later frames
         image,               // exposure, layers
         k_stages
     };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Everything: scene in, images out.
+// // Includes the whole public interface: load a scene, render images of it.
 
 #include "gnomon/compare.h"
 #include "gnomon/error.h"

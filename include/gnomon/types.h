@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The plain types of the public interface: sizes, choices, counters, progress.
+// // The plain types of the public interface: sizes, enums, counters, progress.
 
 #include <cstdint>
 #include <functional>
@@ -11,14 +11,14 @@
 
 namespace gnomon {
 
-/// An image's size in pixels.
+/// The size of an image in pixels.
 struct Size {
     int width = 0;
     int height = 0;
     friend bool operator==(const Size&, const Size&) = default;
 };
 
-/// Which frames: inclusive, counted from 1.
+/// A range of frames, inclusive, numbered from 1.
 struct FrameRange {
     int first = 1;
     int last = 1;
@@ -26,45 +26,48 @@ struct FrameRange {
     friend bool operator==(const FrameRange&, const FrameRange&) = default;
 };
 
-/// Whether the traced frame remembers which points which lights reach past everything that stands still. `certified`
-/// gives the same image as `off`, to the bit, with fewer rays. `paper` guesses, as Nah, Park and Han published it in
-/// 2009: its images depend on the frames before, and can be wrong.
+/// Whether the traced frame remembers which lights each point can see past static geometry. `certified` gives the same
+/// image as `off`, bit for bit, with fewer rays. `paper` is the heuristic of Nah, Park and Han (2009): its images
+/// depend on earlier frames and can be wrong.
 enum class ShadowCulling { off, paper, certified };
 
-/// Light that arrives by one bounce. `visible` knows what stands between; it is free of noise and of history. The
-/// others let light pass through everything: `quadtree` gathers clusters of lit surface parts, as Ki and Oh published
-/// it in 2007; `rsm` samples these parts, after Dachsbacher and Stamminger 2005.
+/// Light that arrives by one bounce. `visible` accounts for occluders and has neither noise nor dependence on earlier
+/// frames. The other two ignore occlusion: `quadtree` gathers clusters of lit surface texels [Ki and Oh 2007]; `rsm`
+/// samples these texels [Dachsbacher and Stamminger 2005].
 enum class Indirect { off, rsm, quadtree, visible };
-/// Who cuts, traces and sums for Indirect::visible with RenderMethod::raster. automatic: the device, if it is hardware.
+/// The device that computes cuts, visibility and sums of Indirect::visible with RenderMethod::raster. automatic: the
+/// Vulkan device if it is hardware, else the CPU.
 enum class IndirectOn { automatic, cpu, vulkan };
 
-/// What finds a ray's hit: Embree, or a kd-tree that counts its work, far slower and the same up to edges.
+/// The ray tracer: Embree, or a kd-tree that counts its work. The kd-tree is far slower; its images are the same up to
+/// edges.
 enum class Accelerator { embree, kdtree };
 
-/// An image of the method's inside instead of the scene's light. `shadow_states`, of the traced frame: per light, what
-/// was remembered where. `redrawn`, of the rasterised frame: what the light views drew anew in this frame, red what
-/// moves, green what has come to rest, yellow what stands still and was drawn again; grey was kept. `clusters`: what
-/// Indirect::quadtree takes for one light.
+/// A visualisation that replaces the rendered scene. `shadow_states` (traced frames) shows the visibility that was
+/// remembered for each light. `redrawn` (rasterised frames) shows which texels of the light views were drawn in this
+/// frame: red for dynamic objects, green for objects that came to rest, yellow for static objects that were drawn
+/// again, grey for texels that were kept. `clusters` shows the clusters of Indirect::quadtree.
 enum class Overlay { none, shadow_states, redrawn, clusters };
 
 enum class ToneMap { none, neutral, agx, aces };
 
-/// What was computed and what was not, for one frame.
+/// Work that was done and work that was avoided in one frame.
 struct FrameCounters {
     struct Shadow {
-        std::uint64_t rays = 0;                // shadow rays asked for: (shading point, light) pairs that could be lit
+        std::uint64_t rays = 0;                // shadow queries: (shading point, light) pairs that could be lit
         std::uint64_t rays_skipped = 0;        // of these, answered without any ray
-        std::uint64_t rays_dynamic_only = 0;   // of these, traced against what moves alone
-        /// Of these, answered otherwise than by tracing every ray; counted with an overlay of shadow states alone.
+        std::uint64_t rays_dynamic_only = 0;   // of these, traced against dynamic objects only
+        /// Of these, the number that differ from tracing every ray; counted only with an overlay of shadow states.
         std::optional<std::uint64_t> rays_wrong;
     } shadow;
     struct Indirect {
         std::uint64_t clusters = 0;
         std::uint64_t rays = 0;
-        bool gathered_by_vulkan = false;   // Indirect::visible: cuts and sums are the device's
-        bool traced_by_vulkan = false;     // and so are its rays to what is in a cut, to the sky, and past what moves
+        bool gathered_by_vulkan = false;   // Indirect::visible: the device computes cuts and sums
+        bool traced_by_vulkan =
+            false;   // and also traces the rays to nodes of a cut, to the sky and past dynamic objects
     } indirect;
-    /// Work of Accelerator::kdtree by what the rays were for. What an overlay asks to check answers is not in it.
+    /// Work of Accelerator::kdtree by kind of ray. Rays that an overlay traces to check results are not counted.
     struct KdTree {
         struct Work {
             std::uint64_t nodes = 0;   // traversed
@@ -81,7 +84,7 @@ struct FrameCounters {
     std::uint64_t draws = 0;   // draw calls of the rasteriser
 };
 
-/// One step of long work. Return false from the callback to stop: the work then throws InterruptedError.
+/// Progress of long work. If the callback returns false, the work stops and throws InterruptedError.
 struct ProgressStep {
     std::string_view stage;   // "loading", "rendering", "encoding"
     double done = 0;          // 0 to 1

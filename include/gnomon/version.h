@@ -5,7 +5,7 @@
 
 namespace gnomon {
 
-/// "MAJOR.MINOR.PATCH" of the library that is linked.
+/// The version of the linked library as "MAJOR.MINOR.PATCH".
 std::string_view version();
 
 }   // namespace gnomon

@@ -2,9 +2,9 @@
 #pragma once
 // Renders many frames to files: numbered images, or a video.
 //
-// A video's frames are kept as PNG in OUT.frames/ until all are there; then ffmpeg encodes them in one go,
-// single-threaded and bit-exact, and they are removed. So any chunking, resumption and number of threads gives the same
-// bytes.
+// The frames of a video are kept as PNG files in OUT.frames/ until all are complete. ffmpeg then encodes them in one
+// pass, single-threaded and bit-exact, and the PNG files are removed. The video therefore has the same bytes for any
+// division into chunks, after any interruption, and for any number of threads.
 
 #include <filesystem>
 #include <functional>
@@ -19,15 +19,15 @@ namespace gnomon {
 struct VideoJob {
     std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png
     std::optional<FrameRange> frames;   // inclusive; none: the whole clip, or frame 1 for a single image
-    double fps = 24;                    // of a video, 0.001 to 1000
+    double fps = 24;                    // frames a second of a video, 0.001 to 1000
     int chunk = 1,
-        chunks = 1;        // render only the chunk-th of so many contiguous parts; a video's parts are frames only
+        chunks = 1;   // renders only this one (`chunk`) of `chunks` contiguous parts; of a video, it leaves frames only
     bool resume = false;   // keep frames that are already complete
-    /// Renders so many frames first, unseen, so that there is something to remember: those before the first one that is
-    /// rendered, and the clip's first again where there are not as many. None: 8 for a single image with an overlay
-    /// of shadow states, else 0.
+    /// Number of frames that are rendered and discarded first, to fill the caches: the frames before the first one, or
+    /// the clip's first frame repeatedly where there are too few. None: 8 for a single image with an overlay of shadow
+    /// states, else 0.
     std::optional<int> warm_up;
-    std::filesystem::path contact_sheet;   // .png: also a labelled grid of frames, evenly spaced over the range
+    std::filesystem::path contact_sheet;   // .png: also writes a labelled grid of frames, evenly spaced over the range
 };
 
 struct FrameRecord {
@@ -36,30 +36,29 @@ struct FrameRecord {
     std::filesystem::path file;
     double milliseconds = 0;   // 0 if kept from an earlier run
     FrameTimes times;
-    bool kept = false;   // made by an earlier run: times, counters and noise are not known, and 0
+    bool kept = false;   // made by an earlier run: times, counters and noise are unknown and 0
     FrameCounters counters;
-    double noise = 0;   // of a reference, see Image
+    double noise = 0;   // of a reference, see Frame::noise
 };
 
 struct VideoResult {
     Size size;
     std::vector<FrameRecord> frames;
-    std::vector<std::filesystem::path> files;   // what the job made, for people: the video, or the images
+    std::vector<std::filesystem::path> files;   // the resulting video or images
 };
 
-/// @param on_frame  called after each frame is complete; optional
-/// @throws UsageError        a pattern, range or rate that makes no sense; a video's side below 2 pixels or above
-/// 16,385;
-///                           more lights than an .exr has room for layers
-/// @throws MissingError      no ffmpeg, unwritable folder, full disk; another run is at work on the same video
-/// @throws InterruptedError  progress returned false; complete frames stay for --resume
+/// @param on_frame  called after each completed frame; optional
+/// @throws UsageError        an invalid pattern, range or rate; a video with a side below 2 or above 16,385 pixels;
+///         more lights than an .exr has room for layers
+/// @throws MissingError      no ffmpeg, unwritable folder, full disk; another run is writing the same video
+/// @throws InterruptedError  progress returned false; complete frames remain for --resume
 VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress = {},
                          const std::function<void(const FrameRecord&)>& on_frame = {});
 
 /// The n-th of `chunks` contiguous parts of a range; parts differ in length by at most one frame and may be empty.
 FrameRange chunk_of(FrameRange range, int chunk, int chunks);
 
-/// One image of several, in a grid with labels below each: for looking at a clip at a glance.
+/// Writes a contact sheet: a grid of images with a label below each.
 void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const std::vector<std::string>& labels,
                          int columns, const std::filesystem::path& out);
 

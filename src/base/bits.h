@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Values that are compared as they lie in memory.
+// // Bitwise comparison of values.
 
 #include <cstddef>
 #include <cstring>
@@ -10,8 +10,7 @@
 
 namespace gnomon {
 
-/// Whether two values are the same, bit for bit: 0 is not -0, and a float that is no number is itself. For types
-/// without padding.
+/// Whether two values are equal bit for bit: 0 differs from -0, and a NaN equals itself. For types without padding.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 bool same_bits(const T& a, const T& b)
@@ -20,7 +19,7 @@ bool same_bits(const T& a, const T& b)
     return std::memcmp(mine.data(), other.data(), mine.size()) == 0;
 }
 
-/// The same of rows of them; those of other lengths differ.
+/// The same for arrays; arrays of different lengths differ.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b)

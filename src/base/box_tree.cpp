@@ -10,8 +10,8 @@ namespace gnomon {
 
 namespace {
 
-// A tree whose nodes have grown to this many times their surface is built afresh.
-constexpr double k_worn = 2;
+// The tree is rebuilt when the surface of its nodes exceeds this multiple of the surface at the last build.
+constexpr double k_max_growth = 2;
 
 double surface_of(const Box3& box)
 {
@@ -41,7 +41,7 @@ void BoxTree::build(std::span<const Box3> boxes)
     GNOMON_CHECK(boxes.size() < k_none / 2);
     std::vector<std::uint32_t> order(boxes.size());
     std::iota(order.begin(), order.end(), 0u);
-    const auto place = [&](std::uint32_t index) {   // what is not there counts as anywhere
+    const auto place = [&](std::uint32_t index) {   // empty boxes are placed at the origin
         return boxes[index].empty() ? glm::vec3(0) : boxes[index].centre();
     };
     struct Open {
@@ -104,7 +104,7 @@ void BoxTree::move(std::uint32_t index, const Box3& box)
     }
     if (++moves_ < size()) return;
     moves_ = 0;
-    if (surface() <= k_worn * built_surface_) return;
+    if (surface() <= k_max_growth * built_surface_) return;
     std::vector<Box3> boxes(size());
     for (std::uint32_t i = 0; i < boxes.size(); ++i) boxes[i] = (*this)[i];
     build(boxes);

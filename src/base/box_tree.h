@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Boxes that move, in a tree: which of them does something meet?
+// A bounding volume hierarchy over boxes that move, for queries by any monotone test.
 //
-// A binary tree, split in the middle along its longest axis, kept while boxes move: a moved leaf widens or narrows the
-// nodes above it. Once as many boxes moved as there are and the nodes have grown to twice their surface, it is built
-// afresh. A node's box is the union of those below, to the bit: whatever a monotone test finds of all boxes asked one
-// by one, it finds here.
+// The tree is binary and split at the median along its longest axis. A moved leaf refits the nodes above it. After as
+// many moves as there are boxes, the tree is rebuilt if its nodes have doubled in surface. A node's box is exactly the
+// union of the boxes below it, so a query finds the same boxes as testing each box in turn.
 //
-// Cost: build n log n; a move log n, at most, the builds it leads to included; a query what lies near, log n above it.
+// Cost: build O(n log n); a move at most O(log n) amortised, rebuilds included; a query O(log n) per box found.
 
 #include <cstdint>
 #include <span>
@@ -20,16 +19,16 @@ namespace gnomon {
 class BoxTree {
  public:
     BoxTree() = default;
-    /// By index. Empty boxes are never met.
+    /// One box per index. Empty boxes are never found.
     explicit BoxTree(std::span<const Box3> boxes);
 
     std::size_t size() const { return leaf_.size(); }
     const Box3& operator[](std::uint32_t index) const { return nodes_[leaf_[index]].box; }
     void move(std::uint32_t index, const Box3& box);
 
-    /// Calls found(index) for each box that is not empty and for which meets(box) holds; in no particular order.
-    /// @param meets  true for a box only if true for every larger box around it
-    /// @return how many boxes were looked at
+    /// Calls found(index) for each box that is not empty and for which meets(box) holds, in no particular order.
+    /// @param meets  if true for a box, it must be true for every box that contains it
+    /// @return the number of boxes tested
     template <class Meets, class Found>
     std::size_t find(const Meets& meets, const Found& found) const
     {
@@ -58,15 +57,15 @@ class BoxTree {
     struct Node {
         Box3 box;
         std::uint32_t parent = k_none;
-        std::uint32_t child = k_none;   // the first of two neighbours; none: a leaf
-        std::uint32_t index = k_none;   // of a leaf's box
+        std::uint32_t child = k_none;   // the first of two adjacent nodes; none: a leaf
+        std::uint32_t index = k_none;   // a leaf's box
     };
     void build(std::span<const Box3> boxes);
     double surface() const;
 
     std::vector<Node> nodes_;           // children after their parents
     std::vector<std::uint32_t> leaf_;   // by index
-    std::size_t moves_ = 0;             // since it was built or last measured
+    std::size_t moves_ = 0;             // since the tree was built or its surface last measured
     double built_surface_ = 0;
 };
 

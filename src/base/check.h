@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Checks for our own bugs. They stay on in release builds, print both operands, and throw InternalError, so that a
-// program which embeds the library ends in an orderly way. Never use them for what a user or a file can cause.
+// Checks of internal invariants. They stay active in release builds, print both operands, and throw InternalError, so
+// that a program that embeds the library can shut down in an orderly way. Never use them for errors that a user or a
+// file can cause.
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Images in memory: row by row from the top left, channels interleaved.
+// // Images in memory: rows from top to bottom, channels interleaved.
 
 #include <cstddef>
 #include <cstdint>
@@ -30,10 +30,10 @@ struct Image {
 using Image8 = Image<std::uint8_t>;
 using ImageF = Image<float>;
 
-/// Encodes linear light for a screen and back (IEC 61966-2-1).
+/// sRGB encoding of linear light and its inverse (IEC 61966-2-1).
 float srgb_from_linear(float linear);
 float linear_from_srgb(float encoded);
-/// The 256 linear values of 8-bit sRGB.
+/// The linear values of the 256 codes of 8-bit sRGB.
 const float* linear_from_srgb8();
 
 }   // namespace gnomon

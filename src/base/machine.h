@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the processor is and can do.
+// // The processor's name, instruction sets and number of threads.
 
 #include <string>
 #include <utility>
@@ -8,11 +8,11 @@
 
 namespace gnomon {
 
-/// As the processor calls itself; "CPU" if it does not say.
+/// The name that the processor reports; "CPU" if it reports none.
 std::string processor_name();
-/// Instruction sets that matter to tracing, and whether they are there.
+/// Instruction sets that affect the speed of ray tracing, and whether the processor has them.
 std::vector<std::pair<std::string, bool>> processor_features();
-/// How many threads 0 stands for.
+/// The number of threads that an option of 0 selects.
 int processor_threads();
 
 }   // namespace gnomon

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// GLM, configured once, and the few small things it lacks. Column vectors: world = M_outer ... M_inner p.
+// // GLM with one configuration, and a few helpers that it lacks. Column vectors: world = M_outer ... M_inner p.
 
 #ifndef GLM_FORCE_XYZW_ONLY
 #define GLM_FORCE_XYZW_ONLY
@@ -46,7 +46,7 @@ inline float luminance(const glm::vec3& c)
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
-/// Point by matrix, without the division by w (all our matrices are affine).
+/// Transforms a point, without the division by w (all our matrices are affine).
 inline glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p)
 {
     return glm::vec3(m * glm::vec4(p, 1));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A triangle cut into 4^k equal parts, as opacity micromaps cut it: addresses, parents, corners.
+// Addresses, parents and corners of the 4^k equal parts of a triangle, subdivided as for opacity micromaps.
 //
 // Level k divides both barycentric axes by n = 2^k. A part is (i, j, upper): lower parts have corners (i, j), (i+1, j),
 // (i, j+1) over n, upper ones (i+1, j+1), (i, j+1), (i+1, j). The n * n parts of a level fill a square array without
-// gaps: an upper part takes the place that its cell's mirror image leaves free.
+// gaps: an upper part is stored where the mirror image of its cell would be.
 
 #include <cstdint>
 
@@ -17,12 +17,12 @@ struct MicroTriangle {
     std::uint32_t upper = 0;   // 0 or 1
 };
 
-/// Parts before level k in a pyramid: (4^k - 1) / 3.
+/// Number of parts before level k in a pyramid: (4^k - 1) / 3.
 constexpr std::uint32_t pyramid_offset(std::uint32_t level)
 {
     return ((1u << (2 * level)) - 1) / 3;
 }
-/// Parts of a pyramid with levels 0 ... k.
+/// Number of parts of a pyramid with levels 0 ... k.
 constexpr std::uint32_t pyramid_size(std::uint32_t level)
 {
     return pyramid_offset(level + 1);
@@ -41,14 +41,14 @@ constexpr MicroTriangle micro_at(std::uint32_t index, std::uint32_t level)
     return i + j < n ? MicroTriangle{i, j, 0} : MicroTriangle{n - 1 - i, n - 1 - j, 1};
 }
 
-/// The part that (u, v) lies in. Both at least 0; u + v beyond 1 is brought back.
+/// The part that contains (u, v). Both are at least 0; points with u + v > 1 are moved back into the triangle.
 inline std::uint32_t micro_index_at(float u, float v, std::uint32_t level)
 {
     const std::uint32_t n = 1u << level;
     const float x = u * static_cast<float>(n), y = v * static_cast<float>(n);
     std::uint32_t i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
     const std::uint32_t upper = (x - static_cast<float>(i)) + (y - static_cast<float>(j)) > 1.0f;
-    // Rounding may put a point on the long edge into a cell beyond it.
+    // // Rounding may put a point on the long edge into a cell beyond it. Move it back.
     if (i + j + upper >= n) {
         i = i < n ? i : n - 1;
         j = j < n - i ? j : n - 1 - i;
@@ -62,7 +62,7 @@ constexpr MicroTriangle parent_of(const MicroTriangle& m)
     return {m.i >> 1, m.j >> 1, ((m.i & 1) + (m.j & 1) + m.upper) >= 2 ? 1u : 0u};
 }
 
-/// The four parts of the next level that make up a part.
+/// The four parts of the next level into which a part is divided.
 constexpr void children_of(const MicroTriangle& m, MicroTriangle (&child)[4])
 {
     const std::uint32_t i = 2 * m.i, j = 2 * m.j;

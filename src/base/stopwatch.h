@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Tells a thread's time by stage: what passed since the last stage ended is this one's.
+// // Measures a thread's time by stage: the time since the previous stage ended is added to the stage that ends now.
 
 #include <chrono>
 

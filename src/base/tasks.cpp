@@ -17,12 +17,13 @@ namespace gnomon {
 
 namespace {
 
-// ThreadSanitizer sees nothing of oneTBB, which is not built with it. In its builds this file is not either, with all
-// templates of oneTBB, and says itself what is ordered: no more than what for_each promises. In others it says nothing.
+// Declares happens-before edges to ThreadSanitizer, which cannot see them because oneTBB is built without it. In its
+// builds, the templates of oneTBB in this file are not instrumented either; this class declares only the order that
+// for_each promises. In other builds it does nothing.
 class Order {
  public:
 #if defined(GNOMON_THREAD_SANITIZER)
-    // What a thread did before it leaves comes before what another does that enters after that.
+    // // All that a thread did before leave() happens before what another thread does after a later enter().
     void leave()
     {
         __tsan_release(this);
@@ -37,7 +38,8 @@ class Order {
 #endif
 };
 
-// One loop: the caller comes before all bodies, and after them; nothing is ordered between bodies of different workers.
+// // A loop: the caller's code happens before all bodies, and all bodies before what follows. Bodies of different
+// workers are unordered.
 struct Loop {
     Order begin, end;
     Loop() { begin.leave(); }
@@ -46,7 +48,7 @@ struct Loop {
     Loop& operator=(const Loop&) = delete;
 };
 
-// One body, which may end by throwing.
+// // One run of a body, which may throw.
 class Turn {
  public:
     Turn(Loop& loop, Order& worker) : loop_(loop), worker_(worker)
@@ -77,10 +79,10 @@ struct Tasks::Arena {
           turns(static_cast<std::size_t>(threads))
     {
     }
-    // More threads than processors may be asked for: tests of thread-independence do.
+    // // Allow more threads than processors; tests of thread-independence need that.
     tbb::global_control control;
     tbb::task_arena arena;
-    std::vector<Order> turns;   // by worker: its bodies come one after the other, on whatever threads
+    std::vector<Order> turns;   // by worker; orders the bodies of a worker, which may run on different threads
 };
 
 Tasks::Tasks(int threads) : threads_(threads > 0 ? threads : tbb::info::default_concurrency())

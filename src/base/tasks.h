@@ -2,8 +2,8 @@
 #pragma once
 // Parallel loops on oneTBB, in an arena of a chosen number of threads.
 //
-// Results never depend on the number of threads: a task writes only what its index owns, and sums are made afterwards
-// in index order.
+// Results must not depend on the number of threads: a task writes only data that its index owns, and sums are formed
+// afterwards in index order.
 
 #include <cstddef>
 #include <functional>
@@ -14,7 +14,7 @@ namespace gnomon {
 /// A bounded set of worker threads.
 class Tasks {
  public:
-    /// @param threads  how many, the caller's included; 0: all the machine has
+    /// @param threads  number of threads, the caller's included; 0: all of the machine
     explicit Tasks(int threads = 0);
     ~Tasks();
     Tasks(const Tasks&) = delete;
@@ -22,9 +22,9 @@ class Tasks {
 
     int threads() const { return threads_; }
 
-    /// Runs body(i, worker) once for every i below count, in any order; worker is in 0 ... threads()-1 and no two
-    /// bodies run with the same worker at once. With one thread: on the caller's thread, in order.
-    /// @throws what a body throws (one of them)
+    /// Runs body(i, worker) once for every i below count, in any order. worker is in 0 ... threads()-1, and no two
+    /// bodies run with the same worker at the same time. With one thread, bodies run on the caller's thread, in order.
+    /// @throws one of the exceptions that bodies threw
     void for_each(std::size_t count, const std::function<void(std::size_t index, int worker)>& body);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What a matrix leaves of things.
+// Limits on the matrices of instances: whether a matrix can be inverted, and how much precision rays lose in its space.
 
 #include <algorithm>
 #include <cmath>
@@ -10,19 +10,20 @@
 namespace gnomon {
 
 // Embree asserts, in release builds too, that rays are numbers within 1.8e18, also in the space of an instance. So rays
-// beyond k_largest_coordinate (scene units) meet nothing, nor do instances that magnify rays by more than
-// k_largest_inverse: together they stay below 6 * 1e9 * 1e8.
+// beyond k_largest_coordinate (scene units) hit nothing, and instances that magnify rays by more than k_largest_inverse
+// are ignored: together, coordinates stay below 6 * 1e9 * 1e8.
 inline constexpr float k_largest_coordinate = 1e9f;
 inline constexpr double k_largest_inverse = 1e8;
 
-// Rays are rounded in the space of an instance, and what is squeezed there, aslant to its axes, is met somewhere else
-// than where its corners are (stray_of()): from the first on too far off for bounds and outlines, which come from
-// corners, and beyond the second so far off that nothing can be said to be met.
+// Limits of the error amplification of a matrix, stray_of(). Rays are rounded in the space of an instance, so in a
+// sheared and flattened instance their hits are displaced from its transformed corners. Above the first limit, the
+// displacement is too large for bounds and outlines, which are computed from corners. Above the second, hits are
+// meaningless.
 inline constexpr double k_true_stray = 32;
 inline constexpr double k_largest_stray = 1e4;
 
-/// How many units of rounding, at most, become one on the way into a matrix's space and back [Skeel 1979]: 3 for
-/// rotations after scales; for scales after rotations, three times what the longest is to the shortest.
+/// Error amplification of a transformation into a matrix's space and back, in units of rounding [Skeel 1979]: at most 3
+/// for rotations after scales; for scales after rotations, three times the ratio of the largest scale to the smallest.
 inline double stray_of(const glm::mat4& m)
 {
     const glm::dmat3 there(m), back = glm::inverse(there);
@@ -36,11 +37,11 @@ inline double stray_of(const glm::mat4& m)
     return most;
 }
 
-/// Whether it can be inverted, and rays with it. Rays are taken into the space of an instance: a matrix without an
-/// inverse (a scale of 0 is a usual way of hiding things) must not reach Embree, nor a device.
+/// Whether the matrix can be inverted with enough precision for rays. Rays are transformed into the space of an
+/// instance, so a singular matrix (a scale of 0 is a common way to hide objects) must not reach Embree or a device.
 inline bool has_volume(const glm::mat4& m)
 {
-    // The determinant in float, since Embree inverts in float.
+    // // Compute the determinant in float, because Embree inverts in float.
     if (!std::isnormal(glm::determinant(glm::mat3(m)))) return false;
     const glm::dmat3 inverse = glm::inverse(glm::dmat3(m));
     for (int column = 0; column < 4; ++column)
