@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Compares two images: error metrics, and FLIP, which estimates the difference that a person perceives.
+// Compares two images: error metrics, and FLIP, which estimates the difference that a person perceives.
 
 #include <filesystem>
 #include <optional>

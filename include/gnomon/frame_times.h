@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // The time that a frame took, by stage.
+// The time that a frame took, by stage.
 
 #include <array>
 #include <cstddef>

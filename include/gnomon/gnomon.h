@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Includes the whole public interface: load a scene, render images of it.
+// Includes the whole public interface: load a scene, render images of it.
 
 #include "gnomon/compare.h"
 #include "gnomon/error.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Scenes that are loaded from files or built in.
+// Scenes that are loaded from files or built in.
 
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // The plain types of the public interface: sizes, enums, counters, progress.
+// The plain types of the public interface: sizes, enums, counters, progress.
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Bitwise comparison of values.
+// Bitwise comparison of values.
 
 #include <cstddef>
 #include <cstring>

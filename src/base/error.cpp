@@ -18,7 +18,7 @@ InputError::InputError(std::string file, std::string place, std::string what)
 
 void fail_check(std::string_view file, int line, std::string_view what)
 {
-    // // Keep the path from src/ on, so that messages do not contain folders of the build machine.
+    // Keep the path from src/ on, so that messages do not contain folders of the build machine.
     if (const auto at = file.rfind("/src/"); at != std::string_view::npos) file.remove_prefix(at + 1);
     throw InternalError(fmt::format("{}:{}: {}", file, line, what));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // A 64-bit hash of bytes, for tests of equality. Not for security.
+// A 64-bit hash of bytes, for tests of equality. Not for security.
 
 #include <cstdint>
 #include <cstring>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Images in memory: rows from top to bottom, channels interleaved.
+// Images in memory: rows from top to bottom, channels interleaved.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // The processor's name, instruction sets and number of threads.
+// The processor's name, instruction sets and number of threads.
 
 #include <string>
 #include <utility>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // GLM with one configuration, and a few helpers that it lacks. Column vectors: world = M_outer ... M_inner p.
+// GLM with one configuration, and a few helpers that it lacks. Column vectors: world = M_outer ... M_inner p.
 
 #ifndef GLM_FORCE_XYZW_ONLY
 #define GLM_FORCE_XYZW_ONLY

@@ -48,7 +48,7 @@ inline std::uint32_t micro_index_at(float u, float v, std::uint32_t level)
     const float x = u * static_cast<float>(n), y = v * static_cast<float>(n);
     std::uint32_t i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
     const std::uint32_t upper = (x - static_cast<float>(i)) + (y - static_cast<float>(j)) > 1.0f;
-    // // Rounding may put a point on the long edge into a cell beyond it. Move it back.
+    // Rounding may put a point on the long edge into a cell beyond it. Move it back.
     if (i + j + upper >= n) {
         i = i < n ? i : n - 1;
         j = j < n - i ? j : n - 1 - i;

@@ -11,7 +11,7 @@ inline std::string one_line(std::string text)
 {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    // // Replace U+0080 to U+009F in UTF-8, to which AFF's Latin-1 is converted: terminals interpret these as well.
+    // Replace U+0080 to U+009F in UTF-8, to which AFF's Latin-1 is converted: terminals interpret these as well.
     for (std::size_t at = 0; (at = text.find('\xc2', at)) != std::string::npos; ++at)
         if (at + 1 < text.size() && static_cast<unsigned char>(text[at + 1]) >= 0x80 &&
             static_cast<unsigned char>(text[at + 1]) < 0xa0)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Reproducible random numbers: the same on every machine and compiler, unlike the standard library's distributions.
+// Reproducible random numbers: the same on every machine and compiler, unlike the standard library's distributions.
 
 #include <cstdint>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// // Measures a thread's time by stage: the time since the previous stage ended is added to the stage that ends now.
+// Measures a thread's time by stage: the time since the previous stage ended is added to the stage that ends now.
 
 #include <chrono>
 

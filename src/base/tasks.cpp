@@ -23,7 +23,7 @@ namespace {
 class Order {
  public:
 #if defined(GNOMON_THREAD_SANITIZER)
-    // // All that a thread did before leave() happens before what another thread does after a later enter().
+    // All that a thread did before leave() happens before what another thread does after a later enter().
     void leave()
     {
         __tsan_release(this);
@@ -38,7 +38,7 @@ class Order {
 #endif
 };
 
-// // A loop: the caller's code happens before all bodies, and all bodies before what follows. Bodies of different
+// A loop: the caller's code happens before all bodies, and all bodies before what follows. Bodies of different
 // workers are unordered.
 struct Loop {
     Order begin, end;
@@ -48,7 +48,7 @@ struct Loop {
     Loop& operator=(const Loop&) = delete;
 };
 
-// // One run of a body, which may throw.
+// One run of a body, which may throw.
 class Turn {
  public:
     Turn(Loop& loop, Order& worker) : loop_(loop), worker_(worker)
@@ -79,7 +79,7 @@ struct Tasks::Arena {
           turns(static_cast<std::size_t>(threads))
     {
     }
-    // // Allow more threads than processors; tests of thread-independence need that.
+    // Allow more threads than processors; tests of thread-independence need that.
     tbb::global_control control;
     tbb::task_arena arena;
     std::vector<Order> turns;   // by worker; orders the bodies of a worker, which may run on different threads

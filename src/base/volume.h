@@ -41,7 +41,7 @@ inline double stray_of(const glm::mat4& m)
 /// instance, so a singular matrix (a scale of 0 is a common way to hide objects) must not reach Embree or a device.
 inline bool has_volume(const glm::mat4& m)
 {
-    // // Compute the determinant in float, because Embree inverts in float.
+    // Compute the determinant in float, because Embree inverts in float.
     if (!std::isnormal(glm::determinant(glm::mat3(m)))) return false;
     const glm::dmat3 inverse = glm::inverse(glm::dmat3(m));
     for (int column = 0; column < 4; ++column)

@@ -31,8 +31,8 @@ void ChangeIndex::query(double a, double b, std::vector<std::uint32_t>& ids) con
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-// A step at time s holds from s on, so it lies between a and b if a < s <= b; a stretch of change matters if any of it
-// does.
+// A step at time s takes effect from s on, so it lies between a and b if a < s <= b. An interval of change counts if
+// any part of it lies between them.
 void ChangeIndex::query_range(std::size_t begin, std::size_t end, double a, double b,
                               std::vector<std::uint32_t>& ids) const
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Which tracks change between two times: an interval tree laid out in one sorted array.
+// Finds the tracks that change between two times, with an interval tree stored in one sorted array.
 //
-// Built once a scene. A query costs O(log n + answers), so tracks that are at rest are not looked at.
+// The tree is built once per scene. A query costs O(log n + results), so it does not visit tracks at rest.
 
 #include <cstdint>
 #include <vector>
@@ -17,10 +17,10 @@ class ChangeIndex {
     {
         entries_.push_back({interval.first, interval.last, interval.last, id});
     }
-    /// Call once, after all add().
+    /// Builds the tree. Call once, after all add().
     void build();
 
-    /// Ids of all tracks that may have another value at time b than at time a, in either direction; ascending, unique.
+    /// Returns the ids of all tracks whose value may differ between times a and b, in either order; ascending, unique.
     void query(double a, double b, std::vector<std::uint32_t>& ids) const;
 
  private:
@@ -32,7 +32,7 @@ class ChangeIndex {
     double build_range(std::size_t begin, std::size_t end);
     void query_range(std::size_t begin, std::size_t end, double a, double b, std::vector<std::uint32_t>& ids) const;
 
-    std::vector<Entry> entries_;   // by first
+    std::vector<Entry> entries_;   // sorted by `first`
 };
 
 }   // namespace gnomon::scene

@@ -69,7 +69,8 @@ void apply_skin(const SkinBinding& skin, std::span<const glm::mat4> joints, Defo
         out.positions[i] = transform_point(blend, out.positions[i]);
         const glm::mat3 linear(blend);
         if (!out.normals.empty()) {
-            // The cofactor matrix is the inverse transpose up to a factor, and exists for flattening joints too.
+            // Use the cofactor matrix: it equals the inverse transpose up to a factor, and exists for singular
+            // joints too.
             const glm::mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                      glm::cross(linear[0], linear[1]));
             out.normals[i] = unit_or(cofactor * out.normals[i], out.normals[i]);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Vertices of meshes that change shape: vertex keys, then morph targets, then skinning by linear blending (glTF 2.0).
+// Vertices of deforming meshes: vertex keys, then morph targets, then linear blend skinning (glTF 2.0).
 //
-// Cost: the mesh's vertices times its targets and joints. Called for meshes that changed, never for others.
+// Cost: the mesh's vertices times its targets and joints. Called only for meshes that changed.
 
 #include <span>
 
@@ -10,8 +10,8 @@
 
 namespace gnomon::scene {
 
-/// The vertices of a deforming object now. Morphs and vertex keys: in object space. Skins: in world space (the object's
-/// matrix is then the identity).
+/// The current vertices of a deforming object. Morphs and vertex keys give object space. Skins give world space; the
+/// object's matrix is then the identity.
 struct DeformedMesh {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec4> tangents;
@@ -19,7 +19,7 @@ struct DeformedMesh {
 
 /// @param weights  of the morph targets; as many as the mesh has
 /// @param joints   joint world matrix times inverse bind matrix, for skinned meshes; else empty
-/// @param out      its arrays keep their memory from call to call
+/// @param out      its arrays keep their capacity from call to call
 void deform_mesh(const Mesh& mesh, double time, std::span<const float> weights, std::span<const glm::mat4> joints,
                  DeformedMesh& out);
 

@@ -9,7 +9,7 @@ namespace gnomon::scene {
 
 namespace {
 constexpr float k_brightest = 1e9f;             // radiance; sums of squares stay finite
-constexpr int k_columns = 1024, k_rows = 512;   // of the grid that is cut, at most
+constexpr int k_columns = 1024, k_rows = 512;   // largest size of the grid that is cut
 constexpr int k_most_lights = 1024;
 
 float sane(float value)
@@ -69,7 +69,8 @@ glm::vec3 Environment::radiance(const glm::vec3& direction) const
                     glm::mix(texel(c, r + 1), texel(c + 1, r + 1), x - left), y - top);
 }
 
-// Sums texels into cells. A texel's solid angle is exact: its longitudes times the difference of its latitudes' sines.
+// Sums texels into cells. A texel's solid angle is exact: its range of longitude times the difference of the sines
+// of its latitudes.
 void Environment::gather()
 {
     columns_ = std::min(image_.width, k_columns), rows_ = std::min(image_.height, k_rows);
@@ -144,19 +145,19 @@ void Environment::cut(const Part& part, int count, std::vector<EnvironmentLight>
     const int across = part.x1 - part.x0, down = part.y1 - part.y0;
     if (count == 1 || (across == 1 && down == 1)) {
         // DEVIATION(Debevec 2005, 3): the light is as strong as the part's vector irradiance, not as its flux. A wide
-        // part then lights a surface that sees all of it exactly as the image does, and energy stays honest.
+        // part then lights a surface that sees all of it exactly as the image does, and energy is conserved.
         const double length = glm::length(sum.weighted);
         if (!(length > 0)) return;
         lights.push_back(
             {glm::vec3(sum.weighted / length), glm::vec3(sum.flux * (length / sum.light)), glm::vec3(sum.flux)});
         return;
     }
-    // Cut across the longer side, as it lies on the sphere [Debevec 2005, 2: scaled by the cosine of the latitude].
+    // Cut across the longer side, as measured on the sphere [Debevec 2005, 2: scaled by the cosine of the latitude].
     const double polar = 0.5 * (part.y0 + part.y1) / rows_ * k_pi;
     const double width = 2 * k_pi * across / columns_ * std::sin(polar), height = k_pi * down / rows_;
     const bool by_column = down == 1 || (across > 1 && width >= height);
 
-    // Where the sum comes nearest to a half, with something on both sides.
+    // Cut where the sum is nearest to a half, leaving cells on both sides.
     const auto [begin, end] = by_column ? std::pair(part.x0, part.x1) : std::pair(part.y0, part.y1);
     const auto line = [&](int at) {
         return by_column ? Part{at, at + 1, part.y0, part.y1} : Part{part.x0, part.x1, at, at + 1};

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Light from an image of the surroundings, as a sky and as a few directional lights.
+// Image-based light: an environment map as a background and as a few directional lights.
 //
-// The image is longitude by latitude: its upper edge is straight up (+Y), its centre looks along -Z, its right
-// quarter along +X, and its sides meet at +Z. Texels are radiance, linear RGB.
+// The image is longitude by latitude: its upper edge is straight up (+Y), its centre looks along -Z, its right quarter
+// along +X, and its sides meet at +Z. Texels are radiance, linear RGB.
 //
-// What rays that leave the scene see is the image itself. What surfaces reflect diffusely comes from directional
-// lights with shadows, one for each part of the image that a median cut makes [Debevec 2005, "A Median Cut Algorithm
-// for Light Probe Sampling"]; they carry all of it, so there is no ambient light beside them. What rough surfaces
-// mirror is blurred too much for one ray and comes from order-2 spherical harmonics [Ramamoorthi and Hanrahan 2001, "An
-// Efficient Representation for Irradiance Environment Maps"], without shadows. So nothing is counted twice.
+// Rays that leave the scene see the image itself. Diffuse reflection uses directional lights with shadows, one for each
+// part of the image that a median cut makes [Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"]; they
+// carry all of its light, so there is no additional ambient light. Rough specular reflection is too blurred for one ray
+// and uses order-2 spherical harmonics without shadows [Ramamoorthi and Hanrahan 2001, "An Efficient Representation for
+// Irradiance Environment Maps"]. So no light is counted twice.
 //
-// Cost: one pass over the image when it is made; a look-up is four texels.
+// Cost: one pass over the image when it is made; a look-up reads four texels.
 
 #include <array>
 #include <vector>
@@ -21,34 +21,34 @@
 
 namespace gnomon::scene {
 
-/// One part of the image, gathered into a direction.
+/// One part of the image, integrated into a directional light.
 struct EnvironmentLight {
-    glm::vec3 to_light{0};     // unit: the part's centroid by light
+    glm::vec3 to_light{0};     // unit: the part's centroid, weighted by luminance
     glm::vec3 irradiance{0};   // on a surface that faces it
     glm::vec3 flux{0};         // the integral of radiance over the part's solid angle
 };
 
 class Environment {
  public:
-    /// @param radiance  three channels, not empty; what is negative or no number counts as 0
+    /// @param radiance  three channels, not empty; negative values and NaN count as 0
     explicit Environment(ImageF radiance);
 
-    /// Towards a unit direction; bilinear, seamless at +Z.
+    /// Radiance from a unit direction; bilinear, seamless at +Z.
     glm::vec3 radiance(const glm::vec3& direction) const;
     /// Irradiance / pi on an unoccluded surface with this unit normal, within a few percent; never negative.
     glm::vec3 ambient(const glm::vec3& normal) const;
     /// The integral of radiance over all directions.
     glm::vec3 flux() const { return flux_; }
 
-    /// Cuts the image into `count` parts of like flux. Black parts and parts of one direction cannot be cut and may
-    /// make it fewer. The same for the same image.
+    /// Cuts the image into `count` parts of similar flux. Black parts and parts of a single direction cannot be cut, so
+    /// there may be fewer. Deterministic.
     /// @param count  a power of two, 1 to 1024
     std::vector<EnvironmentLight> lights(int count) const;
 
     const ImageF& image() const { return image_; }
     /// Coefficients of ambient(), in the order of Ramamoorthi and Hanrahan.
     const std::array<glm::vec3, 9>& harmonics() const { return harmonics_; }
-    /// Unit direction of a point of the image; u from the left, v from the top, 0 to 1.
+    /// Unit direction of an image point; u from the left, v from the top, 0 to 1.
     static glm::vec3 direction_at(double u, double v);
 
  private:

@@ -9,22 +9,22 @@ namespace gnomon::scene {
 
 namespace {
 
-constexpr float k_no_sample_more = 1e-3f;   // of a sample: rounding does not ask for one more
-constexpr float k_one_level = 0.25f;        // so near to a level's texel size, in halvings, that level does
-constexpr float k_far = 1e5f;               // periods, or texels: from where on there are too few bits left for steps
+constexpr float k_no_sample_more = 1e-3f;   // in samples; keeps rounding from adding one
+constexpr float k_one_level = 0.25f;        // this near to a level's texel size, in octaves, one level suffices
+constexpr float k_far = 1e5f;               // periods or texels; beyond, floats have too few bits left for steps
 
 using Four = float __attribute__((vector_size(16)));   // a colour in a register
 
-// A texel's four bytes, each as a colour of its own: their sum is the texel, without moving numbers between registers.
+// Spreads a texel's four bytes over four colours, whose sum is the texel. This avoids moves between registers.
 struct Decoder {
     std::array<std::array<Four, 256>, 4> byte{};
 
     explicit Decoder(bool srgb)
     {
         for (std::size_t i = 0; i < 256; ++i) {
-            const float share = static_cast<float>(i) * (1.0f / 255.0f), light = srgb ? linear_from_srgb8()[i] : share;
+            const float value = static_cast<float>(i) * (1.0f / 255.0f), light = srgb ? linear_from_srgb8()[i] : value;
             byte[0][i] = Four{light, 0, 0, 0}, byte[1][i] = Four{0, light, 0, 0}, byte[2][i] = Four{0, 0, light, 0};
-            byte[3][i] = Four{0, 0, 0, share};
+            byte[3][i] = Four{0, 0, 0, value};
         }
     }
     [[gnu::always_inline]] Four operator()(const std::uint8_t* p) const
@@ -39,14 +39,14 @@ const Decoder& decoder(bool srgb)
     return srgb ? encoded : plain;
 }
 
-// A coordinate's two texels of `size`, and the share of the second: of the first, 1 less that. Finite, and not so large
-// that it has no fraction.
+// The two texels of `size` that enclose a coordinate, and the weight of the second; the first has 1 minus that. The
+// coordinate must be finite and small enough to have a fraction.
 struct Between {
     int first, second;
-    float share;
+    float weight;
 };
 
-// As std::floor, without a call. |x| is far below what fits.
+// std::floor without a call; |x| must fit into an int by a wide margin.
 [[gnu::always_inline]] inline int whole_below(float x)
 {
     const int i = static_cast<int>(x);
@@ -75,17 +75,17 @@ struct Between {
     return {i, std::min(j, size - 1), at - static_cast<float>(low)};
 }
 
-// The mean of so many bilinear look-ups in one level, evenly spread along the diameter.
+// The mean of several bilinear look-ups in one level, evenly spaced along the diameter.
 Four mean_of_row(const Texture& texture, std::size_t level, glm::vec2 uv, const glm::vec2& diameter, int count)
 {
     const Image8& image = texture.levels()[level];
     const Sampler& sampler = texture.sampler();
     const Decoder& decode = decoder(texture.srgb());
     glm::vec2 step(0);
-    float share = 1;
+    float weight = 1;
     if (count > 1) {
-        share = 1.0f / static_cast<float>(count);
-        step = diameter * share;
+        weight = 1.0f / static_cast<float>(count);
+        step = diameter * weight;
         uv -= 0.5f * static_cast<float>(count - 1) * step;
     }
     Four sum{};
@@ -95,11 +95,11 @@ Four mean_of_row(const Texture& texture, std::size_t level, glm::vec2 uv, const 
         const auto texel = [&](const std::uint8_t* row, int at) {
             return decode(row + 4 * static_cast<std::ptrdiff_t>(at));
         };
-        const Four top = texel(upper, x.first) * (1 - x.share) + texel(upper, x.second) * x.share;
-        const Four bottom = texel(lower, x.first) * (1 - x.share) + texel(lower, x.second) * x.share;
-        sum += top * (1 - y.share) + bottom * y.share;
+        const Four top = texel(upper, x.first) * (1 - x.weight) + texel(upper, x.second) * x.weight;
+        const Four bottom = texel(lower, x.first) * (1 - x.weight) + texel(lower, x.second) * x.weight;
+        sum += top * (1 - y.weight) + bottom * y.weight;
     }
-    return sum * share;
+    return sum * weight;
 }
 
 }   // namespace
@@ -116,9 +116,10 @@ glm::vec4 sample_ellipse(const Texture& texture, glm::vec2 uv, glm::vec2 diamete
         diameter = other;
     }
     const float far = std::abs(uv.x) + std::abs(uv.y);
-    if (!(far < k_far && square < k_far * k_far)) return texture.sample(uv, std::sqrt(square));   // NaN, too
+    if (!(far < k_far && square < k_far * k_far)) return texture.sample(uv, std::sqrt(square));   // also for NaN
 
-    // Give each sample a footprint, and take as many as reach from end to end. All lengths here are squares.
+    // Choose the footprint of each sample, and as many samples as reach from end to end. All lengths here are
+    // squared.
     constexpr float k_longest = k_stretch * k_stretch;
     float footprint = square;
     int count = 1;
@@ -134,8 +135,9 @@ glm::vec4 sample_ellipse(const Texture& texture, glm::vec2 uv, glm::vec2 diamete
     const Filter filter = footprint > 1 ? texture.sampler().minify : texture.sampler().magnify;
     if (filter == Filter::nearest) return texture.sample(uv, std::sqrt(footprint));
 
-    // Blend the two levels between whose texel sizes the footprint lies, unless it is nearly that of one of them. In
-    // the coarser, samples as far apart as its texels do: half as many, or all if those are the footprint's size.
+    // Blend the two levels whose texel sizes enclose the footprint's, unless one of them nearly equals it. Space
+    // samples in the coarser level as far apart as its texels: half as many samples, or all of them if its texels have
+    // the footprint's size.
     const float coarsest = static_cast<float>(texture.levels().size() - 1);
     const float lod = footprint > 1 ? std::min(0.5f * std::log2(footprint), coarsest) : 0.0f;
     const auto fine = static_cast<std::size_t>(lod);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A texture over an elongated footprint: what a pixel sees of a surface at a slant. One sample of the pyramid is as
-// long as wide, so it would be aliased along the footprint or blurred across; samples as wide as it is are spread along
-// it [Heckbert 1989; McCormack et al. 1999]. The device's twin is in gpu_scene/scene_data.glsl.
+// Anisotropic texture filtering: samples a texture over the elongated footprint of a pixel on a slanted surface. One
+// trilinear sample has a square footprint, so it would alias along the ellipse or blur across it. Samples as wide as
+// the ellipse are spread along its longer diameter [Heckbert 1989; McCormack et al. 1999]. gpu_scene/scene_data.glsl
+// has the device's version.
 //
-// Cost: one look-up up to a ratio of three, in one or two levels; at most k_most_samples from ten on.
+// Cost: one look-up up to a ratio of three, in one or two levels; at most k_most_samples from a ratio of ten on.
 
 #include <cmath>
 
@@ -12,17 +13,17 @@
 
 namespace gnomon::scene {
 
-/// A single sample has the footprint of the area it stands for, as long as that is up to k_stretch squared times as
-/// long as wide. From there on samples are k_stretch times as wide as the footprint, and lie side by side. The device's
-/// are in gpu_scene/footprint_shared.h.
+/// Up to a ratio of k_stretch squared, a single sample is used, with the footprint of the ellipse's area. Beyond,
+/// samples are k_stretch times as wide as the ellipse and lie side by side. The device's constants are in
+/// gpu_scene/footprint_shared.h.
 inline constexpr float k_stretch = 1.73205081f;
 inline constexpr int k_most_samples = 6;
 
-/// Linear RGBA over an ellipse around uv. Where it is longer than k_most_samples can cover, they grow wider.
-/// @param diameter, other  conjugate ones, in uv units; zeros, infinities and NaN are allowed
+/// Linear RGBA over an ellipse around uv. If it is longer than k_most_samples can cover, samples get wider.
+/// @param diameter, other  conjugate diameters in uv units; zeros, infinities and NaN are allowed
 glm::vec4 sample_ellipse(const Texture& texture, glm::vec2 uv, glm::vec2 diameter, glm::vec2 other);
 
-/// A difference of two coordinates as a material uses them: use.apply(), without the offset.
+/// Transforms a difference of two coordinates as a material does: use.apply() without the offset.
 inline glm::vec2 apply_to_step(const TextureUse& use, const glm::vec2& step)
 {
     const glm::vec2 s = step * use.scale;

@@ -10,7 +10,8 @@ namespace gnomon::scene {
 
 namespace {
 
-// Where a time lies: at or after key `before`, `u` of the way (0 to 1) to the next. Outside the keys u is 0.
+// A position in time: at or after key `before`, at fraction `u` (0 to 1) of the way to the next. Outside the keys u
+// is 0.
 struct Place {
     std::size_t before = 0;
     double u = 0;
@@ -35,7 +36,7 @@ glm::dvec3 finish(const glm::dvec3& v, const glm::dvec3&)
 {
     return v;
 }
-// A spline through quaternions leaves the unit sphere; where it meets zero the key stands in.
+// Normalises an interpolated quaternion. A spline may pass through zero; the key is used there.
 glm::dquat finish(const glm::dquat& q, const glm::dquat& key)
 {
     const double length = std::sqrt(dot(q, q));
@@ -47,7 +48,7 @@ glm::dvec3 linear(const glm::dvec3& a, const glm::dvec3& b, double u)
     return a * (1 - u) + b * u;
 }
 
-// Spherical linear interpolation; nearly equal rotations linearly, where the sine would divide by nothing.
+// Spherical linear interpolation; linear for nearly equal rotations, where the sine would be a divisor near zero.
 glm::dquat linear(const glm::dquat& a, glm::dquat b, double u)
 {
     double cosine = dot(a, b);
@@ -58,7 +59,7 @@ glm::dquat linear(const glm::dquat& a, glm::dquat b, double u)
     return finish((a * std::sin((1 - u) * angle) + b * std::sin(u * angle)) * (1 / std::sin(angle)), a);
 }
 
-// Cubic Hermite [glTF 2.0, C.5]; works for numbers, vectors and quaternions by component.
+// Cubic Hermite interpolation [glTF 2.0, C.5] of numbers, vectors, and quaternions by component.
 template <class T>
 T hermite(const T& v0, const T& out0, const T& in1, const T& v1, double u, double span)
 {
@@ -185,7 +186,7 @@ void KeyframeWeights::evaluate(double time, std::vector<float>& weights) const
     weights.resize(targets_);
     const bool cubic = interpolation_ == KeyInterpolation::cubic_spline;
     for (std::size_t i = 0; i < targets_; ++i) {
-        // Of a spline's key come all in-tangents, then all values, then all out-tangents.
+        // A spline stores, per key, all in-tangents, then all values, then all out-tangents.
         const double* v = values_.data() + (cubic ? (3 * p.before + 1) * targets_ : p.before * targets_) + i;
         double value = *v;
         if (p.u > 0 && interpolation_ == KeyInterpolation::linear && v[0] != v[targets_])

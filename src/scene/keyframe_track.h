@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Keyframe animation as glTF 2.0 has it [glTF 2.0, appendix C]: translation, rotation and scale of a node, and weights
-// of morph targets, each with its own keys, stepped, linear (rotations: along the shorter great arc) or cubic Hermite.
+// Keyframe animation of glTF 2.0 [glTF 2.0, appendix C]: translation, rotation and scale of a node, and weights of
+// morph targets. Each has its own keys and is stepped, linear (rotations: along the shorter great arc) or cubic
+// Hermite.
 //
-// Exact where nothing happens: between two equal keys, at keys, and outside of them the value is the key's own, to the
-// bit, so that changing() can leave those times out. Doubles throughout. Cost: a binary search a channel.
+// At keys, outside of the keys and between two equal keys, the value is exactly the key's own, bit for bit, so
+// changing() can omit those times. All values are doubles. Cost: a binary search per channel.
 
 #include <optional>
 #include <vector>
@@ -15,17 +16,17 @@ namespace gnomon::scene {
 
 enum class KeyInterpolation : std::uint8_t { step, linear, cubic_spline };
 
-/// Values at rising times. T: dvec3, or dquat (unit).
+/// Values at increasing times. T: dvec3, or dquat (unit).
 template <class T>
 struct KeyChannel {
     KeyInterpolation interpolation = KeyInterpolation::linear;
-    std::vector<double> times;   // strictly rising; not empty
-    std::vector<T> values;       // one a key; cubic_spline: in-tangent, value, out-tangent of each key
+    std::vector<double> times;   // strictly increasing; not empty
+    std::vector<T> values;       // one per key; cubic_spline: in-tangent, value, out-tangent of each key
 };
 
 class KeyframeTrack : public TransformTrack {
  public:
-    /// @param rest  what holds for the parts without a channel
+    /// @param rest  values of the parts without a channel
     KeyframeTrack(TransformParts rest, std::optional<KeyChannel<glm::dvec3>> translation,
                   std::optional<KeyChannel<glm::dquat>> rotation, std::optional<KeyChannel<glm::dvec3>> scale);
 
@@ -41,7 +42,8 @@ class KeyframeTrack : public TransformTrack {
 
 class KeyframeWeights : public WeightsTrack {
  public:
-    /// @param values  times.size() * targets (cubic_spline: times three, in the order of KeyChannel), key after key
+    /// @param values  times.size() * targets, key after key (cubic_spline: three times as many, in the order of
+    ///                KeyChannel)
     KeyframeWeights(KeyInterpolation interpolation, std::vector<double> times, std::vector<double> values,
                     std::size_t targets);
 
@@ -54,7 +56,7 @@ class KeyframeWeights : public WeightsTrack {
     std::size_t targets_;
 };
 
-/// Sorts, and joins what overlaps or touches.
+/// Sorts intervals and merges those that overlap or touch.
 std::vector<Interval> join_intervals(std::vector<Interval> intervals);
 
 }   // namespace gnomon::scene

@@ -10,8 +10,8 @@ namespace gnomon::scene {
 
 namespace {
 
-// Below this sine, BART's functions on quaternions take the limit instead of dividing by it. Part of what its scenes
-// were made with.
+// Below this sine, BART's quaternion functions take the limit instead of dividing. Its scenes were made with this
+// threshold.
 constexpr double k_small_sine = 1e-3;
 
 // The tangent at a key as weights of the two chords that meet there.
@@ -25,14 +25,14 @@ double speed_adjustment(double segment, double span)
     return span == 0 ? 0 : 2 * segment / span;
 }
 
-// Where a segment begins [Kochanek and Bartels 1984, eq. 9, with the adjustment of section 6].
+// Outgoing tangent, where a segment begins [Kochanek and Bartels 1984, eq. 9, with the adjustment of section 6].
 TangentWeights outgoing(const KochanekKey& k, double adjustment)
 {
     return {adjustment / 2 * (1 - k.tension) * (1 + k.continuity) * (1 + k.bias),
             adjustment / 2 * (1 - k.tension) * (1 - k.continuity) * (1 - k.bias)};
 }
 
-// Where it ends [eq. 8].
+// Incoming tangent, where a segment ends [eq. 8].
 TangentWeights incoming(const KochanekKey& k, double adjustment)
 {
     return {adjustment / 2 * (1 - k.tension) * (1 - k.continuity) * (1 + k.bias),
@@ -92,7 +92,7 @@ double sine_between(const glm::dquat& p, const glm::dquat& q, double& angle)
     return std::sin(angle);
 }
 
-// Without a test of signs: the keys' signs were settled before.
+// Does not choose the shorter arc, because the keys' signs were settled before.
 glm::dquat slerp(double t, const glm::dquat& p, const glm::dquat& q)
 {
     double angle = 0;
@@ -107,8 +107,8 @@ bool slerp_is_constant(const glm::dquat& p, const glm::dquat& q)
     return sine_between(p, q, angle) < k_small_sine;
 }
 
-// Stretches on which a spline changes, joined; and moments at which it jumps from one constant stretch to the next.
-// The value before the first key may differ from the one just after, hence the jump there reaches a hair further.
+// The merged intervals in which a spline changes, and the times at which it jumps from one constant interval to the
+// next. The value before the first key may differ from the one just after, so the jump there extends slightly further.
 template <class Constant, class Value>
 std::vector<Interval> changing_intervals(const SegmentTable& table, const Constant& constant, const Value& value)
 {
@@ -140,7 +140,7 @@ std::vector<Interval> changing_intervals(const SegmentTable& table, const Consta
 SegmentTable::SegmentTable(std::vector<double> times) : times_(std::move(times))
 {
     GNOMON_CHECK_LE(4u, times_.size());
-    // The first segment whose end lies beyond t holds at t: so each holds from where all before it have ended.
+    // The first segment whose end lies beyond t applies at t, so each applies from where all before it have ended.
     const double last = times_[times_.size() - 2];
     double low = times_[1];
     for (std::size_t i = 0; i < segment_count() && low < last; ++i) {
@@ -213,12 +213,12 @@ RotationSpline::RotationSpline(const std::vector<RotationKey>& keys) : table_(ti
         q.emplace_back(std::cos(key.angle / 2), v.x, v.y, v.z);
     }
     for (std::size_t i = 0; i < table_.segment_count(); ++i) {
-        // Take the nearer of q2 and -q2, and keep it for the segments that follow.
+        // Choose the nearer of q2 and -q2, and keep it for the segments that follow.
         const glm::dquat q0 = q[i], q1 = q[i + 1], q3 = q[i + 3];
         if (glm::dot(q1, q[i + 2]) < 0) q[i + 2] = -q[i + 2];
         const glm::dquat q2 = q[i + 2];
 
-        // Tangents on logarithms, weighted as those of positions are.
+        // Compute tangents on logarithms, weighted like those of positions.
         const auto [out, in] = weights_of(keys, i);
         const glm::dvec3 chord = logarithm(inverse_of(q1) * q2);
         const glm::dvec3 leave = out.after * chord + out.before * logarithm(inverse_of(q0) * q1);
@@ -230,12 +230,13 @@ RotationSpline::RotationSpline(const std::vector<RotationKey>& keys) : table_(ti
 
 glm::dquat RotationSpline::at(const SegmentTable::Place& place) const
 {
-    // Squad.
+    // Interpolate by squad.
     const auto& [q1, q2, a, b] = segments_[place.segment];
     const double u = place.u;
     const glm::dquat q = slerp(2 * u * (1 - u), slerp(u, q1, q2), slerp(u, a, b));
 
-    // Read the result as angle and axis; dividing by its length would give another rotation where axes were not unit.
+    // Interpret the result as angle and axis. Normalising it would give another rotation if axes were not unit
+    // vectors.
     const double half = std::acos(std::clamp(q.w, -1.0, 1.0));
     const double length = glm::length(vector_of(q));
     if (!(length > 0) || !std::isfinite(length)) return {1, 0, 0, 0};

@@ -6,9 +6,9 @@
 // spherical quadrangle interpolation (squad) [Shoemake 1987].
 //
 // The first and the last key only shape tangents: a spline of n keys (n >= 4) runs from the time of key 1 to that of
-// key n - 2, counted from 0, and is constant outside. Key times may repeat and even go back; which segment holds at a
-// time is what a linear search from the first one finds.
-// Cost: a binary search and one segment. Everything is in double precision.
+// key n - 2, counted from 0, and is constant outside. Key times may repeat and even decrease; the segment at a time is
+// then the one that a linear search from the first finds.
+// Cost: a binary search and one segment. All computations use double precision.
 
 #include <optional>
 #include <vector>
@@ -17,7 +17,7 @@
 
 namespace gnomon::scene {
 
-/// What every key has besides its value.
+/// The parameters that every key has besides its value.
 struct KochanekKey {
     double time = 0;
     double tension = 0;
@@ -27,17 +27,17 @@ struct KochanekKey {
 struct VectorKey : KochanekKey {
     glm::dvec3 value{0};
 };
-/// The axis is taken as it is, of whatever length; the angle is in radians and may exceed a full turn.
+/// The axis may have any length and is not normalised; the angle is in radians and may exceed a full turn.
 struct RotationKey : KochanekKey {
     glm::dvec3 axis{0, 1, 0};
     double angle = 0;
 };
 
-/// Which segment holds when. Segment i runs from key i + 1 to key i + 2.
+/// Maps a time to a segment. Segment i runs from key i + 1 to key i + 2.
 class SegmentTable {
  public:
     struct Stretch {
-        double low = 0;   // holds where low <= t < high (the first one: low < t)
+        double low = 0;   // applies where low <= t < high (the first one: low < t)
         double high = 0;
         std::size_t segment = 0;
     };
@@ -66,7 +66,7 @@ class VectorSpline {
     explicit VectorSpline(const std::vector<VectorKey>& keys);
     glm::dvec3 evaluate(double time) const;
     std::vector<Interval> changing() const;
-    /// No coordinate ever exceeds this (the hull of the Bezier control points).
+    /// Bound on the absolute value of all coordinates (the hull of the Bezier control points).
     double reach() const;
 
  private:
@@ -96,7 +96,7 @@ class RotationSpline {
     std::vector<Segment> segments_;
 };
 
-/// T(t) R(t) S(t); what has no keys keeps its rest value.
+/// T(t) R(t) S(t); parts without keys keep their rest value.
 class KochanekTrack : public TransformTrack {
  public:
     std::optional<VectorSpline> translation;

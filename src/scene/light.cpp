@@ -9,9 +9,9 @@ namespace gnomon::scene {
 
 namespace {
 
-constexpr float k_least_square = 1e-30f;   // of a distance: its inverse is a number
+constexpr float k_least_square = 1e-30f;   // of a squared distance; its inverse is finite
 
-// NaN compares false.
+// Clamps irradiance to 0 ... k_most_irradiance; NaN becomes 0 because it compares false.
 glm::vec3 bounded(const glm::vec3& irradiance)
 {
     return glm::min(glm::vec3(k_most_irradiance), irradiance);
@@ -36,7 +36,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
     sample.to_light = offset / sample.distance;
     float strength = light.falloff == Falloff::inverse_square ? 1.0f / std::max(square, k_least_square) : 1.0f;
 
-    // KHR_lights_punctual: a range fades the light out smoothly.
+    // Apply the range of KHR_lights_punctual, a smooth fade-out.
     if (light.range > 0) {
         const float ratio = square / (light.range * light.range);
         const float window = std::clamp(1.0f - ratio * ratio, 0.0f, 1.0f);
@@ -49,7 +49,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
         if (light.profile == SpotProfile::cosine) {
             strength *= cosine;
         } else {
-            // KHR_lights_punctual's angular attenuation.
+            // Apply the angular attenuation of KHR_lights_punctual.
             const float inner = std::cos(std::min(light.inner_angle, light.outer_angle));
             const float fade = std::clamp((cosine - outer) / std::max(inner - outer, 1e-4f), 0.0f, 1.0f);
             strength *= fade * fade;
@@ -66,7 +66,7 @@ glm::vec3 Background::radiance(const glm::vec3& direction) const
     const float y = std::clamp(direction.y, -1.0f, 1.0f);
     glm::vec3 result;
     if (y >= 0) {
-        // The horizon's haze thins quickly with elevation.
+        // The haze at the horizon decreases quickly with elevation.
         const float t = std::pow(y, 0.5f);
         result = glm::mix(horizon, zenith, t);
     } else {
@@ -88,7 +88,7 @@ glm::vec3 Background::ambient(const glm::vec3& normal) const
 {
     if (kind == Kind::color) return glm::vec3(0);
     if (kind == Kind::image) return environment->ambient(normal);
-    // A surface that looks up sees the sky alone; level with the horizon, half sky and half ground.
+    // A surface that faces up sees only sky; one that faces the horizon sees half sky and half ground.
     const glm::vec3 sky = 0.5f * (zenith + horizon);
     const float up = 0.5f + 0.5f * std::clamp(normal.y, -1.0f, 1.0f);
     return glm::mix(ground, sky, up);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Lights and what lies behind everything.
+// Light sources and the background.
 
 #include <memory>
 #include <string>
@@ -13,12 +13,12 @@ namespace gnomon::scene {
 class Environment;
 
 enum class LightType : std::uint8_t { point, spot, directional };
-/// How irradiance falls with distance: with its square (candela), or not at all (AFF: irradiance = colour * cos).
+/// How irradiance falls off with distance: inverse square (candela), or constant (AFF: irradiance = colour * cos).
 enum class Falloff : std::uint8_t { inverse_square, constant };
-/// Inside the cone: glTF's smooth step between the two angles, or the cosine from the axis.
+/// The angular profile inside the cone: glTF's smooth step between the two angles, or the cosine from the axis.
 enum class SpotProfile : std::uint8_t { smooth, cosine };
 
-/// A light shines from its node's origin along the node's -Z.
+/// A light, placed at its node's origin and directed along the node's -Z.
 struct Light {
     std::string name;
     LightType type = LightType::point;
@@ -27,14 +27,14 @@ struct Light {
     SpotProfile profile = SpotProfile::smooth;
     float inner_angle = 0;   // half-angles, radians
     float outer_angle = static_cast<float>(k_pi / 4);
-    float range = 0;   // metres beyond which nothing is lit (smoothly); 0: unlimited
+    float range = 0;   // metres beyond which the light has faded out; 0: unlimited
     NodeId node = none;
-    bool of_environment = false;   // stands for a part of the surroundings: lights diffusely alone, since mirrors show
-                                   // the surroundings themselves
-    bool by_default = false;       // not the file's own
+    bool of_environment = false;   // part of an environment map; only for diffuse reflection, because specular
+                                   // reflection sees the map itself
+    bool by_default = false;   // added by the library, not by the file
 };
 
-/// A light where it is now.
+/// A light at the current time.
 struct LightState {
     glm::vec3 position{0};           // point and spot
     glm::vec3 direction{0, -1, 0};   // unit, the way the light travels; spot and directional
@@ -42,11 +42,11 @@ struct LightState {
     friend bool operator==(const LightState&, const LightState&) = default;
 };
 
-/// No light brings more to a surface, by colour: a million million lux, ten million times the sun. Beyond, what light
-/// maps make of it (times areas, summed, times places) would not be numbers for long.
+/// Upper limit of the irradiance of a light, per colour channel: 10^12 lux, ten million times the sun. With larger
+/// values, products in the light maps (by area, by position, summed) could overflow.
 inline constexpr float k_most_irradiance = 1e12f;
 
-/// What a light does at a point, without anything between.
+/// The light that arrives at a point, without occlusion.
 struct LightSample {
     glm::vec3 to_light{0};     // unit
     float distance = 0;        // infinite for a directional light
@@ -54,11 +54,11 @@ struct LightSample {
 };
 LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point);
 
-/// Seen where a ray leaves the scene, and what it adds as unshadowed light with indirect light off.
+/// The radiance of rays that leave the scene, and its contribution as unshadowed light when indirect light is off.
 struct Background {
     enum class Kind : std::uint8_t { color, sky, image };
     Kind kind = Kind::color;
-    glm::vec3 color{0};   // of a sky: an even light on all surfaces, for the bounces that nobody follows
+    glm::vec3 color{0};   // of a sky: uniform ambient light for higher bounces, which are not traced
     // sky: a smooth gradient over elevation (up = +Y), with the sun's disc where a directional light comes from
     glm::vec3 zenith{0.18f, 0.32f, 0.62f};
     glm::vec3 horizon{0.62f, 0.70f, 0.80f};
@@ -68,8 +68,8 @@ struct Background {
     std::shared_ptr<const Environment> environment;   // image
 
     glm::vec3 radiance(const glm::vec3& direction) const;
-    /// Irradiance / pi on an unoccluded surface with this unit normal: the sky's ambient light (the sun's is the
-    /// light's), or the image's, blurred.
+    /// Irradiance / pi on an unoccluded surface with this unit normal: the ambient light of the sky without the sun,
+    /// which is a light of its own, or that of the environment map.
     glm::vec3 ambient(const glm::vec3& normal) const;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Materials of both worlds: glTF's metallic-roughness and AFF's Whitted parameters. Colours are linear.
+// Materials: glTF's metallic-roughness model and AFF's Whitted model. Colours are linear.
 
 #include <string>
 
@@ -12,18 +12,19 @@ namespace gnomon::scene {
 enum class ShadingModel : std::uint8_t { metallic_roughness, whitted, unlit };
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
-/// How rays meet a surface; meshes keep their triangles sorted by it.
+/// The surface class decides how rays treat a hit; the triangles of a mesh are sorted by it.
 enum class SurfaceClass : std::uint8_t {
-    opaque,        // blocks light
-    masked,        // blocks light where its alpha reaches the cutoff
-    transparent,   // does not block light: AFF T > 0, glTF transmission, alpha mode BLEND
+    opaque,        // occludes light
+    masked,        // occludes light where alpha reaches the cutoff
+    transparent,   // does not occlude light: AFF T > 0, glTF transmission, alpha mode BLEND
 };
 
 struct Material {
     std::string name;
     ShadingModel model = ShadingModel::metallic_roughness;
 
-    // Both models. For whitted, base_color is the diffuse colour and its texture multiplies ambient and diffuse.
+    // Both models. In the Whitted model, base_color is the diffuse colour, and its texture multiplies ambient and
+    // diffuse.
     glm::vec3 base_color{0.8f};
     TextureUse base_color_texture;
     bool double_sided = false;
@@ -37,7 +38,7 @@ struct Material {
     TextureUse metallic_roughness_texture;   // roughness in G, metallic in B
     TextureUse normal_texture;
     float normal_scale = 1;
-    TextureUse occlusion_texture;   // R; dims ambient light alone
+    TextureUse occlusion_texture;   // in R; darkens ambient light only
     float occlusion_strength = 1;
     glm::vec3 emissive{0};   // strength already multiplied in
     TextureUse emissive_texture;
@@ -45,7 +46,7 @@ struct Material {
 
     // AFF [aff-format, `fm`]
     glm::vec3 ambient{0};
-    glm::vec3 specular{0};     // colour of highlight and mirror image
+    glm::vec3 specular{0};     // colour of highlights and reflections
     float shine = 0;           // Phong exponent; 0: no highlight
     float transmittance = 0;   // T
     float ior = 1.5f;          // index of refraction inside
@@ -55,7 +56,7 @@ struct Material {
         if (transmittance > 0 || transmission > 0 || alpha_mode == AlphaMode::blend) return SurfaceClass::transparent;
         return alpha_mode == AlphaMode::mask ? SurfaceClass::masked : SurfaceClass::opaque;
     }
-    /// Whether camera and mirror rays see only the counter-clockwise side.
+    /// Whether camera and reflected rays hit the counter-clockwise side only.
     bool one_sided() const { return !double_sided && surface_class() != SurfaceClass::transparent; }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Triangle meshes with several materials, and what may deform them.
+// Triangle meshes with several materials and data for deformation.
 
 #include <optional>
 #include <string>
@@ -18,20 +18,20 @@ struct MeshPart {
     std::uint32_t triangle_count = 0;
 };
 
-/// Offsets from the rest shape; each array empty or as long as the mesh's.
+/// Offsets from the rest shape; each array is empty or as long as the mesh's.
 struct MorphTarget {
     std::vector<glm::vec3> positions, normals, tangents;
 };
 
-/// Up to eight joints a vertex, in groups of four as glTF gives them; weights sum to 1.
+/// Up to eight joints per vertex, in groups of four as in glTF; weights sum to 1.
 struct SkinBinding {
     std::vector<glm::u16vec4> joints[2];
     std::vector<glm::vec4> weights[2];   // the second group is empty if unused
 };
 
-/// Whole vertex arrays at key times (AFF `tpa`): linear between keys, constant outside.
+/// Complete vertex arrays at key times (AFF `tpa`): linear between keys, constant outside.
 struct VertexKeys {
-    std::vector<double> times;                       // rising; not empty
+    std::vector<double> times;                       // increasing; not empty
     std::vector<std::vector<glm::vec3>> positions;   // [key][vertex]
     std::vector<std::vector<glm::vec3>> normals;     // [key][vertex], or empty
 };
@@ -48,17 +48,18 @@ struct Mesh {
     std::vector<MeshPart> parts;         // cover all triangles, in order
 
     std::vector<MorphTarget> morph_targets;
-    std::vector<float> morph_weights;   // default weights, one a target
+    std::vector<float> morph_weights;   // default weights, one per target
     std::optional<SkinBinding> skin;
     std::optional<VertexKeys> vertex_keys;
 
     bool deforms() const { return skin.has_value() || !morph_targets.empty() || vertex_keys.has_value(); }
     Box3 bounds() const;
-    /// The part a triangle belongs to (binary search).
+    /// The part that contains a triangle (binary search).
     const MeshPart& part_of(std::uint32_t triangle) const;
 };
 
-/// Throws InternalError if arrays disagree in length or an index is out of range: importers must have refused that.
+/// Throws InternalError if array lengths disagree or an index is out of range; importers must reject such meshes
+/// before.
 void check_mesh(const Mesh& mesh);
 
 }   // namespace gnomon::scene

@@ -11,8 +11,8 @@ namespace gnomon::scene {
 
 namespace {
 
-// Sorts a mesh's parts by surface class and joins neighbours of one material, so that each class is one run of
-// triangles: what blocks light, what may, what does not.
+// Sorts a mesh's parts by surface class and merges neighbours with the same material, so that each class (opaque,
+// masked, transparent) is one range of triangles.
 void sort_parts(Mesh& mesh, const std::vector<Material>& materials)
 {
     const auto class_of = [&](const MeshPart& part) { return materials[part.material].surface_class(); };
@@ -48,7 +48,8 @@ Timeline Timeline::at_rate(double new_fps) const
     Timeline result = *this;
     result.fps = new_fps;
     if (!own_frames) {
-        // The last frame is the last that does not lie beyond the end; a hair of tolerance, since clips end on frames.
+        // The last frame is the last one that is not beyond the end. A small tolerance is needed because clips end
+        // on frames.
         const double last = std::floor((end - start) * new_fps + 1e-6);
         result.frames = static_cast<int>(std::clamp(last, 0.0, k_most_frames - 1.0)) + 1;
     }
@@ -70,7 +71,7 @@ void Scene::finish()
 {
     for (std::string& warning : warnings) warning = one_line(std::move(warning));
 
-    // Check what importers promise.
+    // Check the guarantees of importers.
     for (Mesh& mesh : meshes) {
         check_mesh(mesh);
         for (const MeshPart& part : mesh.parts) GNOMON_CHECK_LT(part.material, materials.size());
@@ -112,7 +113,7 @@ void Scene::finish()
             anchor[n] = anchor[node.parent];
     }
 
-    // Make an object of every mesh instance, and join those that move as one.
+    // Create an object for each mesh instance, and group objects that move as one rigid body.
     objects.clear();
     groups.clear();
     std::vector<GroupId> group_of(nodes.size(), none);
@@ -126,7 +127,7 @@ void Scene::finish()
         object.skin = mesh.skin ? node.skin : none;
         object.deforming = object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights);
         object.dynamic = object.deforming || anchor[n] != none;
-        // A still morph is deformed once, at the start, but must be deformed all the same.
+        // Mark a constant morph as deforming, because it must be evaluated once at the start.
         if (!mesh.morph_targets.empty()) object.deforming = true;
         if (object.dynamic && !object.deforming) {
             if (group_of[anchor[n]] == none) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A scene as a file describes it: never changed after `finish`. What it looks like at a time is SceneState's to say.
+// A scene as a file describes it, immutable after `finish`. SceneState evaluates it at a time.
 
 #include <memory>
 #include <string>
@@ -20,32 +20,32 @@ struct Node {
     NodeId parent = none;   // always a smaller index than the node's own
     glm::dmat4 local{1};    // used where there is no track
     std::shared_ptr<const TransformTrack> transform;
-    std::shared_ptr<const VisibilityTrack> visibility;   // hides everything below, too
+    std::shared_ptr<const VisibilityTrack> visibility;   // hides everything below it, too
     std::shared_ptr<const WeightsTrack> weights;         // of the mesh on this node
-    bool animated = false;   // the file says it can move (AFF `x`, a target of a glTF channel)
+    bool animated = false;   // the file declares it as animated (AFF `x`, a target of a glTF channel)
     MeshId mesh = none;
     SkinId skin = none;
-    std::vector<float> morph_weights;   // instead of the mesh's own defaults; empty: those
+    std::vector<float> morph_weights;   // replace the mesh's defaults if not empty
 };
 
 struct Skin {
     std::string name;
     std::vector<NodeId> joints;
-    std::vector<glm::dmat4> inverse_bind;   // one a joint
+    std::vector<glm::dmat4> inverse_bind;   // one per joint
 };
 
-/// Looks along its node's -Z, +Y up.
+/// A camera looks along its node's -Z, with +Y up.
 struct Camera {
     std::string name;
     NodeId node = none;
     double vertical_fov = 0.8;        // whole angle, radians; perspective
     double orthographic_height = 0;   // whole height of the view in scene units; > 0: orthographic instead
     double near = 0.01;
-    double far = 0;      // 0: unlimited
-    Size resolution{};   // the file's own, if it has one
+    double far = 0;      // 0: infinite
+    Size resolution{};   // the file's own, if given
 };
 
-/// Of a clip; what comes after them is left out.
+/// The limit on the frames of a clip; later frames are dropped.
 constexpr int k_most_frames = 1'000'000'001;
 
 /// Frame i (from 1) of a clip.
@@ -54,10 +54,10 @@ struct Timeline {
     double end = 0;
     int frames = 1;            // of the whole clip, at `fps`
     double fps = 24;           // video rate
-    bool own_frames = false;   // AFF: the file numbers its frames itself; --fps then changes the video's rate alone
+    bool own_frames = false;   // AFF: frames are fixed by the file; --fps then changes only the rate of the video
 
     double time_of(int frame) const;
-    /// The same clip sampled at another rate (glTF); AFF keeps its frames and takes the rate for the video.
+    /// The same clip sampled at another rate (glTF). AFF keeps its frames and uses the rate for the video.
     Timeline at_rate(double new_fps) const;
 };
 
@@ -71,14 +71,14 @@ struct Object {
     bool deforming = false;   // its vertices may change
 };
 
-/// Dynamic rigid objects below one animated node and no deeper one: they share every movement.
+/// Dynamic rigid objects with the same nearest animated ancestor; they always move together.
 struct RigidGroup {
     NodeId anchor = none;
     std::vector<ObjectId> objects;
 };
 
 struct Statistics {
-    std::uint64_t triangles = 0, triangles_dynamic = 0;   // instanced
+    std::uint64_t triangles = 0, triangles_dynamic = 0;   // instances counted
     std::uint64_t objects = 0, objects_dynamic = 0;
 };
 
@@ -93,11 +93,11 @@ class Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     Background background;
-    glm::vec3 ambient{0};   // AFF `am`, or the fill of a closed room; with indirect light off alone
+    glm::vec3 ambient{0};   // AFF `am`, or the fill light of a closed room; used only with indirect light off
     Timeline timeline;
     std::vector<std::string> warnings;
 
-    // Made by finish():
+    // Computed by finish():
     std::vector<Object> objects;   // in node order
     std::vector<RigidGroup> groups;
     std::vector<std::uint32_t> child_begin;   // children of node n: child_list[child_begin[n] ... child_begin[n + 1])
@@ -107,21 +107,22 @@ class Scene {
     /// Adds a node and returns its index.
     NodeId add_node(std::string node_name, NodeId parent, const glm::dmat4& local = glm::dmat4(1));
 
-    /// Call once, when all is in place: checks, sorts triangles by surface class, finds objects and rigid groups.
-    /// Does not add default light or camera: see add_defaults.
+    /// Completes the scene: checks it, sorts triangles by surface class, finds objects and rigid groups. Call once,
+    /// after everything was added. Does not add a default light or camera: see add_defaults.
     void finish();
 
     Statistics statistics() const;
-    /// Around everything visible at a time (rest shape for deforming meshes).
+    /// Bounding box of everything visible at a time (rest shape for deforming meshes).
     Box3 bounds(double time) const;
 
-    /// World matrices of all nodes, and of one by walking up: for tests and set-up, not for every frame.
+    /// World matrices of all nodes, and of one by walking up its ancestors: for tests and set-up, too slow for every
+    /// frame.
     std::vector<glm::dmat4> world_matrices(double time) const;
     glm::dmat4 world_matrix(NodeId node, double time) const;
 };
 
-/// Gives a scene without lights a sky and a sun, and one without cameras a camera that frames it from a pleasant angle;
-/// each adds a warning. Functions of the scene alone. Call after finish().
+/// Adds a sky and a sun to a scene without lights, and a camera that frames the scene to a scene without cameras; each
+/// adds a warning. The result depends on the scene only. Call after finish().
 void add_default_light(Scene& scene);
 void add_default_camera(Scene& scene);
 

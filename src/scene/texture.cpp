@@ -8,7 +8,8 @@ namespace gnomon::scene {
 
 namespace {
 
-// Brings a coordinate into one period before it becomes a texel: large coordinates lose their fraction in 32 bits.
+// Reduces a coordinate to one period before it becomes a texel index, because large coordinates lose their fraction
+// in 32 bits.
 [[gnu::always_inline]] inline int wrap_texel(int i, int size, Wrap wrap)
 {
     switch (wrap) {
@@ -23,7 +24,7 @@ namespace {
         case Wrap::repeat:
             break;
     }
-    // After reduction i is at most one step outside.
+    // After the reduction, i is at most one step outside.
     if (i < 0) i += size;
     if (i >= size) i -= size;
     return std::clamp(i, 0, size - 1);
@@ -57,8 +58,8 @@ std::uint8_t encode8(float value, bool srgb)
     return static_cast<std::uint8_t>(std::clamp(encoded * 255.0f + 0.5f, 0.0f, 255.0f));
 }
 
-// Halves an image with a box filter in linear light; an odd last row or column is shared by its neighbour. Colour is
-// weighted by alpha, so that what is cut away does not bleed in.
+// Halves an image with a box filter in linear light; an odd last row or column is merged with its neighbour. Colour is
+// weighted by alpha, so that transparent texels do not bleed into it.
 Image8 half(const Image8& fine, bool srgb)
 {
     Image8 coarse(std::max(1, fine.width / 2), std::max(1, fine.height / 2), 4);
@@ -95,7 +96,7 @@ Texture::Texture(std::string name, const Image8& image, bool srgb, Sampler sampl
     GNOMON_CHECK(!image.empty());
     GNOMON_CHECK(image.channels >= 1 && image.channels <= 4);
 
-    // Widen to RGBA.
+    // Convert to RGBA.
     Image8 base(image.width, image.height, 4);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
@@ -156,7 +157,7 @@ glm::vec4 Texture::sample(glm::vec2 uv, float footprint) const
     if (!(footprint > 1) || levels_.size() == 1)
         return look_up(levels_[0], footprint > 1 ? sampler_.minify : sampler_.magnify);
 
-    // Blend the two levels between whose texel sizes the footprint lies.
+    // Blend the two levels whose texel sizes enclose the footprint.
     const float lod = std::min(std::log2(footprint), static_cast<float>(levels_.size() - 1));
     const auto fine = static_cast<std::size_t>(lod);
     const float blend = lod - static_cast<float>(fine);

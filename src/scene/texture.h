@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Textures: 8-bit images with a mip chain, looked up with wrap and trilinear filtering.
+// Textures: 8-bit images with a mip chain, sampled with wrapping and trilinear filtering.
 //
 // u runs from the left column, v from the top row (glTF and AFF alike; importers of other formats flip). Coordinates
-// are reduced to one period before they become texels: AFF files go from -196 to 328.
+// are reduced to one period before they become texel indices, because AFF files use values from -196 to 328.
 
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ struct Sampler {
     friend bool operator==(const Sampler&, const Sampler&) = default;
 };
 
-/// An image ready to be sampled. Colour is filtered in linear light; alpha and data textures as they are.
+/// An image prepared for sampling. Colour is filtered in linear light; alpha and data textures are filtered as stored.
 class Texture {
  public:
     /// @param image  1 to 4 channels: grey, grey + alpha, RGB, RGBA; not empty
@@ -39,15 +39,15 @@ class Texture {
     bool srgb() const { return srgb_; }
     bool has_alpha() const { return has_alpha_; }
     const Sampler& sampler() const { return sampler_; }
-    /// RGBA8 levels, finest first. Colour stays encoded as the file has it.
+    /// RGBA8 levels, finest first. Colour stays encoded as in the file.
     const std::vector<Image8>& levels() const { return levels_; }
     std::size_t bytes() const;
 
     /// Linear RGBA at uv.
-    /// @param footprint  the width, in uv units times the texture's larger side in texels, that one sample stands for;
-    ///                   at or below 1 the finest level is used
+    /// @param footprint  the sample's width in uv units times the texture's larger side in texels; at or below 1 the
+    ///                   finest level is used
     glm::vec4 sample(glm::vec2 uv, float footprint) const;
-    /// Alpha alone, finest level, bilinear: what shadow rays ask.
+    /// Alpha of the finest level, bilinear, for shadow rays.
     float alpha(glm::vec2 uv) const;
 
  private:
@@ -62,10 +62,10 @@ class Texture {
     bool has_alpha_ = false;
 };
 
-/// A texture as a material uses it.
+/// A reference to a texture from a material.
 struct TextureUse {
     TextureId texture = none;
-    int texcoord = 0;   // which set of the mesh
+    int texcoord = 0;   // index of the mesh's set
     // KHR_texture_transform: uv' = offset + R(rotation) (scale * uv), rotation counter-clockwise in radians.
     glm::vec2 offset{0};
     glm::vec2 scale{1};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Animation: values as functions of time, which know when they change.
+// Animation tracks: values as functions of time that report when they change.
 //
-// A track says in which closed time intervals it is not constant. Mobility rests on it: between two frames only tracks
-// whose intervals meet the time between them are evaluated, so a clip's still stretches cost nothing.
+// A track reports the closed time intervals in which it is not constant. Between two frames, only tracks whose
+// intervals overlap the time between them are evaluated, so constant parts of a clip cost nothing.
 
 #include <memory>
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace gnomon::scene {
 
-/// Closed; first <= last.
+/// A closed interval; first <= last.
 struct Interval {
     double first = 0;
     double last = 0;
@@ -22,15 +22,15 @@ struct Interval {
 class TransformTrack {
  public:
     virtual ~TransformTrack() = default;
-    /// Affine; the same bits for the same time, whatever was asked before.
+    /// The affine matrix at a time. The same time gives the same bits, whatever was evaluated before.
     virtual glm::dmat4 evaluate(double time) const = 0;
-    /// Ascending and disjoint. Outside of them (and between their ends) the value is constant.
+    /// The intervals of change, ascending and disjoint. Outside of them (and between their ends) the value is constant.
     virtual std::vector<Interval> changing() const = 0;
 };
 
-/// Visible or not: a step function. Visible before the first key.
+/// Visibility as a step function; visible before the first key.
 struct VisibilityTrack {
-    std::vector<double> times;   // rising, or equal (the later key then holds)
+    std::vector<double> times;   // increasing, or equal (the later key then applies)
     std::vector<bool> visible;
 
     bool evaluate(double time) const;
@@ -40,12 +40,12 @@ struct VisibilityTrack {
 class WeightsTrack {
  public:
     virtual ~WeightsTrack() = default;
-    /// @param weights  as many as the mesh has targets; written whole
+    /// @param weights  resized by the caller to the number of targets; every element is written
     virtual void evaluate(double time, std::vector<float>& weights) const = 0;
     virtual std::vector<Interval> changing() const = 0;
 };
 
-/// T R S of a node, as glTF keeps it.
+/// Translation, rotation and scale of a node, as in glTF.
 struct TransformParts {
     glm::dvec3 translation{0};
     glm::dquat rotation{1, 0, 0, 0};

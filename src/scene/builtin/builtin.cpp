@@ -25,7 +25,7 @@ T parse_number(std::string_view key, std::string_view text, T low, T high)
 {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    // Written so that 'not a number' is out of range, too.
+    // The condition is written so that NaN is out of range, too.
     if (error != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high))
         refuse(fmt::format("builtin:spheres: {} must be a number from {} to {}, not '{}'", key, low, high, text));
     return value;

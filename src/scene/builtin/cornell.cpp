@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// builtin:cornell: what its image shows is fixed by numbers alone, all of them here.
+// builtin:cornell. The constants in this file define the scene completely.
 
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
@@ -19,7 +19,7 @@ const glm::dvec3 k_ball_start{-0.35, 0.1, 0.35};
 const glm::dvec3 k_ball_step{0.02, -0.01, 0};   // a frame
 constexpr float k_ball_radius = 0.12f;
 
-// In frame i the ball is at start + i * step; between frames on the straight line.
+// Moves the ball linearly: in frame i it is at start + i * step.
 class BallTrack final : public TransformTrack {
  public:
     glm::dmat4 evaluate(double time) const override
@@ -103,8 +103,9 @@ Scene make_cornell()
     spot.profile = SpotProfile::cosine;
     spot.inner_angle = 0;
     spot.outer_angle = 0.7f;
-    const glm::dvec3 lamp(0.6, 0.8, 0.9), direction(-1.1, -1, -1.1);
-    spot.node = scene.add_node("spot", none, glm::inverse(glm::lookAt(lamp, lamp + direction, glm::dvec3(0, 1, 0))));
+    const glm::dvec3 light_position(0.6, 0.8, 0.9), direction(-1.1, -1, -1.1);
+    spot.node = scene.add_node(
+        "spot", none, glm::inverse(glm::lookAt(light_position, light_position + direction, glm::dvec3(0, 1, 0))));
     scene.lights.push_back(spot);
 
     Camera camera;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// builtin:kinetic, from the inside: what its parts share. A file a part; builtin_kinetic.cpp puts them together.
+// Declarations that the parts of builtin:kinetic share. Each part has a file; kinetic_scene.cpp assembles them.
 //
 // The courtyard in metres, +Y up, the camera on the +Z side: the sundial at the origin, a pool before it, arcades at
 // the back and at the right, a balustrade with a view at the left, where the sun stands.
@@ -33,17 +33,17 @@ inline constexpr double k_end = (k_frames - 1) / k_fps;
 struct Materials {
     MaterialId limestone, paving, plaster, marble, dial, terracotta, roof, iron, bronze, gold, mirror, water,
         pool_floor, glass, amber_glass, blue_glass, red, black, yellow, blue, white, bark, soil, ivy, orange_leaf,
-        box_leaf, cypress, olive, lily, blossom, orange, lamp, grass, hill_near, hill_far;
+        box_leaf, cypress, olive, lily, blossom, orange, flame, grass, hill_near, hill_far;
 };
 Materials add_materials(Scene& scene);
 
-/// How much sky a point of the courtyard sees: an estimate by formula, from the arcades' roofs, the ground's nearness
-/// and the slope of the surface. 0 to 1.
+/// Fraction of the sky, 0 to 1, that a point of the courtyard sees: estimated by formula from the arcades' roofs, the
+/// distance to the ground and the slope of the surface.
 float open_sky(const glm::vec3& point, const glm::vec3& normal);
 
 MeshId add_mesh(Scene& scene, MeshBuilder& builder, const char* name);
 NodeId add_object(Scene& scene, MeshId mesh, const char* name, const glm::dmat4& local, NodeId parent = none);
-/// A placement: turn about +Y in radians, then shift.
+/// A transform: rotation about +Y in radians, then translation.
 glm::dmat4 placed(const glm::dvec3& at, double turn = 0, double scale = 1);
 
 MeshId make_column(Scene& scene, const Materials& materials);

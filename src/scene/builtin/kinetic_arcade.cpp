@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arcades: columns, arches, cornice, a tiled roof, and what is seen behind them. A run is built along its own +x,
-// its yard on its +z side, and set in its place as a whole.
+// The arcades: columns, arches, cornice, a tiled roof, and the walk behind them. A run is built along its own +x with
+// the yard on its +z side, and then transformed as a whole.
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What climbs on the walls, and what has fallen from it.
+// Climbing plants on the walls, and their fallen petals.
 
 #include "scene/builtin/kinetic_leaves.h"
 
@@ -7,7 +7,7 @@ namespace gnomon::scene::kinetic {
 
 namespace {
 
-// Climbs on a wall: along a few wandering stems, leaves lie flat with their tips down.
+// A climbing plant: leaves lie flat, tips down, along a few wandering stems.
 struct Climber {
     glm::vec3 foot;         // where it comes out of the ground
     glm::vec3 along, out;   // the wall's direction and its normal
@@ -15,12 +15,12 @@ struct Climber {
     float drift;            // and how far its tops lean over along the wall
     int stems, leaves;      // leaves a stem
     MaterialId leaf, blossom;
-    float blossoms;   // share of leaves that flower
+    float blossoms;   // fraction of leaves that flower
 };
 void add_climber(MeshBuilder& b, const Materials& m, Random& random, const Climber& c)
 {
     for (int s = 0; s < c.stems; ++s) {
-        // Walk upwards, drifting to one side.
+        // Grow upwards while drifting to one side.
         const float spread = random.uniform(-1, 1), top = c.height * random.uniform(c.drift > 0 ? 0.9f : 0.55f, 1.0f);
         const float drift = c.drift * random.uniform();
         const float phase = random.uniform(0, 6.28f), wave = random.uniform(0.08f, 0.22f);

@@ -40,7 +40,7 @@ void add_paving(Scene& scene, const Materials& m)
             const float tone = random.uniform(), warm = random.uniform();
             const float height = 0.006f * random.uniform();
             const glm::vec2 offset{random.uniform(), random.uniform()};
-            // None under the pool, none hidden by the sundial's steps.
+            // Skip slabs under the pool and slabs that the sundial's steps hide.
             const float farthest = std::max(std::abs(x0), std::abs(x1)), z_far = std::max(std::abs(z0), std::abs(z1));
             if (farthest * farthest + z_far * z_far < 2.0f * 2.0f) continue;
             if (x0 > -k_pool_x && x1 < k_pool_x && z0 > k_pool_far && z1 < k_pool_near) continue;

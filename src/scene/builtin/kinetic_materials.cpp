@@ -6,7 +6,7 @@ namespace gnomon::scene::kinetic {
 
 namespace {
 
-// What the middle of the yard gets of a clear sky: the rest is behind walls and trees.
+// Fraction of a clear sky that is seen from the middle of the yard; walls and trees hide the rest.
 constexpr float k_sky_over_yard = 0.58f;
 
 class Palette {
@@ -38,7 +38,7 @@ class Palette {
         scene_.materials.push_back(m);
         return static_cast<MaterialId>(scene_.materials.size() - 1);
     }
-    /// @param repeats  of the image, a metre
+    /// /// @param repeats  of the texture, per metre
     MaterialId textured(const char* name, TextureId image, float repeats, float roughness,
                         const glm::vec3& color = glm::vec3(1))
     {
@@ -128,7 +128,7 @@ Materials add_materials(Scene& scene)
     m.lily = palette.leaf("lily pad", {0.12f, 0.24f, 0.06f}, 0.35f);
     m.blossom = palette.leaf("blossom", {0.62f, 0.05f, 0.30f}, 0.6f);
     m.orange = palette.add("orange", {0.95f, 0.36f, 0.03f}, 0.4f);
-    m.lamp = palette.glowing("flame", {14.0f, 8.0f, 3.2f});
+    m.flame = palette.glowing("flame", {14.0f, 8.0f, 3.2f});
     m.grass = palette.add("meadow", {0.20f, 0.22f, 0.08f}, 1);
     m.hill_near = palette.unlit("near hills", {0.26f, 0.32f, 0.33f});
     m.hill_far = palette.unlit("far hills", {0.42f, 0.50f, 0.58f});
@@ -142,7 +142,7 @@ float open_sky(const glm::vec3& p, const glm::vec3& n)
         return t * t * (3 - 2 * t);
     };
     float seen = 1;
-    // Under a roof only the arches let the sky in, less with every step back.
+    // Under a roof, sky light comes in through the arches and decreases with the distance from them.
     const float behind_back = k_back_z - p.z, behind_right = p.x - k_right_x;
     const float behind = glm::max(behind_back, behind_right);
     if (behind > -0.3f && p.y < k_eaves) {
@@ -150,10 +150,10 @@ float open_sky(const glm::vec3& p, const glm::vec3& n)
         const float height = fade(k_springing - 0.6f, k_eaves, p.y);
         seen *= glm::mix(1.0f, 0.30f - 0.13f * height, depth);
     } else if (behind <= -0.3f && p.y < k_eaves) {
-        // Before it, its wall hides a part of the sky.
+        // Before the arcade, its wall hides a part of the sky.
         seen *= 1 - 0.22f * (1 - fade(0.0f, 3.0f, -behind)) * (1 - p.y / k_eaves);
     }
-    // What faces down sees little; what is near the ground sees it darkened by contact.
+    // Darken surfaces that face down, and contacts with the ground.
     if (n.y < 0) seen *= 1 + 0.35f * n.y;
     if (n.y < 0.6f) seen *= 0.72f + 0.28f * fade(0.0f, 0.5f, p.y);
     return seen;

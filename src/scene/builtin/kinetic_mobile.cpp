@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mobile: arms that hang from arms, each turning about its own wire at its own speed. Six rigid groups; all that
-// moves in this scene but the camera.
+// The mobile: arms that hang from arms, each turning about its own wire at its own speed. Its six rigid groups are all
+// that moves in this scene, apart from the camera.
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -39,7 +39,7 @@ Scene make_kinetic()
     scene.name = "builtin:kinetic";
     const Materials materials = add_materials(scene);
 
-    // The sun stands low at the left, a little before the image.
+    // The sun stands low at the left, slightly behind the scene.
     const glm::dvec3 to_sun = glm::normalize(glm::dvec3(-0.74, 0.53, 0.38));
     Light sun;
     sun.name = "sun";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sundial in the middle, and what stands about: lanterns, a mirror ball, vases.
+// The sundial in the middle and the objects around it: lanterns, a mirror ball, vases.
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -134,7 +134,7 @@ MeshId make_lantern(Scene& scene, const Materials& m)
         const glm::vec3 bar[] = {0.135f * out + glm::vec3(0, -0.555f, 0), 0.10f * out + glm::vec3(0, -0.89f, 0)};
         b.tube(bar, 0.006f, 6);
     }
-    b.use(m.lamp);
+    b.use(m.flame);
     const glm::vec2 flame[] = {{0.0f, -0.70f},    {0.02f, -0.69f},   {0.032f, -0.665f},
                                {0.028f, -0.635f}, {0.012f, -0.595f}, {0.0f, -0.575f}};
     b.lathe(make_outline(flame, false, 1.5f), 16);
@@ -186,7 +186,7 @@ void add_ornaments(Scene& scene, const Materials& m)
     for (const int bay : {1, 3})
         add_lantern(scene, lantern, {k_right_x + 0.9, hook, k_back_z + (bay + 0.5) * double{k_bay}});
 
-    // A mirror ball on a pedestal, in which the whole yard is seen.
+    // A mirror ball on a pedestal, which reflects the whole yard.
     MeshBuilder b;
     b.open_sky(shade_of_steps);
     b.use(m.limestone);
@@ -207,7 +207,7 @@ void add_ornaments(Scene& scene, const Materials& m)
     b.sphere({0, 1.03f, 0}, 0.33f, 72, 35);
     add_object(scene, add_mesh(scene, b, "mirror ball"), "mirror ball", placed({3.05, 0, 5.6}));
 
-    // Glass on the pool's rim, a hair above it: equal heights would let rays into the stone.
+    // Place the glass slightly above the pool's rim: at equal heights, rays could leak into the stone.
     constexpr double k_on_rim = 0.203;
     add_object(scene, make_vase(scene, m.glass), "vase", placed({1.74, k_on_rim, 3.3}));
     b.use(m.blue_glass);

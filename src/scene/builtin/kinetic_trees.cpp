@@ -9,7 +9,7 @@ namespace gnomon::scene::kinetic {
 
 namespace {
 
-// Leaves on and in an ellipsoid, denser outside, facing outwards and up; the inside sees less sky.
+// Leaves on and in an ellipsoid, denser near its surface, facing outwards and up. Inner leaves see less sky.
 struct Crown {
     glm::vec3 centre, radii;
     int leaves;
@@ -99,7 +99,7 @@ MeshId make_box_ball(Scene& scene, const Materials& m)
     b.use(m.bark);
     const glm::vec3 stem[] = {{0, 0.4f, 0}, {0, 0.75f, 0}};
     b.tube(stem, 0.03f, 8);
-    b.sphere({0, 0.84f, 0}, 0.30f, 16, 9);   // keeps the inside dark
+    b.sphere({0, 0.84f, 0}, 0.30f, 16, 9);   // keeps the interior dark
     b.use(m.box_leaf);
     add_crown(b, random, {{0, 0.84f, 0}, {0.42f, 0.40f, 0.42f}, 3000, 0.055f, 0.032f});
     return add_mesh(scene, b, "box tree");
@@ -134,7 +134,7 @@ MeshId make_cypress(Scene& scene, const Materials& m)
     return add_mesh(scene, b, "cypress");
 }
 
-// Stands outside the image: its shade falls into it.
+// Stands outside the frame; its shadow falls into view.
 MeshId make_olive(Scene& scene, const Materials& m)
 {
     MeshBuilder b;

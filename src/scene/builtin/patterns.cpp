@@ -21,10 +21,11 @@ float smooth_step(float low, float high, float x)
     return t * t * (3 - 2 * t);
 }
 
-// Colours are linear while they are mixed.
+// Writes a texel. Colours are mixed in linear space and encoded here.
 void write(Image8& image, int x, int y, const glm::vec3& linear)
 {
-    // A table of square roots would be faster than the exact curve, and different; 4096 steps are below 8 bits.
+    // Encode by a table of 4096 steps, because the exact curve is slow. The table's error is below one step of 8
+    // bits.
     static const std::vector<std::uint8_t> encode = [] {
         std::vector<std::uint8_t> table(4097);
         for (std::size_t i = 0; i < table.size(); ++i)
@@ -68,7 +69,7 @@ float TiledNoise::operator()(glm::vec2 p) const
     float sum = 0, weight = 0.5f, total = 0;
     for (const Octave& octave : octaves_) {
         const float x = p.x * static_cast<float>(octave.cells), y = p.y * static_cast<float>(octave.cells);
-        // The fraction of a number just below one may round up to it.
+        // Rounding may turn the fraction of a number just below one into one.
         const int ix = std::min(static_cast<int>(x), octave.cells - 1);
         const int iy = std::min(static_cast<int>(y), octave.cells - 1);
         const int jx = ix + 1 < octave.cells ? ix + 1 : 0, jy = iy + 1 < octave.cells ? iy + 1 : 0;

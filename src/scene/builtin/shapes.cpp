@@ -30,7 +30,7 @@ void MeshBuilder::triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c)
 {
     const glm::vec3 face = glm::cross(mesh_.positions[b] - mesh_.positions[a], mesh_.positions[c] - mesh_.positions[a]);
     if (!(glm::dot(face, face) > k_no_area * k_no_area)) return;
-    // Wind by the normals.
+    // Orient the triangle by its normals.
     if (glm::dot(face, mesh_.normals[a] + mesh_.normals[b] + mesh_.normals[c]) < 0) std::swap(b, c);
     triangles_.emplace_back(a, b, c);
     materials_.push_back(material_);
@@ -91,7 +91,7 @@ void MeshBuilder::sweep(const Outline& outline, std::span<const Frame> frames, b
 
 void MeshBuilder::lathe(const Outline& outline, int segments)
 {
-    // The texture runs around by the widest radius.
+    // Scale the texture around the axis by the largest radius.
     float radius = 0;
     for (const Outline::Segment& s : outline.segments) radius = std::max({radius, s.from.x, s.to.x});
     std::vector<Frame> frames;
@@ -170,7 +170,7 @@ void MeshBuilder::tube(std::span<const glm::vec3> path, std::span<const float> r
     };
     for (std::size_t i = 0; i < n; ++i) {
         const glm::vec3 tangent = glm::normalize(path[std::min(i + 1, n - 1)] - path[i > 0 ? i - 1 : 0]);
-        // Carry one perpendicular along, so that the tube does not twist.
+        // Transport one perpendicular along the path, so that the tube does not twist.
         if (i == 0) {
             glm::vec3 unused;
             make_basis(tangent, side, unused);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The flat and the spatial curves that shapes are drawn along.
+// The 2D and 3D curves along which shapes are swept.
 
 #include <algorithm>
 

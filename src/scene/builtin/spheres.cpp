@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// builtin:spheres: equal spheres in a cube, a part of which moves; the scene in which shadow textures are measured.
+// builtin:spheres: equal spheres in a cube, some of which move; the scene in which shadow textures are measured.
 //
-// All objects instance one mesh. Dynamic objects follow closed curves, each coordinate a short Fourier series with
-// random phases, so that none ever rests between two frames and the clip's end meets its beginning. Cost: constant a
-// sphere.
+// All objects instance one mesh. Dynamic objects follow closed curves: each coordinate is a short Fourier series with
+// random phases, so none rests between two frames and the clip ends where it begins. Cost: constant per sphere.
 
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
@@ -21,14 +20,14 @@ constexpr double k_fps = 24;
 constexpr double k_period = k_frames / k_fps;
 
 constexpr double k_half = 5;   // the cube is from -half to half
-// With 300 spheres (10 percent moving, seed 1, time 0) covers a third (0.332) of a square view around the spot's cone:
-// measured for radii in steps of 0.01, fixed since. The tests measure it again.
+// With this radius, 300 spheres (10 percent moving, seed 1, time 0) cover a third (0.332) of a square view around the
+// spot's cone. It was found by measuring radii in steps of 0.01; a test repeats the measurement.
 constexpr double k_radius = 0.47;
 constexpr double k_light_height = 60;    // above the cube's centre
 constexpr double k_cone_margin = 1.02;   // of the tangent: the cube's nearest corners are just inside
 
-// A crowd: dynamic objects stay in a column of this half width as the light sees it; who stands still is small, and
-// stands in the column or beyond its shadow at the cube's floor.
+// A crowd: dynamic objects stay in a column with this half width, seen from the light. Static objects are small and
+// stand in the column or beyond its shadow on the cube's floor.
 constexpr double k_stage = 3, k_beside = 3.7;
 constexpr double k_small_radius = 0.05;
 constexpr int k_small_vertices = 38;
@@ -46,7 +45,7 @@ class ClosedPath final : public TransformTrack {
     }
     glm::dmat4 evaluate(double time) const override
     {
-        // The path closes to the bit: its end is its beginning.
+        // Make the path's end equal to its beginning bit for bit.
         const double turn = time > 0 && time < k_period ? time / k_period : 0;
         glm::dvec3 p = centre_;
         for (int k = 1; k <= k_harmonics; ++k)
@@ -72,7 +71,8 @@ struct SphereGrid {
     int rings, segments;
 };
 
-// The grid whose 2 + rings * segments comes nearest; of equals, the one whose shape is most like 37 rings of 55.
+// The grid whose 2 + rings * segments is nearest to `vertices`; among equals, the one most similar to 37 rings of
+// 55.
 SphereGrid grid_of(int vertices)
 {
     constexpr double ideal = 55.0 / 37.0, slimmest = 1, widest = 4;   // segments to rings
@@ -116,7 +116,8 @@ Scene make_spheres(const SpheresOptions& options)
                                     ? options.dynamic_objects
                                     : static_cast<int>(std::lround(options.objects * options.dynamic / 100));
 
-    // Place them; whoever moves needs room to. Positions are random, so the first ones are as good as any.
+    // Place the spheres, leaving room for motion. Positions are random, so the first spheres can be the dynamic
+    // ones.
     Random random(options.seed);
     scene.nodes.reserve(static_cast<std::size_t>(options.objects) + 2);
     for (int i = 0; i < options.objects; ++i) {
@@ -136,7 +137,7 @@ Scene make_spheres(const SpheresOptions& options)
         if (moves) scene.nodes[node].transform = std::make_shared<ClosedPath>(centre, random);
     }
 
-    // One lamp above sees the whole cube.
+    // One light above illuminates the whole cube.
     Light spot;
     spot.name = "spot";
     spot.type = LightType::spot;
@@ -144,8 +145,9 @@ Scene make_spheres(const SpheresOptions& options)
     spot.profile = SpotProfile::cosine;
     const double corner = k_half * std::sqrt(2.0) / (k_light_height - k_half);
     spot.outer_angle = static_cast<float>(std::atan(k_cone_margin * corner));
-    const glm::dvec3 lamp(0, k_light_height, 0);
-    spot.node = scene.add_node("spot", none, glm::inverse(glm::lookAt(lamp, glm::dvec3(0), glm::dvec3(0, 0, -1))));
+    const glm::dvec3 light_position(0, k_light_height, 0);
+    spot.node =
+        scene.add_node("spot", none, glm::inverse(glm::lookAt(light_position, glm::dvec3(0), glm::dvec3(0, 0, -1))));
     scene.lights.push_back(spot);
 
     Camera camera;

@@ -12,14 +12,15 @@ namespace gnomon::scene {
 
 namespace {
 // A late-morning sun from the left front and a clear sky, in lux and nits scaled so that a white wall is about 1. The
-// ground is grey and as bright as one of reflectance 0.3 would be under both; the haze between is wide, since what
-// hangs in the air has no horizon.
+// ground is grey, as bright as a reflectance of 0.3 would be under both. The haze between them is wide, because objects
+// that float in the air have no horizon.
 constexpr glm::vec3 k_sun_color{4.4f, 4.15f, 3.75f};
 constexpr glm::dvec3 k_to_sun{-0.6, 0.75, 0.4};
 constexpr glm::vec3 k_zenith{0.16f, 0.28f, 0.55f}, k_horizon{0.50f, 0.57f, 0.65f}, k_ground{0.20f, 0.195f, 0.19f};
-// Into a courtyard it shines from behind, steeply, so that it reaches the ground: along the view, up, to the left.
+// The sun of a courtyard: steep from behind the view, so that it reaches the ground. Along the view, up, to the
+// left.
 constexpr glm::dvec3 k_to_sun_of_court{-0.55, 1.0, 0.12};
-// What comes by several bounces of the sky and the sun into its arcades.
+// Irradiance by several bounces of sky and sun light in the courtyard's arcades.
 constexpr glm::vec3 k_fill_of_court{0.06f, 0.058f, 0.055f};
 
 // From the right, a little above: the angle of product photographs.
@@ -27,37 +28,37 @@ constexpr glm::dvec3 k_to_camera{0.55, 0.36, 1.0};
 constexpr double k_fov = 0.7;
 constexpr double k_near = 5e-5;   // of the diagonal
 
-// The lamp of a closed room: a square under the middle of the ceiling.
-constexpr float k_lamp_irradiance = 3;   // on the floor below, as the sun's outside
-constexpr float k_lamp_size = 0.25f;     // of the room's shorter side
-constexpr float k_lamp_drop = 0.02f;     // below the highest point, of the height
-constexpr int k_lamp_lights = 16;
+// The default light of a closed room: a square under the middle of the ceiling.
+constexpr float k_room_light_irradiance = 3;   // on the floor below, like that of the sun outdoors
+constexpr float k_room_light_size = 0.25f;     // of the room's shorter side
+constexpr float k_room_light_drop = 0.02f;     // below the highest point, as a fraction of the height
+constexpr int k_room_light_lights = 16;
 
-void add_room_lamp(Scene& scene)
+void add_room_light(Scene& scene)
 {
     const Box3 box = scene.bounds(scene.timeline.start);
     const glm::vec3 size = box.size();
-    const float half = 0.5f * k_lamp_size * std::min(size.x, size.z);
+    const float half = 0.5f * k_room_light_size * std::min(size.x, size.z);
     glm::vec3 middle = box.centre();
-    middle.y = box.high.y - k_lamp_drop * size.y;
-    EmitterPatch lamp;
+    middle.y = box.high.y - k_room_light_drop * size.y;
+    EmitterPatch patch;
     const glm::vec3 u(half, 0, 0), v(0, 0, half);
-    lamp.triangles = {middle - u - v, middle + u - v, middle + u + v, middle - u - v, middle + u + v, middle - u + v};
-    lamp.normal = {0, -1, 0};
-    lamp.area = 4 * half * half;
-    // Irradiance below a small lamp: radiance times area over the height squared.
-    lamp.radiance = glm::vec3(1.0f, 0.95f, 0.85f) * (k_lamp_irradiance * size.y * size.y / lamp.area);
-    add_patch_lights(scene, lamp, k_lamp_lights, 1, 0, "default lamp");
+    patch.triangles = {middle - u - v, middle + u - v, middle + u + v, middle - u - v, middle + u + v, middle - u + v};
+    patch.normal = {0, -1, 0};
+    patch.area = 4 * half * half;
+    // Irradiance below a small square light: radiance times area over the height squared.
+    patch.radiance = glm::vec3(1.0f, 0.95f, 0.85f) * (k_room_light_irradiance * size.y * size.y / patch.area);
+    add_patch_lights(scene, patch, k_room_light_lights, 1, 0, "default light");
     scene.finish();
-    add_room_fill(scene, lamp.radiance * (static_cast<float>(k_pi) * lamp.area));
-    scene.warnings.emplace_back("no light in the scene: lit by a default lamp under its ceiling");
+    add_room_fill(scene, patch.radiance * (static_cast<float>(k_pi) * patch.area));
+    scene.warnings.emplace_back("no light in the scene: added a default light below the ceiling");
 }
 
 NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, const glm::dvec3& direction)
 {
     const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
     const NodeId node = scene.add_node(name, none, glm::inverse(glm::lookAt(eye, eye + direction, up)));
-    scene.child_begin.push_back(scene.child_begin.back());   // the node has no children; keeps the index whole
+    scene.child_begin.push_back(scene.child_begin.back());   // the node has no children; keeps the index complete
     return node;
 }
 }   // namespace
@@ -66,9 +67,9 @@ void add_default_light(Scene& scene)
 {
     if (!scene.lights.empty()) return;
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
-    // No sun comes into a closed room.
+    // Light a closed room from its ceiling; no sun reaches it.
     const auto interior = find_interior(scene);
-    if (interior && interior->covered) return add_room_lamp(scene);
+    if (interior && interior->covered) return add_room_light(scene);
     glm::dvec3 to_sun = k_to_sun;
     if (interior) {
         scene.background.color = k_fill_of_court;
@@ -87,7 +88,7 @@ void add_default_light(Scene& scene)
     scene.background.kind = Background::Kind::sky;
     scene.background.zenith = k_zenith, scene.background.horizon = k_horizon, scene.background.ground = k_ground;
     scene.background.sun_direction = glm::vec3(to_sun);
-    scene.warnings.emplace_back("no light in the scene: lit by a default sky and sun");
+    scene.warnings.emplace_back("no light in the scene: added a default sky and sun");
 }
 
 void add_default_camera(Scene& scene)
@@ -102,7 +103,7 @@ void add_default_camera(Scene& scene)
         camera.node =
             add_looking_node(scene, "default camera", glm::dvec3(interior->eye), glm::dvec3(interior->direction));
         scene.cameras.push_back(camera);
-        scene.warnings.emplace_back("no camera in the scene: a default one looks around inside");
+        scene.warnings.emplace_back("no camera in the scene: added a default camera inside the scene");
         return;
     }
     FramingOptions options;
@@ -115,7 +116,7 @@ void add_default_camera(Scene& scene)
     camera.near = framed.size * k_near;
     camera.node = add_looking_node(scene, "default camera", framed.eye, -options.back);
     scene.cameras.push_back(camera);
-    scene.warnings.emplace_back("no camera in the scene: a default one frames it");
+    scene.warnings.emplace_back("no camera in the scene: added a default camera that frames the scene");
 }
 
 }   // namespace gnomon::scene

@@ -19,7 +19,7 @@ namespace gnomon::scene {
 namespace {
 
 constexpr int k_grid = 4;           // lights along each side of a rectangle, where there are enough
-constexpr double k_open_side = 4;   // a two-sided emitter shines to its back if there is so many times more room
+constexpr double k_open_side = 4;   // a two-sided emitter shines to its back if there is this many times more room
 
 float area_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
 {
@@ -35,8 +35,8 @@ bool inside(const glm::vec2& p, const glm::vec2& a, const glm::vec2& b, const gl
     return (x >= 0 && y >= 0 && z >= 0) || (x <= 0 && y <= 0 && z <= 0);
 }
 
-// Points spread over a patch: the middles of a grid along its longest edge, if the patch fills them (a rectangle does);
-// else points of a low-discrepancy sequence [Roberts 2018], triangles in proportion to area.
+// Spreads points over a patch: the centres of a grid along its longest edge if the patch fills them (a rectangle does),
+// else points of a low-discrepancy sequence [Roberts 2018], distributed over triangles in proportion to area.
 std::vector<glm::vec3> spread(const EmitterPatch& patch, int count)
 {
     const std::vector<glm::vec3>& t = patch.triangles;
@@ -49,6 +49,7 @@ std::vector<glm::vec3> spread(const EmitterPatch& patch, int count)
         along = glm::normalize(along), other = glm::cross(patch.normal, along);
     else
         make_basis(patch.normal, along, other);
+    // Project the triangles into the patch's plane.
     std::vector<glm::vec2> flat;
     glm::vec2 low(k_infinity), high(-k_infinity);
     float height = 0;
@@ -58,13 +59,14 @@ std::vector<glm::vec3> spread(const EmitterPatch& patch, int count)
         height += glm::dot(p, patch.normal) / static_cast<float>(t.size());
     }
 
+    // Keep the grid points that lie in a triangle.
     std::vector<glm::vec3> points;
     const int side = std::min(k_grid, static_cast<int>(std::sqrt(static_cast<float>(count) + 0.5f)));
     for (int i = 0; i < side * side; ++i) {
         const int column = i % side, row = i / side;
-        const glm::vec2 share((static_cast<float>(column) + 0.5f) / static_cast<float>(side),
+        const glm::vec2 place((static_cast<float>(column) + 0.5f) / static_cast<float>(side),
                               (static_cast<float>(row) + 0.5f) / static_cast<float>(side));
-        const glm::vec2 p = low + share * (high - low);
+        const glm::vec2 p = low + place * (high - low);
         for (std::size_t k = 0; k < flat.size(); k += 3) {
             if (!inside(p, flat[k], flat[k + 1], flat[k + 2])) continue;
             points.push_back(p.x * along + p.y * other + height * patch.normal);
@@ -90,14 +92,15 @@ std::vector<glm::vec3> spread(const EmitterPatch& patch, int count)
     return points;
 }
 
-// Connected pieces of one object's emitting triangles, split by the axis direction that they face most.
+// Collects connected pieces of one object's emissive triangles, split by the axis direction nearest to their
+// normals.
 void collect(const Scene& scene, const Object& object, const MeshPart& part, const glm::mat4& world,
              std::vector<EmitterPatch>& patches)
 {
     const Mesh& mesh = scene.meshes[object.mesh];
     const bool mirrored = glm::determinant(glm::mat3(world)) < 0;
 
-    // Join triangles that share a corner's place.
+    // Join triangles that share the position of a corner.
     std::vector<std::uint32_t> root(part.triangle_count);
     std::iota(root.begin(), root.end(), 0u);
     const auto find = [&](std::uint32_t i) {
@@ -141,7 +144,7 @@ void collect(const Scene& scene, const Object& object, const MeshPart& part, con
 
 }   // namespace
 
-void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float share, float lift,
+void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float fraction, float lift,
                       const std::string& name)
 {
     const std::vector<glm::vec3> points = spread(patch, count);
@@ -156,7 +159,7 @@ void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float 
         light.type = LightType::spot;
         light.profile = SpotProfile::cosine;
         light.outer_angle = static_cast<float>(k_pi / 2);
-        light.color = patch.radiance * (patch.area * share / static_cast<float>(points.size()));
+        light.color = patch.radiance * (patch.area * fraction / static_cast<float>(points.size()));
         light.node = scene.add_node(name, patch.node, to_node * glm::inverse(glm::lookAt(eye, eye + direction, up)));
         scene.lights.push_back(light);
     }
@@ -177,7 +180,7 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
 {
     if (!scene.lights.empty()) return;
     std::vector<EmitterPatch> patches;
-    std::vector<glm::dmat4> world;   // by node: walking up from each object takes too long where nodes are deep
+    std::vector<glm::dmat4> world;   // by node, because walking up from each object is too slow in deep hierarchies
     bool two_sided = false;
     for (const Object& object : scene.objects) {
         if (object.deforming) continue;
@@ -192,7 +195,7 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
     }
     if (patches.empty()) return;
 
-    // Leave out what lights nothing; keep the strongest.
+    // Drop patches that are too weak; keep the strongest.
     const float reach = 0.5f * scene.bounds(scene.timeline.start).diagonal();
     const auto power = [](const EmitterPatch& patch) { return luminance(patch.radiance) * patch.area; };
     std::erase_if(patches, [&](const EmitterPatch& patch) {
@@ -213,7 +216,8 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
     const int each = std::max(1, options.most_lights / static_cast<int>(patches.size()));
     for (EmitterPatch& patch : patches) {
         patch.normal = glm::normalize(patch.normal);
-        // Files that know no sides wind their lamps either way: they shine where there is room.
+        // The front side of emitters is unreliable in files without sides. Let each shine to the side that has more
+        // room.
         if (grid && !grid->empty()) {
             const glm::vec3 middle = (patch.triangles[0] + patch.triangles[1] + patch.triangles[2]) / 3.0f;
             const double front = grid->cast(middle, patch.normal).distance;
@@ -225,7 +229,7 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
     }
     scene.finish();
     add_room_fill(scene, flux);
-    scene.warnings.push_back(fmt::format("no light in the scene: {} point-like lights stand for {} shining surface{}",
+    scene.warnings.push_back(fmt::format("no light in the scene: {} point lights approximate its {} emissive surface{}",
                                          scene.lights.size(), found, found == 1 ? "" : "s"));
 }
 

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Shining surfaces as lights: lights without size, placed over each of them, that together send out what it does.
+// Approximates emissive surfaces by point-like lights with the same total flux.
 //
-// A Lambertian emitter of radiance L and area A sends L A cos(t) candela. n spot lights with the cosine profile and a
-// half-angle of 90 degrees, of L A / n each, have the same flux, pi L A, and near enough the same shadows where n is
-// 16. The lights stand on nodes below the surface's own and move with it.
+// A Lambertian emitter of radiance L and area A has an intensity of L A cos(t) candela. n spot lights with the cosine
+// profile, a half-angle of 90 degrees and L A / n each have the same flux, pi L A, and nearly the same shadows where n
+// is 16. The lights are placed on children of the surface's node and move with it.
 
 #include "scene/scene.h"
 
 namespace gnomon::scene {
 
 struct EmitterOptions {
-    float least_radiance = 1;         // luminance; what is dimmer glows, but does not light
-    float least_irradiance = 0.01f;   // at half the scene's diagonal; smaller emitters are left out
-    int most_lights = 16;             // over the whole scene
-    float lift = 0.01f;               // in front of the surface, as a share of the root of its area
+    float least_radiance = 1;         // luminance; dimmer surfaces are visible but give no light
+    float least_irradiance = 0.01f;   // at half the scene's diagonal; weaker emitters are dropped
+    int most_lights = 16;             // in the whole scene
+    float lift = 0.01f;               // distance from the surface, as a fraction of the square root of its area
 };
 
-/// Where a scene has no lights, but untextured surfaces that emit: adds lights that stand for them, and a warning.
-/// What is left out because of most_lights is made up for by the others, so that the flux is kept.
-/// Call after finish(), before add_default_light.
+/// If a scene has no lights but untextured emissive surfaces, adds lights that approximate them, and a warning. The
+/// flux of surfaces that are dropped because of most_lights is distributed over the others. Call after finish(), before
+/// add_default_light.
 void add_emitter_lights(Scene& scene, const EmitterOptions& options = {});
 
 /// A flat patch that emits on one side, in the space of a node.
@@ -32,12 +32,12 @@ struct EmitterPatch {
 };
 
 /// Adds `count` spot lights over a patch; call finish() afterwards.
-/// @param share  of the patch's flux that they have together
-void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float share, float lift,
+/// @param fraction  fraction of the patch's flux that the lights have together
+void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float fraction, float lift,
                       const std::string& name);
 
-/// What the walls of a closed room give back of a flux (pi times radiance times area), as ambient light, even
-/// everywhere. Stands for indirect light where that is off; nothing where the sky looks in.
+/// Adds the light that the walls of a closed room reflect of a flux (pi times radiance times area), as uniform ambient
+/// light. It is used where indirect light is off; does nothing if the room is open to the sky.
 void add_room_fill(Scene& scene, const glm::vec3& flux);
 
 }   // namespace gnomon::scene

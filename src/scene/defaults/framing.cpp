@@ -11,12 +11,13 @@ namespace gnomon::scene {
 namespace {
 
 constexpr double k_huge = std::numeric_limits<double>::max();
-constexpr double k_least_distance = 0.05;   // before the nearest point, of the size
+constexpr double k_least_distance = 0.05;   // in front of the nearest point, as a fraction of the scene's size
 constexpr double k_least_size = 1e-6;
 
-// A point with the coordinates r to the right, u up and b back is within the image's width, seen from (x, y, d), if
-// |r - x| <= t (d - b), with t the tangent of half the angle across. So the greatest r + t b bounds x + t d from below
-// and the greatest -r + t b bounds -x + t d; both are met nearest half-way. The height likewise.
+// Finds the nearest position from which all points are in view. A point with coordinates r to the right, u up and b
+// back is within the frame's width, seen from (x, y, d), if |r - x| <= t (d - b), with t the tangent of half the
+// horizontal angle. So the greatest r + t b bounds x + t d from below, and the greatest -r + t b bounds -x + t d; the
+// smallest d that satisfies both has x half-way between. The height is treated likewise.
 class Frustum {
  public:
     explicit Frustum(const FramingOptions& options)
@@ -80,7 +81,7 @@ Framed frame_clip(const Scene& scene, const FramingOptions& options)
 {
     const double start = scene.timeline.start, length = scene.timeline.end - start;
     const auto objects = static_cast<ObjectId>(scene.objects.size());
-    SceneState state({std::shared_ptr<const Scene>(), &scene}, start);   // not the state's own
+    SceneState state({std::shared_ptr<const Scene>(), &scene}, start);   // the pointer does not own the scene
     Frustum first(options);
     for (ObjectId id = 0; id < objects; ++id) add_object(state, id, first);
     Frustum all = first;

@@ -11,11 +11,12 @@ constexpr double k_stage_fov = 0.7;   // radians: a box with an open side, seen 
 constexpr double k_room_fov = 1.0;    // from inside, wider
 constexpr float k_stage_margin = 1.06f;
 constexpr int k_stage_rays = 12;         // along each side of the opening
-constexpr float k_stage_open = 0.85f;    // so many of them must come in
-constexpr float k_stage_depth = 0.12f;   // so far, as a share of the depth
+constexpr float k_stage_open = 0.85f;    // fraction of them that must enter
+constexpr float k_stage_depth = 0.12f;   // to at least this fraction of the depth
 constexpr int k_headings = 16;
-constexpr float k_least_room = 0.06f;   // nothing nearer than this in the view, as a share of the longest side
-constexpr float k_height_weight[3] = {1.0f, 0.8f, 0.7f};   // of eye heights: standing people see so
+constexpr float k_least_room = 0.06f;   // no surface nearer than this in the view, as a fraction of the longest side
+constexpr float k_height_weight[3] = {1.0f, 0.8f,
+                                      0.7f};   // weights of eye heights; the lowest, a standing person's, is preferred
 
 float longest_side(const Box3& box)
 {
@@ -23,7 +24,8 @@ float longest_side(const Box3& box)
     return std::max({size.x, size.y, size.z});
 }
 
-// A box that is open on one upright side, like a stage: seen from before it, so that the opening fills the image.
+// Finds a box that is open on one upright side, like a stage. The camera stands before it, so that the opening fills
+// the frame.
 bool find_stage(const SpaceGrid& grid, Interior& result)
 {
     const Box3& box = grid.box();
@@ -45,9 +47,9 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
             const SpaceGrid::Hit hit = grid.cast(from, direction);
             open += hit.met == SpaceGrid::Met::front && hit.distance - grid.cell() > k_stage_depth * size[axis];
         }
-        const float share = static_cast<float>(open) / (k_stage_rays * k_stage_rays);
-        if (share <= best) continue;
-        best = share, found = true;
+        const float entered = static_cast<float>(open) / (k_stage_rays * k_stage_rays);
+        if (entered <= best) continue;
+        best = entered, found = true;
         result.direction = direction;
         result.eye = box.centre();
         const float half = 0.5f * k_stage_margin * std::max(size.y, size[across] * 0.75f);   // fits 4:3 and wider
@@ -58,8 +60,8 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
     return found;
 }
 
-// How good a view is: far and wide, farthest down the middle, much to see (modellers spend triangles on what matters,
-// not on the walls of back rooms), no back sides, nothing close by.
+// Rates a view: higher for long and wide views, most of all down the middle, and for many triangles (modellers spend
+// them on what matters, not on the walls of back rooms); lower for back sides and for surfaces close by.
 float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& direction, float longest)
 {
     const glm::vec3 side = glm::cross(direction, glm::vec3(0, 1, 0));
@@ -71,7 +73,7 @@ float rate_view(const SpaceGrid& grid, const glm::vec3& eye, const glm::vec3& di
                                                  glm::vec3(0, 0.16f * static_cast<float>(j), 0));
             const SpaceGrid::Hit hit = grid.cast(eye, ray);
             if (hit.distance < k_least_room * longest && j >= 0) return 0;
-            // The sky above a courtyard is no gap; one at the level of the eyes is.
+            // Sky above is normal in a courtyard; sky at eye level is a gap.
             fronts += hit.met == SpaceGrid::Met::front || (hit.met == SpaceGrid::Met::nothing && j > 0);
             if (std::abs(i) <= 1 && j >= 0) middle = std::min(middle, hit.distance);
             sum += std::sqrt(std::min(hit.distance, longest));
@@ -93,14 +95,14 @@ std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions&
     const Box3& box = grid.box();
     const float longest = longest_side(box), step = longest / static_cast<float>(options.lattice);
 
-    // Ask points all over the scene what surrounds them.
+    // Test at points all over the scene whether surfaces enclose them.
     glm::ivec3 count;
     for (int axis = 0; axis < 3; ++axis) count[axis] = 1 + static_cast<int>(box.size()[axis] / step - 0.5f);
     const auto point = [&](int x, int y, int z) {
-        const glm::vec3 share((static_cast<float>(x) + 0.5f) / static_cast<float>(count.x),
-                              (static_cast<float>(y) + 0.5f) / static_cast<float>(count.y),
-                              (static_cast<float>(z) + 0.5f) / static_cast<float>(count.z));
-        return box.low + share * box.size();
+        const glm::vec3 fraction((static_cast<float>(x) + 0.5f) / static_cast<float>(count.x),
+                                 (static_cast<float>(y) + 0.5f) / static_cast<float>(count.y),
+                                 (static_cast<float>(z) + 0.5f) / static_cast<float>(count.z));
+        return box.low + fraction * box.size();
     };
     struct Census {
         int points = 0, inside = 0, covered = 0;
@@ -120,17 +122,17 @@ std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions&
         }
         return census;
     };
-    // Most scenes are objects, and a few points tell so.
+    // A few points suffice to recognise most scenes as objects.
     constexpr int few = 3;
     if (const Census census = ask(few); census.points > 0 && census.inside == 0) return std::nullopt;
     const Census census = ask(1);
-    if (static_cast<float>(census.inside) < options.share * static_cast<float>(census.points)) return std::nullopt;
+    if (static_cast<float>(census.inside) < options.interior * static_cast<float>(census.points)) return std::nullopt;
 
     Interior result;
     result.covered = static_cast<float>(census.covered) >= options.covered * static_cast<float>(census.inside);
     if (find_stage(grid, result)) return result;
 
-    // Look for the longest view from inside, at the height of somebody who stands there.
+    // Find the longest view from inside, at the eye heights of a standing person.
     float best = 0;
     for (int z = 0; z < count.z; ++z) {
         for (int x = 0; x < count.x; ++x) {
@@ -142,7 +144,7 @@ std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions&
                     const float angle = 2 * static_cast<float>(k_pi) * static_cast<float>(heading) / k_headings;
                     const glm::vec3 direction(std::cos(angle), 0, std::sin(angle));
                     const float rating = k_height_weight[height] * rate_view(grid, eye, direction, longest);
-                    if (rating <= best * 1.001f) continue;   // of equals the first
+                    if (rating <= best * 1.001f) continue;   // among equals, keep the first
                     best = rating, result.eye = eye, result.direction = direction;
                 }
             }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Is a scene something to be in, or something to look at? Rooms, halls and courtyards are seen from inside, and closed
-// rooms are not lit by the sun. A function of the geometry alone, by coarse rays through a grid.
+// Decides whether a scene is an interior or an object. Rooms, halls and courtyards are seen from inside, and closed
+// rooms are not lit by the sun. The result depends on the geometry only, which is sampled by coarse rays through a
+// grid.
 
 #include <optional>
 
@@ -10,21 +11,21 @@
 namespace gnomon::scene {
 
 struct InteriorOptions {
-    int lattice = 14;                             // points along the longest side that are asked what they see
-    float enclosed = 0.7f;                        // a point is inside if so much of what it sees are surfaces facing it
-    float share = 0.25f;                          // the scene is an interior if so many of its points are
-    float covered = 0.98f;                        // it has a roof if above so many of these is one
-    float eye_heights[3] = {0.15f, 0.3f, 0.5f};   // above the floor, as a share of the whole height
+    int lattice = 14;         // sample points along the longest side
+    float enclosed = 0.7f;    // a point is inside if at least this fraction of directions meets the front of a surface
+    float interior = 0.25f;   // the scene is an interior if at least this fraction of its points is inside
+    float covered = 0.98f;    // it has a roof if one is above at least this fraction of these points
+    float eye_heights[3] = {0.15f, 0.3f, 0.5f};   // above the floor, as fractions of the whole height
 };
 
 struct Interior {
-    bool covered = false;   // no sky above
+    bool covered = false;   // has a roof
     glm::vec3 eye{0};
     glm::vec3 direction{0, 0, -1};   // unit, level
     double vertical_fov = 1.0;       // radians
 };
 
-/// Nothing: the scene is an object, seen from outside.
+/// Returns nothing if the scene is an object, to be seen from outside.
 std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions& options = {});
 
 }   // namespace gnomon::scene

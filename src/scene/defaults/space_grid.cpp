@@ -10,7 +10,7 @@ namespace {
 constexpr float k_faces = 0.25f;   // least cosine at which a surface counts as facing an axis direction
 constexpr int k_enclosure_directions = 40;
 
-// World matrices of the nodes with visible meshes.
+// Calls body for each node with a visible mesh, with its world matrix.
 template <class Body>
 void for_each_triangle(const Scene& scene, const std::vector<glm::dmat4>& world, const std::vector<char>& visible,
                        const Body& body)
@@ -70,7 +70,7 @@ SpaceGrid::SpaceGrid(const Scene& scene, double time, const Options& options) : 
             (node.parent == none || visible[node.parent]) && (!node.visibility || node.visibility->evaluate(time));
     }
 
-    // Space samples half a cell apart, further only where there would be too many.
+    // Choose a sample spacing of half a cell, wider only where there would be too many samples.
     double area = 0;
     for_each_triangle(scene, world, visible, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
         area += 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
@@ -83,7 +83,7 @@ SpaceGrid::SpaceGrid(const Scene& scene, double time, const Options& options) : 
         if (!(length > 0)) return;
         const std::uint8_t bits = facing_bits(cross / length);
         ++triangles_[index(cell_of((a + b + c) / 3.0f))];
-        // A row of samples for each step along b - a; shorter rows towards b.
+        // Take a row of samples for each step along b - a; rows get shorter towards b.
         const int rows = 1 + static_cast<int>(glm::length(b - a) / spacing);
         for (int i = 0; i < rows; ++i) {
             const float u = (static_cast<float>(i) + 1.0f / 3.0f) / static_cast<float>(rows);
@@ -112,7 +112,7 @@ bool SpaceGrid::occupied(const glm::vec3& point) const
 
 SpaceGrid::Hit SpaceGrid::cast(const glm::vec3& origin, const glm::vec3& direction) const
 {
-    // Steps of half a cell: simple, and exact enough for what is asked.
+    // March in steps of half a cell, which is exact enough here.
     const float step = 0.5f * cell_;
     float near = 0, far = k_infinity;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A coarse image of where a scene's surfaces are, to ask what a point is surrounded by: a grid of cells, each with
-// the directions that surfaces in it face. For choosing default cameras and lamps; not for shading.
+// A coarse voxel grid of a scene's surfaces, used to estimate the surroundings of a point. Each cell stores the
+// directions that surfaces in it face. For choosing default cameras and lights; not for shading.
 //
 // Cost: linear in triangles and covered cells; the number of samples is bounded whatever the triangles' sizes.
-// Weakness: what is thinner than a cell counts as filling it.
+// Weakness: surfaces that are thinner than a cell fill it.
 
 #include <vector>
 
@@ -18,7 +18,7 @@ class SpaceGrid {
         int cells = 80;                           // along the longest side
         std::uint64_t most_samples = 8'000'000;   // over all triangles
     };
-    /// Of everything visible at a time; empty for a scene without extent.
+    /// Samples everything that is visible at a time; empty for a scene without extent.
     SpaceGrid(const Scene& scene, double time, const Options& options);
     SpaceGrid(const Scene& scene, double time) : SpaceGrid(scene, time, Options()) {}
 
@@ -30,13 +30,13 @@ class SpaceGrid {
     enum class Met : std::uint8_t { nothing, front, back };
     struct Hit {
         Met met = Met::nothing;
-        float distance = 0;            // where the ray left the grid, if it met nothing
-        std::uint32_t triangles = 0;   // in the cell that it met
+        float distance = 0;            // to where the ray left the grid, if it hit nothing
+        std::uint32_t triangles = 0;   // in the cell that was hit
     };
-    /// The first surface along a ray that starts anywhere; the cell it starts in does not count.
+    /// Finds the first surface along a ray from any origin; the cell of the origin is ignored.
     Hit cast(const glm::vec3& origin, const glm::vec3& direction) const;
 
-    /// The share of all directions in which the point sees the front of a surface: 1 in a closed room.
+    /// The fraction of all directions in which the point sees the front of a surface: 1 in a closed room.
     float enclosure(const glm::vec3& point) const;
 
  private:
@@ -49,7 +49,7 @@ class SpaceGrid {
     Box3 box_;
     glm::ivec3 size_{0};
     float cell_ = 0;
-    std::vector<std::uint32_t> triangles_;   // whose middle is in the cell
+    std::vector<std::uint32_t> triangles_;   // triangles whose centre is in the cell
     std::vector<std::uint8_t> facing_;       // bits +x -x +y -y +z -z; 0: no surface
 };
 
