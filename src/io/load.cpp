@@ -16,7 +16,7 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
     if (extension == ".obj") return load_obj(file, progress);
     if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress);
     throw UsageError(
-        fmt::format("{}: unknown kind of scene '{}'; .aff, .obj, .gltf and .glb are read", file.string(), extension));
+        fmt::format("{}: unknown scene format '{}'; use .aff, .obj, .gltf or .glb", file.string(), extension));
 }
 
 }   // namespace gnomon::io

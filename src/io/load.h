@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Scene files in, by extension. Every importer is strict: what it accepts is whole and safe, what it refuses is named
-// with file and place (InputError), and every allocation is bounded by input that exists.
+// Loads scene files by extension. Every importer is strict: a file that it accepts is complete and safe to use;
+// otherwise InputError names the file, the place and the fault. The size of every allocation is bounded by input that
+// exists.
 
 #include <filesystem>
 
@@ -10,19 +11,19 @@
 
 namespace gnomon::io {
 
-/// Finished (Scene::finish was called), without default light and camera.
+/// The scene is finished (Scene::finish was called) and has no default light or camera.
 /// @throws InputError, UsageError (unknown extension), InterruptedError
 scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress = {});
 
-/// BART's AFF.
+/// BART's AFF, the animated file format.
 scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
 
-/// Wavefront OBJ with MTL. What the file says wrongly is an error; what it lacks (materials, textures, normals) is
-/// replaced, with a warning; what it says and we cannot show (lines, curves) is a warning, too.
+/// Wavefront OBJ with MTL. Invalid statements are errors. Missing parts (materials, textures, normals) are replaced
+/// with a warning. Statements that are not supported (lines, curves) give a warning, too.
 scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress = {});
 
-/// glTF 2.0: .gltf with its buffers and images below its own folder, or .glb. Places in errors are JSON pointers
-/// (line:column where the JSON itself is broken, "byte N" in a GLB's frame).
+/// glTF 2.0: .gltf with its buffers and images in its folder or below, or .glb. Places in errors are JSON pointers
+/// (line:column if the JSON itself is invalid, "byte N" in the container of a GLB).
 scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress = {});
 
 }   // namespace gnomon::io

@@ -56,8 +56,8 @@ TEST(FuzzFound, ChunksOfPngClaimNoMemory)
     const std::string chunk("\x55\0\0\x19\x65XIf\xca\x79\x97\x04", 12);
     for (const std::size_t size : {8u, 11u, 12u})
         EXPECT_EQ(outcome("png", header + chunk.substr(0, size)),
-                  "input:byte 33: a PNG chunk of 1426063385 bytes and its checksum, " + std::to_string(size - 8) +
-                      " bytes there");
+                  "input:byte 33: a PNG chunk needs 1426063385 bytes and a checksum, but " + std::to_string(size - 8) +
+                      " bytes are left");
 }
 
 TEST(FuzzFound, NumbersBeyondAllNumbersInConfigFiles)

@@ -24,16 +24,16 @@ using scene::none;
 
 namespace {
 
-constexpr double k_least_near = 0.0001;   // `hither` below this means k_default_near
+constexpr double k_least_near = 0.0001;   // a `hither` below this is replaced by k_default_near
 constexpr double k_default_near = 1;
-constexpr double k_least_ior = 0.01;   // an index of refraction below this means k_default_ior
+constexpr double k_least_ior = 0.01;   // an index of refraction below this is replaced by k_default_ior
 constexpr double k_default_ior = 1;
 constexpr int k_statements_a_report = 64;   // between two calls of the progress callback
 
 struct File {
     AffText text;
-    std::string name;    // as the including file has it
-    bool open = false;   // being read now
+    std::string name;    // as written in the including file
+    bool open = false;   // currently being read
 };
 
 class Reader {
@@ -86,20 +86,21 @@ class Reader {
 
     static constexpr std::int64_t k_largest_level = 1'000'000;
 
-    fs::path main_file_, folder_, texture_folder_;   // the folders: canonical
+    fs::path main_file_, folder_, texture_folder_;   // the folders are canonical
     const Progress& progress_;
     AffOptions options_;
     AffBuilder builder_;
 
     std::map<fs::path, std::unique_ptr<File>> files_;
     std::map<fs::path, scene::TextureId> textures_;
-    File* file_ = nullptr;   // the one being read
+    File* file_ = nullptr;   // the file being read
     std::size_t include_depth_ = 0, includes_ = 0;
     std::uint64_t parsed_bytes_ = 0, texture_bytes_ = 0;
     std::int64_t detail_level_ = 0;
     std::vector<AffToken> open_braces_;   // of the file being read
 
-    // A part that is included again with the same material is the same mesh: by file, place in it, and material.
+    // A part that is included again with the same material is the same mesh. Its key: file, position in it, and
+    // material.
     struct Known {
         scene::MeshId mesh = none;
         std::size_t end = 0;   // offset behind the statement
@@ -136,12 +137,12 @@ File& Reader::file_at(const fs::path& path, const std::string& name)
     return *file;
 }
 
-// Names of other files are plain: no folder, hence no way out but a link, which must end in the scene's folders, too.
+// Names of other files must be plain, without a folder. Links are followed and must end in the scene's folders, too.
 fs::path Reader::resolve(AffTokens& tokens, const AffToken& name, const fs::path& folder)
 {
     const std::string text(name.text);
     if (text.find_first_of("/\\") != std::string::npos || text == "." || text == "..")
-        tokens.fail(name, fmt::format("a file's name has no path here, found {}", shown(name)));
+        tokens.fail(name, fmt::format("expected a file name without a path, found {}", shown(name)));
     std::string why;
     fs::path found = resolve_inside(folder, text, {folder_, texture_folder_}, why);
     if (found.empty()) tokens.fail(name, fmt::format("{} {}", shown(name), why));
@@ -214,7 +215,7 @@ void Reader::read_file(File& file)
         const auto found = statements().find(keyword.text);
         if (found == statements().end()) tokens.fail(keyword, fmt::format("unknown statement {}", shown(keyword)));
 
-        // Only flat primitives join those before them.
+        // Only flat primitives are merged with those before them.
         const bool flat = keyword.text[0] == 'p' || keyword.text[0] == 't';
         if (!flat) builder_.flush();
         (this->*found->second)(tokens);
@@ -275,12 +276,12 @@ void Reader::statement_v(AffTokens& tokens)
 
     // Turn -Z towards the target and +Y upwards.
     const double distance = glm::length(target - eye);
-    if (!(distance > 0)) tokens.fail(at_keyword, "the camera's target is where its eye is");
+    if (!(distance > 0)) tokens.fail(at_keyword, "the camera's target equals its eye point");
     const glm::dvec3 back = (eye - target) / distance;
     glm::dvec3 right = glm::cross(up, back);
     if (!(glm::length(right) > 0)) {
         builder_.scene().warnings.emplace_back(
-            "the camera's upward vector has no part across its direction; took another");
+            "the camera's upward vector is parallel to its direction; another one is used");
         right = glm::cross(std::abs(back.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1), back);
     }
     right = glm::normalize(right);
@@ -305,9 +306,10 @@ void Reader::statement_a(AffTokens& tokens)
     timeline.frames = static_cast<int>(tokens.integer("the number of frames", 1, options_.max_frames));
     if (timeline.end < timeline.start) tokens.fail(end, "the end time lies before the start time");
     if (timeline.frames > 1 && !(timeline.end > timeline.start))
-        tokens.fail(end, "several frames, but no time for them");
+        tokens.fail(end, "several frames, but the start and end times are equal");
     if (timeline.frames > 1) timeline.fps = (timeline.frames - 1) / (timeline.end - timeline.start);
-    if (!std::isfinite(timeline.fps)) tokens.fail(end, "too little time for several frames");
+    if (!std::isfinite(timeline.fps))
+        tokens.fail(end, "the time between start and end is too short for several frames");
     builder_.scene().timeline = timeline;
 }
 
@@ -329,7 +331,7 @@ void Reader::finish_material(AffTokens& tokens, scene::Material material)
 
 void Reader::statement_f(AffTokens& tokens)
 {
-    // The highlight's tint and the ambient colour are left open: white, and the diffuse colour.
+    // The file gives neither the highlight's tint nor the ambient colour: use white, and the diffuse colour.
     scene::Material material;
     const glm::vec3 rgb = color(tokens);
     material.base_color = material.ambient = rgb * static_cast<float>(tokens.number("a diffuse strength"));
@@ -367,7 +369,7 @@ void Reader::statement_c(AffTokens& tokens)
     if (!(glm::length(apex - base) > 0)) tokens.fail(at, "a cone of height 0");
     if (base_radius == 0 && apex_radius == 0) tokens.fail(at, "a cone of radius 0");
     const bool inside = base_radius < 0 || apex_radius < 0;
-    if (inside && (base_radius > 0 || apex_radius > 0)) tokens.fail(at, "a cone's radii must have one sign");
+    if (inside && (base_radius > 0 || apex_radius > 0)) tokens.fail(at, "a cone's radii must have the same sign");
     builder_.add_cone(base, std::abs(base_radius), apex, std::abs(apex_radius), inside);
 }
 
@@ -437,7 +439,7 @@ void Reader::statement_i(AffTokens& tokens)
     if (++includes_ > options_.max_includes)
         tokens.fail(name, fmt::format("more than {} includes", options_.max_includes));
     if (include_depth_ >= options_.max_include_depth)
-        tokens.fail(name, fmt::format("includes inside one another more than {} deep", options_.max_include_depth));
+        tokens.fail(name, fmt::format("includes are nested more than {} deep", options_.max_include_depth));
     const fs::path path = resolve(tokens, name, folder_);
     File& file = file_at(path, std::string(name.text));
     if (file.open) tokens.fail(name, fmt::format("{} includes itself", shown(name)));

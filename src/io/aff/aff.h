@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The importer of AFF, BART's scene format [Lext, Assarsson and Moller 2000, "BART: A Benchmark for Animated Ray
-// Tracing"; BART AFF], with what it lets others set and count. load_aff in io/load.h is this with the defaults.
+// Tracing"; BART AFF], with options and a report. load_aff in io/load.h calls it with the defaults.
 //
-// A main file lies beside the files it includes; textures (binary PPM) lie in the sibling folder TextureFiles. Nothing
-// else is opened. What is read more than once (the includes of robots, wheels) is read and kept once.
+// Included files lie beside the main file; textures (binary PPM) lie in the sibling folder TextureFiles. No other file
+// is opened. Files that are included repeatedly (robots, wheels) are read once.
 
 #include <filesystem>
 
@@ -17,7 +17,7 @@ struct AffOptions {
     AffShapeOptions shapes;
     AffSceneLimits scene;
     std::uint64_t max_file_bytes = 64ull << 20;
-    std::uint64_t max_parsed_bytes = 512ull << 20;   // repeated includes count each time
+    std::uint64_t max_parsed_bytes = 512ull << 20;   // repeated includes are counted each time
     std::uint64_t max_texture_bytes = 1ull << 30;
     std::size_t max_include_depth = 32;
     std::size_t max_includes = 1u << 16;
@@ -25,9 +25,9 @@ struct AffOptions {
     std::int64_t max_resolution = 16384;   // pixels on a side
 };
 
-/// What was met on the way.
+/// Statistics of an import.
 struct AffReport {
-    std::size_t files = 0;             // different ones
+    std::size_t files = 0;             // distinct files
     std::size_t deepest_nesting = 0;   // of `xs` and `x`
     std::map<std::string, AffTracks> tracks;
 };

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t k_names_in_a_warning = 5, k_longest_name = 80;
 
-// What is drawn before the file says of what.
+// The material of geometry before the first material statement.
 scene::Material grey()
 {
     scene::Material material;
@@ -36,8 +36,8 @@ std::string AffBuilder::too_much() const
         return fmt::format("more than {} triangles in cones", limits_.max_shape_triangles);
     if (scene_.nodes.size() > limits_.max_nodes) return fmt::format("more than {} nodes", limits_.max_nodes);
     if (deepest_ > limits_.max_nesting)
-        return fmt::format("more than {} transforms inside one another", limits_.max_nesting);
-    if (!(largest_scale_ <= limits_.max_scale)) return "the transforms enlarge beyond the range of usable numbers";
+        return fmt::format("transforms are nested more than {} deep", limits_.max_nesting);
+    if (!(largest_scale_ <= limits_.max_scale)) return "the scale of nested transforms is too large";
     return {};
 }
 
@@ -45,7 +45,7 @@ std::string AffBuilder::too_much() const
 
 void AffBuilder::set_material(const scene::Material& m)
 {
-    // Files repeat their materials with every part: equal ones are one.
+    // Merge equal materials, because files repeat them for every part.
     const std::array<float, 12> values{m.ambient.x,    m.ambient.y,    m.ambient.z,     m.base_color.x,
                                        m.base_color.y, m.base_color.z, m.specular.x,    m.specular.y,
                                        m.specular.z,   m.shine,        m.transmittance, m.ior};
@@ -189,7 +189,7 @@ void AffBuilder::flush()
 
 void AffBuilder::add_sphere(const glm::dvec3& centre, double radius, bool inside)
 {
-    // All spheres of one material are one mesh.
+    // All spheres with the same material share one mesh.
     const auto [place, is_new] = spheres_.try_emplace({material(none), inside}, none);
     if (is_new) {
         scene::Mesh mesh = make_unit_sphere(shapes_, inside);
@@ -216,8 +216,8 @@ void AffBuilder::add_cone(const glm::dvec3& base, double base_radius, const glm:
 
 void AffBuilder::add_light(const glm::dvec3& position, const glm::vec3& color, const std::string& track_name)
 {
-    // DEVIATION(BART AFF, `la`): the format leaves open whether a light's track replaces its position or adds to it;
-    // it adds. Lights stand inside the open transforms, as geometry does.
+    // DEVIATION(BART AFF, `la`): the format leaves open whether a light's track replaces its position or adds to it; it
+    // adds. Lights are placed in the open transforms, like geometry.
     scene::NodeId moving = parent();
     if (!track_name.empty()) {
         moving = scene_.add_node(utf8_from_latin1(track_name), moving);
@@ -256,8 +256,8 @@ void AffBuilder::place_tracks()
         std::string names;
         for (std::size_t i = 0; i < named; ++i)
             names += (i ? ", " : "") + utf8_from_latin1(without[i].substr(0, k_longest_name));
-        scene_.warnings.push_back(
-            fmt::format("animated without keys, hence still: {}{}", names, named < without.size() ? ", ..." : ""));
+        scene_.warnings.push_back(fmt::format("animated transforms without keys do not move: {}{}", names,
+                                              named < without.size() ? ", ..." : ""));
     }
     for (const auto& [node, name] : animated_lights_) {
         const auto found = tracks_.find(name);
@@ -276,13 +276,13 @@ void AffBuilder::place_camera()
     const bool has_track = found != tracks_.end() && found->second.transform;
     if (!camera_ && !has_track) return;
     if (!camera_) {
-        scene_.warnings.emplace_back("a camera track without a 'v': the field of view is the default one");
+        scene_.warnings.emplace_back("a camera track without a 'v': the default field of view is used");
         camera_.emplace();
     }
     camera_->name = "camera";
     camera_->node = scene_.add_node("camera", none, camera_place_.matrix());
     if (has_track) {
-        // The track overrides `v` part by part: what it lacks stays as `v` has it.
+        // The track overrides `v` part by part: parts without keys keep the values of `v`.
         auto track = std::make_shared<scene::KochanekTrack>();
         track->translation = found->second.transform->translation;
         track->rotation = found->second.transform->rotation;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// From AFF's statements to a scene: the open transforms, the current material, what was asked by name.
+// Builds a scene from AFF statements: the open transforms, the current material, and references by name.
 //
-// One object is one `m`, `s` or `c`; flat primitives (p, pp, tt, ttp, and tpa with the same key times) that follow one
-// another with one material below one transform become one mesh. Nodes: one a transform (`xs`, `x`), and one more for
-// every mesh but the first below it.
+// Each `m`, `s` or `c` is one object. Consecutive flat primitives (p, pp, tt, ttp, and tpa with the same key times)
+// with one material below one transform become one mesh. Each transform (`xs`, `x`) is a node, and so is every mesh but
+// the first below it.
 
 #include <array>
 #include <map>
@@ -18,13 +18,13 @@
 
 namespace gnomon::io {
 
-/// What one file may make of this machine's memory.
+/// Limits on the memory of one scene.
 struct AffSceneLimits {
-    std::uint64_t max_triangles = 1ull << 25;         // instanced
-    std::uint64_t max_shape_triangles = 1ull << 22;   // of cones, of which a few bytes make many
+    std::uint64_t max_triangles = 1ull << 25;         // instances counted
+    std::uint64_t max_shape_triangles = 1ull << 22;   // of cones, which give many triangles for a few bytes
     std::size_t max_nodes = 1u << 20;
     std::size_t max_nesting = 256;             // open transforms
-    double max_scale = k_aff_largest_number;   // of all open transforms together
+    double max_scale = k_aff_largest_number;   // product of all open transforms
 };
 
 /// One vertex of a flat primitive.
@@ -38,31 +38,31 @@ class AffBuilder {
  public:
     AffBuilder(const AffSceneLimits& limits, const AffShapeOptions& shapes) : limits_(limits), shapes_(shapes) {}
 
-    /// Why the scene has become too large, or empty. To be asked after every statement.
+    /// Why the scene is too large, or empty. Call after every statement.
     std::string too_much() const;
 
     void set_material(const scene::Material& material);
-    /// A number that is the same for equal materials, textures aside.
+    /// A number that is equal for equal materials, ignoring textures.
     std::uint32_t current_material();
     scene::TextureId add_texture(const std::string& name, const Image8& image);
 
-    /// @param shape  the matrix; `largest_scale` by how much it can lengthen a vector
+    /// @param shape  the matrix; `largest_scale`: the largest factor by which it can lengthen a vector
     void open_static(const glm::dmat4& shape, double largest_scale);
     void open_animated(const std::string& name);
     void close();
     std::size_t depth() const { return open_.size(); }
     std::size_t deepest() const { return deepest_; }
 
-    /// Flat primitives; `texture` may be none. Corners: counter-clockwise, at least three (a convex fan).
+    /// Adds a flat primitive; `texture` may be none. Corners: counter-clockwise, at least three (a convex fan).
     void add_polygon(const std::vector<AffCorner>& corners, scene::TextureId texture, bool with_normals);
-    /// A triangle with three corners at each time.
+    /// Adds a triangle with three corners at each key time.
     void add_keyed_triangle(const std::vector<double>& times, const std::vector<std::array<AffCorner, 3>>& corners);
-    /// Ends the run of flat primitives: to be called before any other statement.
+    /// Ends the current run of flat primitives. Call before any other statement.
     void flush();
 
     void add_sphere(const glm::dvec3& centre, double radius, bool inside);
     void add_cone(const glm::dvec3& base, double base_radius, const glm::dvec3& apex, double apex_radius, bool inside);
-    /// @param mesh  without parts: it is all of the current material and this texture
+    /// @param mesh  without parts: all of it has the current material and this texture
     scene::MeshId add_mesh(scene::Mesh mesh, scene::TextureId texture);
     void add_instance(scene::MeshId mesh);
 
@@ -71,9 +71,9 @@ class AffBuilder {
     void set_tracks(const std::string& name, AffTracks tracks) { tracks_[name] = std::move(tracks); }
     const std::map<std::string, AffTracks>& tracks() const { return tracks_; }
 
-    /// The scene so far, for its plain values (background, ambient, timeline).
+    /// The unfinished scene, for its plain values (background, ambient, timeline).
     scene::Scene& scene() { return scene_; }
-    /// Joins names and tracks, and finishes the scene.
+    /// Resolves names of tracks, and finishes the scene.
     scene::Scene finish();
 
  private:
@@ -92,7 +92,7 @@ class AffBuilder {
         std::string name;
     };
 
-    /// The current material with a texture or none.
+    /// The current material with a texture, or with none.
     scene::MaterialId material(scene::TextureId texture);
     scene::NodeId parent() const { return open_.empty() ? scene::none : open_.back().node; }
     void open(std::string name, const glm::dmat4& matrix, double largest_scale);
@@ -107,8 +107,8 @@ class AffBuilder {
     std::size_t deepest_ = 0;
     double largest_scale_ = 1;
     std::uint64_t triangles_ = 0, shape_triangles_ = 0;
-    std::uint32_t current_ = scene::none;   // in plain_
-    std::vector<scene::Material> plain_;    // different materials without their textures
+    std::uint32_t current_ = scene::none;   // index in plain_
+    std::vector<scene::Material> plain_;    // distinct materials without their textures
     std::map<std::array<float, 12>, std::uint32_t> plain_by_values_;
     std::map<std::pair<std::uint32_t, scene::TextureId>, scene::MaterialId> materials_;
     std::map<std::pair<scene::MaterialId, bool>, scene::MeshId> spheres_;   // by material, and whether seen from inside

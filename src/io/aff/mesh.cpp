@@ -10,7 +10,7 @@ namespace gnomon::io {
 
 namespace {
 
-// n, then n vectors of 32-bit floats.
+// Reads n, then n vectors of 32-bit floats.
 template <class Vector>
 std::vector<Vector> read_vectors(AffTokens& tokens, std::size_t n, std::string_view meaning)
 {
@@ -20,10 +20,10 @@ std::vector<Vector> read_vectors(AffTokens& tokens, std::size_t n, std::string_v
     return values;
 }
 
-// A triangle's corner: where it is, and the file's indices of position, normal and texture coordinate.
+// A triangle's corner: its position, and the file's indices of position, normal and texture coordinate.
 struct Corner {
     std::uint32_t position = 0, normal = 0, texcoord = 0;
-    std::uint32_t place = 0;   // in the list of corners
+    std::uint32_t place = 0;   // index in the list of corners
     auto key() const { return std::tie(position, normal, texcoord, place); }
     bool same_vertex(const Corner& other) const
     {
@@ -70,7 +70,7 @@ AffMesh read_aff_mesh(AffTokens& tokens)
 
     const auto index = [&](std::size_t size, std::string_view meaning) {
         const AffToken at = tokens.peek();
-        if (size == 0) tokens.fail(at, fmt::format("{} {} into an empty list", meaning, shown(at)));
+        if (size == 0) tokens.fail(at, fmt::format("{} {} refers to an empty list", meaning, shown(at)));
         return static_cast<std::uint32_t>(tokens.integer(meaning, 0, static_cast<std::int64_t>(size) - 1));
     };
     std::vector<Corner> corners(3 * n);
@@ -85,8 +85,8 @@ AffMesh read_aff_mesh(AffTokens& tokens)
             c[i].texcoord = index(texcoords.size(), "texture coordinate index");
     }
 
-    // Make a vertex of each combination.
-    std::vector<glm::vec3> at(corners.size());   // the corners' positions in file order
+    // Make a vertex of each distinct combination.
+    std::vector<glm::vec3> at(corners.size());   // positions of the corners in file order
     for (const Corner& corner : corners) at[corner.place] = positions[corner.position];
     std::sort(corners.begin(), corners.end(), [](const Corner& x, const Corner& y) { return x.key() < y.key(); });
     scene::Mesh& mesh = result.mesh;

@@ -58,12 +58,12 @@ scene::Mesh make_cone(const AffShapeOptions& options, const glm::dvec3& base, do
     const double length = glm::length(along);
     GNOMON_CHECK(length > 0);
 
-    // Two vectors around the axis.
+    // Choose two vectors perpendicular to the axis.
     const glm::dvec3 axis = along / length;
     const glm::dvec3 least = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const glm::dvec3 s = glm::normalize(glm::cross(least, axis)), t = glm::cross(axis, s);
 
-    // Base and apex vertex by turns; the normal leans along the axis as the side does.
+    // Alternate base and apex vertices; the normal leans along the axis like the side.
     scene::Mesh mesh;
     for (std::uint32_t i = 0; i < segments; ++i) {
         const double phi = 2 * k_pi * i / segments;

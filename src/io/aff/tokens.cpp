@@ -30,13 +30,13 @@ Kind kind_of(char c)
 
 constexpr std::size_t k_longest_shown = 40;   // characters of a token in a message
 
-// Whether a number that 64-bit floats cannot hold is too large, rather than too small.
+// Whether a number that 64-bit floats cannot represent is too large rather than too small.
 bool is_too_large(std::string_view digits)
 {
     long double value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error == std::errc()) return std::abs(value) > 1;
-    // Beyond even those: the exponent's sign decides.
+    // Even long doubles cannot represent it. Decide by the sign of the exponent.
     return digits.find("e-") == std::string_view::npos && digits.find("E-") == std::string_view::npos;
 }
 
@@ -81,7 +81,7 @@ void AffTokens::look()
             break;
     }
 
-    // Take a brace alone, or all up to the next separator.
+    // Take a single brace, or everything up to the next separator.
     std::size_t end = at;
     if (end < bytes.size() && kind_of(bytes[end]) == Kind::brace)
         ++end;
@@ -144,7 +144,7 @@ std::int64_t AffTokens::integer(std::string_view meaning, std::int64_t low, std:
     if (error == std::errc::invalid_argument || stop != end)
         fail(token, fmt::format("expected {} (a whole number), found {}", meaning, shown(token)));
     if (error != std::errc() || value < low || value > high)
-        fail(token, fmt::format("{} {} is not in {} to {}", meaning, shown(token), low, high));
+        fail(token, fmt::format("{} {} is not in the range {} to {}", meaning, shown(token), low, high));
     return value;
 }
 
@@ -154,7 +154,7 @@ std::size_t AffTokens::count(std::string_view meaning, std::size_t least, std::s
     const std::int64_t value = integer(meaning, 0, std::int64_t{1} << 40);
     if (static_cast<std::size_t>(value) < least)
         fail(token, fmt::format("{} {} is less than {}", meaning, value, least));
-    // A token and what separates it take two bytes, save the last of a file.
+    // A token and its separator take two bytes, except for the last in a file.
     if (static_cast<std::size_t>(value) > (bytes_left() + 1) / (2 * tokens_each))
         fail(token, fmt::format("{} {} is more than the file can hold", meaning, value));
     return static_cast<std::size_t>(value);

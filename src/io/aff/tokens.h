@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Text of the AFF scene format [BART AFF] as tokens: Latin-1, separated by blanks, tabs, line ends (LF, CR LF, CR) and
-// form feeds; '#' and '%' start a comment that ends with the line; braces stand alone even where they touch others.
+// Tokenises the AFF scene format [BART AFF]: Latin-1, separated by blanks, tabs, line ends (LF, CR LF, CR) and form
+// feeds. '#' and '%' start a comment that ends with the line. A brace is always a token of its own.
 //
-// Line and column are found only when something is wrong, by counting from the start: reading stays one pass.
+// Line and column are computed only for error messages, by counting from the start, so that reading takes one pass.
 
 #include <cstdint>
 #include <string>
@@ -11,24 +11,24 @@
 
 namespace gnomon::io {
 
-/// Numbers beyond this are refused: their squares would leave the range of 32-bit floats.
+/// Larger numbers are rejected, because their squares would exceed the range of 32-bit floats.
 inline constexpr double k_aff_largest_number = 1e18;
 
-/// One file. Must outlive the tokens taken from it.
+/// The text of one file. Must outlive the tokens taken from it.
 struct AffText {
     std::string shown_as;   // for messages
     std::string bytes;
 };
 
-/// A stretch of a file; empty at its end.
+/// A range of a file's text; empty at the end of the file.
 struct AffToken {
     std::string_view text;
     std::size_t offset = 0;
 };
 
-/// Latin-1 as UTF-8, for names.
+/// Converts Latin-1 to UTF-8, for names.
 std::string utf8_from_latin1(std::string_view text);
-/// A token as messages show it: quoted, short, printable; "the end of the file" if empty.
+/// A token for messages: quoted, shortened, printable; "the end of the file" if empty.
 std::string shown(const AffToken& token);
 
 class AffTokens {
@@ -38,32 +38,32 @@ class AffTokens {
     const AffToken& peek() const { return next_; }
     AffToken take();
     bool at_end() const { return next_.text.empty(); }
-    /// From the next token to the end of the file.
+    /// Bytes from the next token to the end of the file.
     std::size_t bytes_left() const { return text_->bytes.size() - next_.offset; }
     std::size_t offset() const { return next_.offset; }
-    /// Continues elsewhere in the same file; `offset` must be where a token starts.
+    /// Continues at another offset in the same file, at which a token must start.
     void move_to(std::size_t offset);
     const AffText& text() const { return *text_; }
 
     /// @throws InputError "file:line:column: what"
     [[noreturn]] void fail(const AffToken& token, const std::string& what) const;
 
-    /// @param meaning  what is expected, for the message: "a radius"
+    /// @param meaning  the expected value, for the message: "a radius"
     double number(std::string_view meaning);
-    /// @throws InputError if it is none or not in low ... high
+    /// @throws InputError  not an integer, or not in low ... high
     std::int64_t integer(std::string_view meaning, std::int64_t low, std::int64_t high);
-    /// A count of things, each of which takes at least `tokens_each` tokens of the bytes that are left.
+    /// Reads a number of elements, each of which takes at least `tokens_each` tokens of the bytes that are left.
     std::size_t count(std::string_view meaning, std::size_t least, std::size_t tokens_each);
-    /// Anything but a brace.
+    /// Reads any token except a brace.
     AffToken word(std::string_view meaning);
     void expect(std::string_view keyword);
-    /// Whether the next token is meant as a number (well formed or not).
+    /// Whether the next token starts like a number (well-formed or not).
     bool number_follows() const;
 
  private:
     void look();
     const AffText* text_;
-    std::size_t end_ = 0;   // behind the next token
+    std::size_t end_ = 0;   // offset after the next token
     AffToken next_;
 };
 

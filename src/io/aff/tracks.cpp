@@ -9,7 +9,8 @@ namespace gnomon::io {
 
 namespace {
 
-constexpr std::size_t k_least_spline_keys = 4;   // two between which the track runs, and one beyond each end
+constexpr std::size_t k_least_spline_keys =
+    4;   // the track runs between the inner two; one more is needed beyond each end
 
 void read_shape(AffTokens& tokens, scene::KochanekKey& key)
 {
@@ -18,7 +19,7 @@ void read_shape(AffTokens& tokens, scene::KochanekKey& key)
     key.bias = tokens.number("a bias");
 }
 
-// n, then n times (time, x y z, tension continuity bias).
+// Reads n, then n times (time, x y z, tension continuity bias).
 scene::VectorSpline read_vector_spline(AffTokens& tokens)
 {
     std::vector<scene::VectorKey> keys(tokens.count("the number of keys", k_least_spline_keys, 7));
@@ -29,11 +30,11 @@ scene::VectorSpline read_vector_spline(AffTokens& tokens)
         read_shape(tokens, key);
     }
     scene::VectorSpline spline(keys);
-    if (!(spline.reach() <= k_aff_largest_number)) tokens.fail(first, "the track leaves the range of usable numbers");
+    if (!(spline.reach() <= k_aff_largest_number)) tokens.fail(first, "the track exceeds the range of usable numbers");
     return spline;
 }
 
-// n, then n times (time, axis, angle in degrees, tension continuity bias).
+// Reads n, then n times (time, axis, angle in degrees, tension continuity bias).
 scene::RotationSpline read_rotation_spline(AffTokens& tokens)
 {
     std::vector<scene::RotationKey> keys(tokens.count("the number of keys", k_least_spline_keys, 8));
@@ -50,7 +51,7 @@ scene::RotationSpline read_rotation_spline(AffTokens& tokens)
     return scene::RotationSpline(keys);
 }
 
-// n, then n times (time, 0 or 1).
+// Reads n, then n times (time, 0 or 1).
 scene::VisibilityTrack read_visibility(AffTokens& tokens)
 {
     const std::size_t n = tokens.count("the number of keys", 1, 2);

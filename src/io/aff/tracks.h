@@ -11,7 +11,7 @@
 
 namespace gnomon::io {
 
-/// What one name's keys say; null where there are none of a kind.
+/// The tracks of one name; null for each kind without keys.
 struct AffTracks {
     std::shared_ptr<const scene::KochanekTrack> transform;
     std::shared_ptr<const scene::VisibilityTrack> visibility;

@@ -23,7 +23,7 @@ namespace {
     throw MissingError(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
 }
 
-// Whether a file can be renamed from one folder into the other.
+// Whether a file can be renamed from one folder to the other.
 bool on_one_disk(const fs::path& a, const fs::path& b)
 {
     struct stat of_a {
@@ -32,7 +32,7 @@ bool on_one_disk(const fs::path& a, const fs::path& b)
     return ::stat(name(a), &of_a) == 0 && ::stat(name(b), &of_b) == 0 && of_a.st_dev == of_b.st_dev;
 }
 
-// Short whatever the target is called, and different for every file of every process.
+// The name is short, whatever the target's is, and unique across files and processes.
 fs::path temporary_in(const fs::path& folder)
 {
     static std::atomic<unsigned> count{0};
@@ -43,11 +43,11 @@ fs::path temporary_in(const fs::path& folder)
 AtomicFile::AtomicFile(const fs::path& target, const fs::path& folder) : asked_(target), target_(target)
 {
     if (target.filename().empty()) throw MissingError(fmt::format("cannot write '{}': no file name", target.string()));
-    // Rename would replace a link, not what it names.
+    // Resolve symbolic links: renaming would replace the link, not its target.
     std::error_code error, ignored;
     if (fs::is_symlink(target, ignored)) target_ = fs::weakly_canonical(target, error);
     if (error) fail(asked_, error.value());
-    // Rename would also replace a device or a pipe.
+    // Reject devices and pipes, because renaming would replace them.
     const fs::file_status status = fs::status(target_, ignored);
     if (fs::is_directory(status)) fail(asked_, EISDIR);
     if (fs::exists(status) && !fs::is_regular_file(status))

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A file that is whole or not there: written under a temporary name in the target's folder, then renamed.
+// Writes a file atomically: under a temporary name in the target's folder, which is then renamed.
 //
-// Errors of write and close are reported, which is where file systems say that a disk is full. There is no fsync: after
-// a power failure a file may be empty, and readers that care check what they find (see is_whole_png).
+// Errors of write and close are reported, which is where file systems report a full disk. There is no fsync: after a
+// power failure a file may be empty, so readers that need certainty must validate it (see is_whole_png).
 
 #include <cstddef>
 #include <filesystem>
@@ -14,10 +14,10 @@ namespace gnomon::io {
 class AtomicFile {
  public:
     /// Creates the temporary file.
-    /// @throws MissingError, with the reason, if the folder cannot be written or the target is no ordinary file
+    /// @throws MissingError  with the reason: the folder is not writable, or the target is not a regular file
     explicit AtomicFile(const std::filesystem::path& target) : AtomicFile(target, {}) {}
-    /// The same, with the temporary file in another folder where a rename from there is possible: what a killed process
-    /// leaves is then found where its other leavings are. The folder may be empty: beside the target.
+    /// The same with the temporary file in another folder, if a rename from there is possible, so that files left by a
+    /// killed process are all in one place. If `folder` is empty, the target's is used.
     AtomicFile(const std::filesystem::path& target, const std::filesystem::path& folder);
     /// Removes the temporary file if it was not committed.
     ~AtomicFile();
@@ -28,22 +28,22 @@ class AtomicFile {
     void write(const void* data, std::size_t size);
     void write(std::string_view text) { write(text.data(), text.size()); }
 
-    /// For programs that write by name; they may replace the file.
+    /// For programs that write to a file by name; they may replace it.
     const std::filesystem::path& temporary() const { return temporary_; }
 
-    /// Gives the file its name. Nothing may be written afterwards.
+    /// Renames the temporary file to its final name. Nothing may be written afterwards.
     /// @throws MissingError
     void commit();
 
  private:
-    std::filesystem::path asked_;    // as the caller gave it: for messages
+    std::filesystem::path asked_;    // as given by the caller, for messages
     std::filesystem::path target_;   // symbolic links followed
     std::filesystem::path temporary_;
     int descriptor_ = -1;
     bool committed_ = false;
 };
 
-/// What every temporary name of ours begins with.
+/// The prefix of all temporary names.
 inline constexpr std::string_view k_temporary_prefix = ".gnomon-";
 
 }   // namespace gnomon::io

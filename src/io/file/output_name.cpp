@@ -85,7 +85,7 @@ fs::path numbered_name(const fs::path& pattern, int frame)
 void check_writable(const fs::path& out)
 {
     io::AtomicFile probe(out);
-    static_cast<void>(probe);   // goes again with the scope
+    static_cast<void>(probe);   // removed at the end of the scope
 }
 
 }   // namespace io

@@ -27,7 +27,7 @@ struct Descriptor {
 std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file, const std::string& shown_as,
                                           std::uint64_t limit)
 {
-    // Not blocking: opening a FIFO that nobody writes to would wait for ever.
+    // Open without blocking, because opening a FIFO without a writer would wait forever.
     const Descriptor descriptor{open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
     if (descriptor.fd < 0) throw InputError(shown_as, "", fmt::format("cannot be opened: {}", std::strerror(errno)));
     struct stat status {};
@@ -61,7 +61,7 @@ std::filesystem::path resolve_inside(const std::filesystem::path& folder, const 
     }
     const fs::path relative(name);
     if (relative.is_absolute()) {
-        why = "is an absolute path; only names below the scene's folder are opened";
+        why = "is an absolute path; only files below the scene's folder are opened";
         return {};
     }
     std::error_code error;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The files that a scene file may name: regular ones in its own folder or below, whatever links stand between. What is
-// anything else (a FIFO, a device, a folder, outside) is not even opened. Read them with read_whole_file.
+// Resolves files that a scene file refers to: regular files in its own folder or below, after following links. Others
+// (a FIFO, a device, a folder, a file outside) are never opened. Read the results with read_whole_file.
 
 #include <filesystem>
 #include <optional>
@@ -13,15 +13,16 @@ namespace gnomon::io {
 
 class SceneFolder {
  public:
-    /// @param scene_file  its folder is the limit
+    /// @param scene_file  files must lie in its folder
     explicit SceneFolder(const std::filesystem::path& scene_file);
 
-    /// Where a name leads to, or nothing and the reason why not.
-    /// @param name  as the file writes it; relative; a backslash counts as a slash, as exporters on Windows write it
+    /// Returns the path of a file, or nothing and the reason.
+    /// @param name  as written in the scene file; relative; a backslash counts as a slash, because exporters on Windows
+    ///              write it
     std::optional<std::filesystem::path> find(std::string name, std::string& problem) const;
 
  private:
-    std::filesystem::path folder_;   // canonical; empty: there is none
+    std::filesystem::path folder_;   // canonical; empty if it does not exist
 };
 
 }   // namespace gnomon::io

@@ -22,7 +22,7 @@ KeyInterpolation interpolation_of(Interpolation i)
                                               : KeyInterpolation::linear;
 }
 
-// Which sampler of which animation moves which part of a node.
+// The sampler and animation that animate each part of a node.
 struct Source {
     Index animation = k_absent;
     std::uint64_t sampler = 0;
@@ -41,7 +41,7 @@ class Animations {
 
     double end() const { return end_; }
 
-    // Whether the keys of a channel can be used; a warning if not.
+    // Returns whether the keys of a channel can be used; adds a warning if not.
     bool usable(const AnimationSampler& sampler, const std::string& pointer)
     {
         const Accessor& input = model_.accessors[sampler.input];
@@ -49,7 +49,7 @@ class Animations {
         for (const Accessor* accessor : {&input, &output})
             if (const std::string reason = data_.unreachable(*accessor); !reason.empty())
                 context_.fail(pointer, fmt::format("an accessor {}", reason));
-        // Times without data are all zero: no animation.
+        // Without data all times would be zero, so there is no animation.
         if (!data_.has_bytes(input)) return context_.warn(pointer, "key times have no data: ignored"), false;
         return true;
     }
@@ -74,13 +74,13 @@ class Animations {
         return model_.animations[source.animation].samplers[source.sampler];
     }
 
-    // Many channels may share one accessor; what they take together is bounded like geometry.
+    // Bound the memory of all channels together, like that of geometry, because many channels may share one accessor.
     std::vector<double> numbers(Index accessor)
     {
         const Accessor& a = model_.accessors[accessor];
         const std::uint64_t each = sizeof(double) * static_cast<std::uint64_t>(a.components());
         if (a.count > keys_left_ / each)
-            context_.fail(at("/accessors", accessor), "animations hold far more keys than the file has bytes for");
+            context_.fail(at("/accessors", accessor), "animations have far more keys than the size of the file allows");
         keys_left_ -= a.count * each;
         std::vector<double> values;
         data_.read_double(a, values);
@@ -144,7 +144,7 @@ scene::TransformParts rest_parts(const Node& node)
 void build_animations(const Model& model, const Data& data, const std::vector<scene::NodeId>& node_ids,
                       scene::Scene& out, Context& context)
 {
-    // All animations play together; where two move the same part of a node, the first in the file does.
+    // All animations play together. If two animate the same part of a node, the first in the file is used.
     Animations animations(model, data, context);
     std::map<Index, Moves> moves;
     for (Index a = 0; a < model.animations.size(); ++a) {
@@ -170,7 +170,8 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
                 source = {a, channel.sampler};
             } else if (!told) {
                 told = true;
-                context.warn(here, fmt::format("moves what animation {} moves already: ignored", source.animation));
+                context.warn(here, fmt::format("animates a property that animation {} animates already: ignored",
+                                               source.animation));
             }
         }
     }
@@ -186,7 +187,7 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
             node.weights = animations.weights(move.parts[3], out.meshes[node.mesh].morph_targets.size());
     }
 
-    // The last frame is the last that does not lie beyond the longest animation's end.
+    // The last frame is the last one that is not beyond the end of the longest animation.
     constexpr double default_rate = 24;
     out.timeline.start = 0;
     out.timeline.end = animations.end();
@@ -194,7 +195,7 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
     const double last = std::floor(out.timeline.end * default_rate + 1e-6);
     out.timeline.frames = static_cast<int>(std::min(last, scene::k_most_frames - 1.0)) + 1;
     if (last >= scene::k_most_frames)
-        context.warn("/animations", fmt::format("the clip lasts {} s: what comes after {} frames is left out",
+        context.warn("/animations", fmt::format("the clip lasts {} s: frames after the first {} are left out",
                                                 out.timeline.end, scene::k_most_frames));
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// From a checked document to a scene: meshes, materials with their textures, nodes with what hangs on them, animations.
-// Only what the default scene reaches is built. What is built of geometry and images is bounded by the bytes that the
-// file has (see Limits): an accessor or an image may be used often, and zeros need no bytes at all.
+// Builds a scene from a checked document: meshes, materials with their textures, nodes with their attachments,
+// animations. Only what the default scene references is built. The memory of geometry and images is bounded by the size
+// of the file (see Limits), because an accessor or an image may be used often, and accessors without data need no bytes
+// at all.
 
 #include <map>
 #include <tuple>
@@ -13,14 +14,14 @@
 
 namespace gnomon::io::gltf {
 
-/// Materials of the document as those of the scene, with textures. Each is made when first asked for.
+/// Converts materials of the document with their textures, each on first use.
 class Materials {
  public:
     Materials(const Model& model, Data& data, scene::Scene& out, Context& context);
-    /// @param material  or k_absent: the specification's default
+    /// @param material  or k_absent: the specification's default material
     scene::MaterialId get(Index material);
 
-    /// Images that nothing uses are looked at all the same, as far as their headers go.
+    /// Checks the headers of images that are not used.
     void check_unused();
 
  private:
@@ -40,17 +41,17 @@ class Materials {
     std::uint64_t pixels_left_ = 0, view_bytes_left_ = 0;
     std::vector<scene::MaterialId> made_;
     scene::MaterialId default_ = scene::none;
-    std::map<std::string, Index> by_source_;   // the first image of a file or a place in a buffer
-    std::vector<Index> first_;                 // by image, once asked for
-    std::map<Index, DecodedImage> images_;     // by first image, as textures are
+    std::map<std::string, Index> by_source_;   // the first image with each source (a file or a range of a buffer)
+    std::vector<Index> first_;                 // by image, filled on first use
+    std::map<Index, DecodedImage> images_;     // by first image, like the textures
     std::map<std::tuple<Index, int, int, int, int, bool, bool>, scene::TextureId> textures_;
 };
 
-/// Meshes of the document as those of the scene, each when first asked for.
+/// Converts meshes of the document, each on first use.
 class Meshes {
  public:
     Meshes(const Model& model, const Data& data, Materials& materials, scene::Scene& out, Context& context);
-    /// scene::none if nothing of it is made of triangles.
+    /// scene::none if no primitive of the mesh has triangles.
     scene::MeshId get(Index mesh);
 
  private:
@@ -65,14 +66,14 @@ class Meshes {
     std::map<Index, scene::MeshId> made_;
 };
 
-/// Nodes of the default scene with meshes, skins, cameras and lights; then the animations.
+/// Adds the nodes of the default scene with meshes, skins, cameras and lights, then the animations.
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
                  scene::Scene& out, Context& context);
-/// @param node_ids  of the scene, by node of the document; scene::none: not in the scene
+/// @param node_ids  ids in the scene by node of the document; scene::none: not in the scene
 void build_animations(const Model& model, const Data& data, const std::vector<scene::NodeId>& node_ids,
                       scene::Scene& out, Context& context);
 
-/// T R S of a node; of a matrix nothing.
+/// Translation, rotation and scale of a node; the identity for a node with a matrix.
 scene::TransformParts rest_parts(const Node& node);
 
 }   // namespace gnomon::io::gltf

@@ -11,7 +11,7 @@ namespace gnomon::io::gltf {
 
 namespace {
 
-// A little more than what storing in one byte a component can do to a length, or to a sum of weights.
+// Slightly more than the error of storing components in one byte each, for the length of a vector or a sum of weights.
 constexpr double k_unit_tolerance3 = 0.00674;
 constexpr double k_unit_tolerance4 = 0.00769;
 constexpr double k_sum_step = 0.0039216;
@@ -21,7 +21,7 @@ double restart_value(Component type)
     return type == Component::u8 ? 255 : type == Component::u16 ? 65535 : 4294967295.0;
 }
 
-// Looks at the elements of one accessor, once.
+// Checks the elements of one accessor in one pass.
 class ElementCheck {
  public:
     ElementCheck(const Accessor& accessor, const AccessorUse& use, std::string here, const Context& context)
@@ -91,13 +91,15 @@ class ElementCheck {
         if (v == restart_value(accessor_.component))
             fail(fmt::format("index {} is {}, which restarts primitives", i, v));
         if (use_.vertices > 0 && v >= static_cast<double>(use_.vertices))
-            fail(fmt::format("index {} leads to vertex {}, but there are {}", i, v, use_.vertices));
+            fail(fmt::format("index {} refers to vertex {}, but there are {}", i, v, use_.vertices));
     }
 
     void key_time(std::uint64_t i, double v)
     {
         if (v < 0) fail(fmt::format("key {} has the negative time {}", i, v));
-        if (i > 0 && v <= time_) fail(fmt::format("key {} is at {}, not after the key before it at {}", i, v, time_));
+        if (i > 0 && v <= time_)
+            fail(
+                fmt::format("key {} has time {}, which is not greater than that of the previous key, {}", i, v, time_));
         time_ = v;
     }
 
@@ -122,22 +124,24 @@ void check_sparse(const Accessor& accessor, const Data& data, const std::string&
     const std::string place = at(here, "sparse");
     for (std::size_t i = 0; i < indices.size(); ++i) {
         if (i > 0 && indices[i] <= indices[i - 1])
-            context.fail(place, fmt::format("index {} is {}, not greater than the one before it", i, indices[i]));
+            context.fail(place,
+                         fmt::format("index {} is {}, which is not greater than the previous one", i, indices[i]));
         if (indices[i] >= accessor.count)
             context.fail(place,
                          fmt::format("index {} is {}, but there are {} elements", i, indices[i], accessor.count));
     }
 }
 
-// Which joints a vertex hangs on already, over all primitives.
-struct Hangers {
-    std::vector<std::uint64_t> last;   // by joint: the vertex that last hung on it, numbered through
+// The joints that the current vertex already uses, over all its sets.
+struct JointUses {
+    std::vector<std::uint64_t>
+        last;   // by joint: number of the last vertex that used it; vertices are numbered across primitives
     std::uint64_t vertex = 0;
 };
 
-// Joints and weights of one primitive, vertex by vertex.
+// Checks joints and weights of one primitive, vertex by vertex.
 void check_influences(const Model& model, const Data& data, const Primitive& primitive, std::size_t joint_count,
-                      Hangers& hangers, const std::string& here, const Context& context)
+                      JointUses& joint_uses, const std::string& here, const Context& context)
 {
     std::vector<std::vector<std::uint32_t>> joints;
     std::vector<std::vector<float>> weights;
@@ -151,7 +155,7 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
     const auto place = [&](const char* what, std::size_t set) { return at(here, fmt::format("{}_{}", what, set)); };
     const std::size_t vertices = joints.empty() ? 0 : joints[0].size() / 4;
     for (std::size_t v = 0; v < vertices; ++v) {
-        ++hangers.vertex;
+        ++joint_uses.vertex;
         std::size_t used = 0;
         double sum = 0;
         for (std::size_t set = 0; set < joints.size(); ++set) {
@@ -160,17 +164,17 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
                 const float weight = weights[set][k];
                 if (joint >= joint_count)
                     context.fail(place("JOINTS", set),
-                                 fmt::format("vertex {} hangs on joint {}, but a skin has {}", v, joint, joint_count));
+                                 fmt::format("vertex {} uses joint {}, but a skin has only {}", v, joint, joint_count));
                 if (weight < 0)
                     context.fail(place("WEIGHTS", set), fmt::format("vertex {} has the negative weight {}", v, weight));
                 if (weight == 0) continue;
-                if (std::exchange(hangers.last[joint], hangers.vertex) == hangers.vertex)
-                    context.fail(place("JOINTS", set), fmt::format("vertex {} hangs on joint {} twice", v, joint));
+                if (std::exchange(joint_uses.last[joint], joint_uses.vertex) == joint_uses.vertex)
+                    context.fail(place("JOINTS", set), fmt::format("vertex {} uses joint {} twice", v, joint));
                 ++used;
                 sum += weight;
             }
         }
-        // DEVIATION(validator): one step of tolerance for one and two joints, too; many exporters round.
+        // DEVIATION(validator): one step of tolerance for one and two joints as well, because many exporters round.
         const std::size_t pairs = (used + 1) / 2;
         const double steps = std::max(1.0, static_cast<double>(pairs) - 1);
         if (!(std::abs(sum - 1) <= k_sum_step * steps))
@@ -182,7 +186,7 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
 
 void check_data(const Model& model, const Data& data, const std::vector<AccessorUse>& uses, Context& context)
 {
-    // Bound the work before it is done.
+    // Bound the work before doing it.
     std::uint64_t left = context.limits.numbers + context.limits.numbers_per_byte * data.total_bytes();
     const auto spend = [&](const Accessor& accessor, const std::string& here) {
         const auto each = static_cast<std::uint64_t>(accessor.components());
@@ -202,15 +206,15 @@ void check_data(const Model& model, const Data& data, const std::vector<Accessor
         check.finish();
     }
 
-    // The smallest skin that a mesh is used with decides.
+    // Use the number of joints of the smallest skin that each mesh is used with.
     std::vector<std::size_t> joints(model.meshes.size(), 0);
     for (const Node& node : model.nodes) {
         if (node.mesh == k_absent || node.skin == k_absent) continue;
         const std::size_t count = model.skins[node.skin].joints.size();
         joints[node.mesh] = joints[node.mesh] == 0 ? count : std::min(joints[node.mesh], count);
     }
-    Hangers hangers;
-    if (!joints.empty()) hangers.last.resize(*std::max_element(joints.begin(), joints.end()));
+    JointUses joint_uses;
+    if (!joints.empty()) joint_uses.last.resize(*std::max_element(joints.begin(), joints.end()));
     for (std::size_t m = 0; m < model.meshes.size(); ++m) {
         if (joints[m] == 0) continue;
         for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
@@ -220,7 +224,7 @@ void check_data(const Model& model, const Data& data, const std::vector<Accessor
                 if ((name.rfind("JOINTS", 0) == 0 || name.rfind("WEIGHTS", 0) == 0) &&
                     data.has_bytes(model.accessors[index]))
                     spend(model.accessors[index], at(here, name));
-            check_influences(model, data, primitive, joints[m], hangers, here, context);
+            check_influences(model, data, primitive, joints[m], joint_uses, here, context);
         }
     }
 }

@@ -11,7 +11,7 @@ namespace gnomon::io::gltf {
 
 namespace {
 
-// What the importer understands; to need anything else is an error.
+// The extensions that the importer supports; a file that requires any other is rejected.
 constexpr std::array k_supported = {
     "KHR_lights_punctual", "KHR_texture_transform",      "KHR_mesh_quantization",          "KHR_materials_unlit",
     "KHR_materials_ior",   "KHR_materials_transmission", "KHR_materials_emissive_strength"};
@@ -21,7 +21,7 @@ bool supported(const std::string& name)
     return std::find(k_supported.begin(), k_supported.end(), name) != k_supported.end();
 }
 
-// Least and greatest number that a component can hold.
+// The smallest and largest number that a component can hold.
 std::pair<double, double> range_of(Component type)
 {
     switch (type) {
@@ -50,7 +50,7 @@ void check_bounds(const Accessor& accessor, const std::vector<double>& bounds, c
     for (std::size_t i = 0; i < bounds.size(); ++i) {
         const bool whole = accessor.component == Component::f32 || bounds[i] == std::floor(bounds[i]);
         if (!whole || bounds[i] < low || bounds[i] > high)
-            context.fail(at(pointer, i), fmt::format("{} is no value of the accessor's component type", bounds[i]));
+            context.fail(at(pointer, i), fmt::format("{} is not a value of the accessor's component type", bounds[i]));
     }
 }
 
@@ -81,7 +81,7 @@ class Layout {
     {
         const Accessor& accessor = model_.accessors[i];
         const std::string here = at("/accessors", i);
-        if (!accessor.known()) return;   // usable by nobody, which its user will say
+        if (!accessor.known()) return;   // an error is reported where it is used
         const std::uint64_t size = accessor.component_bytes();
         if (accessor.normalized && (accessor.component == Component::f32 || accessor.component == Component::u32))
             fail(at(here, "normalized"), "only byte and short types can be normalized");
@@ -98,7 +98,8 @@ class Layout {
             if (stride != 0 && stride < accessor.element_bytes())
                 fail(here, fmt::format("the view's stride {} is less than the element's {} bytes", stride,
                                        accessor.element_bytes()));
-            // Sums are exact: offsets and lengths are below 2^53, and count is divided by, not multiplied with.
+            // The sums are exact because offsets and lengths are below 2^53; the count is compared by division to avoid
+            // overflow.
             check_fit(accessor.view, accessor.offset, accessor.count, stride ? stride : accessor.packed_stride(),
                       accessor.element_bytes(), size, here, at(here, "byteOffset"));
         }
@@ -134,7 +135,7 @@ class Layout {
         check_fit(view, offset, count, stride, stride, alignment, here, at(here, "byteOffset"));
     }
 
-    // count elements, stride apart, the last one `element` long, from offset on.
+    // Checks that `count` elements, `stride` apart, the last one `element` bytes long, fit in the view from offset on.
     void check_fit(Index index, std::uint64_t offset, std::uint64_t count, std::uint64_t stride, std::uint64_t element,
                    std::uint64_t alignment, const std::string& here, const std::string& offset_place) const
     {

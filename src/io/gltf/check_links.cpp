@@ -16,7 +16,7 @@ using Role = AccessorUse::Role;
 void check_camera(const Camera& camera, const std::string& here, Context& context)
 {
     if (camera.has_perspective == camera.has_orthographic)
-        context.fail(here, "exactly one of 'perspective' and 'orthographic' must be there");
+        context.fail(here, "must have exactly one of 'perspective' and 'orthographic'");
     if ((camera.type == "perspective" && !camera.has_perspective) ||
         (camera.type == "orthographic" && !camera.has_orthographic))
         context.fail(here, fmt::format("'{}' is missing, though it is the type", camera.type));
@@ -46,7 +46,7 @@ void check_image(const Model& model, Index index, Uses& uses, Context& context)
     if (!image.uri && image.view == k_absent && !image.extended)
         context.fail(here, "has neither 'uri' nor 'bufferView'");
     if (image.view == k_absent) return;
-    if (image.mime_type.empty()) context.fail(at(here, "bufferView"), "needs 'mimeType' beside it");
+    if (image.mime_type.empty()) context.fail(at(here, "bufferView"), "requires 'mimeType'");
     uses.view(image.view, Uses::ViewRole::image, at(here, "bufferView"));
     if (model.views[image.view].stride != 0)
         context.fail(at(here, "bufferView"), "the buffer view of an image cannot have a stride");
@@ -64,7 +64,7 @@ void check_skin(const Model& model, Index index, Uses& uses, Context& context)
         if (model.views[accessor.view].stride != 0)
             context.fail(place, "the buffer view of inverse bind matrices cannot have a stride");
     }
-    if (!accessor.known()) context.fail(place, "has a type that is not known");
+    if (!accessor.known()) context.fail(place, "has an unknown type");
     if (accessor.shape != Shape::mat4 || accessor.component != Component::f32)
         context.fail(place, fmt::format("inverse bind matrices cannot be {}", accessor.format()));
     if (accessor.count < skin.joints.size())
@@ -74,7 +74,7 @@ void check_skin(const Model& model, Index index, Uses& uses, Context& context)
 void check_material(const Material& material, const std::string& here, const Context& context)
 {
     for (const float e : material.emissive)
-        if (!std::isfinite(e * material.emissive_strength)) context.fail(here, "emits infinitely much light");
+        if (!std::isfinite(e * material.emissive_strength)) context.fail(here, "the emitted light is too large");
     const std::pair<const TextureInfo*, const char*> uses[] = {
         {&material.base_color_texture, "baseColorTexture"},
         {&material.metallic_roughness_texture, "metallicRoughnessTexture"},
@@ -144,12 +144,12 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
         const std::string place = at(at(here, "channels"), i);
         const std::string target = at(place, "target");
         if (channel.sampler >= animation.samplers.size())
-            context.fail(at(place, "sampler"), fmt::format("leads to {}, but there are {} samplers", channel.sampler,
+            context.fail(at(place, "sampler"), fmt::format("refers to {}, but there are {} samplers", channel.sampler,
                                                            animation.samplers.size()));
         if (channel.has_pointer && channel.path != Path::pointer)
             context.fail(at(at(target, "extensions"), "KHR_animation_pointer"), "the path must be 'pointer'");
         if (channel.has_pointer && channel.node != k_absent)
-            context.fail(at(target, "node"), "cannot stand beside KHR_animation_pointer");
+            context.fail(at(target, "node"), "cannot be combined with KHR_animation_pointer");
         if (channel.node == k_absent || channel.path == Path::pointer || channel.path == Path::unknown) continue;
         if (!seen.insert({channel.node, channel.path_word}).second)
             context.fail(target, "another channel has the same target");
@@ -173,7 +173,7 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             use.quaternion = true;
             use.cubic = cubic;
         }
-        // Counts are compared by division: a document's numbers may be as large as 2^53.
+        // Compare counts by division, because a document's numbers may be as large as 2^53.
         const std::uint64_t each = (cubic ? 3u : 1u) * static_cast<std::uint64_t>(moves ? 1 : targets);
         if (output.count % each != 0 || output.count / each != input.count)
             context.fail(at(place, "sampler"),

@@ -43,7 +43,7 @@ constexpr Format k_i8n{k_any, Component::i8, true}, k_i16n{k_any, Component::i16
 constexpr Format k_u8{k_any, Component::u8}, k_u16{k_any, Component::u16}, k_i8{k_any, Component::i8},
     k_i16{k_any, Component::i16};
 
-// "TEXCOORD_1" as TEXCOORD and 1; -1 where no number belongs.
+// A parsed attribute name: "TEXCOORD_1" gives TEXCOORD and 1. The number is -1 if the name must have none.
 struct Semantic {
     std::string base;
     int set = -1;
@@ -68,7 +68,7 @@ Semantic parse_semantic(const std::string& name, bool morph)
     return s;
 }
 
-// What a semantic may be made of [glTF 2.0, 3.7.2.1; KHR_mesh_quantization].
+// The accessor formats that a semantic may have [glTF 2.0, 3.7.2.1; KHR_mesh_quantization].
 Formats allowed_formats(const std::string& base, bool morph, bool quantized)
 {
     using enum Shape;
@@ -103,7 +103,7 @@ class Check {
     void primitive(const Primitive& p, const std::string& here,
                    const std::vector<std::vector<const TextureBinding*>>& bindings)
     {
-        // Attributes: names, formats, one count, sets without gaps.
+        // Check attributes: names, formats, equal counts, sets without gaps.
         std::map<std::string, int> sets;
         std::uint64_t count = 0;
         const std::string attributes = at(here, "attributes");
@@ -129,12 +129,12 @@ class Check {
         if (p.indices != k_absent) indices(p.indices, count, at(here, "indices"));
         targets(p, count, here);
 
-        // What the material's textures ask for.
+        // Check that the primitive has the texture coordinates that the material's textures need.
         if (p.material == k_absent) return;
         for (const TextureBinding* binding : bindings[p.material])
             if (!p.attributes.contains(fmt::format("TEXCOORD_{}", binding->texcoord)))
                 fail(at(here, "material"),
-                     fmt::format("its texture {} needs 'TEXCOORD_{}'", binding->pointer, binding->texcoord));
+                     fmt::format("the texture {} requires 'TEXCOORD_{}'", binding->pointer, binding->texcoord));
     }
 
  private:
@@ -149,7 +149,7 @@ class Check {
         const Accessor& accessor = model_.accessors[index];
         const bool own = !name.empty() && name[0] == '_';
         const Semantic semantic = own ? Semantic{name, -1, true} : parse_semantic(name, morph);
-        if (!semantic.valid) fail(place, "is no attribute of glTF");
+        if (!semantic.valid) fail(place, "is not an attribute of glTF");
         AccessorUse& use = uses_.accessor(index, Role::vertex, place);
         if (accessor.view != k_absent) {
             const BufferView& view = model_.views[accessor.view];
@@ -162,7 +162,7 @@ class Check {
         }
         if (!accessor.known()) return 0;
         if (own) {
-            if (accessor.component == Component::u32) fail(place, "attributes cannot be of unsigned int");
+            if (accessor.component == Component::u32) fail(place, "attributes cannot have the type unsigned int");
             return accessor.count;
         }
         if (!matches(accessor, allowed_formats(semantic.base, morph, quantized_)))
@@ -245,7 +245,7 @@ void Uses::view(Index view, ViewRole role, const std::string& pointer)
 {
     if (views_[view] == ViewRole::none) views_[view] = role;
     if (views_[view] != role)
-        context_.fail(pointer, fmt::format("buffer view {} is said to hold something else, or used for it", view));
+        context_.fail(pointer, fmt::format("buffer view {} is declared or used for another kind of data", view));
 }
 
 void Uses::vertex_view(Index accessor, const std::string& pointer)

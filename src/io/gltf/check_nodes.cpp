@@ -10,10 +10,10 @@ namespace gnomon::io::gltf {
 
 namespace {
 
-constexpr double k_unit_tolerance = 0.00769;   // of a quaternion in four bytes, and a little more
+constexpr double k_unit_tolerance = 0.00769;   // slightly more than the error of a quaternion in four bytes
 constexpr double k_shear_tolerance = 1e-3;     // cosine between the axes of a matrix
 
-// Whether a column-major matrix is made of translation, rotation and scale: affine, no shear, not flat.
+// Whether a column-major matrix is a product of translation, rotation and scale: affine, without shear, not singular.
 bool is_trs(const std::array<double, 16>& m)
 {
     constexpr double affine_tolerance = 1e-5;
@@ -64,7 +64,7 @@ void check_node(const Model& model, Index index, Context& context)
             if (!std::isfinite(w)) context.fail(at(here, "weights"), "a weight is too large");
 }
 
-// Whose mesh can be bent by a skin.
+// Finds the meshes that a skin can deform.
 std::vector<char> find_skinned(const Model& model)
 {
     std::vector<char> skinned(model.meshes.size());
@@ -74,7 +74,7 @@ std::vector<char> find_skinned(const Model& model)
     return skinned;
 }
 
-// Order of a walk in depth: first and last number below each node; and the root of its tree.
+// The order of a depth-first walk: the first and last number below each node, and the root of its tree.
 struct Forest {
     std::vector<Index> root;
     std::vector<std::uint32_t> first, last;
@@ -105,7 +105,7 @@ Forest walk(const Model& model, const std::vector<Index>& parent, Context& conte
         }
     }
 
-    // Who was not reached hangs below a loop, or is in it: go up until surely inside.
+    // Nodes that were not reached are in a cycle or below one. Walk up far enough to be in the cycle.
     for (Index i = 0; i < n; ++i) {
         if (forest.root[i] != k_absent) continue;
         Index inside = i;
@@ -138,7 +138,7 @@ void check_scenes(const Model& model, const std::vector<Index>& parent, const Fo
         context.fail("/scenes",
                      fmt::format("has {} scenes, the limit is {}", model.scenes.size(), context.limits.scenes));
 
-    // All joints of a skin share a root, so a skinned node needs one root besides its own.
+    // All joints of a skin share a root. So a scene with a skinned node needs this root besides the node's own.
     std::vector<std::vector<std::pair<Index, Index>>> needed(model.nodes.size());   // by root: other root, skinned node
     for (Index i = 0; i < model.nodes.size(); ++i) {
         const Node& node = model.nodes[i];

@@ -23,14 +23,14 @@ void Context::warn(const std::string& pointer, const std::string& problem)
 
 std::vector<std::string> Context::take_warnings()
 {
-    if (left_out_ > 0) warnings_.push_back(fmt::format("{} further warnings left out", left_out_));
+    if (left_out_ > 0) warnings_.push_back(fmt::format("{} further warnings were omitted", left_out_));
     left_out_ = 0;
     return std::move(warnings_);
 }
 
 std::string at(const std::string& pointer, std::string_view name)
 {
-    constexpr std::size_t longest = 120;   // what follows of a name tells nobody anything
+    constexpr std::size_t longest = 120;   // longer names are cut in messages
     const bool cut = name.size() > longest;
     std::string result = pointer + '/';
     for (const char c : name.substr(0, longest)) {

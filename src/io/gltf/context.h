@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What every step of the glTF importer shares: which file it is about, how errors and warnings are made, the limits.
+// State shared by all steps of the glTF importer: the file's name, errors and warnings, and limits.
 
 #include <cstdint>
 #include <string>
@@ -9,31 +9,31 @@
 
 namespace gnomon::io::gltf {
 
-/// Nothing is taken from the machine that the file does not justify. A file beyond these is refused, with the reason.
+/// Limits on memory and time, in proportion to the file's size. A file beyond them is rejected with the reason.
 struct Limits {
-    std::uint64_t file_bytes = 4ull << 30;     // the scene file, and each file that it names
-    std::uint64_t json_bytes = 128ull << 20;   // the document alone, without a GLB's binary chunk
-    std::uint64_t json_values = 2'000'000;     // what a parsed value costs is some 150 times its text, at worst
+    std::uint64_t file_bytes = 4ull << 30;     // the scene file, and each file that it references
+    std::uint64_t json_bytes = 128ull << 20;   // the JSON document, without a GLB's binary chunk
+    std::uint64_t json_values = 2'000'000;     // a parsed value takes at most some 150 times the memory of its text
     int json_depth = 128;
-    std::uint64_t elements = 300'000;   // of one kind: nodes, accessors, ...
+    std::uint64_t elements = 300'000;   // of each kind: nodes, accessors, ...
     std::uint64_t scenes = 1000;
-    // Accessors may overlap in a buffer, but not so much that reading them all takes for ever: numbers read in all, and
-    // for each byte of buffers.
+    // Accessors may overlap in a buffer; this bounds the time for reading them: numbers read in total, plus numbers per
+    // byte of buffers.
     std::uint64_t numbers = 64ull << 20;
     std::uint64_t numbers_per_byte = 8;
-    // Geometry in the scene may take this many bytes (one accessor can be used often, and one without data is zeros),
-    // and for each byte of buffers that exist this many more.
+    // Bytes of geometry in the scene (an accessor can be used often, and one without data is all zeros), plus bytes per
+    // byte of buffers that exist.
     std::uint64_t geometry_bytes = 64ull << 20;
     std::uint64_t geometry_bytes_per_byte = 64;
-    // Instances of meshes cost a few bytes of the file each; what all of them draw that others have drawn already.
+    // Triangles drawn by repeated instances of meshes; an instance takes only a few bytes in the file.
     std::uint64_t repeated_triangles = 1ull << 27;
-    // Images likewise, in pixels: a byte of deflated data stands for at most 1032 bytes.
+    // The same for images, in pixels: a byte of deflated data expands to at most 1032 bytes.
     std::uint64_t pixels = 4ull << 20;
     std::uint64_t pixels_per_byte = 1032;
     std::size_t warnings = 24;
 };
 
-/// Makes errors and warnings of one file.
+/// Reports errors and warnings for one file.
 class Context {
  public:
     explicit Context(std::string file) : file_(std::move(file)) {}
@@ -41,9 +41,9 @@ class Context {
     const std::string& file() const { return file_; }
     /// @param pointer  JSON pointer [RFC 6901] into the document
     [[noreturn]] void fail(const std::string& pointer, const std::string& problem) const;
-    /// Kept for the scene; beyond the limit they are only counted.
+    /// Adds a warning to the scene; beyond the limit, warnings are only counted.
     void warn(const std::string& pointer, const std::string& problem);
-    /// All, with a last line if some were left out.
+    /// Returns all warnings, with a final line if some were omitted.
     std::vector<std::string> take_warnings();
 
     Limits limits;
@@ -54,7 +54,7 @@ class Context {
     std::size_t left_out_ = 0;
 };
 
-/// pointer + "/" + name, with ~ and / of the name escaped as RFC 6901 has it; long names are cut.
+/// pointer + "/" + name, with ~ and / in the name escaped as in RFC 6901; long names are cut.
 std::string at(const std::string& pointer, std::string_view name);
 std::string at(const std::string& pointer, std::uint64_t index);
 

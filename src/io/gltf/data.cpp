@@ -77,14 +77,15 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
         bool counted = true;
         if (!buffer.uri) {
             if (i != 0 || !binary) continue;   // a placeholder
-            if (!bin) context.fail(here, "is the GLB's binary chunk, but there is none");
+            if (!bin) context.fail(here, "refers to the GLB's binary chunk, but there is none");
             bytes.span = *bin;
             if (bytes.span.size() > buffer.length + k_glb_padding)
                 context.warn(here, "the GLB's binary chunk is longer than the buffer");
         } else {
             Resource resource = parse_uri(*buffer.uri, uri_place, context);
             if (resource.kind == Resource::Kind::remote) {
-                context.warn(uri_place, "lies in the network, where nothing is fetched from");
+                context.warn(uri_place,
+                             "is a remote resource; only files in the scene's folder and data URIs are loaded");
                 bytes.remote = true;
                 continue;
             }
@@ -102,12 +103,12 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
         }
         if (bytes.span.size() < buffer.length)
             context.fail(at(here, "byteLength"),
-                         fmt::format("claims {} bytes, but there are {}", buffer.length, bytes.span.size()));
+                         fmt::format("declares {} bytes, but there are only {}", buffer.length, bytes.span.size()));
         bytes.span = bytes.span.first(buffer.length);
         if (counted) total_bytes_ += buffer.length;
     }
     if (binary && bin && (model.buffers.empty() || model.buffers[0].uri))
-        context.warn("", "the GLB's binary chunk is used by no buffer");
+        context.warn("", "no buffer uses the GLB's binary chunk");
 }
 
 std::filesystem::path Data::find_file(const std::string& path, const std::string& pointer) const
@@ -140,7 +141,7 @@ std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std
 {
     Resource resource = parse_uri(uri, pointer, context_);
     if (resource.kind == Resource::Kind::remote) {
-        context_.warn(pointer, "lies in the network, where nothing is fetched from");
+        context_.warn(pointer, "is a remote resource; only files in the scene's folder and data URIs are loaded");
         return {};
     }
     if (resource.kind == Resource::Kind::data) {
@@ -168,15 +169,16 @@ bool Data::has_bytes(const Accessor& accessor) const
 
 std::string Data::unreachable(const Accessor& accessor) const
 {
-    if (!accessor.known()) return "has a type that is not known";
+    if (!accessor.known()) return "has an unknown type";
     std::vector<Index> views;
     if (accessor.view != k_absent) views.push_back(accessor.view);
     if (accessor.sparse) views.insert(views.end(), {accessor.sparse->index_view, accessor.sparse->value_view});
     for (const Index view : views) {
         if (buffers_[model_.views[view].buffer].remote)
-            return fmt::format("lies in buffer {}, which is in the network", model_.views[view].buffer);
+            return fmt::format("lies in buffer {}, which is a remote resource", model_.views[view].buffer);
         if (model_.views[view].compressed && view_bytes(view).empty())
-            return fmt::format("lies in buffer view {}, which EXT_meshopt_compression alone can read", view);
+            return fmt::format(
+                "lies in buffer view {}, which is compressed with EXT_meshopt_compression (not supported)", view);
     }
     return {};
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The bytes behind a document: buffers from the GLB, from data URIs and from files in the scene's folder, and the
-// elements of accessors read out of them.
+// The binary data of a document: buffers from the GLB, data URIs and files in the scene's folder, and the elements of
+// accessors in them.
 //
-// A buffer without a URI (an extension may fill it), and one that lies in the network, has no bytes here. Accessors on
-// it read as zeros in the first case, as those without a buffer view do, and cannot be used in the second.
+// A buffer without a URI (an extension may fill it) and a remote buffer have no bytes here. Accessors on the former
+// read as zeros, like those without a buffer view; accessors on the latter cannot be used.
 
 #include <cstdint>
 #include <filesystem>
@@ -20,7 +20,7 @@
 
 namespace gnomon::io::gltf {
 
-/// What a URI leads to.
+/// The resource that a URI refers to.
 struct Resource {
     enum class Kind : std::uint8_t { data, file, remote };
     Kind kind = Kind::file;
@@ -28,41 +28,41 @@ struct Resource {
     std::vector<std::uint8_t> bytes;   // of a data URI
     std::string path;                  // of a file, percent-decoded; relative
 };
-/// @throws InputError (at the pointer) for one that is no URI, a data URI that is not whole, or a bad escape
+/// @throws InputError (at the pointer)  not a URI, an incomplete data URI, or an invalid escape
 Resource parse_uri(const std::string& uri, const std::string& pointer, const Context& context);
 
 class Data {
  public:
-    /// Reads all buffers. Buffer views must have been checked against the buffers' lengths afterwards.
+    /// Reads all buffers. The caller must check buffer views against the buffers' lengths before.
     /// @throws InputError
     Data(const Model& model, const std::filesystem::path& file, std::optional<std::span<const std::uint8_t>> bin,
          bool binary, Context& context);
 
-    /// Bytes of all buffers together, a file that several of them name counted once: what expanded geometry is measured
-    /// by.
+    /// Bytes of all buffers together, counting a file that several of them use once: the basis of the limits on
+    /// geometry.
     std::uint64_t total_bytes() const { return total_bytes_; }
 
-    /// Whether every byte that the accessor reads is there; if not, it reads as zeros.
+    /// Whether all bytes of the accessor are available; if not, it reads as zeros.
     bool has_bytes(const Accessor& accessor) const;
-    /// Why its data can never be had, or empty.
+    /// The reason why its data cannot be loaded, or empty.
     std::string unreachable(const Accessor& accessor) const;
     /// Bytes of a buffer view; empty if its buffer has none.
     std::span<const std::uint8_t> view_bytes(Index view) const;
-    /// The file that a URI leads to, whatever its spelling. Empty for what is in the URI itself, or in the network.
+    /// The file that a URI refers to, independent of its spelling. Empty for data URIs and remote resources.
     std::filesystem::path resource_file(const std::string& uri, const std::string& pointer) const;
-    /// A file or data URI named by an image. Empty and a warning for a remote one.
+    /// The contents of a file or data URI that an image uses. Empty with a warning for a remote one.
     std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer,
                                              std::string& mime_type);
 
-    /// Calls visit(element, components) for each element in order; values as they are stored, sparse ones put in.
-    /// Accessors and views must have passed check_model(); sparse indices are looked at again here.
+    /// Calls visit(element, components) for each element in order, with values as stored and sparse values substituted.
+    /// Accessors and views must have passed check_model(); sparse indices are checked again here.
     template <class Visit>
     void for_each(const Accessor& accessor, Visit visit) const;
 
-    /// All elements, normalised integers as fractions: count * components numbers.
+    /// Reads all elements, with normalised integers as fractions: count * components numbers.
     void read(const Accessor& accessor, std::vector<float>& out) const;
     void read_double(const Accessor& accessor, std::vector<double>& out) const;
-    /// All numbers of an unsigned integer accessor.
+    /// Reads all numbers of an unsigned integer accessor.
     void read(const Accessor& accessor, std::vector<std::uint32_t>& out) const;
 
     std::vector<std::uint32_t> sparse_indices(const Accessor& accessor) const;
@@ -78,15 +78,15 @@ class Data {
 
     const Model& model_;
     Context& context_;
-    std::filesystem::path folder_;                                       // canonical; nothing outside is opened
-    std::map<std::filesystem::path, std::vector<std::uint8_t>> files_;   // of buffers, each once
+    std::filesystem::path folder_;                                       // canonical; no file outside is opened
+    std::map<std::filesystem::path, std::vector<std::uint8_t>> files_;   // files of buffers, each read once
     std::vector<Bytes> buffers_;
     std::uint64_t total_bytes_ = 0;
 };
 
 /// A stored component as a number.
 double component_value(const std::uint8_t* bytes, Component type);
-/// The number a normalised integer stands for [glTF 2.0, 3.11].
+/// The value of a normalised integer [glTF 2.0, 3.11].
 double normalized_value(double stored, Component type);
 
 template <class Visit>

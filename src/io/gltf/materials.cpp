@@ -24,9 +24,9 @@ ImageFormat format_of(std::span<const std::uint8_t> bytes)
     return begins(png) ? ImageFormat::png : begins(jpeg) ? ImageFormat::jpeg : ImageFormat::other;
 }
 
-constexpr int k_most_looked_at = 1000;   // chunks or markers of an image that nobody uses
+constexpr int k_most_looked_at = 1000;   // chunks or markers to check in an unused image
 
-// What is wrong with an image up to where its pixels begin; empty: nothing.
+// Returns the fault of an image up to where its pixels begin, or an empty string.
 std::string header_fault(std::span<const std::uint8_t> b)
 {
     const auto u16 = [&](std::size_t i) { return static_cast<std::size_t>(b[i]) << 8 | b[i + 1]; };
@@ -83,7 +83,7 @@ scene::Wrap wrap(int code)
 
 scene::Sampler sampler_of(const Sampler& s)
 {
-    // GL's codes: NEAREST, LINEAR, then both with mipmaps.
+    // OpenGL's codes: NEAREST, LINEAR, then both with mipmaps.
     constexpr int nearest = 9728, linear = 9729, nearest_mip_nearest = 9984, nearest_mip_linear = 9986;
     scene::Sampler result;
     result.wrap_u = wrap(s.wrap_s);
@@ -110,7 +110,7 @@ Materials::Materials(const Model& model, Data& data, scene::Scene& out, Context&
     view_bytes_left_ = context.limits.numbers + context.limits.numbers_per_byte * data.total_bytes();
 }
 
-// Of images with one source all but the first are only other names of it.
+// Images with the same source are decoded once, as the first of them.
 Index Materials::first_of(Index index)
 {
     Index& first = first_[index];
@@ -121,7 +121,8 @@ Index Materials::first_of(Index index)
         source = data_.resource_file(*image.uri, at(at("/images", index), "uri")).string();
     } else if (image.view != k_absent) {
         const BufferView& view = model_.views[image.view];
-        source = fmt::format("{} {} {}", view.buffer, view.offset, view.length);   // no path: those are absolute
+        source =
+            fmt::format("{} {} {}", view.buffer, view.offset, view.length);   // not a path, because paths are absolute
     }
     first = source.empty() ? index : by_source_.try_emplace(std::move(source), index).first->second;
     return first;
@@ -156,7 +157,7 @@ const Image8& Materials::decoded_image(Index index)
         context_.warn(here, "is neither PNG nor JPEG: its textures are left out");
         return image.image;
     }
-    // What the data can stand for bounds what is decoded; that of buffers counts already.
+    // Bound the decoded pixels by the size of the data. Bytes of buffers are already counted.
     if (model_.images[index].uri) {
         pixels_left_ += bytes.size() * context_.limits.pixels_per_byte;
     } else {
@@ -165,7 +166,7 @@ const Image8& Materials::decoded_image(Index index)
         view_bytes_left_ -= bytes.size();
     }
     ImageLimits limits;
-    limits.stored_values = true;   // [glTF 2.0, 3.8.3]: what PNG says of colour spaces is to be ignored
+    limits.stored_values = true;   // [glTF 2.0, 3.8.3]: colour space information in PNG files is ignored
     limits.max_pixels = std::min(limits.max_pixels, pixels_left_);
     try {
         image.image = decode_image(bytes, here, limits);
@@ -209,7 +210,7 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
     const scene::Sampler sampler =
         texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
     const Index first = first_of(texture.source);
-    // Where alpha has no say it is not kept: coarser levels would weight the other channels by it.
+    // Drop alpha where it is not used, because coarser mip levels would weight the other channels by it.
     const bool drop_alpha = !alpha && (image.channels == 2 || image.channels == 4);
     const std::tuple key(first, static_cast<int>(sampler.wrap_u), static_cast<int>(sampler.wrap_v),
                          static_cast<int>(sampler.magnify) * 2 + static_cast<int>(sampler.minify),
@@ -217,7 +218,8 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
     auto [made, fresh] = textures_.try_emplace(key, scene::none);
     if (fresh) {
         const auto pixels = static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
-        if (pixels > pixels_left_) context_.fail(pointer, "the textures are far larger than the file has bytes for");
+        if (pixels > pixels_left_)
+            context_.fail(pointer, "the textures are far larger than the size of the file allows");
         pixels_left_ -= pixels;
         const Image& source = model_.images[texture.source];
         std::string name = !texture.name.empty()  ? texture.name
@@ -266,7 +268,7 @@ scene::MaterialId Materials::get(Index index)
     out.emissive = m.emissive_strength * glm::vec3(m.emissive[0], m.emissive[1], m.emissive[2]);
     out.emissive_texture = use(m.emissive_texture, true, false, at(here, "emissiveTexture"));
     out.transmission = m.transmission;
-    out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 stands for an old model of gloss [KHR_materials_ior]
+    out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 selects an old gloss model [KHR_materials_ior]
 
     id = static_cast<scene::MaterialId>(out_.materials.size());
     out_.materials.push_back(std::move(out));

@@ -12,9 +12,9 @@ namespace gnomon::io::gltf {
 namespace {
 
 constexpr int k_triangles = 4, k_strip = 5, k_fan = 6;
-constexpr int k_joint_sets = 2;   // eight joints a vertex
+constexpr int k_joint_sets = 2;   // eight joints per vertex
 
-// One primitive's vertices and triangles, before it joins its mesh.
+// Vertices and triangles of one primitive, before it is merged into its mesh.
 struct Piece {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec4> tangents, colors;
@@ -36,7 +36,7 @@ void spread(std::vector<T>& values, const std::vector<glm::uvec3>& triangles)
     values = std::move(out);
 }
 
-// Gives each triangle vertices of its own, with its normal: what glTF asks for where normals are missing.
+// Gives each triangle its own vertices with its normal, as glTF requires where normals are missing.
 void make_flat(Piece& p)
 {
     spread(p.positions, p.triangles);
@@ -108,20 +108,21 @@ class PieceReader {
         return length > 0 ? v / length : glm::vec3(0, 0, 1);
     }
 
-    // Takes the memory that an accessor will cost from what the file's bytes justify.
+    // Subtracts the memory that an accessor will need from the limit.
     const Accessor& open(Index index, const std::string& pointer)
     {
         const Accessor& accessor = model_.accessors[index];
         if (const std::string reason = data_.unreachable(accessor); !reason.empty())
             context_.fail(pointer, fmt::format("accessor {} {}", index, reason));
         spend(accessor.count, 4 * static_cast<std::uint64_t>(accessor.components()), pointer);
-        if (!data_.has_bytes(accessor)) context_.warn(pointer, fmt::format("accessor {} has no data: zeros", index));
+        if (!data_.has_bytes(accessor))
+            context_.warn(pointer, fmt::format("accessor {} has no data: zeros are used", index));
         return accessor;
     }
     void spend(std::uint64_t count, std::uint64_t each, const std::string& pointer)
     {
         if (count > bytes_left_ / each)
-            context_.fail(pointer, fmt::format("{} elements are far more than the file has bytes for", count));
+            context_.fail(pointer, fmt::format("{} elements are far more than the size of the file allows", count));
         bytes_left_ -= count * each;
     }
 
@@ -145,7 +146,7 @@ class PieceReader {
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = {f[3 * i], f[3 * i + 1], f[3 * i + 2]};
         return out;
     }
-    // Three components (colours) get `last` as the fourth.
+    // Three components (colours) are extended by `last`.
     std::vector<glm::vec4> vec4(Index index, const std::string& pointer, float last)
     {
         const std::vector<float>& f = floats(index, pointer);
@@ -159,7 +160,7 @@ class PieceReader {
 
     void read_influences(const Primitive& p, const std::string& attributes, Piece& piece)
     {
-        if (p.has("JOINTS_2")) context_.warn(attributes, "more than eight joints a vertex: the rest is ignored");
+        if (p.has("JOINTS_2")) context_.warn(attributes, "more than eight joints per vertex: the others are ignored");
         for (int set = 0; set < k_joint_sets; ++set) {
             const std::string name = fmt::format("JOINTS_{}", set);
             if (!p.has(name.c_str())) break;
@@ -172,7 +173,7 @@ class PieceReader {
             const std::string other = fmt::format("WEIGHTS_{}", set);
             piece.weights[set] = vec4(p.find(other), at(attributes, other), 0);
         }
-        // Weights sum to one but for rounding; zeros (an accessor without data) hang on the first joint.
+        // Normalise the weights' sum to one. If all are zero (an accessor without data), use the first joint.
         for (std::size_t v = 0; v < piece.weights[0].size(); ++v) {
             const auto sum_of = [&](int set) {
                 if (piece.weights[set].empty()) return 0.0f;
@@ -194,7 +195,7 @@ class PieceReader {
             data_.read(open(p.indices, pointer), integers_);
             for (const std::uint32_t i : integers_)
                 if (i >= vertices)
-                    context_.fail(pointer, fmt::format("leads to vertex {}, but there are {}", i, vertices));
+                    context_.fail(pointer, fmt::format("refers to vertex {}, but there are {}", i, vertices));
         } else {
             spend(vertices, 4, here);
             integers_.resize(vertices);
@@ -202,14 +203,14 @@ class PieceReader {
         }
         const std::vector<std::uint32_t>& v = integers_;
         const bool whole = p.mode == k_triangles ? v.size() % 3 == 0 : v.size() >= 3;
-        if (!whole) context_.warn(here, fmt::format("{} vertices do not make whole triangles", v.size()));
+        if (!whole) context_.warn(here, fmt::format("{} vertices are not a multiple of whole triangles", v.size()));
         if (v.size() < 3) return;
-        // Vertices of triangles without normals will be their own.
+        // Count the vertices that triangles without normals will get.
         constexpr std::uint64_t own_vertex_bytes = 32;
         spend(v.size(), sizeof(glm::uvec3) + (p.has("NORMAL") ? 0 : own_vertex_bytes), here);
         if (p.mode == k_triangles)
             for (std::size_t i = 0; i + 2 < v.size(); i += 3) piece.triangles.emplace_back(v[i], v[i + 1], v[i + 2]);
-        // [glTF 2.0, 3.7.2.1]: every second triangle of a strip is turned over. What joins strips has no area.
+        // [glTF 2.0, 3.7.2.1]: every second triangle of a strip is reversed. Triangles that join strips have no area.
         const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
             if (a != b && b != c && c != a) piece.triangles.emplace_back(a, b, c);
         };
@@ -227,7 +228,7 @@ class PieceReader {
     std::vector<std::uint32_t> integers_;
 };
 
-// Appends one array of a piece to the mesh's; where only some pieces have it, the others get `fill`.
+// Appends one array of a piece to the mesh's. Pieces without this array are filled with `fill`.
 template <class T>
 void append(std::vector<T>& out, const std::vector<T>& in, bool any, std::size_t before, std::size_t count,
             const T& fill)
@@ -283,7 +284,7 @@ scene::Mesh Meshes::build(Index index)
         materials.push_back(p.material);
     }
 
-    // What some have and others lack is filled in; normals are made where they are missing.
+    // Fill in arrays that only some primitives have, and compute missing normals.
     const auto any = [&](const auto& has) { return std::any_of(pieces.begin(), pieces.end(), has); };
     const auto all = [&](const auto& has) { return std::all_of(pieces.begin(), pieces.end(), has); };
     const bool normals = any([](const Piece& p) { return !p.normals.empty(); });
@@ -336,7 +337,7 @@ scene::Mesh Meshes::build(Index index)
         mesh.parts.push_back({materials_.get(materials[i]), static_cast<std::uint32_t>(mesh.triangles.size()),
                               static_cast<std::uint32_t>(p.triangles.size())});
         for (const glm::uvec3& t : p.triangles) mesh.triangles.push_back(t + static_cast<std::uint32_t>(before));
-        p = {};   // its memory is needed no more
+        p = {};   // frees its memory
     }
     if (!mesh.morph_targets.empty()) {
         mesh.morph_weights = source.weights.value_or(std::vector<float>());

@@ -28,8 +28,8 @@ Index index(const json& object, const char* name)
     return static_cast<Index>(integer(object, name, k_absent));
 }
 
-// glTF's numbers are single precision where they are not said to be otherwise; too large ones become infinite and are
-// refused by check_model().
+// Numbers are single precision unless glTF says otherwise; those that are too large become infinite and are rejected by
+// check_model().
 float real(const json& object, const char* name, float otherwise)
 {
     const json* value = member(object, name);
@@ -93,7 +93,7 @@ const json* extension(const json& object, const char* name)
     return extensions ? member(*extensions, name) : nullptr;
 }
 
-// One element of a list after another.
+// Reads each element of an array.
 template <class T, class Read>
 void each(const json& object, const char* name, std::vector<T>& out, Read read)
 {

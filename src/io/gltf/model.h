@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A glTF document as plain structures: what the importer reads of it, defaults filled in. Indices lead somewhere (the
-// schema walk saw to that); nothing else is promised before check_model().
+// A glTF document as plain structures, reduced to what the importer uses, with defaults filled in. Indices are in range
+// (the schema check ensures that); no other guarantee holds before check_model().
 
 #include <array>
 #include <cstdint>
@@ -39,13 +39,14 @@ struct Accessor {
     std::optional<Sparse> sparse;
 
     std::uint64_t component_bytes() const;
-    /// Numbers an element has.
+    /// Number of components in an element.
     int components() const;
-    /// Bytes of an element: columns of matrices begin at multiples of four, what follows the last does not count.
+    /// Bytes of an element: columns of matrices are aligned to multiples of four; padding after the last does not
+    /// count.
     std::uint64_t element_bytes() const;
-    /// Distance of tightly packed elements.
+    /// Distance between tightly packed elements.
     std::uint64_t packed_stride() const;
-    /// Where a component lies within an element.
+    /// Offset of a component within an element.
     std::uint64_t component_offset(int component) const;
     bool known() const { return component != Component::unknown && shape != Shape::unknown; }
     /// "VEC3 of float", for messages.
@@ -56,7 +57,7 @@ struct BufferView {
     Index buffer = 0;
     std::uint64_t offset = 0, length = 0, stride = 0;   // 0: tightly packed
     int target = 0;
-    bool compressed = false;   // by EXT_meshopt_compression; its plain bytes may be missing
+    bool compressed = false;   // by EXT_meshopt_compression; its uncompressed bytes may be missing
 };
 
 struct Buffer {
@@ -68,11 +69,11 @@ struct Image {
     std::optional<std::string> uri;
     Index view = k_absent;
     std::string mime_type, name;
-    bool extended = false;   // what it is stands in an extension
+    bool extended = false;   // its data is in an extension
 };
 
 struct Sampler {
-    int magnify = 0, minify = 0;   // 0: not said
+    int magnify = 0, minify = 0;   // 0: not given
     int wrap_s = 10497, wrap_t = 10497;
 };
 
@@ -199,7 +200,7 @@ struct Model {
     std::optional<Index> scene;
 };
 
-/// @param document  that has passed check_schema()
+/// @param document  must have passed check_schema()
 Model read_model(const nlohmann::json& document);
 
 }   // namespace gnomon::io::gltf

@@ -25,7 +25,7 @@ glm::dmat4 local_matrix(const Node& node)
     auto value = node.matrix->begin();   // by columns
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r) m[c][r] = *value++;
-    for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1 : 0;   // it is, but for rounding
+    for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1 : 0;   // 0 0 0 1 up to rounding
     return m;
 }
 
@@ -103,7 +103,7 @@ void build_skins(const Model& model, const Data& data, const std::vector<scene::
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
                  scene::Scene& out, Context& context)
 {
-    // Parents before children, in the file's order of siblings; without recursion, since a chain can be long.
+    // Visit parents before children, siblings in the file's order; without recursion, because hierarchies can be deep.
     std::vector<scene::NodeId> ids(model.nodes.size(), scene::none);
     std::vector<scene::SkinId> skin_ids(model.skins.size(), scene::none);
     std::vector<Index> stack = roots_of(model, parent);
@@ -165,7 +165,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
                    [](unsigned char c) { return std::tolower(c); });
     const Container container = open_container(text, extension == ".glb", context);
 
-    // The document goes as soon as all is read out of it.
+    // Release the document as soon as everything was read from it.
     Model model;
     std::vector<TextureBinding> bindings;
     {

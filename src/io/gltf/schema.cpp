@@ -17,7 +17,7 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double k_exact_integers = 9007199254740992.0;   // 2^53: what a JSON number surely holds
+constexpr double k_exact_integers = 9007199254740992.0;   // 2^53: integers that JSON numbers represent exactly
 
 const char* type_name(const json& value)
 {
@@ -29,7 +29,7 @@ const char* type_name(const json& value)
     return "a number";
 }
 
-// A name or an index of the way down to a value; becomes text only when something is wrong.
+// A name or an index on the path to a value; converted to text only for messages.
 struct Step {
     std::string_view name;
     std::uint64_t index = 0;
@@ -88,7 +88,7 @@ class Walk {
                 continue;
             }
             below(rule.name, [&] {
-                if (rule.needs && !value.contains(rule.needs)) fail(fmt::format("needs '{}' beside it", rule.needs));
+                if (rule.needs && !value.contains(rule.needs)) fail(fmt::format("requires '{}'", rule.needs));
                 check_value(*found, rule);
             });
         }
@@ -98,7 +98,7 @@ class Walk {
         note_texture(value, table);
     }
 
-    // Names that no table knows do no harm, but may be misspelt ones.
+    // Names that are in no table are harmless, but may be misspelt.
     void check_names(const json& value, const Table& table)
     {
         for (auto item = value.begin(); item != value.end(); ++item) {
@@ -107,7 +107,7 @@ class Walk {
             if (std::any_of(table.rules.begin(), table.rules.end(),
                             [&](const Rule& rule) { return name == rule.name; }))
                 continue;
-            // The tables of some extensions are not whole.
+            // The tables of some extensions are incomplete.
             const std::string_view owner = path_.size() > 1 ? path_[path_.size() - 2].name : std::string_view();
             if (owner != "extensions") context_.warn(at(pointer(), name), "unknown property");
         }
@@ -124,18 +124,18 @@ class Walk {
                 if (std::none_of(places.begin(), places.end(), names)) return;   // unknown to us
                 const auto place = std::find_if(places.begin(), places.end(),
                                                 [&](const ExtensionPlace& p) { return names(p) && p.owner == &owner; });
-                if (place == places.end()) fail(fmt::format("the extension has no place in a {}", owner.name));
+                if (place == places.end()) fail(fmt::format("the extension is not allowed in a {}", owner.name));
                 check_object(item.value(), *place->inner);
                 if (item.key() == "KHR_materials_ior" && item->contains("ior")) {
                     const double ior = item->at("ior").get<double>();
                     if (ior != 0 && ior < 1)
-                        below("ior", [&] { fail(fmt::format("{} is neither 0 nor from 1 up", ior)); });
+                        below("ior", [&] { fail(fmt::format("{} is neither 0 nor at least 1", ior)); });
                 }
             });
         }
     }
 
-    // Remembers which set of texture coordinates a material's texture needs.
+    // Records the set of texture coordinates that a material's texture needs.
     void note_texture(const json& value, const Table& table)
     {
         if (path_.empty() || path_.front().name != "materials" || path_.size() < 2) return;
@@ -174,14 +174,14 @@ class Walk {
             case Kind::code: {
                 check_integer(value, {.name = rule.name, .kind = Kind::integer, .low = 0});
                 if (std::find(rule.codes.begin(), rule.codes.end(), value.get<double>()) == rule.codes.end())
-                    context_.warn(pointer(), fmt::format("{} is none of the known values", value.get<double>()));
+                    context_.warn(pointer(), fmt::format("{} is not a known value", value.get<double>()));
                 break;
             }
             case Kind::word: {
                 if (!value.is_string()) wrong_type(value, "a string");
                 const std::string& word = value.get_ref<const std::string&>();
                 if (std::find(rule.words.begin(), rule.words.end(), word) == rule.words.end())
-                    context_.warn(pointer(), fmt::format("'{}' is none of the known values", word.substr(0, 64)));
+                    context_.warn(pointer(), fmt::format("'{}' is not a known value", word.substr(0, 64)));
                 break;
             }
             case Kind::index:
@@ -220,12 +220,12 @@ class Walk {
                         break;
                     case Kind::strings:
                         if (!element.is_string()) wrong_type(element, "a string");
-                        if (!seen_text.insert(element.get_ref<const std::string&>()).second) fail("is there twice");
+                        if (!seen_text.insert(element.get_ref<const std::string&>()).second) fail("is a duplicate");
                         break;
                     case Kind::indices:
                         check_index(element, rule);
                         if (!seen.insert(static_cast<std::uint64_t>(element.get<double>())).second)
-                            fail("is there twice");
+                            fail("is a duplicate");
                         break;
                     case Kind::objects:
                         check_object(element, *rule.inner);
@@ -270,7 +270,7 @@ class Walk {
         const std::uint64_t size = size_of(rule.target);
         const double number = value.get<double>();
         if (number >= static_cast<double>(size))
-            fail(fmt::format("leads to {} of '{}', which has {}", number, rule.target, size));
+            fail(fmt::format("refers to index {} of '{}', which has {} elements", number, rule.target, size));
     }
 
     void check_version(const json& value)
@@ -284,7 +284,7 @@ class Walk {
         };
         if (dot == std::string::npos || !digits(std::string_view(text).substr(0, dot)) ||
             !digits(std::string_view(text).substr(dot + 1)))
-            fail(fmt::format("'{}' is no version of the form major.minor", text.substr(0, 64)));
+            fail(fmt::format("'{}' is not a version of the form major.minor", text.substr(0, 64)));
     }
 
     std::uint64_t size_of(const char* target)
@@ -295,7 +295,7 @@ class Walk {
         try {
             if (document_.contains(where) && document_.at(where).is_array()) size = document_.at(where).size();
         } catch (const json::exception&) {
-            size = 0;   // something on the way is no object; reported where it stands
+            size = 0;   // a part of the path is not an object; that is reported elsewhere
         }
         return sizes_[target] = size;
     }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The shape of a glTF document as tables [glTF 2.0, JSON schema; Khronos extensions], and the walk that holds a
-// document against them: types, required properties, ranges, lengths, references that lead somewhere, extensions where
-// they belong. What has passed may be read without asking again, enumerations excepted: unknown values of those are
-// warnings, since files with new ones must still load as far as they can.
+// The structure of a glTF document as tables [glTF 2.0, JSON schema; Khronos extensions], and the walk that checks a
+// document against them: types, required properties, ranges, lengths, references in range, extensions in their places.
+// A document that has passed can be read without further checks, except for enumerations: unknown values are warnings,
+// because files with newer values should still load.
 //
-// Cost: one visit a value. Recursion follows the tables, whose depth is fixed, never the document.
+// Cost: one visit per value. Recursion follows the tables, whose depth is fixed, not the document.
 
 #include <cstdint>
 #include <limits>
@@ -24,22 +24,22 @@ enum class Kind : std::uint8_t {
     number,
     string,
     version,      // "major.minor"
-    code,         // an integer out of `codes`
-    word,         // a string out of `words`
+    code,         // an integer from `codes`
+    word,         // a string from `words`
     index,        // into the array `target`
     object,       // of table `inner`
-    attributes,   // names to indices of accessors, at least one
+    attributes,   // an object of names and accessor indices, at least one
     // Arrays of the above, `min_items` to `max_items` long:
     numbers,
     strings,
-    indices,   // no two equal
+    indices,   // all different
     objects,
     attribute_lists,
 };
 
 struct Table;
 
-/// One property.
+/// The rule for one property.
 struct Rule {
     const char* name;
     Kind kind;
@@ -50,9 +50,9 @@ struct Rule {
     std::size_t min_items = 1, max_items = std::numeric_limits<std::size_t>::max();
     std::span<const int> codes{};
     std::span<const char* const> words{};
-    const char* target = nullptr;   // JSON pointer of an array; nullptr: resolved elsewhere
+    const char* target = nullptr;   // JSON pointer of an array; nullptr: checked elsewhere
     const Table* inner = nullptr;
-    const char* needs = nullptr;   // another property of the same object
+    const char* needs = nullptr;   // another property that must be present
 };
 
 struct Table {
@@ -60,7 +60,7 @@ struct Table {
     std::span<const Rule> rules;
 };
 
-/// Where an extension may stand and what it holds there.
+/// Where an extension is allowed, and the table for its content.
 struct ExtensionPlace {
     const char* extension;
     const Table* owner;
@@ -70,14 +70,14 @@ struct ExtensionPlace {
 const Table& document_table();
 std::span<const ExtensionPlace> extension_places();
 
-/// A texture that a material asks for, wherever it stands in it.
+/// A texture reference anywhere in a material.
 struct TextureBinding {
     std::string pointer;
     std::uint64_t material = 0;
     std::uint64_t texcoord = 0;
 };
 
-/// Holds the document against the tables.
+/// Checks the document against the tables.
 /// @returns the texture coordinates that materials need
 /// @throws InputError
 std::vector<TextureBinding> check_schema(const nlohmann::json& document, Context& context);

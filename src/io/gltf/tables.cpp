@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of glTF 2.0 and of the extensions that the importer knows at least by shape.
+// The tables of glTF 2.0 and of the extensions whose structure the importer checks.
 #include <array>
 #include <numbers>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double k_inf = std::numeric_limits<double>::infinity();
 
-// Short forms, so that a table reads like the specification's.
+// Short names, so that a table reads like the specification's.
 constexpr Rule need(Rule rule)
 {
     return rule.required = true, rule;

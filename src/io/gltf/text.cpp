@@ -36,7 +36,7 @@ std::string place_of(const Container& container, std::uint64_t offset)
     return fmt::format("{}:{}", line, column);
 }
 
-// Walks over the text without recursion and bounds what the parser will be given: depth and number of values.
+// Bounds the nesting depth and the number of values before parsing, in a walk over the text without recursion.
 void check_nesting(const Container& container, const Context& context)
 {
     const std::string_view text = container.json;
@@ -47,7 +47,7 @@ void check_nesting(const Container& container, const Context& context)
         const char c = text[i];
         if (in_string) {
             if (c == '\\')
-                ++i;   // whatever is escaped does not end the string
+                ++i;   // skip the escaped character
             else if (c == '"')
                 in_string = false;
             continue;
@@ -82,15 +82,15 @@ Container open_container(std::string_view bytes, bool named_glb, Context& contex
     // Check the header.
     result.binary = true;
     if (bytes.size() < k_header_bytes) fail(bytes.size(), "GLB ends inside its header");
-    if (!has_magic) fail(0, "no GLB: it does not begin with 'glTF'");
+    if (!has_magic) fail(0, "not a GLB: it does not begin with 'glTF'");
     if (const std::uint32_t version = u32_at(bytes, 4); version != 2)
         fail(4, fmt::format("GLB version {} is not supported, only 2", version));
     const std::uint64_t length = u32_at(bytes, 8);
     if (length < k_header_bytes + k_chunk_header_bytes) fail(8, fmt::format("GLB length {} is too small", length));
-    if (length > bytes.size()) fail(8, fmt::format("GLB claims {} bytes, but the file has {}", length, bytes.size()));
+    if (length > bytes.size()) fail(8, fmt::format("GLB declares {} bytes, but the file has {}", length, bytes.size()));
     if (length < bytes.size()) context.warn("", "GLB is followed by data that does not belong to it");
 
-    // Go from chunk to chunk.
+    // Read chunk by chunk.
     std::uint64_t offset = k_header_bytes;
     for (int index = 0; offset < length; ++index) {
         if (length - offset < k_chunk_header_bytes) fail(offset, "GLB ends inside a chunk's header");
@@ -134,9 +134,9 @@ nlohmann::json parse_json(const Container& container, const Context& context)
     try {
         return nlohmann::json::parse(container.json.begin(), container.json.end());
     } catch (const nlohmann::json::parse_error& error) {
-        fail(error.byte > 0 ? error.byte - 1 : 0, "no valid JSON");
+        fail(error.byte > 0 ? error.byte - 1 : 0, "invalid JSON");
     } catch (const nlohmann::json::exception&) {
-        fail(0, "no valid JSON: a number is out of range");
+        fail(0, "invalid JSON: a number is out of range");
     }
     return {};   // not reached
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// URIs [RFC 3986] and data URIs [RFC 2397] as far as glTF uses them.
+// Parses URIs [RFC 3986] and data URIs [RFC 2397] as far as glTF uses them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ bool decode_percent(std::string_view in, std::string& out)
 
 constexpr std::uint8_t k_no_digit = 64;
 
-// Standard and URL alphabet; padding may be missing.
+// Accepts the standard and the URL alphabet; padding may be missing.
 bool decode_base64(std::string_view in, std::vector<std::uint8_t>& out)
 {
     static const auto table = [] {
@@ -85,7 +85,7 @@ Resource parse_data_uri(std::string_view rest, const std::string& pointer, const
 
     std::string plain;
     if (base64) {
-        // Escapes are rare here; spare the copy.
+        // Copy only if there are escapes, which is rare.
         const bool escaped = body.find('%') != std::string_view::npos;
         if (escaped && !decode_percent(body, plain)) context.fail(pointer, "the data URI has a bad escape");
         if (!decode_base64(escaped ? std::string_view(plain) : body, resource.bytes))
@@ -102,7 +102,7 @@ Resource parse_data_uri(std::string_view rest, const std::string& pointer, const
 Resource parse_uri(const std::string& uri, const std::string& pointer, const Context& context)
 {
     if (uri.empty()) context.fail(pointer, "the URI is empty");
-    // A scheme is what stands before the first ':' that no other delimiter precedes.
+    // The scheme is the text before the first ':' if no other delimiter precedes it.
     const auto delimiter = uri.find_first_of(":/?#");
     if (delimiter != std::string::npos && uri[delimiter] == ':') {
         std::string scheme = uri.substr(0, delimiter);
@@ -114,7 +114,8 @@ Resource parse_uri(const std::string& uri, const std::string& pointer, const Con
         std::transform(scheme.begin(), scheme.end(), scheme.begin(),
                        [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
         if (scheme == "data") return parse_data_uri(std::string_view(uri).substr(delimiter + 1), pointer, context);
-        if (scheme == "file") context.fail(pointer, "a file URI is absolute: only the scene's own folder may be read");
+        if (scheme == "file")
+            context.fail(pointer, "file URIs are not allowed: use a path relative to the scene's folder");
         Resource remote;
         remote.kind = Resource::Kind::remote;
         return remote;

@@ -23,12 +23,12 @@
 namespace gnomon::io {
 
 namespace {
-constexpr int k_threads = 0;      // the library's: none beside ours
-constexpr int k_zip_lines = 16;   // of a chunk
+constexpr int k_threads = 0;      // OpenEXR starts no threads of its own
+constexpr int k_zip_lines = 16;   // lines per chunk
 
 class MemoryOut : public Imf::OStream {
  public:
-    MemoryOut() : Imf::OStream("picture") {}
+    MemoryOut() : Imf::OStream("image") {}
     void write(const char data[], int count) override
     {
         const auto size = static_cast<std::size_t>(count);
@@ -82,7 +82,7 @@ std::string join(const std::string& layer, const std::string& channel)
     return layer.empty() ? channel : layer + "." + channel;
 }
 
-// Files sort channels by name; people think R G B A, and L2 before L10.
+// Files sort channels by name; we use the order R G B A, and L2 before L10.
 bool before(const std::string& a, const std::string& b)
 {
     constexpr std::string_view colors = "RGBA";
@@ -98,7 +98,7 @@ std::vector<Layer> layers_of(const std::vector<std::string>& channels, const std
         const ChannelName name = split(full);
         if (!only || name.layer == *only) found[name.layer].push_back(name.channel);
     }
-    // No such layer: perhaps one channel is meant.
+    // There is no such layer. Look for a single channel of that name.
     if (found.empty() && only && std::find(channels.begin(), channels.end(), *only) != channels.end()) {
         const ChannelName name = split(*only);
         found[name.layer].push_back(name.channel);
@@ -114,7 +114,7 @@ std::vector<Layer> layers_of(const std::vector<std::string>& channels, const std
 
 std::size_t room_in_exr(Size size)
 {
-    // OpenEXR writes larger chunks, but does not read them; it counts all lines, be they there or not.
+    // OpenEXR can write larger chunks, but cannot read them. It assumes that all chunks are complete.
     const std::size_t chunk = sizeof(float) * k_zip_lines * static_cast<std::size_t>(size.width);
     return std::min<std::size_t>(k_max_exr_channels, std::numeric_limits<std::int32_t>::max() / chunk);
 }
@@ -139,7 +139,7 @@ void write_exr(const std::filesystem::path& file, Size size, std::span<const Lay
             for (std::size_t c = 0; c < count; ++c) {
                 const std::string name = join(layer.name, layer.channels[c]);
                 header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-                // The library asks for writable memory and does not write.
+                // The library takes a pointer to writable memory, but does not write to it.
                 char* base = const_cast<char*>(reinterpret_cast<const char*>(layer.data.data() + c));
                 const std::size_t step = count * sizeof(float);
                 frame.insert(name, Imf::Slice(Imf::FLOAT, base, step, step * static_cast<std::size_t>(size.width)));
@@ -167,7 +167,7 @@ ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name
     const std::size_t pixels =
         static_cast<std::size_t>(header.size.width) * static_cast<std::size_t>(header.size.height);
 
-    // Take memory for the layers that are wanted.
+    // Allocate the requested layers.
     std::size_t values = 0;
     for (const Layer& layer : image.layers) values += layer.channels.size() * pixels;
     if (values > limits.max_values) throw InputError(name, "", fmt::format("{} values are more than allowed", values));
@@ -185,7 +185,7 @@ ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name
         }
     }
 
-    // Decode. The library throws exceptions of its own kind.
+    // Decode, and translate the library's exceptions.
     try {
         MemoryIn memory(bytes, name);
         Imf::InputFile exr(memory, k_threads);
@@ -197,7 +197,7 @@ ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name
     } catch (const std::exception& e) {
         std::string what = e.what();
         if (what.find("bad_alloc") != std::string::npos)
-            throw std::bad_alloc();   // OpenEXR wraps it in an error of its own
+            throw std::bad_alloc();   // OpenEXR wraps it in its own exception type
         std::replace(what.begin(), what.end(), '\n', ' ');
         throw InputError(name, "", "OpenEXR: " + what);
     }
@@ -206,7 +206,7 @@ ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name
 
 bool is_whole_exr(const std::filesystem::path& file, Size size)
 {
-    // Of a size that we write ourselves, be it more than is read from anywhere.
+    // Accept any size that we can write, even if it exceeds the usual limits of reading.
     FloatImageLimits own;
     own.max_side = std::max(size.width, size.height);
     own.max_pixels = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);

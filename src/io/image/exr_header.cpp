@@ -19,9 +19,9 @@ constexpr std::uint32_t k_version_mask = 0xff, k_tiled = 0x200, k_long_names = 0
                         k_multipart = 0x1000;
 constexpr std::size_t k_longest_name = 255;
 constexpr std::uint32_t k_max_tile_side = 2048;
-constexpr std::int32_t k_farthest = 1 << 24;   // of a data window's corner from the origin
+constexpr std::int32_t k_farthest = 1 << 24;   // largest distance of a data window's corner from the origin
 
-// Scan lines in a chunk, by compression; 0: not read here (B44 and DWA lose detail, and their decoders are large).
+// Scan lines per chunk of each compression; 0: not supported (B44 and DWA are lossy, and their decoders are large).
 struct Compression {
     const char* name;
     int lines;
@@ -29,7 +29,7 @@ struct Compression {
 constexpr Compression k_compressions[] = {{"none", 1},   {"RLE", 1}, {"ZIPS", 1}, {"ZIP", 16}, {"PIZ", 32},
                                           {"PXR24", 16}, {"B44", 0}, {"B44A", 0}, {"DWAA", 0}, {"DWAB", 0}};
 
-// Little-endian fields of a run of bytes; every read is checked.
+// Reads little-endian fields from a range of bytes; every read is checked.
 class Reader {
  public:
     Reader(std::span<const std::uint8_t> bytes, std::size_t base, const std::string& name)
@@ -44,7 +44,7 @@ class Reader {
     std::size_t left() const { return bytes_.size() - at_; }
     std::span<const std::uint8_t> take(std::size_t count)
     {
-        if (count > left()) fail(fmt::format("{} bytes claimed, {} left", count, left()));
+        if (count > left()) fail(fmt::format("{} bytes expected, {} left", count, left()));
         at_ += count;
         return bytes_.subspan(at_ - count, count);
     }
@@ -64,7 +64,7 @@ class Reader {
     {
         const auto rest = bytes_.subspan(at_, std::min(left(), k_longest_name + 1));
         const auto end = std::find(rest.begin(), rest.end(), std::uint8_t{0});
-        if (end == rest.end()) fail("a name without an end");
+        if (end == rest.end()) fail("a name is not terminated");
         at_ += static_cast<std::size_t>(end - rest.begin()) + 1;
         return {rest.begin(), end};
     }
@@ -94,7 +94,7 @@ void read_channels(Reader& value, const FloatImageLimits& limits, ExrHeader& hea
         if (value.integer() != 1 || value.integer() != 1)
             value.fail(fmt::format("channel '{}' is subsampled; not supported", channel));
         if (!header.channels.empty() && !(header.channels.back() < channel))
-            value.fail(fmt::format("channel '{}' is out of order or twice there", channel));
+            value.fail(fmt::format("channel '{}' is out of order or a duplicate", channel));
         header.channels.push_back(std::move(channel));
         if (header.channels.size() > static_cast<std::size_t>(limits.max_channels))
             value.fail(fmt::format("more than {} channels", limits.max_channels));
@@ -102,14 +102,14 @@ void read_channels(Reader& value, const FloatImageLimits& limits, ExrHeader& hea
     if (value.left() > 0) value.fail("bytes after the channel list");
 }
 
-// Data and display windows have the same rules here; only the first is kept.
+// Data and display windows follow the same rules; only the data window is stored.
 void read_window(Reader& value, const FloatImageLimits& limits, ExrHeader* header)
 {
     const std::int64_t x0 = value.integer(), y0 = value.integer(), x1 = value.integer(), y1 = value.integer();
     const std::int64_t width = x1 - x0 + 1, height = y1 - y0 + 1;
     if (std::max({std::abs(x0), std::abs(y0), std::abs(x1), std::abs(y1)}) > k_farthest)
-        value.fail("a window too far from the origin");
-    if (width < 1 || height < 1) value.fail("an empty window");
+        value.fail("the window is too far from the origin");
+    if (width < 1 || height < 1) value.fail("the window is empty");
     if (!header) return;
     if (width > limits.max_side || height > limits.max_side ||
         static_cast<std::uint64_t>(width * height) > limits.max_pixels)
@@ -118,8 +118,8 @@ void read_window(Reader& value, const FloatImageLimits& limits, ExrHeader* heade
     header->size = {static_cast<int>(width), static_cast<int>(height)};
 }
 
-// OpenEXR reads values of the types it knows as long as they should be, whatever the file says, and would take what
-// follows for another attribute.
+// Checks the size of an attribute's value. OpenEXR reads values of known types with their proper length, whatever the
+// file says, and would interpret the bytes that follow as another attribute.
 void check_value_size(const std::string& attribute, const std::string& type, Reader value)
 {
     struct Known {
@@ -173,7 +173,7 @@ void read_attribute(const std::string& attribute, const std::string& type, Reade
         if (size && value.left() != *size) value.fail(fmt::format("'{}' has a wrong size", attribute));
     };
     const auto once = [&](bool seen) {
-        if (seen) value.fail(fmt::format("'{}' is there twice", attribute));
+        if (seen) value.fail(fmt::format("'{}' is a duplicate", attribute));
     };
     if (attribute == "channels") {
         expect_type("chlist", {});
@@ -212,14 +212,14 @@ void read_attribute(const std::string& attribute, const std::string& type, Reade
             value.fail(fmt::format("tiles of {} x {} pixels", found.tile_width, found.tile_height));
         if (value.byte() != 0) value.fail("several levels of detail; not supported");
     } else if (attribute == "type") {
-        // Text of a single-part file may say what the flags say already, nothing else.
+        // A single-part file may name its type, but only in accordance with the flags.
         const auto bytes = value.take(value.left());
         const std::string part(bytes.begin(), bytes.end());
         if (part != (found.tiled ? "tiledimage" : "scanlineimage")) value.fail(fmt::format("part type '{}'", part));
     }
 }
 
-// Every chunk inside the file: its offset, its own header, its data.
+// Checks that every chunk lies inside the file: its offset, its header, its data.
 void check_chunks(Reader& file, std::span<const std::uint8_t> bytes, const ExrHeader& header, const Attributes& found)
 {
     const auto parts = [](int whole, std::uint32_t part) {
@@ -240,7 +240,7 @@ void check_chunks(Reader& file, std::span<const std::uint8_t> bytes, const ExrHe
         const std::uint32_t size =
             p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
         if (size > bytes.size() - offset - own_header)
-            file.fail(fmt::format("chunk {} claims {} bytes, more than are left", i, size));
+            file.fail(fmt::format("chunk {} declares {} bytes, more than are left", i, size));
     }
 }
 }   // namespace
@@ -252,7 +252,7 @@ bool is_exr(std::span<const std::uint8_t> bytes)
 
 ExrHeader check_exr(std::span<const std::uint8_t> bytes, const std::string& name, const FloatImageLimits& limits)
 {
-    if (!is_exr(bytes)) throw InputError(name, "byte 0", "no OpenEXR file");
+    if (!is_exr(bytes)) throw InputError(name, "byte 0", "not an OpenEXR file");
     Reader file(bytes, 0, name);
     file.take(sizeof k_magic);
     ExrHeader header;
@@ -265,7 +265,7 @@ ExrHeader check_exr(std::span<const std::uint8_t> bytes, const std::string& name
     if (version & ~(k_version_mask | k_tiled | k_long_names)) file.fail("unknown flags");
     found.tiled = (version & k_tiled) != 0;
 
-    // Attributes until an empty name.
+    // Read attributes until an empty name.
     while (true) {
         const std::string attribute = file.text();
         if (attribute.empty()) break;
@@ -280,7 +280,7 @@ ExrHeader check_exr(std::span<const std::uint8_t> bytes, const std::string& name
         file.fail("the header lacks channels, compression, a window or the line order");
     if (found.tiled != (found.tile_width > 0)) file.fail("flags and tile description disagree");
 
-    // What would be decoded against what is there.
+    // Compare the decoded size with the file's.
     const std::uint64_t values =
         std::uint64_t{header.channels.size()} * static_cast<std::uint64_t>(header.size.width) * header.size.height;
     if (values / limits.max_values_per_byte > bytes.size())

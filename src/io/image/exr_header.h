@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The header of an OpenEXR file, read by ourselves before the library sees the file ["OpenEXR File Layout", Academy
-// Software Foundation].
+// Validates the header of an OpenEXR file before the library reads the file ["OpenEXR File Layout", Academy Software
+// Foundation].
 //
-// What a header claims decides how much memory a reader takes, so it is held against limits and against the bytes that
-// are there: every attribute, every entry of the chunk table and every chunk must lie inside the file. Flat single-part
-// images alone: scan lines, or tiles of one level; lossless compression and PXR24.
+// The header determines how much memory a reader allocates. So its claims are checked against limits and against the
+// size of the file: every attribute, every entry of the chunk table and every chunk must lie inside the file. Only flat
+// single-part images are accepted: scan lines, or tiles of one level; lossless compression and PXR24.
 
 #include <cstdint>
 #include <span>
@@ -23,10 +23,10 @@ struct ExrHeader {
     std::vector<std::string> channels;
 };
 
-/// Whether the bytes begin as an OpenEXR file does.
+/// Whether the bytes begin with the magic number of OpenEXR.
 bool is_exr(std::span<const std::uint8_t> bytes);
 
-/// Checks all that can be checked without decoding.
+/// Checks everything that can be checked without decoding.
 /// @throws InputError
 ExrHeader check_exr(std::span<const std::uint8_t> bytes, const std::string& name, const FloatImageLimits& limits);
 

@@ -15,7 +15,7 @@ namespace gnomon::io {
 namespace fs = std::filesystem;
 
 namespace {
-// The image itself of an OpenEXR file: R G B, or one channel of grey.
+// The main image of an OpenEXR file: R G B, or one grey channel.
 ImageF color_of(const ExrImage& file, const std::string& name)
 {
     if (file.layers.empty()) throw InputError(name, "", "no channels R G B or Y");

@@ -16,8 +16,9 @@ namespace {
 constexpr std::string_view k_starts[] = {"#?RADIANCE", "#?RGBE"};
 constexpr std::size_t k_longest_line = 4096;
 constexpr int k_most_lines = 1000;
-constexpr int k_narrowest_run_length = 8, k_widest_run_length = 0x7fff;   // widths that have the newer scheme
-constexpr int k_exponent_bias = 128 + 8;   // the exponent's own, and the mantissa's eight bits
+constexpr int k_narrowest_run_length = 8,
+              k_widest_run_length = 0x7fff;   // widths that the newer run-length scheme supports
+constexpr int k_exponent_bias = 128 + 8;      // the exponent's bias, and the mantissa's eight bits
 
 class Decoder {
  public:
@@ -30,7 +31,7 @@ class Decoder {
     {
         read_header();
         read_resolution();
-        // The shortest row that can be: one pixel, then a run.
+        // The shortest possible row: one pixel, then a run.
         const std::size_t shortest_row = width_ == 1 ? 4 : 8;
         if (left() / shortest_row < static_cast<std::size_t>(height_))
             fail(fmt::format("{} rows cannot be in {} bytes", height_, left()));
@@ -60,15 +61,15 @@ class Decoder {
         const char* begin = reinterpret_cast<const char*>(bytes_.data()) + at_;
         const std::string_view rest(begin, std::min(left(), k_longest_line));
         const std::size_t end = rest.find('\n');
-        if (end == std::string_view::npos) fail("a line without an end");
+        if (end == std::string_view::npos) fail("a line is not terminated");
         at_ += end + 1;
         return rest.substr(0, end);
     }
 
-    // Variables until an empty line.
+    // Read variables until an empty line.
     void read_header()
     {
-        if (!is_hdr(bytes_)) fail("no Radiance image");
+        if (!is_hdr(bytes_)) fail("not a Radiance image");
         line();
         for (int count = 0;; ++count) {
             if (count == k_most_lines) fail("the header has no end");
@@ -81,14 +82,14 @@ class Decoder {
                 const std::string value(text.substr(exposure.size()));
                 char* end = nullptr;
                 const double factor = std::strtod(value.c_str(), &end);
-                if (end == value.c_str() || !std::isfinite(factor) || !(factor > 0)) fail("a wrong exposure");
+                if (end == value.c_str() || !std::isfinite(factor) || !(factor > 0)) fail("the exposure is invalid");
                 exposure_ *= factor;
-                if (!std::isfinite(1 / exposure_) || !std::isfinite(exposure_)) fail("a wrong exposure");
+                if (!std::isfinite(1 / exposure_) || !std::isfinite(exposure_)) fail("the exposure is invalid");
             }
         }
     }
 
-    // "-Y height +X width".
+    // Parse "-Y height +X width".
     void read_resolution()
     {
         std::string_view text = line();
@@ -109,13 +110,13 @@ class Decoder {
             fail(fmt::format("{} x {} pixels are more than allowed", width_, height_));
     }
 
-    // A row in either scheme: the newer begins with 2 2 and the width.
+    // Read a row in either scheme: rows of the newer begin with 2 2 and the width.
     void read_row()
     {
         const std::uint8_t* start = bytes_.data() + at_;
         if (width_ >= k_narrowest_run_length && width_ <= k_widest_run_length && left() >= 4 && start[0] == 2 &&
             start[1] == 2 && start[2] < 128) {
-            if ((start[2] << 8 | start[3]) != width_) fail("a row of another width");
+            if ((start[2] << 8 | start[3]) != width_) fail("a row has another width");
             take(4);
             for (std::size_t c = 0; c < 4; ++c) read_component(c);
         } else {
@@ -123,7 +124,7 @@ class Decoder {
         }
     }
 
-    // One of the four bytes of all pixels: runs and literals.
+    // Read one of the four bytes of all pixels: runs and literals.
     void read_component(std::size_t c)
     {
         constexpr int run_flag = 128;
@@ -131,14 +132,14 @@ class Decoder {
         for (std::size_t x = 0; x < width;) {
             const int code = *take(1);
             const auto count = static_cast<std::size_t>(code > run_flag ? code - run_flag : code);
-            if (count == 0 || count > width - x) fail("a run past the row's end");
+            if (count == 0 || count > width - x) fail("a run exceeds the row");
             const bool run = code > run_flag;
             const std::uint8_t* from = take(run ? 1 : count);
             for (std::size_t i = 0; i < count; ++i, ++x) row_[x * 4 + c] = from[run ? 0 : i];
         }
     }
 
-    // Pixel by pixel; 1 1 1 n repeats the pixel before n times, and a following one counts 256-fold.
+    // Read pixel by pixel; 1 1 1 n repeats the previous pixel n times, and directly following repeats count 256-fold.
     void read_pixels()
     {
         const auto width = static_cast<std::size_t>(width_);
@@ -147,9 +148,9 @@ class Decoder {
             const std::uint8_t* p = take(4);
             if (p[0] == 1 && p[1] == 1 && p[2] == 1) {
                 constexpr int last_shift = 16;
-                if (x == 0 || shift > last_shift) fail("a run of nothing");
+                if (x == 0 || shift > last_shift) fail("a run has no pixel to repeat");
                 const std::size_t count = static_cast<std::size_t>(p[3]) << shift;
-                if (count > width - x) fail("a run past the row's end");
+                if (count > width - x) fail("a run exceeds the row");
                 for (std::size_t i = 0; i < count; ++i, ++x) std::memcpy(&row_[x * 4], &row_[x * 4 - 4], 4);
                 shift += 8;
             } else {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Radiance images (.hdr, RGBE) [Ward 1991, "Real Pixels", Graphics Gems II; Radiance reference, "image file
+// Reads Radiance images (.hdr, RGBE) [Ward 1991, "Real Pixels", Graphics Gems II; Radiance reference, "image file
 // format"].
 //
-// Both run-length schemes and plain pixels; rows from the top, columns from the left (-Y h +X w), as every tool writes
-// them. A channel is mantissa * 2^(exponent - 136), divided by the header's exposures.
+// Both run-length schemes and uncompressed pixels are supported; rows from the top, columns from the left (-Y h +X w),
+// as all common tools write them. A channel is mantissa * 2^(exponent - 136), divided by the header's exposures.
 
 #include <cstdint>
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace gnomon::io {
 
-/// Whether the bytes begin as a Radiance image does.
+/// Whether the bytes begin with the signature of a Radiance image.
 bool is_hdr(std::span<const std::uint8_t> bytes);
 
 /// Linear RGB.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Images from and to files. Reading checks the header against limits before it allocates; writing goes to a temporary
-// name in the same folder and renames, so a file is whole or not there.
+// Reads and writes 8-bit image files. Reading checks the header against limits before it allocates memory. Writing uses
+// a temporary file in the same folder and renames it, so a file is either complete or absent.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,16 +15,16 @@ namespace gnomon::io {
 struct ImageLimits {
     int max_side = 16384;
     std::uint64_t max_pixels = 1ull << 26;
-    bool stored_values = false;   // as they are, whatever a PNG says of its gamma and colours
+    bool stored_values = false;   // ignore gamma and colour space information in PNG files
 };
 
-/// PNG, JPEG or binary PPM by content, not by name; 8 bits a channel (16-bit PNG is reduced); 1 to 4 channels.
+/// Reads PNG, JPEG or binary PPM, recognised by content; 8 bits per channel (16-bit PNG is reduced); 1 to 4 channels.
 /// @throws InputError
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits = {});
 /// The same from memory; `name` is for messages.
 Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits = {});
 
-/// 8-bit PNG, 1 to 4 channels; the bytes depend on the pixels alone.
+/// Writes an 8-bit PNG with 1 to 4 channels; the bytes depend on the pixels only.
 /// @throws MissingError if it cannot be written
 void write_png(const std::filesystem::path& file, const Image8& image);
 
@@ -32,7 +32,7 @@ void write_png(const std::filesystem::path& file, const Image8& image);
 /// @throws MissingError  out of memory
 std::vector<std::uint8_t> encode_png(const Image8& image);
 
-/// Whether a file is a PNG of that size with nothing missing: every chunk's checksum is looked at, up to the last.
+/// Whether a file is a complete PNG of that size; the checksums of all chunks are verified.
 bool is_whole_png(const std::filesystem::path& file, int width, int height);
 
 }   // namespace gnomon::io

@@ -21,20 +21,20 @@ namespace {
 void check_size(std::uint64_t width, std::uint64_t height, const std::string& name, const ImageLimits& limits)
 {
     const auto side = static_cast<std::uint64_t>(limits.max_side);
-    if (width == 0 || height == 0) throw InputError(name, "", "image without pixels");
+    if (width == 0 || height == 0) throw InputError(name, "", "the image has no pixels");
     if (width > side || height > side || width * height > limits.max_pixels)
         throw InputError(name, "", fmt::format("image of {} x {} pixels is larger than allowed", width, height));
 }
 
-// --- PNG, by libpng's simplified reader: it never calls longjmp across our frames.
+// --- PNG, with libpng's simplified reader, which never calls longjmp across our frames.
 
 struct PngChunks {
     std::uint64_t pixel_bytes = 0;       // packed
-    std::vector<std::uint8_t> without;   // the file without what is passed over, if there is any
+    std::vector<std::uint8_t> without;   // the file without the ignored chunks, if there are any
 };
 
-// libpng takes the memory that a chunk claims before it looks for the bytes. And it unpacks every text, which can be
-// packed a thousandfold, one after the other; none is part of the image.
+// Checks the chunks of a PNG and removes text. libpng allocates the size that a chunk claims before it looks for the
+// bytes. It also unpacks every text, which may expand a thousandfold; texts are not part of the image.
 PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::string& name, bool stored_values)
 {
     constexpr std::size_t k_magic = 8, k_head = 8, k_checksum = 4;   // head: length, type
@@ -45,8 +45,9 @@ PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::strin
         for (std::size_t i = 0; i < 4; ++i) length = length << 8 | bytes[at + i];
         const std::size_t there = bytes.size() - at - k_head;
         if (length + k_checksum > there)
-            throw InputError(name, fmt::format("byte {}", at),
-                             fmt::format("a PNG chunk of {} bytes and its checksum, {} bytes there", length, there));
+            throw InputError(
+                name, fmt::format("byte {}", at),
+                fmt::format("a PNG chunk needs {} bytes and a checksum, but {} bytes are left", length, there));
         const std::string_view type(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
         const std::size_t next = at + k_head + length + k_checksum;
         const bool is_text = type == "tEXt" || type == "zTXt" || type == "iTXt";
@@ -63,22 +64,23 @@ PngChunks check_png_chunks(std::span<const std::uint8_t> bytes, const std::strin
     return found;
 }
 
-// What the header claims against what is there, before memory is taken: deflate packs no more into a byte.
+// Compares the claimed number of pixels with the size of the data before memory is allocated: deflate has a maximum
+// ratio.
 void check_png_pixels(std::span<const std::uint8_t> bytes, const png_image& image, const PngChunks& chunks,
                       const std::string& name)
 {
-    constexpr std::size_t k_depth = 24, k_type = 25;   // libpng has read the header: they are there, and sound
+    constexpr std::size_t k_depth = 24, k_type = 25;   // in range, because libpng has validated the header
     constexpr std::uint64_t k_most_per_byte = 1032;
     static constexpr std::uint64_t channels[] = {1, 0, 3, 1, 2, 0, 4};
     const std::uint64_t bits = bytes[k_depth] * channels[bytes[k_type]];
     const std::uint64_t raw = std::uint64_t{image.width} * image.height * bits / 8;
     if (raw / k_most_per_byte > chunks.pixel_bytes)
         throw InputError(name, "",
-                         fmt::format("not a good PNG: {} x {} pixels cannot be in {} bytes", image.width, image.height,
+                         fmt::format("invalid PNG: {} x {} pixels cannot be in {} bytes", image.width, image.height,
                                      chunks.pixel_bytes));
 }
 
-// Let go whatever happens: memory for the pixels may be refused, too.
+// Frees libpng's state on every path; the allocation of the pixels may throw.
 struct PngMemory {
     png_image& image;
     ~PngMemory() { png_image_free(&image); }
@@ -92,32 +94,32 @@ Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, 
     const PngMemory memory{image};
     image.version = PNG_IMAGE_VERSION;
     if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()))
-        throw InputError(name, "", fmt::format("not a good PNG: {}", image.message));
+        throw InputError(name, "", fmt::format("invalid PNG: {}", image.message));
     check_size(image.width, image.height, name, limits);
     check_png_pixels(bytes, image, chunks, name);
-    // Values stay as they are encoded, those of 16 bits too (libpng takes them for linear light unless told).
+    // Keep values as encoded, including 16-bit ones, which libpng assumes to be linear by default.
     image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     const bool color = image.format & PNG_FORMAT_FLAG_COLOR, alpha = image.format & PNG_FORMAT_FLAG_ALPHA;
     image.format = color ? (alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB) : (alpha ? PNG_FORMAT_GA : PNG_FORMAT_GRAY);
     Image8 result(static_cast<int>(image.width), static_cast<int>(image.height),
                   static_cast<int>(PNG_IMAGE_SAMPLE_CHANNELS(image.format)));
     if (!png_image_finish_read(&image, nullptr, result.data.data(), 0, nullptr))
-        throw InputError(name, "", fmt::format("not a good PNG: {}", image.message));
+        throw InputError(name, "", fmt::format("invalid PNG: {}", image.message));
     return result;
 }
 
 // --- JPEG
 
-// A progressive image may be refined for ever, with a few bytes each time that go through all its pixels. Encoders
-// write about ten scans.
+// Limits the scans of a progressive image: each may take a few bytes and still process all pixels. Encoders write about
+// ten.
 constexpr int k_most_scans = 100;
 
 struct JpegErrors {
-    jpeg_error_mgr base;   // first: libjpeg gets a pointer to it
+    jpeg_error_mgr base;   // must be the first member, because libjpeg gets a pointer to it
     std::jmp_buf jump;
     char message[JMSG_LENGTH_MAX];
     jpeg_progress_mgr scans;
-    bool file_ended, pixels_lacked;   // without the last mark; before the last pixel
+    bool file_ended, pixels_lacked;   // missing end marker; missing pixels
 };
 
 [[noreturn]] void leave_jpeg(j_common_ptr info)
@@ -127,7 +129,7 @@ struct JpegErrors {
     std::longjmp(errors->jump, 1);
 }
 
-// What is not there libjpeg makes up, in grey, and warns. (Files that lack the last mark alone are whole.)
+// libjpeg fills missing pixels with grey and warns. (Files that lack only the end marker are complete.)
 void note_warning(j_common_ptr info, int level)
 {
     auto* errors = reinterpret_cast<JpegErrors*>(info->err);
@@ -144,7 +146,7 @@ void count_scans(j_common_ptr info)
     std::longjmp(errors->jump, 1);
 }
 
-// Blocks of 8 x 8 that the header claims: each takes a bit at least, except where they are packed arithmetically.
+// Whether the file can hold the claimed 8 x 8 blocks: each takes at least a bit, except with arithmetic coding.
 bool has_room(const jpeg_decompress_struct& info, std::size_t bytes)
 {
     std::uint64_t blocks = 0;
@@ -153,13 +155,13 @@ bool has_room(const jpeg_decompress_struct& info, std::size_t bytes)
     return info.arith_code || blocks / 8 <= bytes;
 }
 
-// As PngMemory.
+// Like PngMemory.
 struct JpegMemory {
     jpeg_decompress_struct& info;
     ~JpegMemory() { jpeg_destroy_decompress(&info); }
 };
 
-// Everything with a destructor lives in the caller: longjmp does not run them.
+// All objects with destructors are in the caller, because longjmp does not run destructors.
 bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::span<const std::uint8_t> bytes,
                       const ImageLimits& limits, Image8& result, bool& too_large)
 {
@@ -193,11 +195,11 @@ bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::spa
     }
     jpeg_finish_decompress(&info);
     if (!errors.file_ended || !errors.pixels_lacked) return true;
-    std::snprintf(errors.message, sizeof errors.message, "it ends before its pixels do");
+    std::snprintf(errors.message, sizeof errors.message, "the file ends before its last pixel");
     return false;
 }
 
-// Adobe writes CMYK inverted: 255 is no ink.
+// Adobe writes inverted CMYK: 255 is no ink.
 Image8 rgb_from_cmyk(const Image8& cmyk)
 {
     Image8 rgb(cmyk.width, cmyk.height, 3);
@@ -220,7 +222,7 @@ Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name,
     bool too_large = false;
     const bool good = decode_jpeg_into(info, errors, bytes, limits, result, too_large);
     if (too_large) check_size(info.image_width, info.image_height, name, limits);
-    if (!good) throw InputError(name, "", fmt::format("not a good JPEG: {}", errors.message));
+    if (!good) throw InputError(name, "", fmt::format("invalid JPEG: {}", errors.message));
     return result.channels == 4 ? rgb_from_cmyk(result) : result;
 }
 
@@ -232,7 +234,7 @@ class PnmReader {
 
     std::uint64_t number()
     {
-        // Blanks and comments, then digits.
+        // Skip blanks and comments, then read digits.
         while (at_ < bytes_.size() && (std::isspace(bytes_[at_]) || bytes_[at_] == '#')) {
             if (bytes_[at_] == '#')
                 while (at_ < bytes_.size() && bytes_[at_] != '\n') ++at_;
@@ -256,7 +258,7 @@ class PnmReader {
         ++at_;
         if (bytes_.size() - at_ < size)
             throw InputError(name_, fmt::format("byte {}", at_),
-                             fmt::format("{} bytes of pixels expected, {} there", size, bytes_.size() - at_));
+                             fmt::format("expected {} bytes of pixels, found {}", size, bytes_.size() - at_));
         return bytes_.subspan(at_, size);
     }
 
@@ -297,7 +299,7 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
     if (starts_with(bytes, {0x89, 'P', 'N', 'G'})) return decode_png(bytes, name, limits);
     if (starts_with(bytes, {0xff, 0xd8, 0xff})) return decode_jpeg(bytes, name, limits);
     if (starts_with(bytes, {'P', '6'}) || starts_with(bytes, {'P', '5'})) return decode_pnm(bytes, name, limits);
-    throw InputError(name, "", "not an image that is read here (PNG, JPEG, binary PPM)");
+    throw InputError(name, "", "unsupported image format; use PNG, JPEG or binary PPM");
 }
 
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits)

@@ -19,12 +19,12 @@
 namespace gnomon::io {
 
 namespace {
-// Fixed, so that the bytes depend on the pixels alone. On rendered images, this level with this filter takes a third
-// of the time of libpng's defaults, for files of the same size.
+// The settings are fixed so that the bytes depend on the pixels only. For rendered images, this level with this filter
+// takes a third of the time of libpng's defaults and gives files of the same size.
 constexpr int k_compression_level = 3;
 constexpr int k_filter = PNG_FILTER_UP;
 
-// What the callbacks share. No exception may pass through libpng: they note it here and leave by longjmp.
+// State shared with the callbacks. Exceptions must not pass through libpng: callbacks store them here and longjmp.
 struct Encoding {
     std::vector<std::uint8_t> bytes;
     char error[200] = "";
@@ -51,7 +51,7 @@ void note_error(png_structp png, png_const_charp text)
 
 void ignore_warning(png_structp, png_const_charp) {}
 
-// No object with a destructor lives here: longjmp ends this function.
+// No object in this function has a destructor, because longjmp may leave it.
 bool encode(const Image8& image, Encoding& encoding)
 {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoding, note_error, ignore_warning);

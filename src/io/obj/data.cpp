@@ -12,8 +12,8 @@ namespace gnomon::io {
 
 namespace {
 
-constexpr std::size_t k_most_unknown_keywords = 10;      // named in warnings; a binary file has thousands
-constexpr std::uint32_t k_statements_a_step = 1 << 16;   // between two looks at the progress callback
+constexpr std::size_t k_most_unknown_keywords = 10;      // named in warnings; a binary file may have thousands
+constexpr std::uint32_t k_statements_a_step = 1 << 16;   // between two calls of the progress callback
 
 class Parser {
  public:
@@ -74,7 +74,7 @@ class Parser {
             if (std::abs(x) > k_largest_coordinate) text_.fail("coordinate is out of range");
         }
         data_.positions.emplace_back(p[0], p[1], p[2]);
-        // A weight (for curves), a colour, or both.
+        // Accept a weight (for curves), a colour, or both.
         int more = 0;
         while (!text_.at_end()) text_.number("a number"), ++more;
         if (more >= 3) warn_once("vertex colours are ignored");
@@ -139,7 +139,7 @@ class Parser {
         return result;
     }
 
-    // An index that points ahead in the file: right if the file brings that many in the end.
+    // A largest index that points ahead in the file. It is valid if the file has that many elements in the end.
     struct Ahead {
         std::int64_t largest = -1;
         std::string place;
@@ -151,7 +151,7 @@ class Parser {
         if (!ObjText::integer(word, at, value))
             text_.fail(fmt::format("expected a face corner, found '{}'", shown(word)));
         const auto count = static_cast<std::int64_t>(have);
-        // Negative: from the last one backwards.
+        // Negative indices count backwards from the last element.
         if (value < 0 ? value < -count : value == 0 || value >= k_no_index)
             text_.fail(fmt::format("{} {} is out of range: there are {}", what, value, count));
         if (value < 0) return static_cast<std::uint32_t>(count + value);
@@ -162,7 +162,7 @@ class Parser {
     std::uint32_t object()
     {
         if (current_ != k_no_index) return current_;
-        // Faces of one name are one object, wherever they stand.
+        // All faces with the same name belong to one object, wherever they are in the file.
         std::string name = object_;
         if (!group_.empty()) name += (name.empty() ? "" : "/") + group_;
         const auto [at, added] = object_ids_.try_emplace(name, data_.objects.size());
@@ -172,12 +172,12 @@ class Parser {
 
     void finish()
     {
-        if (!any_known_) throw InputError(text_.file(), "", "holds no OBJ statement");
+        if (!any_known_) throw InputError(text_.file(), "", "contains no OBJ statement");
         const std::size_t have[3] = {data_.positions.size(), data_.texcoords.size(), data_.normals.size()};
         const char* const what[3] = {"vertex", "texture coordinate", "normal"};
-        // Normals can be computed: a file that left out all of them, but not their indices, is whole without.
+        // Accept files that omit all normals but not their indices, because normals can be computed.
         if (data_.normals.empty() && ahead_[2].largest >= 0) {
-            warnings_.emplace_back("faces name normals, but there are none: computed instead");
+            warnings_.emplace_back("faces refer to normals, but there are none: normals are computed");
             for (ObjCorner& corner : data_.corners) corner.normal = k_no_index;
             ahead_[2].largest = -1;
         }
@@ -209,7 +209,7 @@ class Parser {
     ObjData data_;
     std::unordered_map<std::string, std::size_t> material_ids_, object_ids_;
     std::string object_, group_;
-    std::uint32_t current_ = k_no_index;   // the object of the next face, if it has one already
+    std::uint32_t current_ = k_no_index;   // the object of the next face, if it exists already
     std::uint32_t material_ = 0;
     std::uint32_t smoothing_ = ObjFace::k_unset;
     Ahead ahead_[3];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What an OBJ file says, statement by statement [Wavefront, Advanced Visualizer, appendix B1, polygonal part]: checked,
-// but not yet triangles. Memory is bounded by the size of the text: every element costs at least two bytes of it.
+// The content of an OBJ file, statement by statement [Wavefront, Advanced Visualizer, appendix B1, polygonal part]:
+// checked, but not yet triangulated. Memory is bounded by the size of the text, because every element takes at least
+// two bytes of it.
 
 #include <string>
 #include <vector>
@@ -24,25 +25,25 @@ struct ObjFace {
     std::uint32_t corner_count = 0;   // 3 or more
     std::uint32_t object = 0;
     std::uint32_t material = 0;
-    std::uint32_t smoothing = 0;   // group; 0: off; k_unset: the file says nothing
+    std::uint32_t smoothing = 0;   // group; 0: off; k_unset: not given
     static constexpr std::uint32_t k_unset = 0xffffffffu;
 };
 
 struct ObjData {
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec2> texcoords;   // as the file has them: v = 0 is the bottom row
-    std::vector<glm::vec3> normals;     // as the file has them: any length, also zero
+    std::vector<glm::vec2> texcoords;   // as in the file: v = 0 is the bottom row
+    std::vector<glm::vec3> normals;     // as in the file: of any length, also zero
     std::vector<ObjCorner> corners;
     std::vector<ObjFace> faces;
     std::vector<std::string> objects;     // names; faces refer to them
-    std::vector<std::string> materials;   // names as `usemtl` has them; the first is empty: none set
-    std::vector<std::string> libraries;   // `mtllib`, the whole line's names
+    std::vector<std::string> materials;   // names in `usemtl`; the first is empty: no material set
+    std::vector<std::string> libraries;   // names in `mtllib`, one entry per line
 };
 
-/// Positions beyond this are refused: the square of a triangle's area must fit a float.
+/// Positions beyond this are rejected: the square of a triangle's area must fit into a float.
 inline constexpr float k_largest_coordinate = 1e9f;
 
-/// @param warnings  one for each kind of thing that was passed over
+/// @param warnings  one for each kind of statement that was ignored
 /// @throws InputError, InterruptedError
 ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings, const Progress& progress);
 

@@ -11,7 +11,7 @@ namespace gnomon::io {
 
 namespace {
 
-// What makes two corners one vertex.
+// Corners with equal keys become one vertex.
 struct VertexKey {
     std::uint32_t position, texcoord;
     glm::vec3 normal;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Meshes of an OBJ file: one for each object, vertices joined where position, texture coordinate and normal agree,
-// triangles sorted by material, v turned over (OBJ counts it from the bottom row).
+// Meshes of an OBJ file: one per object. Corners with equal position, texture coordinate and normal become one vertex,
+// triangles are sorted by material, and v is flipped (OBJ counts it from the bottom row).
 
 #include "io/obj/normals.h"
 #include "scene/scene.h"

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t k_most_unknown_keywords = 10;
 
-// One number is grey; spectral curves and XYZ are not supported.
+// Reads a colour; one number is grey. Spectral curves and XYZ are not supported.
 std::optional<glm::vec3> color(ObjText& text, bool& unsupported)
 {
     glm::vec3 c(0);
@@ -22,8 +22,8 @@ std::optional<glm::vec3> color(ObjText& text, bool& unsupported)
         text.fail(word.empty() ? "a colour is missing" : fmt::format("expected a colour, found '{}'", shown(word)));
     }
     if (text.at_end()) return glm::vec3(c.x);
-    c.y = text.number("a colour's second part");
-    c.z = text.number("a colour's third part");
+    c.y = text.number("a colour's second component");
+    c.z = text.number("a colour's third component");
     return glm::max(c, glm::vec3(0));
 }
 
@@ -32,7 +32,7 @@ bool is_on(ObjText& text)
     return text.word() == "on";
 }
 
-// Options stand before the name, which is the rest of the line.
+// Reads a texture map: options precede the name, which is the rest of the line.
 MtlMap map(ObjText& text)
 {
     MtlMap result;
@@ -135,7 +135,7 @@ std::vector<MtlMaterial> parse_mtl(ObjText& text, std::vector<std::string>& warn
             m.metallic_map = map(text);
         else if (key == "map_Ka" || key == "map_aat" || key == "sharpness" || key == "Kt" || key == "aniso" ||
                  key == "anisor" || key == "Pc" || key == "Pcr" || key == "Ps")
-            continue;   // of no consequence here
+            continue;   // has no effect here
         else if (unknown.size() < k_most_unknown_keywords && unknown.emplace(key).second)
             warn(fmt::format("'{}' is not supported and ignored", shown(key)));
         if (unsupported && unknown.emplace("spectral").second) warn("spectral and XYZ colours are ignored");
@@ -145,15 +145,15 @@ std::vector<MtlMaterial> parse_mtl(ObjText& text, std::vector<std::string>& warn
 
 scene::Material material_from_mtl(const MtlMaterial& mtl, std::vector<std::string>& warnings)
 {
-    constexpr float specular_scale = 0.08f;    // reflectance head-on of Ks 1
-    constexpr float least_traced_ks = 0.05f;   // below this, illum 3 does not mean a mirror
+    constexpr float specular_scale = 0.08f;    // reflectance at normal incidence of Ks 1
+    constexpr float least_traced_ks = 0.05f;   // below this, illum 3 is not treated as a mirror
     constexpr glm::vec3 default_color(0.8f);
 
     scene::Material m;
     m.name = mtl.name;
-    m.double_sided = true;   // the format knows no sides, and files come wound either way
+    m.double_sided = true;   // the format has no sides, and files use either orientation
     m.base_color = glm::min(mtl.diffuse.value_or(default_color), glm::vec3(1));
-    // A map times black shows nothing: such files mean the map.
+    // A map multiplied by black would be invisible; such files mean the map alone.
     if (mtl.diffuse_map.used() && m.base_color == glm::vec3(0)) m.base_color = glm::vec3(1);
 
     const glm::vec3 ks = glm::min(mtl.specular.value_or(glm::vec3(0)), glm::vec3(1));
@@ -173,7 +173,7 @@ scene::Material material_from_mtl(const MtlMaterial& mtl, std::vector<std::strin
     }
     if (mtl.roughness || mtl.metallic || mtl.roughness_map.used() || mtl.metallic_map.used()) m.ior = 1.5f;
 
-    // Where both are given, d wins: Tr is written the wrong way round by some exporters.
+    // If both are given, d is used, because some exporters write Tr inverted.
     const float opacity = std::clamp(mtl.dissolve.value_or(1 - mtl.transparency.value_or(0.0f)), 0.0f, 1.0f);
     const bool refracts = mtl.illum == 6 || mtl.illum == 7;
     const bool glass = refracts || mtl.illum == 4 || mtl.illum == 9;
@@ -185,7 +185,7 @@ scene::Material material_from_mtl(const MtlMaterial& mtl, std::vector<std::strin
         m.transmission = through;
         m.ior = std::clamp(mtl.ior.value_or(1.5f), 1.0f, 4.0f);
         if (!mtl.roughness) m.roughness = 0;
-        // What passes is tinted by Tf; Kd of glass is black in most files.
+        // Transmitted light is tinted by Tf, because Kd of glass is black in most files.
         const glm::vec3 tint = glm::min(mtl.filter.value_or(glm::vec3(1)), glm::vec3(1));
         m.base_color = glm::mix(m.base_color, tint, through);
     } else if (opacity < 1) {
@@ -194,11 +194,11 @@ scene::Material material_from_mtl(const MtlMaterial& mtl, std::vector<std::strin
     }
 
     m.emissive = mtl.emissive.value_or(glm::vec3(mtl.emissive_map.used() ? 1.0f : 0.0f));
-    // DEVIATION(Wavefront MTL, Ka): a surface that reflects more ambient light than there is must be a lamp; renderers
-    // without Ke write their lights so.
+    // DEVIATION(Wavefront MTL, Ka): a surface that reflects more ambient light than there is must be an emitter;
+    // renderers without Ke write their lights in this way.
     if (mtl.ambient && m.emissive == glm::vec3(0) && std::max({mtl.ambient->x, mtl.ambient->y, mtl.ambient->z}) > 1) {
         m.emissive = *mtl.ambient;
-        warnings.push_back(fmt::format("material '{}': Ka above 1 is taken as light that it emits", shown(mtl.name)));
+        warnings.push_back(fmt::format("material '{}': Ka above 1 is interpreted as emitted light", shown(mtl.name)));
     }
     return m;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What an MTL file says [Wavefront MTL, Ramey et al. 1995; PBR extension, Kautz et al. 2013], and what it means here.
+// Parses MTL files [Wavefront MTL, Ramey et al. 1995; PBR extension, Kautz et al. 2013] and converts their materials.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace gnomon::io {
 
-/// A `map_` statement: file and options.
+/// A `map_` statement: a file and its options.
 struct MtlMap {
     std::string file;   // empty: not given
     glm::vec2 offset{0}, scale{1};
@@ -30,14 +30,15 @@ struct MtlMaterial {
     MtlMap diffuse_map, dissolve_map, bump_map, normal_map, emissive_map, roughness_map, metallic_map;
 };
 
-/// @throws InputError for what is no number; what is not supported is passed over with a warning
+/// @throws InputError  a number is expected and not found; unsupported statements are ignored with a warning
 std::vector<MtlMaterial> parse_mtl(ObjText& text, std::vector<std::string>& warnings);
 
-/// Everything but the textures.
+/// Converts everything except the textures.
 ///
 /// Ns: a Phong lobe of exponent n is as wide as a microfacet lobe of alpha = sqrt(2 / (n + 2)) [Walter et al. 2007,
-/// 5.2], and roughness = sqrt(alpha). Ks: reflectance head-on = 0.08 luminance(Ks) [Burley 2012], hence none for Ks 0.
-/// illum 3, 5, 8 (traced reflection): metallic in proportion to Ks against Kd. illum 4, 6, 7, 9: glass, where d < 1 or
+/// 5.2], and roughness = sqrt(alpha). Ks: reflectance at normal incidence = 0.08 luminance(Ks) [Burley 2012], hence
+/// none for Ks 0. illum 3, 5, 8 (traced reflection): metallic in proportion to Ks against Kd. illum 4, 6, 7, 9: glass,
+/// where d < 1 or (6, 7) Tf transmits light. d < 1 otherwise: blended. Ka above 1: see the function's body.
 /// (6, 7) Tf lets light through. d < 1 otherwise: blended. Ka above 1: see the body.
 scene::Material material_from_mtl(const MtlMaterial& mtl, std::vector<std::string>& warnings);
 

@@ -7,13 +7,13 @@ namespace gnomon::io {
 
 namespace {
 
-// Above this many corners at one vertex the exact rule, which compares all pairs, would be slow; they are sorted into
-// at most this many bundles of similar normals instead.
+// With more corners than this at one vertex, the exact rule, which compares all pairs, would be slow. The corners are
+// then sorted into at most this many bundles of similar normals.
 constexpr std::size_t k_most_pairs = 128;
 constexpr std::size_t k_most_bundles = 16;
 
 struct Incident {
-    std::uint32_t corner;      // among the object's
+    std::uint32_t corner;      // index within the object
     std::uint32_t smoothing;   // group
     glm::dvec3 normal;         // of the face, unit
     double angle;              // at the corner
@@ -72,8 +72,8 @@ std::vector<glm::vec3> corner_normals(const ObjData& data, std::span<const std::
                                       const ObjNormalOptions& options, std::vector<std::uint32_t>& positions_used)
 {
     std::vector<glm::vec3> normals;
-    std::vector<std::uint32_t> corner_position;   // of those that need one
-    std::vector<std::uint32_t> used;              // positions, in order of first use
+    std::vector<std::uint32_t> corner_position;   // of corners that need a normal
+    std::vector<std::uint32_t> used;              // positions in order of first use
     std::vector<Incident> incidents;
     std::vector<glm::vec3> points;
 
@@ -89,7 +89,7 @@ std::vector<glm::vec3> corner_normals(const ObjData& data, std::span<const std::
         }
         if (!lacking || face.smoothing == 0) continue;
 
-        // Note what the face contributes at each of its vertices.
+        // Record the face's contribution to each of its vertices.
         points.clear();
         for (std::uint32_t i = 0; i < face.corner_count; ++i) points.push_back(data.positions[corners[i].position]);
         const glm::dvec3 normal = glm::dvec3(unit_or_zero(newell_normal(points)));
@@ -109,7 +109,7 @@ std::vector<glm::vec3> corner_normals(const ObjData& data, std::span<const std::
         }
     }
 
-    // Sort by vertex (stable, by counting) and smooth each.
+    // Group the contributions by vertex (stable counting sort) and smooth each vertex.
     std::vector<std::uint32_t> begin(used.size() + 1, 0);
     for (const std::uint32_t slot : corner_position) ++begin[slot + 1];
     for (std::size_t i = 0; i < used.size(); ++i) begin[i + 1] += begin[i];

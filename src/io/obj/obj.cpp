@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ scenes: text, materials, meshes, textures, in that order; see the headers of each.
+// Loads OBJ scenes: text, materials, meshes, textures, in that order; see the headers of each.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ std::string_view text_of(const std::vector<std::uint8_t>& bytes)
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Names of libraries on one line that are not known: the whole line if there is such a file (names may hold blanks),
-// else its words, as far as they are read.
+// The new library names on one line: the whole line if such a file exists (names may contain blanks), else its words
+// up to a limit.
 std::vector<std::string> library_names(const std::string& line, const SceneFolder& folder,
                                        std::unordered_set<std::string>& known)
 {
@@ -56,12 +56,12 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
 {
     std::vector<MtlMaterial> materials;
     std::unordered_set<std::string> known;
-    std::set<std::filesystem::path> read;   // one file has many names: "a", "./a"
+    std::set<std::filesystem::path> read;   // canonical, because one file may have many names: "a", "./a"
     std::size_t count = 0;
     for (const std::string& line : data.libraries) {
         for (const std::string& name : library_names(line, folder, known)) {
             if (++count > k_most_libraries) {
-                warnings.emplace_back("too many material files: the rest is left out");
+                warnings.emplace_back("too many material files: the others are left out");
                 return materials;
             }
             std::string problem;
@@ -95,7 +95,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
         data = parse_obj(text, scene.warnings, progress);
     }
 
-    // Give every name that is used its material; of two with one name the first counts.
+    // Create a material for every name that is used. If two have the same name, the first is used.
     const std::vector<MtlMaterial> library = read_libraries(data, folder, scene.warnings);
     std::unordered_map<std::string, std::size_t> by_name;
     for (std::size_t i = 0; i < library.size(); ++i) by_name.try_emplace(library[i].name, i);
@@ -128,8 +128,8 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     }
     if (missing > 0)
         scene.warnings.push_back(missing == 1
-                                     ? fmt::format("material '{}' is not defined: grey instead", shown(first_missing))
-                                     : fmt::format("material '{}' and {} more are not defined: grey instead",
+                                     ? fmt::format("material '{}' is not defined: grey is used", shown(first_missing))
+                                     : fmt::format("material '{}' and {} more are not defined: grey is used",
                                                    shown(first_missing), missing - 1));
 
     add_obj_meshes(scene, data, material_of, {}, progress);

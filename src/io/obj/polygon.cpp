@@ -34,7 +34,7 @@ const std::vector<glm::uvec3>& PolygonTriangulator::triangulate(std::span<const 
         return triangles_;
     }
 
-    // Lay the polygon flat, seen from the side that its normal points to.
+    // Project the polygon to a plane, seen from the side that its normal points to.
     const glm::dvec3 normal = newell_normal(points);
     const glm::dvec3 size = glm::abs(normal);
     const int drop = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
@@ -44,7 +44,7 @@ const std::vector<glm::uvec3>& PolygonTriangulator::triangulate(std::span<const 
     for (const glm::vec3& p : points)
         flat_.emplace_back(static_cast<double>(p[u]) - points[0][u], side * (static_cast<double>(p[v]) - points[0][v]));
 
-    // A convex polygon is a fan. All turns to the left and one round in all: the winding of a star is more.
+    // A convex polygon becomes a fan. It has only left turns, and winds around once; a star winds more often.
     bool convex = true;
     int direction_changes = 0;
     for (std::uint32_t i = 0; i < n && convex; ++i) {
@@ -52,7 +52,7 @@ const std::vector<glm::uvec3>& PolygonTriangulator::triangulate(std::span<const 
         convex = turn(a, b, c) >= 0;
         if ((b.x - a.x < 0) != (c.x - b.x < 0)) ++direction_changes;
     }
-    // Collinear corners spoil a fan that starts at one of them; clipping treats them with care.
+    // A fan that starts at a collinear corner has degenerate triangles. Clip ears instead.
     bool strict = convex && direction_changes <= 2;
     for (std::uint32_t i = 1; i + 1 < n && strict; ++i) strict = turn(flat_[0], flat_[i], flat_[i + 1]) > 0;
     if (strict || !(size[drop] > 0) || budget_ == 0) {
@@ -70,17 +70,17 @@ const std::vector<glm::uvec3>& PolygonTriangulator::triangulate(std::span<const 
         if (here > widest_turn) widest_turn = here, widest = at;
         std::uint32_t clip = n;
         if (is_ear(before, at, after)) clip = at;
-        if (clip == n && ++tried > left) clip = widest;   // a full round without an ear
+        if (clip == n && ++tried > left) clip = widest;   // no ear in a full round
         if (clip == n && budget_ == 0) clip = at;
         if (clip == n) {
-            --budget_;   // where most corners are none, looking for an ear takes the time
+            --budget_;   // searching for an ear is slow where most corners are none
             at = after;
             continue;
         }
         triangles_.emplace_back(previous_[clip], clip, next_[clip]);
         next_[previous_[clip]] = next_[clip];
         previous_[next_[clip]] = previous_[clip];
-        // Go on one further along: ears taken alternately make better triangles than a fan.
+        // Continue one corner further: taking alternate ears makes better triangles than a fan.
         at = next_[next_[clip]];
         --left;
         tried = 0;
@@ -94,7 +94,7 @@ bool PolygonTriangulator::is_ear(std::size_t previous, std::size_t corner, std::
 {
     const glm::dvec2 &a = flat_[previous], &b = flat_[corner], &c = flat_[next];
     if (!(turn(a, b, c) > 0)) return false;
-    // No other corner inside or on the border, but those in the same place as one of the ear's own.
+    // Check that no other corner lies inside or on the border, except at the positions of the ear's own corners.
     for (std::size_t i = next_[next]; i != previous; i = next_[i]) {
         if (budget_ == 0) return false;
         --budget_;

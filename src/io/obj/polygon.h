@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Triangles of a polygon by clipping ears [Meisters 1975], in the plane of the polygon's own (Newell) normal.
+// Triangulates a polygon by ear clipping [Meisters 1975], in the plane of its Newell normal.
 //
-// n corners always give n - 2 triangles, degenerate and self-crossing polygons included: where no ear is left, the
-// sharpest remaining corner is taken. Cost: n for convex polygons; n^2 as a rule and n^3 at worst for others, bounded
-// by a budget, after which the rest is a fan.
+// n corners always give n - 2 triangles, even for degenerate and self-intersecting polygons: where no ear is left, the
+// sharpest remaining corner is cut. Cost: O(n) for convex polygons, usually O(n^2) and at worst O(n^3) for others. A
+// budget bounds the cost; once it is used up, the rest becomes a fan.
 
 #include <cstdint>
 #include <span>
@@ -16,23 +16,24 @@ namespace gnomon::io {
 
 class PolygonTriangulator {
  public:
-    /// Indices into `points`, counter-clockwise as the polygon is. Valid until the next call.
+    /// Indices into `points`, counter-clockwise like the polygon. Valid until the next call.
     /// @param points  3 or more
     const std::vector<glm::uvec3>& triangulate(std::span<const glm::vec3> points);
 
-    /// Whether the budget ran out, and some concave polygons may be wrong.
+    /// Whether the budget was used up, so that some concave polygons may be wrong.
     bool exhausted() const { return budget_ == 0; }
 
  private:
     bool is_ear(std::size_t previous, std::size_t corner, std::size_t next);
 
-    std::uint64_t budget_ = 200'000'000;   // point-in-triangle tests and corners passed, over all polygons of a file
+    std::uint64_t budget_ =
+        200'000'000;   // for all polygons of a file together: point-in-triangle tests and corners passed
     std::vector<glm::dvec2> flat_;
     std::vector<std::uint32_t> next_, previous_;
     std::vector<glm::uvec3> triangles_;
 };
 
-/// Twice the area times the unit normal, whatever the polygon's shape [Newell; Sutherland et al. 1974].
+/// Twice the area times the unit normal, for any shape of polygon [Newell; Sutherland et al. 1974].
 glm::dvec3 newell_normal(std::span<const glm::vec3> points);
 
 }   // namespace gnomon::io

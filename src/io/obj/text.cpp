@@ -26,7 +26,7 @@ Parsed parse(std::string_view word, float& value)
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), wide);
     if (error == std::errc::invalid_argument || stop != word.data() + word.size()) return Parsed::malformed;
     if (error == std::errc::result_out_of_range) {
-        // Too small for a double is zero; too large is an error. A large one has no negative exponent.
+        // A number too small for a double is zero; one too large is an error. The latter has no negative exponent.
         const std::size_t exponent = word.find_first_of("eE");
         const bool tiny = exponent != std::string_view::npos && word.substr(exponent + 1).starts_with('-');
         if (!tiny) return Parsed::too_large;
@@ -55,7 +55,7 @@ ObjText::ObjText(std::string file, std::string_view text)
 {
     if (text.starts_with("\xef\xbb\xbf")) at_ = line_begin_ = begin_ + 3;   // a byte order mark
     if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
-        throw InputError(file_, fmt::format("byte {}", zero), "holds a zero byte: not a text file");
+        throw InputError(file_, fmt::format("byte {}", zero), "contains a zero byte: not a text file");
 }
 
 std::size_t ObjText::continuation(const char* p) const
@@ -88,7 +88,7 @@ void ObjText::skip_blanks()
 
 std::string_view ObjText::next_statement()
 {
-    // Leave the statement, over the lines that it continues on.
+    // Skip the rest of the statement, including continued lines.
     while (impl_ && !ends_line(at_)) {
         const std::size_t length = continuation(at_);
         at_ += std::max<std::size_t>(length, 1);
@@ -96,7 +96,7 @@ std::string_view ObjText::next_statement()
     }
     impl_ = true;
 
-    // Pass empty lines and comments; a comment does not continue.
+    // Skip empty lines and comments; a comment cannot be continued.
     while (true) {
         skip_blanks();
         if (at_ == end_) return {};
@@ -131,7 +131,7 @@ std::string ObjText::rest()
     std::string result;
     for (std::string_view first = word(); !first.empty();) {
         result += first;
-        // Blanks inside a name are part of it.
+        // Keep blanks inside a name.
         const char* const blank = at_;
         skip_blanks();
         if (ends_line(at_)) break;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Words and numbers out of OBJ and MTL text, with the place of each for messages.
+// Splits OBJ and MTL text into words and numbers, and tracks the place of each for messages.
 //
-// Lines end in LF or CR LF; a backslash before the line's end continues it; `#` begins a comment where a statement or a
-// number may begin. Nothing is copied but names; every step moves forward, so time is linear in the size of the file.
+// Lines end in LF or CR LF; a backslash before the end continues a line; `#` starts a comment where a statement or a
+// number may start. Only names are copied. Every step advances, so time is linear in the size of the file.
 
 #include <cstdint>
 #include <string>
@@ -14,27 +14,27 @@ namespace gnomon::io {
 class ObjText {
  public:
     /// @param file  for messages
-    /// @param text  must outlive this; a zero byte in it is refused
+    /// @param text  must outlive this object; a zero byte in it is an error
     ObjText(std::string file, std::string_view text);
 
-    /// Moves to the next statement and gives its keyword; empty at the end of the text.
+    /// Moves to the next statement and returns its keyword; empty at the end of the text.
     std::string_view next_statement();
     /// The next word of the statement; empty where it ends.
     std::string_view word();
-    /// Whether nothing but blanks or a comment is left of the statement.
+    /// Whether only blanks or a comment are left of the statement.
     bool at_end();
-    /// What is left of the statement, without blanks around it (a name may have some inside).
+    /// The rest of the statement, without blanks around it (a name may contain some).
     std::string rest();
 
-    /// A finite number, no larger than a float may be.
+    /// Reads a finite number that fits into a float.
     /// @throws InputError at its place
     float number(const char* what);
-    /// A number if one is left and well-formed; nothing is consumed otherwise.
+    /// Reads a number if the next word is a valid one; otherwise consumes nothing.
     bool try_number(float& value);
-    /// Whole numbers of 64 bits out of a word, from `at` on: false if there is none.
+    /// Reads a 64-bit integer from a word, from `at` on; returns false if there is none.
     static bool integer(std::string_view word, std::size_t& at, std::int64_t& value);
 
-    /// Where the last word begins.
+    /// The place where the last word begins.
     std::string place() const;
     std::uint32_t line() const { return word_line_; }
     const std::string& file() const { return file_; }
@@ -59,7 +59,7 @@ class ObjText {
     bool impl_ = false;   // a statement
 };
 
-/// For messages: printable ASCII kept, the rest shown as '?', cut after 60 characters.
+/// Text for messages: printable ASCII is kept, other characters become '?', cut after 60 characters.
 std::string shown(std::string_view text);
 
 }   // namespace gnomon::io

@@ -19,15 +19,15 @@ namespace gnomon::io {
 namespace {
 
 constexpr std::uint64_t k_largest_image_file = 1ull << 30;
-// One file can be made into many textures, by other options of its map or with other masks: texels beyond its own.
+// Limit on texels beyond those of each file: one file may be used with many options of its map or with many masks.
 constexpr std::uint64_t k_most_repeated_texels = 1ull << 26;
-constexpr std::size_t k_batch = 8;         // textures that are made before they are counted
-constexpr float k_texels_per_height = 4;   // a height of 1 (white) rises so far above black, in texels, for -bm 1
-constexpr int k_grey_tolerance = 12;       // of 255: channels of a JPEG's grey differ by rounding
+constexpr std::size_t k_batch = 8;         // textures that are made before the limit is checked
+constexpr float k_texels_per_height = 4;   // for -bm 1, white is this many texels higher than black
+constexpr int k_grey_tolerance = 12;       // of 255: in a grey JPEG, channels differ by rounding
 
 enum class Role : std::uint8_t { color, masked_color, bump, normal, roughness_metallic };
 
-// One texture to make, of one or two files.
+// A texture to make from one or two files.
 struct Job {
     Role role = Role::color;
     MtlMap first, second;   // colour and mask; roughness and metallic
@@ -40,7 +40,7 @@ struct Job {
 
 struct Made {
     std::optional<scene::Texture> texture;
-    std::vector<std::pair<std::filesystem::path, std::uint64_t>> files;   // and their pixels
+    std::vector<std::pair<std::filesystem::path, std::uint64_t>> files;   // with their numbers of pixels
     std::vector<std::string> warnings;
 };
 
@@ -61,14 +61,14 @@ std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, Made& m
     return std::nullopt;
 }
 
-// A channel of the pixel that stands where (x, y) of an image of another size is.
+// The texel of an image that corresponds to (x, y) in an image of another size.
 const std::uint8_t* nearest(const Image8& image, int x, int y, const Image8& like)
 {
     return image.pixel(static_cast<int>(static_cast<std::int64_t>(x) * image.width / like.width),
                        static_cast<int>(static_cast<std::int64_t>(y) * image.height / like.height));
 }
 
-// Opacity, 0 to 255: the channel that -imfchan names, else alpha if the image has some, else its brightness.
+// Opacity, 0 to 255: the channel given by -imfchan, else alpha if the image has it, else brightness.
 std::uint8_t opacity(const std::uint8_t* p, int channels, const MtlMap& map)
 {
     const bool has_alpha = channels == 2 || channels == 4;
@@ -88,7 +88,7 @@ std::uint8_t opacity(const std::uint8_t* p, int channels, const MtlMap& map)
 
 Image8 with_mask(const std::optional<Image8>& color, const Image8& mask, const MtlMap& map)
 {
-    // The larger of both decides the size.
+    // Use the size of the larger image.
     const bool mask_larger = !color || static_cast<std::int64_t>(mask.width) * mask.height >
                                            static_cast<std::int64_t>(color->width) * color->height;
     const Image8& like = mask_larger ? mask : *color;
@@ -130,7 +130,7 @@ bool is_grey(const Image8& image)
     return true;
 }
 
-// The normals of a height field: x to the right, y up the image, z out of it.
+// Computes normals of a height field: x to the right, y up the image, z out of it.
 Image8 normals_from_heights(const Image8& heights, float bump)
 {
     const int w = heights.width, h = heights.height;
@@ -175,7 +175,7 @@ Made make(const Job& job, const SceneFolder& folder)
         second = first;
     if (!first && !second) return made;
 
-    // A colour file that names itself as its mask means its alpha.
+    // A colour file that is also its own mask means its alpha channel.
     const bool own_mask = job.second.file == job.first.file && job.second.channel == 0 && first &&
                           (first->channels == 1 || first->channels == 3);
     Image8 image;
@@ -209,7 +209,7 @@ Made make(const Job& job, const SceneFolder& folder)
 void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
                       const Progress& progress)
 {
-    // List what is to be made, each once.
+    // List the textures to make, each once.
     struct Use {
         std::size_t job;
         std::size_t material;
@@ -223,7 +223,7 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
         if (!job.first.used() && !job.second.used()) return;
         const auto [at, added] = known.try_emplace(job.key(), jobs.size());
         const MtlMap& map = job.first.used() ? job.first : job.second;
-        // v runs from the bottom row here and from the top row in the scene: 1 - (o + s v) = (1 - o - s) + s (1 - v).
+        // OBJ counts v from the bottom row, the scene from the top: 1 - (o + s v) = (1 - o - s) + s (1 - v).
         scene::TextureUse placed;
         placed.scale = map.scale;
         placed.offset = {map.offset.x, 1 - map.offset.y - map.scale.y};
@@ -245,7 +245,7 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
              {Role::roughness_metallic, m.roughness_map, m.metallic_map});
     }
 
-    // Read and decode them, several at a time.
+    // Read and decode several textures in parallel.
     std::vector<Made> made(jobs.size());
     Tasks tasks;
     std::set<std::filesystem::path> seen;
@@ -263,13 +263,13 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
             repeated += texels - std::min(texels, own);
             if (repeated > k_most_repeated_texels)
                 throw InputError(texture.name(), "",
-                                 fmt::format("is made into too many textures: more than {} texels that repeat files",
+                                 fmt::format("is used for too many textures: more than {} texels repeat files",
                                              k_most_repeated_texels));
         }
     }
     if (progress && !progress({"loading", 1.0})) throw InterruptedError("interrupted");
 
-    // Number them in the order of the jobs, which does not depend on threads.
+    // Assign ids in the order of the jobs, which does not depend on threads.
     std::vector<scene::TextureId> ids(jobs.size(), scene::none);
     std::unordered_set<std::string> told;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
@@ -284,7 +284,7 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
         material.*use.slot = use.placed;
         (material.*use.slot).texture = ids[use.job];
     }
-    // A mask that could not be read masks nothing.
+    // Remove masks that could not be read.
     for (scene::Material& material : scene.materials) {
         if (material.alpha_mode != scene::AlphaMode::mask) continue;
         const scene::TextureId texture = material.base_color_texture.texture;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The textures of MTL materials: read below the scene's folder, decoded in parallel, put together as the scene wants
-// them (mask into the colour's alpha, roughness and metallic into G and B, heights into normals).
+// Makes the textures of MTL materials: reads files from the scene's folder, decodes them in parallel, and combines them
+// (mask into the colour's alpha, roughness and metallic into G and B, heights into normals).
 //
-// What cannot be read is left out with a warning: scenes travel without their textures, and are still worth seeing.
+// Textures that cannot be read are left out with a warning, because scenes are often distributed without them.
 
 #include "gnomon/types.h"
 #include "io/file/scene_folder.h"
@@ -12,7 +12,7 @@
 
 namespace gnomon::io {
 
-/// Gives scene.materials[i] the textures of mtl[i].
+/// Adds the textures of mtl[i] to scene.materials[i].
 /// @throws InterruptedError
 void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
                       const Progress& progress);
