@@ -15,12 +15,12 @@ namespace gnomon::image {
 namespace {
 constexpr double k_color_power = 0.7;         // q_c
 constexpr double k_feature_power = 0.5;       // q_f
-constexpr double k_p_c = 0.4, k_p_t = 0.95;   // the share p_c of the largest difference becomes the error p_t
-constexpr int k_band = 32;                    // rows worked on at once
+constexpr double k_p_c = 0.4, k_p_t = 0.95;   // the fraction p_c of the largest difference maps to the error p_t
+constexpr int k_band = 32;                    // rows processed at once
 
-// HDR: exposures from where the brightest, to where the median, comes out at this share of the curve's range.
+// HDR: the exposures at which the brightest and the median luminance reach this fraction of the tone curve's range.
 constexpr double k_exposure_target = 0.85;
-constexpr double k_darkest = 1.1920929e-7;   // luminance that counts as light at all
+constexpr double k_darkest = 1.1920929e-7;   // least luminance that counts as light
 
 // Narkowicz's curve (a x^2 + b x) / (c x^2 + d x + e), with his exposure factor of 0.6 folded in.
 struct Curve {
@@ -59,7 +59,7 @@ float lab_curve(float t)
     return t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0f / 29;
 }
 
-// L*a*b* with chroma scaled by lightness: colours show more in bright light (Hunt) [2020, 4.1].
+// L*a*b* with chroma scaled by lightness: colours look more saturated in bright light (Hunt effect) [2020, 4.1].
 glm::vec3 hunt_lab(const glm::vec3& rgb)
 {
     const glm::vec3 t = k_xyz_from_rgb * rgb / k_white;
@@ -73,7 +73,7 @@ float hyab(const glm::vec3& p, const glm::vec3& q)
     return std::abs(p.x - q.x) + std::hypot(p.y - q.y, p.z - q.z);
 }
 
-// An image as one exposure shows it.
+// An image displayed at one exposure.
 struct Shown {
     const ImageF& image;
     bool tone_mapped = false;
@@ -86,7 +86,7 @@ struct Shown {
         for (int c = 0; c < 3; ++c) {
             float value = p[c] > 0 ? p[c] : 0.0f;   // NaN compares false
             if (tone_mapped) {
-                constexpr float brightest = 1e9f;   // far up the curve's shoulder; its square is still finite
+                constexpr float brightest = 1e9f;   // far up the curve's shoulder; its square is finite
                 value = Curve()(std::min(value * factor, brightest));
             }
             result[c] = std::min(value, 1.0f);
@@ -95,10 +95,10 @@ struct Shown {
     }
 };
 
-// How a band of rows of an image looks to the eye.
+// The perceived appearance of a band of rows.
 struct Appearance {
     FlipField lab;        // L a' b' of the blurred image
-    FlipField features;   // x: strength of edges, y: of points
+    FlipField features;   // x: strength of edges, y: strength of points
 };
 
 struct Scratch {
@@ -111,7 +111,7 @@ void perceive(const Shown& shown, const FlipFilters& filters, int first, int row
     const int width = shown.image.width, height = shown.image.height;
     const int border = std::max(filters.contrast.radius, filters.features.radius);
 
-    // Opponent colours, the edge pixels repeated outwards.
+    // Convert to opponent colours; repeat edge pixels outwards.
     FlipField& light = scratch.light;
     light.resize(width + 2 * border, rows + 2 * border);
     for (int y = 0; y < light.rows; ++y) {
@@ -125,7 +125,7 @@ void perceive(const Shown& shown, const FlipFilters& filters, int first, int row
         std::fill(row + border + width, row + light.width, row[border + width - 1]);
     }
 
-    // Blur as the eye does, return to what a screen can show, go to L*a*b*.
+    // Blur with the contrast sensitivity, clamp to displayable colours, and convert to L*a*b*.
     apply(filters.contrast, light, border, scratch.between, scratch.filtered);
     out.lab.resize(width, rows);
     for (std::size_t i = 0; i < out.lab.data.size(); ++i) {
@@ -134,7 +134,7 @@ void perceive(const Shown& shown, const FlipFilters& filters, int first, int row
         out.lab.data[i] = glm::vec4(hunt_lab(glm::clamp(rgb_from_opponent(o), 0.0f, 1.0f)), 0);
     }
 
-    // Find edges and points of the achromatic channel, brought to 0 ... 1.
+    // Detect edges and points in the achromatic channel, scaled to 0 ... 1.
     for (glm::vec4& p : light.data) p = glm::vec4((p.x + 16) / 116);
     apply(filters.features, light, border, scratch.between, scratch.filtered);
     out.features.resize(width, rows);
@@ -144,7 +144,7 @@ void perceive(const Shown& shown, const FlipFilters& filters, int first, int row
     }
 }
 
-// Powers the colour difference and maps it to 0 ... 1 in two straight pieces [2020, 4.1, eq. 7 and 8].
+// Raises the colour difference to a power and maps it to 0 ... 1 in two linear segments [2020, 4.1, eq. 7 and 8].
 float color_error(float difference, float largest)
 {
     const float power = std::pow(difference, static_cast<float>(k_color_power));
@@ -173,7 +173,7 @@ ImageF flip(const ImageF& test, const ImageF& reference, const std::vector<Expos
     tasks.for_each(static_cast<std::size_t>(bands), [&](std::size_t band, int worker) {
         Scratch& scratch = workers[static_cast<std::size_t>(worker)];
         const int first = static_cast<int>(band) * k_band, rows = std::min(k_band, test.height - first);
-        // Where all that a filter reaches is equal there is no error.
+        // Skip pixels around which the images are equal within the reach of all filters.
         const int reach = std::max(filters.contrast.radius, filters.features.radius);
         const int top = std::max(0, first - reach), bottom = std::min(test.height, first + rows + reach);
         if (std::equal(test.pixel(0, top), test.pixel(0, bottom), reference.pixel(0, top))) return;
@@ -186,7 +186,7 @@ ImageF flip(const ImageF& test, const ImageF& reference, const std::vector<Expos
                 const glm::vec4 d = glm::abs(scratch.test.features.data[i] - scratch.reference.features.data[i]);
                 const float feature =
                     std::pow(std::max(d.x, d.y) / std::numbers::sqrt2_v<float>, static_cast<float>(k_feature_power));
-                // The final error [2020, eq. 12].
+                // Combine colour and feature errors [2020, eq. 12].
                 error[i] = std::max(error[i], std::pow(color, 1 - std::min(feature, 1.0f)));
             }
         }
@@ -214,7 +214,7 @@ ImageF flip_hdr(const ImageF& test, const ImageF& reference, Tasks& tasks, const
 FlipExposures flip_exposures(const ImageF& reference)
 {
     GNOMON_CHECK(reference.channels == 3 && !reference.empty());
-    // Where the curve reaches the target: the larger root of (a - t c) x^2 + (b - t d) x - t e = 0.
+    // Find where the curve reaches the target: the larger root of (a - t c) x^2 + (b - t d) x - t e = 0.
     const Curve curve;
     const double t = k_exposure_target;
     const double a = curve.a - t * curve.c, b = curve.b - t * curve.d, c = -t * curve.e;
@@ -244,7 +244,7 @@ double mean_of(const ImageF& map)
 
 Image8 heat_map(const ImageF& map)
 {
-    // Nine stations of magma, a perceptually even map from black over violet to pale yellow.
+    // Nine samples of magma, a perceptually uniform colour map from black over violet to pale yellow.
     constexpr std::array<std::array<float, 3>, 9> stations{{{0, 0, 4},
                                                             {28, 16, 68},
                                                             {79, 18, 123},

@@ -19,7 +19,7 @@ FlipFilters make_flip_filters(double pixels_per_degree)
 {
     FlipFilters filters;
 
-    // Gaussians of the contrast sensitivity, each of sum 1.
+    // Compute the Gaussians of the contrast sensitivity, each with sum 1.
     const double widest = std::max({k_achromatic.b, k_red_green.b, k_blue_yellow[0].b, k_blue_yellow[1].b});
     const int r = static_cast<int>(std::ceil(3 * std::sqrt(widest / (2 * k_pi * k_pi)) * pixels_per_degree));
     const auto count = 2 * static_cast<std::size_t>(r) + 1;
@@ -42,7 +42,7 @@ FlipFilters make_flip_filters(double pixels_per_degree)
     for (int c = 0; c < 2; ++c)
         filters.blue_yellow_weight[c] = static_cast<float>(volume[2 + c] / (volume[2] + volume[3]));
 
-    // First and second derivative of a Gaussian; positive taps of sum 1, negative ones of sum -1.
+    // Compute the first and second derivative of a Gaussian; positive taps sum to 1, negative ones to -1.
     const double sigma = 0.5 * k_feature_width * pixels_per_degree;
     const int s = static_cast<int>(std::ceil(3 * sigma));
     std::vector<double> gauss, edge, point;

@@ -16,7 +16,7 @@ constexpr double k_relative_floor = 0.01;   // epsilon of relmse
 constexpr int k_window = 11;                // of ssim, pixels
 constexpr double k_window_sigma = 1.5;
 constexpr double k_1 = 0.01, k_2 = 0.03;
-constexpr int k_band = 32;   // rows of windows worked on at once
+constexpr int k_band = 32;   // rows of windows processed at once
 
 void check_alike(const ImageF& a, const ImageF& b)
 {
@@ -38,7 +38,7 @@ double mean_over_values(const ImageF& test, const ImageF& reference, Term term)
     return sum / static_cast<double>(test.data.size());
 }
 
-// What a window is of: luminance, or one channel.
+// The value that windows cover: luminance, or one channel.
 double gray(const ImageF& image, int x, int y, int channel)
 {
     const float* p = image.pixel(x, y);
@@ -46,7 +46,7 @@ double gray(const ImageF& image, int x, int y, int channel)
     return 0.2126 * sane(p[0]) + 0.7152 * sane(p[1]) + 0.0722 * sane(p[2]);
 }
 
-// Along one axis: where windows lie, and their weights, of sum 1 even if cut.
+// Positions of windows along one axis, and their weights, which sum to 1 even if cut.
 struct Windows {
     int first = 0, count = 0;   // centres
     int length = 0;             // of the axis
@@ -68,14 +68,14 @@ struct Windows {
     static double tap(int d) { return std::exp(-d * d / (2 * k_window_sigma * k_window_sigma)); }
 };
 
-using Moments = std::array<double, 5>;   // means of a, b, a a, b b, a b
+using Moments = std::array<double, 5>;   // means of a, b, a^2, b^2, a b
 
 double ssim_of_channel(const ImageF& a, const ImageF& b, int channel, double range, Tasks& tasks)
 {
     const Windows across(a.width), down(a.height);
     const double c1 = k_1 * k_1 * range * range, c2 = k_2 * k_2 * range * range;
 
-    // Weights once a centre: they differ only where windows are cut.
+    // Compute weights per centre; they differ only where windows are cut.
     const auto weights_of = [](const Windows& w) {
         std::vector<std::array<double, k_window>> all(static_cast<std::size_t>(w.count));
         for (int i = 0; i < w.count; ++i) {
@@ -97,7 +97,7 @@ double ssim_of_channel(const ImageF& a, const ImageF& b, int channel, double ran
         const int first = static_cast<int>(band) * k_band, last = std::min(first + k_band, down.count) - 1;
         const int top = down.begin(down.first + first), bottom = down.end(down.first + last);
 
-        // Moments along the rows this band's windows touch.
+        // Compute moments along the rows that this band's windows touch.
         const auto width = static_cast<std::size_t>(across.count);
         std::vector<Moments> moments(static_cast<std::size_t>(bottom - top) * width);
         std::vector<double> row_a(static_cast<std::size_t>(a.width)), row_b(row_a.size());
@@ -116,7 +116,7 @@ double ssim_of_channel(const ImageF& a, const ImageF& b, int channel, double ran
                 }
             }
         }
-        // Then down the columns, and the index itself [Wang et al. 2004, eq. 13].
+        // Then sum down the columns and compute the index [Wang et al. 2004, eq. 13].
         for (int i = first; i <= last; ++i) {
             const int centre = down.first + i, begin = down.begin(centre);
             double sum = 0;

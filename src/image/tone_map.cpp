@@ -11,17 +11,17 @@
 namespace gnomon::image {
 
 namespace {
-constexpr float k_brightest = 1e6f;   // what an infinite channel counts as
+constexpr float k_brightest = 1e6f;   // replaces infinite channels
 
-// Exposure: the histogram's reach and resolution in stops, the share of pixels left out at its ends, the key.
+// Automatic exposure: range and resolution of the histogram in stops, fractions of pixels ignored at its ends, key.
 constexpr int k_bins_per_stop = 32;
 constexpr int k_lowest_stop = -32;
 constexpr int k_highest_stop = 32;
 constexpr double k_ignore_darkest = 0.05;
 constexpr double k_ignore_brightest = 0.05;
-constexpr double k_key = 0.25;           // an even grey comes out at 0.21, a sunlit courtyard as one expects
+constexpr double k_key = 0.25;           // a uniform grey maps to 0.21, and a sunlit courtyard looks natural
 constexpr double k_bright_rank = 0.95;   // of lit pixels: the luminance at this rank ...
-constexpr double k_bright_level = 0.9;   // ... comes out no brighter than this
+constexpr double k_bright_level = 0.9;   // ... maps to no more than this
 constexpr double k_exposure_limit = 20;
 
 float sane(float value)
@@ -31,7 +31,7 @@ float sane(float value)
 
 glm::vec3 neutral(glm::vec3 color)
 {
-    constexpr float fresnel = 0.04f;   // the dielectric's reflection at normal incidence, taken off
+    constexpr float fresnel = 0.04f;   // reflectance of the dielectric at normal incidence, subtracted
     constexpr float start = 0.8f - fresnel;
     constexpr float desaturation = 0.15f;
     const float low = std::min({color.x, color.y, color.z});
@@ -75,7 +75,8 @@ glm::vec3 aces(const glm::vec3& color)
     return out * (a / b);
 }
 
-// The exact rounding of 255 * srgb(linear) without a power a channel: thresholds between two bytes, and a first guess.
+// Computes the exact rounding of 255 * srgb(linear) without a power per channel: a first guess, then thresholds between
+// bytes.
 class SrgbTable {
  public:
     SrgbTable()
@@ -137,7 +138,7 @@ double auto_exposure(std::span<const float> rgb)
     }
     if (lit == 0) return 0;
 
-    // Average what lies between the ranks that are kept.
+    // Average the luminance between the ranks that are kept.
     const auto first = static_cast<std::int64_t>(static_cast<double>(lit) * k_ignore_darkest);
     const auto last = lit - static_cast<std::int64_t>(static_cast<double>(lit) * k_ignore_brightest);
     const auto bright = static_cast<std::int64_t>(static_cast<double>(lit) * k_bright_rank);
@@ -152,7 +153,7 @@ double auto_exposure(std::span<const float> rgb)
     const double mean_bin = static_cast<double>(sum) / static_cast<double>(last - first) + 0.5;
     const double mean_stop = k_lowest_stop + mean_bin / k_bins_per_stop;
 
-    // A dark image with bright parts is not promoted until these burn out.
+    // Limit the exposure of a dark image with bright parts, so that these do not clip.
     const double bright_stop = k_lowest_stop + (bright_bin + 0.5) / k_bins_per_stop;
     const double stops = std::min(std::log2(k_key) - mean_stop, std::log2(k_bright_level) - bright_stop);
     return std::clamp(stops, -k_exposure_limit, k_exposure_limit);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The diffuse share of a surface's answer, for bounced light.
+// The diffuse reflectance of a surface, for bounced light.
 
 #include "ray/ray_scene.h"
 
 namespace gnomon::lighting {
 
-/// Radiant exitance over irradiance at a point of a triangle, by colour channel: the albedo; pi times that for AFF
-/// surfaces, whose convention has no pi (shading/shading.h). Textures at full resolution.
+/// Ratio of radiant exitance to irradiance at a point of a triangle, by colour channel: the albedo, or pi times that
+/// for AFF surfaces, whose convention has no pi (shading/shading.h). Textures are sampled at full resolution.
 glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGeometry& geometry,
                                   std::uint32_t triangle, float u, float v);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Every subcommand and every option, as data: the command line, --config, --help, and whatever else speaks of options
-// are made from these two tables and from nothing else.
+// Tables of all subcommands and options. The command line, --config, --help and the manual are generated from these two
+// tables only.
 
 #include <cstdint>
 #include <span>
@@ -26,15 +26,15 @@ enum class Subcommand : std::uint8_t {
 struct SubcommandInfo {
     Subcommand subcommand;
     std::string_view name;        // "render", "bench trace"
-    std::string_view arguments;   // as --help shows them
-    int positionals;              // how many arguments that are no options
+    std::string_view arguments;   // as shown by --help
+    int positionals;              // number of arguments that are not options
     std::string_view summary;
     bool built;
 };
 
 enum class Kind : std::uint8_t {
     flag,
-    optional_file,    // a flag that may name a file: --json or --json=FILE
+    optional_file,    // a flag with an optional file: --json or --json=FILE
     integer,          // in low ... high
     number,           // in low ... high
     number_or_auto,   // a number, or the word auto
@@ -47,16 +47,16 @@ enum class Kind : std::uint8_t {
 
 struct Option {
     std::string_view name{};       // without dashes
-    char letter = 0;               // the short form, if there is one
-    std::string_view argument{};   // as --help shows it; empty for flags
+    char letter = 0;               // the short form; 0: none
+    std::string_view argument{};   // as shown by --help; empty for flags
     Kind kind = Kind::flag;
-    std::string_view fallback{};        // the default, as it would be typed; empty: none, or said in `help`
-    std::string_view choices{};         // "a|b|c"; of text: how values of a list begin, up to a colon
-    std::string_view built_choices{};   // those of them that are built, if not all
+    std::string_view fallback{};        // the default, as it would be typed; empty: none, or described in `help`
+    std::string_view choices{};         // "a|b|c"; of text: prefixes of the values in a list, up to a colon
+    std::string_view built_choices{};   // the choices that are built; empty: all
     double low = 0, high = 0;
     bool repeats = false;
     bool built = true;
-    std::uint32_t subcommands = 0;   // set of bit(Subcommand)
+    std::uint32_t subcommands = 0;   // set of bit(Subcommand) that accept it
     std::string_view group{};
     std::string_view help{};
 };
@@ -67,19 +67,19 @@ constexpr std::uint32_t bit(Subcommand subcommand)
 }
 
 std::span<const SubcommandInfo> subcommands();
-/// In the order in which --help shows them; a subcommand's options of one group stand together.
+/// In the order of --help; a subcommand's options of one group are adjacent.
 std::span<const Option> options();
 
-/// nullptr if there is none.
+/// Returns nullptr if there is none.
 const SubcommandInfo* find_subcommand(std::string_view name);
 /// @param name  without dashes
 const Option* find_option(Subcommand subcommand, std::string_view name);
 
-/// The value must be what the option wants, and built.
+/// Checks that the value is valid for the option and built.
 /// @throws UsageError in one line that says what was expected
 void check_value(const Option& option, const std::string& value);
 
-/// The word most like `word`, or empty if none is near: for "did you mean".
+/// The word most similar to `word`, or empty if none is close: for "did you mean".
 std::string nearest(std::string_view word, std::span<const std::string> words);
 
 }   // namespace gnomon::options

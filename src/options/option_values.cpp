@@ -23,7 +23,7 @@ std::optional<T> parse_whole(std::string_view word)
     return value;
 }
 
-// Two whole numbers above 0 with a sign between them.
+// Parses two positive integers with a separator between them.
 std::optional<std::pair<int, int>> parse_pair(std::string_view word, std::string_view separators)
 {
     const std::size_t at = word.find_first_of(separators);
@@ -43,7 +43,7 @@ bool among(std::string_view word, std::string_view choices)
     return false;
 }
 
-// "off, paper or certified"
+// Formats choices as "off, paper or certified".
 std::string listed(std::string_view choices)
 {
     std::string text(choices);
@@ -53,7 +53,7 @@ std::string listed(std::string_view choices)
     return text;
 }
 
-// What an option wants, for the end of an error message; empty if the value is that.
+// Describes the values that an option accepts, for the end of an error message; empty if the value is valid.
 std::string expectation(const Option& option, const std::string& value)
 {
     const auto within = [&](double v) { return v >= option.low && v <= option.high; };

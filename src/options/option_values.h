@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The values of a subcommand's options: what was given, else the default of the table.
+// The values of a subcommand's options: as given, else the table's defaults.
 
 #include <map>
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace gnomon::options {
 
-/// Words that stand for values; nothing if they do not.
+/// Parse words as values; return nothing if they are invalid.
 std::optional<double> parse_number(std::string_view word);
 std::optional<long long> parse_integer(std::string_view word);
 std::optional<Size> parse_size(std::string_view word);          // WxH
 std::optional<FrameRange> parse_range(std::string_view word);   // A-B, or A alone
-/// A word as a shell must be given it.
+/// Quotes a word for a shell where necessary.
 std::string shell_word(const std::string& word);
 
 struct Chunk {
@@ -25,21 +25,21 @@ struct Chunk {
 };
 std::optional<Chunk> parse_chunk(std::string_view word);   // I/N
 
-/// Asking for a name that the subcommand does not have is a bug of ours (InternalError).
+/// Asking for an option that the subcommand does not have is an internal error (InternalError).
 class OptionValues {
  public:
     explicit OptionValues(Subcommand subcommand) : subcommand_(subcommand) {}
 
-    /// Checks and keeps; a later call replaces an earlier one.
+    /// Checks and stores values; a later call replaces an earlier one.
     /// @throws UsageError
     void set(const Option& option, std::vector<std::string> values);
 
-    /// Back to the default.
+    /// Resets the option to its default.
     void unset(const Option& option);
 
     bool given(std::string_view name) const;
     bool flag(std::string_view name) const { return given(name); }
-    /// The last one given, else the default; empty if there is neither.
+    /// The last value given, else the default; empty if there is neither.
     std::string text(std::string_view name) const;
     std::vector<std::string> all(std::string_view name) const;
     int integer(std::string_view name) const;

@@ -8,12 +8,13 @@ namespace gnomon::shading {
 namespace {
 
 constexpr float k_inverse_pi = static_cast<float>(1 / k_pi);
-constexpr float k_faintest_highlight = -7;    // exponent: e^-7 is below 1/1000
-constexpr float k_min_alpha = 2e-3f;          // GGX alpha of a perfect mirror's highlight: lights have no size
-constexpr float k_mirror_roughness = 0.12f;   // up to here mirror images are sharp and traced whole
-constexpr float k_matte_roughness = 0.45f;    // from here on they are too blurred to trace with one ray
+constexpr float k_faintest_highlight = -7;   // exponent: e^-7 is below 1/1000
+constexpr float k_min_alpha =
+    2e-3f;   // smallest GGX alpha, because the highlight of a point light in a perfect mirror would vanish
+constexpr float k_mirror_roughness = 0.12f;   // up to here reflections are sharp, and one ray gets all of them
+constexpr float k_matte_roughness = 0.45f;    // from here on reflections are too blurred for one ray
 
-// Fades out light that is above a shading normal's horizon but near the geometric one [Chiang et al. 2019, eq. 4].
+// Fades out light above the shading normal's horizon but near the geometric one [Chiang et al. 2019, eq. 4].
 float soften_terminator(float cos_geometric, float cos_shading, float cos_between)
 {
     if (cos_between >= 0.99999f) return 1;
@@ -34,7 +35,7 @@ glm::vec3 phong(const SurfacePoint& s, const glm::vec3& to_light, float cosine)
     if (s.shine > 0 && s.specular != glm::vec3(0)) {
         const glm::vec3 mirrored = 2 * cosine * s.normal - to_light;
         const float aligned = glm::dot(mirrored, s.to_viewer);
-        // a^n <= e^(n (a - 1)): skip the power where it cannot reach a quarter of a step of 8 bits.
+        // Skip the power where it is below a quarter of a step of 8 bits: a^n <= e^(n (a - 1)).
         if (aligned > 0 && s.shine * (aligned - 1) > k_faintest_highlight)
             result += s.specular * std::pow(aligned, s.shine);
     }
@@ -98,14 +99,14 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in)
 {
-    // An image behind the windows has an ambient colour and no other: no light falls on it, it is simply seen.
+    // A backdrop, such as an image behind windows, has an ambient colour and no other, so it is visible without light.
     const bool backdrop = s.model == scene::ShadingModel::whitted && s.diffuse == glm::vec3(0) &&
                           s.specular == glm::vec3(0) && s.transmitted == glm::vec3(0);
     glm::vec3 result = stand_in || backdrop ? s.ambient * scene.ambient : glm::vec3(0);
     const glm::vec3& albedo = s.model == scene::ShadingModel::whitted ? s.diffuse : s.ambient;
     if (stand_in && scene.background.kind == scene::Background::Kind::sky)
         result += albedo * scene.background.ambient(s.normal);
-    // A sky's own colour is the light of the bounces that nobody follows.
+    // A sky's own colour approximates the light of further bounces, which are not traced.
     if (!stand_in && scene.background.kind == scene::Background::Kind::sky) result += albedo * scene.background.color;
     return result * s.coverage;
 }
@@ -115,7 +116,7 @@ glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, co
 {
     const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
     if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
-    // Rough mirrors bring the surroundings alone, so indirect light keeps their share.
+    // Rough mirrors reflect only the background, so their reflectance also remains for indirect light.
     const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_share, glm::vec3(0));
     const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_share, glm::vec3(0));
     return reflectance * (not_traced * indirect + not_mirrored * surroundings);
@@ -130,7 +131,7 @@ Continuation continue_from(const SurfacePoint& s)
     const bool refracts = s.transmitted != glm::vec3(0);
     if (s.specular == glm::vec3(0) && !refracts) return c;
 
-    // Mirror direction; a shading normal may send it below the surface: bring it back to just above.
+    // Compute the mirror direction. A shading normal may send it below the surface; move it back to just above.
     c.reflected = direction + 2 * cosine * s.normal;
     if (const float above = glm::dot(c.reflected, s.geometric_normal); above <= 0)
         c.reflected += (1e-3f - above) * s.geometric_normal;
@@ -139,7 +140,7 @@ Continuation continue_from(const SurfacePoint& s)
     if (refracts) {
         const float eta = s.front ? s.ior : 1 / s.ior;
         const float fresnel = fresnel_dielectric(cosine, eta);
-        // AFF gives glass a mirror colour beside its index: it adds to what Fresnel leaves.
+        // AFF glass has a reflection colour besides its index; it is weighted by what Fresnel reflection leaves.
         const bool whitted = s.model == scene::ShadingModel::whitted;
         c.reflected_share = whitted ? glm::vec3(fresnel) + s.specular * (1 - fresnel) : glm::vec3(fresnel);
         if (fresnel < 1) {

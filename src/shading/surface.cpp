@@ -10,8 +10,9 @@ namespace gnomon::shading {
 
 namespace {
 
-constexpr float k_least_sine = 1e-4f;     // from which on a ray has a direction along the surface
-constexpr float k_least_cosine = 0.02f;   // of a ray with the surface: what is seen edge-on is not endlessly long
+constexpr float k_least_sine = 1e-4f;   // least sine at which a ray has a direction along the surface
+constexpr float k_least_cosine =
+    0.02f;   // least cosine between ray and normal, to limit the footprint of surfaces seen edge-on
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
 {
@@ -19,13 +20,13 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
     return square > 0 && std::isfinite(square) ? v * (1.0f / std::sqrt(square)) : otherwise;
 }
 
-// Everything about the triangle that texture look-ups need.
+// The triangle's data for texture look-ups.
 struct TextureFrame {
     const scene::Scene& scene;
     const scene::Mesh& mesh;
     glm::uvec3 index;
     float u, v;
-    // What the pixel covers, two diameters of an ellipse, each as steps in u and v.
+    // The pixel's footprint: two diameters of an ellipse, each as steps in u and v.
     glm::vec2 along{0}, across{0};
 
     glm::vec2 texcoord(int set) const
@@ -52,29 +53,29 @@ bool is_textured(const scene::Material& m)
            m.emissive_texture.used() || m.occlusion_texture.used();
 }
 
-// Where a cone of some width meets the triangle: an ellipse as wide as the cone, and longer along the ray's direction.
+// Finds the ellipse in which a cone of a given width meets the triangle: as wide as the cone, and longer along the ray.
 void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3& normal, const glm::vec3& direction,
                     float width, TextureFrame& frame)
 {
     if (!(double_area > 0)) return;
     const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
-    // Two axes of one length; what of `forward` points along the normal does not count.
+    // Choose two axes of equal length; the component of `forward` along the normal is irrelevant.
     glm::vec3 forward = direction, sideward = glm::cross(normal, direction);
     float square = glm::dot(sideward, sideward);
     if (square < k_least_sine * k_least_sine) {
-        forward = e1, sideward = glm::cross(normal, e1);   // any will do: the ellipse is round
+        forward = e1, sideward = glm::cross(normal, e1);   // any direction will do, because the ellipse is a circle
         square = glm::dot(sideward, sideward);
         if (!(square > 0)) return;
     }
     const float across = width / (double_area * std::sqrt(square));
     const float along = across / std::max(std::abs(glm::dot(normal, direction)), k_least_cosine);
-    // u and v are linear on the triangle. By their gradients, which lie across the opposite edges:
+    // u and v are linear on the triangle. Use their gradients, which are perpendicular to the opposite edges.
     frame.along = along * glm::vec2(glm::dot(e2, sideward), -glm::dot(e1, sideward));
     frame.across = across * glm::vec2(-glm::dot(e2, forward), glm::dot(e1, forward));
 }
 
-// Tilts the shading normal by a normal map, in the tangent frame that the texture coordinates span on the triangle: as
-// the image lies on it, or as the file's own tangents have it, which know nothing of a turned image.
+// Perturbs the shading normal by a normal map, in the tangent frame of the texture coordinates on the triangle,
+// including the texture's transform; or in the frame of the file's own tangents, which ignore that transform.
 glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
                         const glm::vec3& normal, bool front)
 {
@@ -87,13 +88,13 @@ glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& fra
     const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
     const glm::vec3 along_u = (e1 * b.y - e2 * a.y) / determinant;
     const glm::vec3 along_v = (e2 * a.x - e1 * b.x) / determinant;
-    // glTF: green points up, that is against v, which runs down.
+    // In glTF, green points up, against v, which runs down.
     const glm::vec3 tangent = unit_or(along_u - normal * glm::dot(normal, along_u), glm::vec3(0));
     glm::vec3 bitangent = glm::cross(normal, tangent);
     if (glm::dot(bitangent, along_v) > 0) bitangent = -bitangent;
     if (tangent == glm::vec3(0)) return normal;
     const glm::vec4 texel = frame.look_up(use);
-    // What is a bump on the front is a dent on the back [glTF 2.0, 3.9.6: the whole normal is reversed].
+    // A bump on the front is a dent on the back [glTF 2.0, 3.9.6: the whole normal is reversed].
     const float scale = front ? material.normal_scale : -material.normal_scale;
     const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) * glm::vec3(scale, scale, 1);
     return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
@@ -166,7 +167,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     const glm::uvec3 index = mesh.triangles[triangle];
     const scene::Material& material = scene.materials[mesh.part_of(triangle).material];
 
-    // Place the point from the corners, not along the ray: it lies on the triangle whatever the distance.
+    // Interpolate the position from the corners, not along the ray, so that it lies on the triangle at any distance.
     glm::vec3 p[3];
     geometry.corners(triangle, p);
     const float w = std::max(0.0f, 1 - u - v);
@@ -174,7 +175,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     s.offset = ray::origin_lift(p);
     s.to_viewer = -direction;
 
-    // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
+    // Find the side that was hit. A mirroring transform reverses the winding, but does not swap inside and outside.
     const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float double_area = std::sqrt(glm::dot(cross, cross));
     glm::vec3 outward = double_area > 0 ? cross / double_area : -direction;

@@ -12,14 +12,15 @@
 namespace gnomon {
 
 namespace {
-constexpr int k_widest_sheet = 1920;   // pixels; images are made smaller to fit, never larger
+constexpr int k_widest_sheet = 1920;   // pixels; larger images are scaled down to fit
 constexpr int k_gap = 8;
-constexpr int k_dot = 2;   // pixels a dot of the font
+constexpr int k_dot = 2;   // pixels per dot of the font
 constexpr int k_line_height = k_dot * (image::k_glyph_height + 4);
-constexpr std::uint8_t k_paper = 24;   // dark, so that the images' own brightness can be judged
+constexpr std::uint8_t k_paper =
+    24;   // grey value of the background: dark, so that the brightness of images can be judged
 constexpr std::uint8_t k_ink = 210;
 
-// One output pixel is the mean, in linear light, of the box of input pixels that it covers, cut at its borders.
+// An output pixel is the mean, in linear light, of the box of input pixels that it covers, including fractions.
 struct Box {
     int first = 0, last = 0;   // inclusive
     float first_weight = 1, last_weight = 1;
@@ -70,7 +71,8 @@ void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const s
                          int columns, const std::filesystem::path& out)
 {
     if (pngs.empty() || columns < 1 || labels.size() != pngs.size())
-        throw UsageError(fmt::format("{}: a contact sheet needs images, as many labels, and a column", out.string()));
+        throw UsageError(fmt::format("{}: a contact sheet needs at least one image and column, and a label per image",
+                                     out.string()));
     Image8 image = io::read_image(pngs.front());
     const int limit = std::max(1, (k_widest_sheet - k_gap) / columns - k_gap);
     const int width = std::min(image.width, limit);
@@ -84,7 +86,8 @@ void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const s
     for (std::size_t i = 0; i < pngs.size(); ++i) {
         if (i > 0) image = io::read_image(pngs[i]);
         if (Size{image.width, image.height} != first)
-            throw UsageError(fmt::format("{}: not of the same size as {}", pngs[i].string(), pngs.front().string()));
+            throw UsageError(
+                fmt::format("{}: its size differs from that of {}", pngs[i].string(), pngs.front().string()));
         const int left = k_gap + static_cast<int>(i) % columns * (width + k_gap);
         const int top = k_gap + static_cast<int>(i) / columns * cell_height;
         paste_smaller(image, width, height, sheet, left, top);

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr const char* k_program = "ffmpeg";
-constexpr const char* k_quality = "16";   // x264's constant rate factor: hardly to be told from the frames
-// An odd side loses its last row or column; the colours are those of screens (Rec. 709, studio range), exactly rounded.
+constexpr const char* k_quality = "16";   // x264's constant rate factor: visually almost lossless
+// Crop an odd side by one row or column; use screen colours (Rec. 709, studio range) with exact rounding.
 constexpr const char* k_filters =
     "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,"
     "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact:out_color_matrix=bt709:out_range=tv,format=yuv420p";
 
-// Threads are one everywhere: x264's own are repeatable, but not the same for another number of them.
+// One thread everywhere: x264's results are repeatable, but depend on the number of threads.
 std::vector<std::string> encode_arguments(double fps, const fs::path& out)
 {
     return {k_program,
@@ -86,7 +86,7 @@ std::vector<std::uint8_t> bytes_of(const fs::path& file)
     return bytes;
 }
 
-// The last line that says something: ffmpeg closes with a remark that it failed.
+// The last informative line of ffmpeg's messages; it ends with a generic remark that it failed.
 std::string last_line(const std::string& text)
 {
     std::string last;
@@ -100,8 +100,8 @@ std::string last_line(const std::string& text)
     return last;
 }
 
-// Whether an MP4 has its index and its images, and ends where its last part does: an encoder that was cut short need
-// not know it.
+// Whether an MP4 has its index and its media data, and ends where its last box does. An encoder that was interrupted
+// may exit without an error.
 bool is_whole_mp4(const fs::path& file)
 {
     std::error_code error;
@@ -110,7 +110,8 @@ bool is_whole_mp4(const fs::path& file)
     bool index = false, images = false;
     std::uintmax_t at = 0;
     while (!error && in && at < size) {
-        // A part: its size in four bytes, or 1 and the size in the eight behind its name; its name in four.
+        // Read a box header: its size in four bytes, or 1 and the size in the eight bytes after its type; its type in
+        // four.
         std::array<unsigned char, 16> head{};
         in.seekg(static_cast<std::streamoff>(at));
         in.read(reinterpret_cast<char*>(head.data()), head.size());
@@ -134,14 +135,14 @@ bool is_whole_mp4(const fs::path& file)
 void encode_video(const std::vector<fs::path>& frames, double fps, const fs::path& out, const Progress& progress)
 {
     if (frames.empty()) throw UsageError(fmt::format("{}: a video needs at least one frame", out.string()));
-    if (!(fps > 0)) throw UsageError(fmt::format("{}: a video needs a rate above 0", out.string()));
+    if (!(fps > 0)) throw UsageError(fmt::format("{}: the rate of a video must be above 0", out.string()));
 
     double done = 0;
     const auto go_on = [&] { return !progress || progress({"encoding", done}); };
-    io::AtomicFile file(out, frames.front().parent_path());   // unfinished, it stands among what it is made of
+    io::AtomicFile file(out, frames.front().parent_path());   // the unfinished file is stored with the frames
     Process ffmpeg(encode_arguments(fps, file.temporary()));
 
-    // Feed the frames one by one; a program that stops listening has something to say.
+    // Feed the frames one by one. If the program stops reading, it has reported an error.
     bool listening = true;
     for (std::size_t i = 0; i < frames.size() && listening; ++i) {
         if (!go_on()) throw InterruptedError("interrupted");
@@ -153,7 +154,8 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
     const bool whole = status == 0 && listening && is_whole_mp4(file.temporary());
     if (!whole) {
         const std::string reason = last_line(ffmpeg.errors());
-        const std::string short_of = fmt::format("exit status {}{}", status, status == 0 ? ", but no whole video" : "");
+        const std::string short_of =
+            fmt::format("exit status {}{}", status, status == 0 ? ", but the video is incomplete" : "");
         throw MissingError(
             fmt::format("ffmpeg could not write {}: {}", out.string(), reason.empty() ? short_of : reason));
     }
@@ -162,7 +164,7 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
 
 bool have_ffmpeg(const Progress& progress)
 {
-    // An ffmpeg without the encoder would be found out after the rendering.
+    // Check for the encoder, too, because its absence would otherwise be found only after rendering.
     try {
         Process ffmpeg({k_program, "-hide_banner", "-h", "encoder=libx264"});
         return ffmpeg.wait([&] {

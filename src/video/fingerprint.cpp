@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hash of what the pixels of a video depend on: all of the scene but names, and the options that shape images.
-// Frames of before an edit must not be taken for those after it.
+// A hash of everything that the pixels of a video depend on: the scene except names, and the options that affect
+// images. It ensures that frames from before an edit are not reused after it.
 #include <algorithm>
 #include <functional>
 
@@ -52,7 +52,7 @@ void add_mesh(Fingerprint& print, const scene::Mesh& mesh)
     print.add_all(mesh.triangles);
     for (const scene::MeshPart& part : mesh.parts) print.add(part.material), print.add(part.triangle_count);
 
-    // What deforms it.
+    // Add the data that deforms it.
     print.add(mesh.morph_targets.size()), print.add(mesh.skin.has_value()), print.add(mesh.vertex_keys.has_value());
     for (const scene::MorphTarget& target : mesh.morph_targets)
         print.add_all(target.positions), print.add_all(target.normals), print.add_all(target.tangents);
@@ -126,13 +126,13 @@ void add_nodes(Fingerprint& print, const scene::Scene& scene)
         for (const glm::dmat4& inverse_bind : skin.inverse_bind) print.add(inverse_bind);
     }
     for (const scene::Camera& camera : scene.cameras) {
-        print.add(camera.name), print.add(camera.node);   // --camera asks for names
+        print.add(camera.name), print.add(camera.node);   // --camera selects by name
         print.add(camera.vertical_fov), print.add(camera.orthographic_height);
         print.add(camera.near), print.add(camera.far);
     }
 }
 
-// Calls `evaluate` at the first of the times, and at each that a change lies before.
+// Calls `evaluate` at the first time, and at each time that follows a change.
 void at_each_change(const std::vector<double>& times, const std::vector<scene::Interval>& changing,
                     const std::function<void(double)>& evaluate)
 {
@@ -143,7 +143,7 @@ void at_each_change(const std::vector<double>& times, const std::vector<scene::I
     }
 }
 
-// What tracks say at the frames' times: of a long clip, at those of some, evenly spread.
+// Adds the values of tracks at the frames' times, or at some of them, evenly spaced, for a long clip.
 void add_tracks(Fingerprint& print, const scene::Scene& scene)
 {
     constexpr int k_most_times = 1024;
@@ -197,13 +197,13 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);
-    // How far it turns in a frame; a clip that numbers its own frames has the same times at any rate.
+    // The turntable's angle per frame. A clip that numbers its own frames has the same times at any rate.
     if (options.turntable_seconds > 0) print.add(scene.fps());
     print.add(options.max_depth), print.add(options.samples);
     print.add(options.exposure.has_value()), print.add(options.exposure.value_or(0));
     print.add(options.tonemap);
     print.add(options.accelerator);
-    // Certified culling and none give the same pixels; what the published one gives depends on its history, too.
+    // Certified culling gives the same pixels as none; the published method's depend on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);
     print.add(options.indirect), print.add(options.indirect_on);
     print.add(options.renderer), print.add(options.shadow_textures), print.add(options.shadow_filter);

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 constexpr const char* k_manifest = "manifest.json";
 constexpr std::uintmax_t k_manifest_limit = 1 << 16;   // bytes
-// A chunk has the folder alone while it looks around and writes the manifest: others wait so long for that.
+// A chunk locks the folder exclusively while it inspects it and writes the manifest; others wait this long.
 constexpr auto k_chunk_patience = std::chrono::seconds(5);
 constexpr auto k_chunk_step = std::chrono::milliseconds(5);
 
@@ -97,9 +97,9 @@ void FramesFolder::make_and_lock(bool shared)
         unlock();
         std::error_code error;
         made_ = fs::create_directory(folder_, error);
-        if (error) throw MissingError(fmt::format("cannot make {}: {}", folder_.string(), error.message()));
+        if (error) throw MissingError(fmt::format("cannot create {}: {}", folder_.string(), error.message()));
         lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-        if (lock_ < 0 && errno == ENOENT) continue;   // a video that was done took it away
+        if (lock_ < 0 && errno == ENOENT) continue;   // a run that finished its video has removed the folder
         alone_ = ::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
         const bool mine = alone_ || (shared && ::flock(lock_, LOCK_SH | LOCK_NB) == 0);
         struct stat locked {
@@ -109,7 +109,7 @@ void FramesFolder::make_and_lock(bool shared)
                            there.st_dev != locked.st_dev || there.st_ino != locked.st_ino);
         if (mine && !gone) return;
         if (!gone && (!shared || std::chrono::steady_clock::now() > until))
-            throw MissingError(fmt::format("another run is at work on {}", folder_.string()));
+            throw MissingError(fmt::format("another run is using {}", folder_.string()));
         std::this_thread::sleep_for(k_chunk_step);
     }
 }
@@ -117,7 +117,7 @@ void FramesFolder::make_and_lock(bool shared)
 void FramesFolder::let_others_in()
 {
     if (alone_ && ::flock(lock_, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        throw MissingError(fmt::format("another run is at work on {}", folder_.string()));
+        throw MissingError(fmt::format("another run is using {}", folder_.string()));
 }
 
 fs::path FramesFolder::file(int frame) const
@@ -132,18 +132,18 @@ void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
     for (const fs::path& entry : entries(folder_)) {
         const std::string name = entry.filename().string();
         if (!is_ours(name))
-            throw UsageError(
-                fmt::format("{} holds '{}', which is no frame of a video: move it away", folder_.string(), name));
+            throw UsageError(fmt::format("{} contains '{}', which is not a frame of a video: move it elsewhere",
+                                         folder_.string(), name));
         frames |= is_frame_name(name);
     }
 
     const nlohmann::ordered_json manifest = manifest_of(identity);
     const std::optional<nlohmann::ordered_json> found = read_manifest(folder_ / k_manifest);
     const bool same = found && *found == manifest;
-    // Others at work on it have none yet, perhaps: what they will write is of their manifest.
+    // Other runs may not have written frames yet; theirs will match their manifest.
     const bool others = !alone_ && found;
     if ((frames || others) && !same && (keep || shared))
-        throw UsageError(fmt::format("{} holds frames of another scene, size or set of options: remove it{}",
+        throw UsageError(fmt::format("{} contains frames of another scene, size or set of options: remove it{}",
                                      folder_.string(), keep && !shared ? ", or leave out --resume" : ""));
     std::error_code error;
     if (!keep && !shared)
@@ -157,7 +157,7 @@ void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
         out.write(manifest.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
         out.commit();
     } catch (...) {
-        if (made_ && !shared) fs::remove(folder_, error);   // a full disk; what is not empty stays
+        if (made_ && !shared) fs::remove(folder_, error);   // a full disk; the folder stays if it is not empty
         throw;
     }
     if (shared) let_others_in();

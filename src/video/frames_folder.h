@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// OUT.frames/: the frames of a video that is not whole yet.
+// OUT.frames/: the frames of an unfinished video.
 //
-// A small manifest says what the frames are of, so that frames of another scene, size or option are never taken for
-// these. Only files of ours are ever removed; a folder that holds others is refused. While a video is made, its folder
-// is locked (flock), so that two runs at once never mix their frames or take each other's away; the chunks of one video
-// share the lock. It goes with its process, however that ends. Where a file system has no locks, nothing is locked.
+// A small manifest identifies the video, so that frames of another scene, size or option are never reused. Only our own
+// files are ever removed; a folder with other files is rejected. While a video is made, its folder is locked (flock),
+// so that two runs never mix or remove each other's frames; the chunks of one video share the lock. The lock ends with
+// the process, however that ends. On a file system without locks, the folder is not locked.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,18 +15,18 @@
 
 namespace gnomon::video {
 
-/// What the frames of one video have in common.
+/// Properties that all frames of a video have in common.
 struct VideoIdentity {
-    std::string scene;   // its name: for people
+    std::string scene;   // name, for messages
     Size size;
     std::uint64_t fingerprint = 0;   // of everything that pixels depend on, see fingerprint_of
-    std::string version;             // ours: another one may paint otherwise
+    std::string version;             // of Gnomon, because another version may render differently
 };
 
-/// Hash of all that shapes an image of the scene: everything but names. Cost: its vertices and texels, and what each
-/// track says at a thousand times at most.
+/// Hash of everything in the scene that affects images, without names. Cost: its vertices and texels, and at most a
+/// thousand evaluations per track.
 std::uint64_t fingerprint_of(const scene::Scene& scene);
-/// Of that, and of all options but those that change no image, such as the number of threads.
+/// Hash of that and of all options that affect images; the number of threads, for example, does not.
 std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
 
 class FramesFolder {
@@ -36,17 +36,17 @@ class FramesFolder {
     FramesFolder(const FramesFolder&) = delete;
     FramesFolder& operator=(const FramesFolder&) = delete;
 
-    /// Makes the folder, or takes over one that is there.
-    /// @param keep    frames stay, if they are of the same video; otherwise they are removed
-    /// @param shared  other processes may be at work on it: frames of another video are then refused too
-    /// @throws UsageError if it holds frames of another video, or files that are not ours; MissingError, also while
-    ///         another run is at work on it
+    /// Creates the folder, or opens an existing one.
+    /// @param keep    keep frames of the same video; others are removed
+    /// @param shared  other processes may use it at the same time: frames of another video are then an error, too
+    /// @throws UsageError    it has frames of another video, or files that are not ours
+    /// @throws MissingError  it cannot be written, or another run uses it
     void open(const VideoIdentity& identity, bool keep, bool shared);
 
     std::filesystem::path file(int frame) const;
 
-    /// Removes our files and the folder, if nothing else is in it; what cannot be removed stays. Not for a shared
-    /// folder, whose files are others', too.
+    /// Removes our files, and the folder if it is empty then; errors are ignored. Not for a shared folder, because its
+    /// files also belong to others.
     void remove();
     bool has_frames() const;
     const std::filesystem::path& path() const { return folder_; }
@@ -57,9 +57,9 @@ class FramesFolder {
     void unlock();
 
     std::filesystem::path folder_;
-    int lock_ = -1;       // the folder, open
-    bool alone_ = true;   // nobody else has it
-    bool made_ = false;   // by us
+    int lock_ = -1;       // descriptor of the folder
+    bool alone_ = true;   // the lock is exclusive
+    bool made_ = false;   // this object created the folder
 };
 
 }   // namespace gnomon::video

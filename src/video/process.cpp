@@ -22,8 +22,8 @@ extern char** environ;
 namespace gnomon::video {
 
 namespace {
-constexpr int k_ask_every_ms = 100;          // how often go_on is asked while the program does not read
-constexpr long k_wait_step_ns = 5'000'000;   // between two looks whether it has ended
+constexpr int k_ask_every_ms = 100;          // interval of calls of go_on while the program does not read
+constexpr long k_wait_step_ns = 5'000'000;   // interval of checks whether the program has ended
 
 void close_and_forget(int& descriptor)
 {
@@ -31,7 +31,7 @@ void close_and_forget(int& descriptor)
     descriptor = -1;
 }
 
-// Signals we ignore or block would stay so in the program: give it the usual ones.
+// Reset signals that this process ignores or blocks to their defaults, because the program would inherit them.
 void reset_signals(posix_spawnattr_t& attributes)
 {
     sigset_t none, usual;
@@ -126,8 +126,8 @@ int Process::wait(const GoOn& go_on)
             return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
         }
         if (ended < 0 && errno != EINTR) {
-            process_ = -1;   // somebody else reaped it: an embedding program that ignores SIGCHLD
-            throw MissingError(fmt::format("lost sight of a program that was run: {}", std::strerror(errno)));
+            process_ = -1;   // the process was already reaped, e.g. because the embedding program ignores SIGCHLD
+            throw MissingError(fmt::format("cannot wait for a program that was started: {}", std::strerror(errno)));
         }
         if (go_on && !go_on()) throw InterruptedError("interrupted");
         const timespec step{0, k_wait_step_ns};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Another program, run with an argument vector (no shell), fed through its standard input.
+// Runs another program with an argument vector (no shell) and feeds its standard input.
 //
-// Its standard input is a socket, so that writing to a program that has died is an error and never a signal. What it
-// prints is kept in memory. It has a process group of its own: Ctrl-C reaches us, and we end it.
+// The standard input is a socket, so writing to a program that has died is an error and never a signal. Its output is
+// kept in memory. It has its own process group: Ctrl-C reaches only us, and we end it.
 
 #include <cstdint>
 #include <functional>
@@ -15,21 +15,21 @@ namespace gnomon::video {
 
 class Process {
  public:
-    /// Asked now and then while waiting; false: stop waiting, InterruptedError.
+    /// Called from time to time while waiting; return false to stop, which throws InterruptedError.
     using GoOn = std::function<bool()>;
 
     /// @param arguments  the program, looked up in PATH, then its arguments
-    /// @throws MissingError if it cannot be started
+    /// @throws MissingError  it cannot be started
     explicit Process(const std::vector<std::string>& arguments);
-    /// Kills the program if it still runs.
+    /// Kills the program if it is still running.
     ~Process();
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
-    /// Feeds bytes; false if the program does not listen any more.
+    /// Feeds bytes; returns false if the program has stopped reading.
     bool write(std::span<const std::uint8_t> bytes, const GoOn& go_on = {});
     void close_input();
-    /// Closes the input and waits for the end: the exit status, or -signal.
+    /// Closes the input and waits for the program to end. Returns its exit status, or -signal.
     int wait(const GoOn& go_on = {});
 
     std::string output() const { return text_of(output_); }

@@ -20,17 +20,16 @@ using io::OutputKind;
 using video::FramesFolder;
 
 namespace {
-// Smooth images take at least this much as PNG. Less room than that on the disk cannot be enough.
+// Even smooth images take at least this much as PNG, so a disk with less space is too small.
 constexpr double k_least_bytes_per_pixel = 0.1;
-// A slower one's frames last longer than MP4 can say: it would lose some. A faster one's rate is more than ffmpeg
-// takes.
+// At a slower rate, MP4 cannot represent the duration of a frame and would lose some. ffmpeg rejects faster rates.
 constexpr double k_slowest_video = 0.001, k_fastest_video = 1000;   // frames a second
-constexpr int k_least_video_side = 2;                               // one row or column, being odd, would be lost
-constexpr int k_largest_video_side = 16385;                         // the encoder's, and one that is lost
+constexpr int k_least_video_side = 2;                               // an odd side loses one row or column
+constexpr int k_largest_video_side = 16385;                         // the encoder's limit, and one that is lost
 constexpr int k_sheet_images = 12;
 constexpr int k_sheet_columns = 4;
-constexpr std::size_t k_channels_beside_shadows = 25;   // of all other layers, those of a reference among them
-constexpr int k_overlay_warm_up = 8;                    // frames before a single image of what is remembered
+constexpr std::size_t k_channels_beside_shadows = 25;   // channels of all other layers, including those of a reference
+constexpr int k_overlay_warm_up = 8;                    // frames before a single image of the cached state
 
 void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
 {
@@ -40,25 +39,26 @@ void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::O
             fmt::format("frames {}-{}: the clip has frames 1 to {}", frames.first, frames.last, scene.frame_count()));
     if (kind == io::OutputKind::image && frames.count() > 1)
         throw UsageError(
-            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or .mp4", out, frames.count()));
+            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or an .mp4", out, frames.count()));
     if (kind == io::OutputKind::video && !(job.fps >= k_slowest_video && job.fps <= k_fastest_video))
         throw UsageError(fmt::format("{}: a video of {:g} frames a second: expected {} to {}; --fps sets another rate",
                                      out, job.fps, k_slowest_video, k_fastest_video));
-    if (job.warm_up.value_or(0) < 0) throw UsageError("a warm-up has 0 frames or more");
+    if (job.warm_up.value_or(0) < 0) throw UsageError("the number of warm-up frames must not be negative");
     if (job.contact_sheet.empty()) return;
-    if (io::is_exr_name(job.out)) throw UsageError("a contact sheet is made of .png or .mp4, not of .exr");
+    if (io::is_exr_name(job.out)) throw UsageError("a contact sheet needs .png or .mp4 output, not .exr");
     if (io::output_kind(job.contact_sheet) != io::OutputKind::image || io::is_exr_name(job.contact_sheet))
-        throw UsageError(fmt::format("{}: a contact sheet is one .png", job.contact_sheet.string()));
-    // It is written last, and would take an image's place.
+        throw UsageError(fmt::format("{}: a contact sheet must be a .png file", job.contact_sheet.string()));
+    // The sheet is written last and must not overwrite an image.
     const auto plain = [](const fs::path& file) { return fs::absolute(file).lexically_normal(); };
     const fs::path sheet = plain(job.contact_sheet);
     for (int frame = frames.first; kind != io::OutputKind::video && frame <= frames.last; ++frame)
         if (plain(io::numbered_name(job.out, frame)) == sheet)
-            throw UsageError(fmt::format("{}: the contact sheet has the name of an image", sheet.string()));
-    if (job.chunks > 1) throw UsageError("a contact sheet is made with the whole range, not with a chunk");
+            throw UsageError(
+                fmt::format("{}: the contact sheet would overwrite an image; choose another name", sheet.string()));
+    if (job.chunks > 1) throw UsageError("a contact sheet needs the whole range; it cannot be combined with --chunk");
 }
 
-// A layer of shadows for each light is much; what could not be read again is not begun.
+// A shadow channel per light may be too many. Check before rendering that the file can be read again.
 void check_layers(const Scene& scene, const RenderOptions& options, Size size, const fs::path& out)
 {
     const bool layers = options.layers && (options.overlay == Overlay::none || options.overlay == Overlay::redrawn);
@@ -71,7 +71,7 @@ void check_layers(const Scene& scene, const RenderOptions& options, Size size, c
             out.string(), lights, size.width, size.height, room - std::min(room, k_channels_beside_shadows)));
 }
 
-// What the encoder would refuse when all is rendered.
+// Checks the size before rendering, because the encoder would reject it only at the end.
 void check_video_size(Size size, const fs::path& out)
 {
     const auto fits = [](int side) { return side >= k_least_video_side && side <= k_largest_video_side; };
@@ -84,7 +84,7 @@ void check_room(const fs::path& file, Size size, int frames)
 {
     std::error_code error;
     const fs::space_info space = fs::space(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
-    if (error) return;   // unknown: writing will tell
+    if (error) return;   // unknown; an error will appear when writing
     const double needed = k_least_bytes_per_pixel * size.width * size.height * frames;
     if (static_cast<double>(space.available) < needed)
         throw MissingError(
@@ -97,7 +97,7 @@ bool is_whole(const fs::path& frame, Size size)
     return io::is_exr_name(frame) ? io::is_whole_exr(frame, size) : io::is_whole_png(frame, size.width, size.height);
 }
 
-// Evenly spaced over the range, first and last among them.
+// Chooses frames evenly spaced over the range, including the first and the last.
 std::vector<std::size_t> sheet_choice(std::size_t frames)
 {
     const std::size_t count = std::min<std::size_t>(frames, k_sheet_images);
@@ -131,7 +131,7 @@ void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
 VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress,
                          const std::function<void(const FrameRecord&)>& on_frame)
 {
-    // Refuse what cannot work before any frame is rendered.
+    // Reject invalid jobs before any frame is rendered.
     const io::OutputKind kind = io::output_kind(job.out);
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
@@ -157,8 +157,8 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
         folder.open(identity, job.resume, job.chunks > 1);
     }
 
-    // A chunk's folder is its neighbours', too, which may be about to write their first frame. What ended the video is
-    // said, whatever more goes wrong here.
+    // Remove the folder only if it is empty, because other chunks may be about to write their first frame. Ignore
+    // errors here, so that the original error is reported.
     const auto let_go_if_empty = [&]() noexcept {
         try {
             if (job.chunks == 1 && !folder.has_frames()) folder.remove();
@@ -166,7 +166,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
         }
     };
 
-    // Render what is not there yet.
+    // Render the missing frames.
     try {
         const bool one_overlay = renderer.options().overlay == Overlay::shadow_states && whole.count() == 1;
         const int warm_up_frames = job.warm_up.value_or(one_overlay ? k_overlay_warm_up : 0);
@@ -200,7 +200,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
         let_go_if_empty();
         if (!folder.has_frames()) throw;
         throw InterruptedError(
-            fmt::format("{}; --resume goes on from the frames in {}", error.what(), folder.path().string()));
+            fmt::format("{}; --resume continues with the frames in {}", error.what(), folder.path().string()));
     } catch (...) {
         if (kind == io::OutputKind::video) let_go_if_empty();
         throw;
@@ -212,7 +212,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
         return result;
     }
 
-    // All are there: make the video, and let the frames go.
+    // Encode the video when all frames are complete, and remove the frames.
     std::vector<fs::path> frames;
     for (const FrameRecord& record : result.frames) frames.push_back(record.file);
     video::encode_video(frames, job.fps, job.out, progress);

@@ -6,7 +6,7 @@
 namespace gnomon::visibility {
 
 namespace {
-// Side planes of a piece this much thinner than it is long would point anywhere.
+// If a piece is thinner than this fraction of its length, its side planes are too imprecise.
 constexpr double k_min_sine = 1e-9;
 }   // namespace
 
@@ -16,7 +16,7 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
 {
     planes_[3] = {normal, -glm::dot(normal, centroid_)};
 
-    // Sides: through each edge and the light, the third corner inside.
+    // Construct the sides: through each edge and the light, with the third corner inside.
     const double thinnest = rules.margin / k_lift * lift;
     for (int e = 0; e < 3; ++e) {
         const glm::dvec3& a = corner[e];
@@ -33,7 +33,7 @@ Shaft::Shaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, const Ligh
         if (!(std::abs(third) > thinnest)) return;
     }
 
-    // Bound it: the piece and the light; an endless prism runs to infinity where the light is.
+    // Bound the piece and the light; the prism of a directional light is infinite.
     glm::dvec3 low = glm::min(glm::min(corner[0], corner[1]), corner[2]) - lift;
     glm::dvec3 high = glm::max(glm::max(corner[0], corner[1]), corner[2]) + lift;
     if (light.directional) {
@@ -62,13 +62,13 @@ bool Shaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
 {
     const glm::vec3 reach = glm::max(glm::abs(box_low), glm::abs(box_high));
     const ShaftRoom room = room_for(std::max({reach.x, reach.y, reach.z}));
-    // Twice, so that adding in single precision takes nothing away.
+    // Double the margin, so that rounding in single precision cannot reduce it.
     const auto widen = static_cast<float>(2 * room.side);
     for (int axis = 0; axis < 3; ++axis)
         if (box_low[axis] > high_[axis] + widen || box_high[axis] < low_[axis] - widen) return false;
     const glm::dvec3 corner[2] = {glm::dvec3(box_low), glm::dvec3(box_high)};
     for (std::size_t k = 0; k < planes_.size(); ++k) {
-        // The corner furthest inside.
+        // Test the box corner that is furthest inside.
         const std::array<std::uint8_t, 3>& end = furthest_[k];
         const glm::dvec3 q(corner[end[0]].x, corner[end[1]].y, corner[end[2]].z);
         if (planes_[k].at(q) < (k < 3 ? -room.side : room.base)) return false;
@@ -86,7 +86,7 @@ bool Shaft::clip(const glm::dvec3 (&p)[3], const ShaftRoom& room, ClippedPolygon
 
 bool clip_triangle(const std::array<Plane, 4>& planes, const glm::dvec3 (&p)[3], ClippedPolygon& clipped)
 {
-    // Most triangles lie outside one plane, and need no cutting.
+    // Return early if all corners are outside one plane, as for most triangles.
     double at[4][3];
     bool cuts[4];
     for (std::size_t k = 0; k < planes.size(); ++k) {
@@ -96,7 +96,7 @@ bool clip_triangle(const std::array<Plane, 4>& planes, const glm::dvec3 (&p)[3],
         cuts[k] = outside > 0;
     }
 
-    // Cut it by the others, one after the other [Sutherland and Hodgman 1974].
+    // Clip by the planes that cut it, one after the other [Sutherland and Hodgman 1974].
     ClippedPolygon other;
     ClippedPolygon *now = &clipped, *next = &other;
     now->corner[0] = p[0], now->corner[1] = p[1], now->corner[2] = p[2];

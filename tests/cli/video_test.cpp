@@ -71,7 +71,7 @@ TEST_F(Video, InterruptedAndResumedIsTheSame)
         ASSERT_TRUE(wait_until([&] { return fs::exists(frame); }));
         program.send(signal);
         const Outcome outcome = program.wait();
-        expect_failure(outcome, 130, "interrupted; --resume goes on from the frames in");
+        expect_failure(outcome, 130, "interrupted; --resume continues with the frames in");
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"b.mp4.frames"});
         for (const std::string& name : names_in(folder / "b.mp4.frames"))
             EXPECT_TRUE(name.starts_with("frame-") || name == "manifest.json") << name;
