@@ -27,7 +27,7 @@ GpuTextureUse convert_use(const scene::TextureUse& use)
         std::sin(use.rotation)};
 }
 
-// The half floats of 8-bit values.
+// Half floats of the 256 values of 8 bits.
 std::array<std::uint16_t, 256> halves_of(bool srgb)
 {
     std::array<std::uint16_t, 256> table{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The scene's materials, textures and lights in the form that shaders read.
+// Converts the scene's materials, textures and lights to the form that shaders read.
 
 #include "gpu_scene/gpu_scene_shared.h"
 #include "scene/scene.h"
@@ -10,12 +10,12 @@ namespace gnomon::gpu_scene {
 shared::GpuMaterial convert(const scene::Material& material);
 shared::GpuLight convert(const scene::Light& light, const scene::LightState& state);
 
-/// All textures' levels as linear half floats, four a texel, one after the other.
+/// All levels of all textures as linear half floats, four per texel, concatenated.
 struct TexelPool {
     std::vector<shared::GpuTexture> textures;
     std::vector<std::uint16_t> halves;
 };
-/// @throws MissingError  more texels than a 32-bit number counts
+/// @throws MissingError  more texels than a 32-bit index can address
 TexelPool convert(const std::vector<scene::Texture>& textures);
 
 }   // namespace gnomon::gpu_scene

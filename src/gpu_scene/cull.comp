@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Frustum culling: one invocation a draw. A draw keeps its place; one that is hidden or outside gets no instance, so the
-// order of drawing, and with it the image, never depends on what was culled.
+// Frustum culling, one invocation per draw. Every draw keeps its index; hidden or culled draws get no instances. Thus
+// the order of drawing, and with it the image, does not depend on culling.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"
@@ -14,7 +14,7 @@ layout(binding = 2, scalar) buffer Commands { Command at[]; } commands;
 layout(binding = 3, scalar) buffer Counts { uint drawn; uint triangles; } counts;
 layout(push_constant, scalar) uniform Push { CullPush push; };
 
-// Whether a box, moved by a matrix, lies wholly outside of one of the planes.
+// Whether a transformed box lies completely outside one of the planes.
 bool outside(GpuDraw draw, mat4 m)
 {
     const vec3 centre = vec3(m * vec4(draw.centre, 1));

@@ -23,13 +23,13 @@ constexpr std::uint32_t k_cull_code[] =
 #include "gpu_scene/cull.comp.inc"
     ;
 
-// Where a mesh's arrays lie in the common ones.
+// The offsets of a mesh's arrays in the shared ones.
 struct MeshPlace {
     std::uint32_t positions = 0, normals = GNOMON_NONE, texcoords[2] = {GNOMON_NONE, GNOMON_NONE};
     std::uint32_t colors = GNOMON_NONE, first_index = 0;
 };
 
-// Appends values and says where they begin; none if there are none.
+// Appends values and returns the index of the first, or none if there are none.
 template <class T>
 std::uint32_t append(std::vector<T>& to, const std::vector<T>& values)
 {
@@ -39,7 +39,7 @@ std::uint32_t append(std::vector<T>& to, const std::vector<T>& values)
     return first;
 }
 
-// The inverse transpose up to a positive factor; exists for flattening matrices too.
+// The inverse transpose up to a positive factor; it exists for singular matrices too.
 glm::mat3 normal_matrix(const glm::dmat4& m)
 {
     const glm::dmat3 l(m);
@@ -79,7 +79,7 @@ GpuScene::GpuScene(const std::shared_ptr<vk::Device>& device, const scene::Scene
     lay_out(state, uploads);
 }
 
-// Brings all meshes into common arrays, and makes objects and draws.
+// Concatenates all meshes' arrays, and creates objects and draws.
 void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& uploads)
 {
     const scene::Scene& scene = *scene_;
@@ -104,7 +104,7 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
         const scene::Mesh& mesh = scene.meshes[object.mesh];
         MeshPlace place_of = places[object.mesh];
         if (object.deforming) {
-            // What deforms has vertices of its own.
+            // Give a deforming object its own vertices.
             const scene::DeformedMesh& shape = state.deformed(static_cast<scene::ObjectId>(o));
             place_of.positions = append(all_positions, shape.positions);
             place_of.normals = append(all_normals, shape.normals);
@@ -138,8 +138,8 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
         buffer = vk::Buffer(device_, name, std::max<std::size_t>(values.size(), 1) * sizeof(T));
         counts_.bytes += buffer.bytes();
         if (buffer.bytes() > device_->limits().maxStorageBufferRange && &buffer != &texels)
-            throw MissingError(fmt::format("Vulkan: the scene's {} take {} MiB, and the device addresses {} MiB", name,
-                                           buffer.bytes() >> 20, device_->limits().maxStorageBufferRange >> 20));
+            throw MissingError(fmt::format("Vulkan: the scene's {} need {} MiB, but the device can address only {} MiB",
+                                           name, buffer.bytes() >> 20, device_->limits().maxStorageBufferRange >> 20));
         if (!values.empty()) uploads.push_back(vk::upload_of(buffer, std::span<const T>(values)));
     };
     make(positions, "positions", all_positions);
@@ -152,12 +152,13 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
     make(materials, "materials", all_materials);
     make(textures, "textures", pool.textures);
     make(texels, "texels", pool.halves);
-    if (pool.halves.empty()) texels = vk::Buffer(device_, "texels", 8);   // one texel, never read
+    if (pool.halves.empty())
+        texels = vk::Buffer(device_, "texels", 8);   // one unused texel, because a buffer cannot be empty
     make(lights, "lights", lights_host_);
     make(commands_buffer, "draw commands", commands_host_);
     counts_buffer = vk::Buffer(device_, "draw counts", 2 * sizeof(std::uint32_t));
 
-    // Send them one by one: the staging memory is that of the largest.
+    // Upload one by one, so that the staging memory is only as large as the largest upload.
     vk::Commands commands(device_);
     for (const vk::Upload& upload : uploads) {
         commands.upload("send " + upload.to->name(), {&upload, 1});
@@ -165,7 +166,7 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
     }
 }
 
-// An object's matrices and whether it is seen, as the state has them.
+// Copies an object's matrices and visibility from the state.
 void GpuScene::place(const scene::SceneState& state, scene::ObjectId o)
 {
     GpuObject& g = objects_host_[o];
@@ -179,7 +180,7 @@ void GpuScene::place(const scene::SceneState& state, scene::ObjectId o)
     g.shown = state.object_there(o) && std::isfinite(determinant) ? 1 : 0;
 }
 
-// Sorts draws by how they are drawn, then by object and part; makes the groups and the indirect commands.
+// Sorts draws by pipeline state, then by object and part; makes the groups and the indirect commands.
 void GpuScene::sort_draws()
 {
     const auto key = [&](const GpuDraw& draw) {
@@ -209,7 +210,7 @@ void GpuScene::sort_draws()
     }
 }
 
-// Bounds of an object's parts, in its own space.
+// Computes the bounds of an object's parts in object space.
 void GpuScene::set_bounds(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = scene_->objects[o];
@@ -229,7 +230,7 @@ void GpuScene::update(vk::Commands& commands, const scene::SceneState& state)
     std::vector<vk::Upload> uploads;
     counts_.touched = counts_.bytes_uploaded = 0;
 
-    // Place what moved, appeared or vanished.
+    // Update the matrices of objects that moved, appeared or vanished.
     bool turned = false;
     std::vector<scene::ObjectId> touched = changes.moved;
     for (const auto* list : {&changes.appeared, &changes.vanished})
@@ -245,7 +246,7 @@ void GpuScene::update(vk::Commands& commands, const scene::SceneState& state)
         ++counts_.touched;
     }
 
-    // Send the vertices of what deformed.
+    // Upload the vertices of objects that deformed.
     for (const scene::ObjectId o : changes.deformed) {
         const scene::DeformedMesh& shape = state.deformed(o);
         const GpuObject& g = objects_host_[o];
@@ -262,7 +263,7 @@ void GpuScene::update(vk::Commands& commands, const scene::SceneState& state)
         ++counts_.touched;
     }
 
-    // An object turned inside out is culled the other way: sort anew. Rare.
+    // If an object's matrix became mirrored, or no longer is, its cull mode changes: sort again. This is rare.
     if (turned) {
         sort_draws();
         uploads.push_back(vk::upload_of(draws, std::span<const GpuDraw>(draws_host_)));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The scene on the device: vertices, textures, materials, lights, objects, and one indirect draw for each part of each
-// object, made once.
+// object, created once.
 //
-// update() follows one advance() of the state: what it sends is the matrices of what moved, the vertices of what
-// deformed and the lights that moved; what stands still is not looked at (`touched` counts). Culling is the device's.
-// Draws are sorted by how they are drawn and then by object, and never change places, unless an object is turned inside
-// out by its matrix, which sorts them anew.
+// update() follows one advance() of the state. It uploads the matrices of objects that moved, the vertices of objects
+// that deformed, and the lights that moved; static objects cost nothing (`touched` counts the updates). Culling runs on
+// the device. Draws are sorted by pipeline state and then by object. The order is fixed, except that draws are sorted
+// again when an object's matrix becomes mirrored or no longer is.
 
 #include <memory>
 #include <vector>
@@ -17,43 +17,43 @@
 
 namespace gnomon::gpu_scene {
 
-/// A run of draws that are drawn alike.
+/// A range of draws with the same pipeline state.
 struct DrawGroup {
     scene::SurfaceClass surface{};
-    VkCullModeFlags cull = VK_CULL_MODE_NONE;   // of one-sided surfaces: the side that is not seen
+    VkCullModeFlags cull = VK_CULL_MODE_NONE;   // of one-sided surfaces: the invisible side
     std::uint32_t first = 0, count = 0;
 };
 
 struct GpuSceneCounts {
-    std::uint64_t touched = 0;          // objects and lights handled by the last update
-    std::uint64_t bytes_uploaded = 0;   // by it
-    std::uint64_t bytes = 0;            // on the device, in all
+    std::uint64_t touched = 0;          // objects and lights updated by the last update
+    std::uint64_t bytes_uploaded = 0;   // by the last update
+    std::uint64_t bytes = 0;            // on the device, in total
 };
 
 class GpuScene {
  public:
-    /// Sends everything and waits.
+    /// Uploads everything and waits.
     /// @throws MissingError  the device has too little memory for it
     GpuScene(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state);
 
-    /// Records the sending of what the last advance() changed. Call once after every advance().
+    /// Records uploads of everything that the last advance() changed. Call once after every advance().
     void update(vk::Commands& commands, const scene::SceneState& state);
 
-    /// Records the culling of all draws for a view; `commands_buffer` then holds as many indirect draws.
-    /// @param planes  six, pointing inwards
+    /// Records the culling of all draws for a view; `commands_buffer` then holds one indirect draw for each.
+    /// @param planes  six, with normals pointing inwards
     void cull(vk::Commands& commands, const glm::vec4 (&planes)[6]) const;
 
     const std::vector<DrawGroup>& groups() const { return groups_; }
     std::uint32_t draw_count() const { return static_cast<std::uint32_t>(draws_host_.size()); }
     bool has_transparent() const;
-    /// Draws of one object, for those who draw single objects: numbers of GpuDraw and of indirect commands.
+    /// The draws of one object: indices of GpuDraw and of indirect commands.
     const std::vector<std::uint32_t>& draws_of(scene::ObjectId object) const { return draws_of_[object]; }
     const shared::GpuDraw& draw(std::uint32_t number) const { return draws_host_[number]; }
     const shared::GpuObject& object(scene::ObjectId object) const { return objects_host_[object]; }
     const GpuSceneCounts& counts() const { return counts_; }
     const vk::Pipeline& cull_pipeline() const { return cull_; }
 
-    // vec3 a vertex, meshes one after the other (GpuObject::positions); indices are each mesh's own, from 0.
+    // One vec3 per vertex, meshes concatenated (GpuObject::positions); each mesh's indices start at 0.
     vk::Buffer positions, normals, texcoords, colors, indices;
     vk::Buffer objects, draws, materials, textures, texels, lights;
     vk::Buffer commands_buffer;   // VkDrawIndexedIndirectCommand by draw

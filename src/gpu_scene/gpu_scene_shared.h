@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_GPU_SCENE_SHARED_H
 #define GNOMON_GPU_SCENE_SHARED_H
-// The scene as shaders see it. Layout: scalar, that is C++'s own.
+// The scene's structures for shaders. Layout: scalar, which equals C++'s.
 
 #include "vk/shared_types.h"
 
 GNOMON_SHARED_BEGIN(gpu_scene)
 
-// Numbers that stand for nothing: no texture, no normals, no texture coordinates.
+// The value for absence: no texture, no normals, no texture coordinates.
 #define GNOMON_NONE 0xffffffffu
 
-/// One object (instance of a mesh). Vertex arrays are numbered from the start of their buffers.
+/// One object (instance of a mesh). Vertex arrays are indexed from the start of their buffers.
 struct GpuObject {
     mat4 to_world;
     vec3 normal_x, normal_y, normal_z;   // columns of the inverse transpose, not normalised
     uint shown;                          // SceneState::object_there
-    uint mirrored;                       // the world winding is the reverse of the mesh's
+    uint mirrored;                       // the winding in world space is the reverse of the mesh's
     uint positions;
     uint normals;        // or none
     uint texcoords[2];   // each or none
     uint colors;         // or none
     uint first_index;    // of the mesh's triangles
-    uint tangents;       // the file has its own: 1
+    uint tangents;       // 1: the file has tangents
 };
 
-/// One part of one object: one indirect draw, which has the same number.
+/// One part of one object; an indirect draw with the same index.
 struct GpuDraw {
     uint object;
     uint material;
@@ -65,7 +65,7 @@ struct GpuMaterial {
 
 #define GNOMON_MAX_LEVELS 16
 
-/// Texels of all levels lie in one buffer of linear half floats.
+/// A texture; texels of all levels are in one buffer of linear half floats.
 struct GpuTexture {
     uint width, height, levels;
     uint wrap_u, wrap_v;    // as scene::Wrap
@@ -90,7 +90,7 @@ struct GpuLight {
     uint of_environment;
 };
 
-/// What a view culls draws against, in one push.
+/// The view against which draws are culled, as push constants.
 struct CullPush {
     vec4 planes[6];   // a point is inside where dot(xyz, p) + w >= 0
     uint draws;

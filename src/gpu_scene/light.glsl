@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A light at a point, as src/scene/light.cpp has it. Included after gpu_scene/gpu_scene_shared.h.
+// The light at a point, as in src/scene/light.cpp. Included after gpu_scene/gpu_scene_shared.h.
 
-const float k_most_irradiance = 1e12, k_least_square = 1e-30;   // as there
+const float k_most_irradiance = 1e12, k_least_square = 1e-30;  // as in that file
 
-// What a light does at a point with nothing between. False: nothing.
+// Computes the unoccluded light at a point. Returns false if there is none.
 bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradiance)
 {
     if (light.shown == 0) return false;

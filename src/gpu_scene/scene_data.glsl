@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene's buffers and texture look-ups, as src/scene/texture.cpp does them. Included by shaders that say first at
-// which bindings: GNOMON_OBJECTS ... (see below).
+// The scene's buffers, and texture sampling as in src/scene/texture.cpp. Shaders that include it first define the
+// bindings: GNOMON_OBJECTS ... (see below).
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"
 #include "gpu_scene/footprint_shared.h"
@@ -13,11 +13,11 @@ layout(binding = GNOMON_TEXELS) uniform samplerBuffer texels;
 layout(binding = GNOMON_TEXCOORDS, scalar) readonly buffer Texcoords { vec2 at[]; } texcoords;
 layout(binding = GNOMON_COLORS, scalar) readonly buffer Colors { vec4 at[]; } colors;
 
-const uint k_repeat = 0u, k_mirror = 1u;   // scene::Wrap; else clamp
+const uint k_repeat = 0u, k_mirror = 1u;  // scene::Wrap; otherwise clamp
 const uint k_nearest = 0u;                 // scene::Filter
-const float k_no_sample_more = 1e-3, k_one_level = 0.25, k_far = 1e5;   // as src/scene/footprint.cpp
+const float k_no_sample_more = 1e-3, k_one_level = 0.25, k_far = 1e5;  // as in src/scene/footprint.cpp
 
-// Without the offset: of a difference of two coordinates.
+// The use's transform without its offset, for differences of coordinates.
 vec2 apply_to_step(GpuTextureUse use, vec2 uv)
 {
     const vec2 s = uv * use.scale;
@@ -29,7 +29,7 @@ vec2 apply(GpuTextureUse use, vec2 uv)
     return apply_to_step(use, uv) + use.offset;
 }
 
-// Brings a coordinate into one period before it becomes a texel.
+// Reduces a coordinate to one period before it becomes a texel index.
 float reduce(float x, uint wrap)
 {
     if (isnan(x) || isinf(x)) return 0;
@@ -78,7 +78,7 @@ vec2 reduced(uint texture_id, vec2 uv)
     return vec2(reduce(uv.x, textures.at[texture_id].wrap_u), reduce(uv.y, textures.at[texture_id].wrap_v));
 }
 
-/// @param footprint  in texels, as scene::Texture::sample
+/// @param footprint  in texels, as in scene::Texture::sample
 vec4 texture_sample(uint texture_id, vec2 uv, float footprint)
 {
     uv = reduced(texture_id, uv);
@@ -104,7 +104,7 @@ vec4 row_sample(uint texture_id, int level, vec2 uv, vec2 diameter, int count, u
     return sum / float(count);
 }
 
-/// Over an ellipse of two conjugate diameters, in uv units, as scene::sample_ellipse.
+/// Samples over an ellipse with two conjugate diameters in uv units, as scene::sample_ellipse does.
 vec4 sample_ellipse(uint texture_id, vec2 uv, vec2 diameter, vec2 other)
 {
     const vec2 size = vec2(textures.at[texture_id].width, textures.at[texture_id].height);
@@ -142,7 +142,7 @@ vec4 sample_ellipse(uint texture_id, vec2 uv, vec2 diameter, vec2 other)
     return sum * (1 - blend) + row_sample(texture_id, fine + 1, uv, diameter, needed, filtering) * blend;
 }
 
-/// Alpha of the finest level: what decides on the holes of masked surfaces.
+/// Alpha of the finest level, which decides on the holes of masked surfaces.
 float texture_alpha(uint texture_id, vec2 uv)
 {
     return level_sample(texture_id, 0, reduced(texture_id, uv), textures.at[texture_id].magnify).w;

@@ -90,7 +90,7 @@ AccelerationStructure::AccelerationStructure(const std::shared_ptr<Device>& devi
     info.type = type_of(top);
     VkAccelerationStructureKHR structure = VK_NULL_HANDLE;
     check(vkCreateAccelerationStructureKHR(device->handle(), &info, nullptr, &structure),
-          fmt::format("making acceleration structure '{}'", name));
+          fmt::format("creating acceleration structure '{}'", name));
     handle_ = {device, structure, [](const Device& d, VkAccelerationStructureKHR s) {
                    vkDestroyAccelerationStructureKHR(d.handle(), s, nullptr);
                }};

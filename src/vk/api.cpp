@@ -22,9 +22,9 @@ std::string result_text(VkResult result)
         case VK_ERROR_LAYER_NOT_PRESENT:
             return "a layer is not installed";
         case VK_ERROR_EXTENSION_NOT_PRESENT:
-            return "an extension is not there";
+            return "an extension is missing";
         case VK_ERROR_FEATURE_NOT_PRESENT:
-            return "a feature is not there";
+            return "a feature is missing";
         case VK_ERROR_INCOMPATIBLE_DRIVER:
             return "no driver is installed";
         case VK_ERROR_TOO_MANY_OBJECTS:
@@ -32,7 +32,7 @@ std::string result_text(VkResult result)
         case VK_ERROR_FORMAT_NOT_SUPPORTED:
             return "a format is not supported";
         case VK_TIMEOUT:
-            return "time ran out";
+            return "timeout";
         default:
             return fmt::format("result {}", static_cast<int>(result));
     }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The Vulkan API through volk, and what its result codes become: a failure of the machine is a MissingError of one line
-// (exit code 4), never an assertion.
+// The Vulkan API through volk. Failures of the machine become a MissingError of one line (exit code 4), never an
+// assertion.
 //
-// The entry points are volk's global pointers; they go through the loader's own dispatch, so that several devices can
-// live at once, and a test can replace one to play a fault.
+// The entry points are volk's global pointers, which use the loader's dispatch, so that several devices can exist at
+// once and a test can replace an entry point to simulate a failure.
 
 #ifndef VK_NO_PROTOTYPES
 #define VK_NO_PROTOTYPES
@@ -16,7 +16,7 @@
 
 namespace gnomon::vk {
 
-/// "out of device memory", "device lost", ... for people.
+/// A readable name: "out of device memory", "device lost", ...
 std::string result_text(VkResult result);
 
 /// @throws MissingError  always: "Vulkan: WHAT failed: RESULT"

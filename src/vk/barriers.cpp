@@ -58,7 +58,7 @@ UseMeaning meaning(Use use, VkPipelineStageFlags2 shaders)
         case Use::host_read:
             return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED, false};
     }
-    fail_check(__FILE__, __LINE__, "a use without a meaning");
+    fail_check(__FILE__, __LINE__, "unknown use of a resource");
 }
 
 std::optional<Wait> follow(UseState& state, const UseMeaning& use, bool image)
@@ -67,13 +67,13 @@ std::optional<Wait> follow(UseState& state, const UseMeaning& use, bool image)
     Wait wait{state.write_stages, use.stages, state.write_access, use.access, state.layout, use.layout};
 
     if (use.writes || changes_layout) {
-        // Wait for the last write and for all reads since.
+        // Wait for the last write and for all reads since then.
         const bool used_before = state.write_stages || state.read_stages;
         wait.from_stages |= state.read_stages;
         state.write_stages = use.stages;
         state.write_access = use.writes ? use.access : 0;
         state.read_stages = use.writes ? 0 : use.stages;
-        // A write is seen by nobody yet; a layout's change by whom it was made for.
+        // A new write is not visible to anyone; a layout transition is visible to the stages for which it was made.
         state.seen_stages = use.writes ? 0 : use.stages;
         state.seen_access = use.writes ? 0 : use.access;
         if (image) state.layout = use.layout;
@@ -81,7 +81,7 @@ std::optional<Wait> follow(UseState& state, const UseMeaning& use, bool image)
         return wait;
     }
 
-    // Wait for the last write unless it is visible to these stages already.
+    // Wait for the last write unless it is already visible to these stages.
     const bool seen = !(use.stages & ~state.seen_stages) && !(use.access & ~state.seen_access);
     state.read_stages |= use.stages;
     if (state.write_stages == 0 || seen) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What a use of a resource means to the device, and what must be waited for between two.
+// Translates uses of resources to Vulkan stages, accesses and layouts, and determines the barriers between uses.
 
 #include <optional>
 
@@ -15,7 +15,7 @@ struct UseMeaning {
     bool writes = false;
 };
 
-/// @param shader_stages  those of the pass: vertex and fragment, or compute, or those that trace rays
+/// @param shader_stages  of the pass: vertex and fragment, compute, or ray tracing
 UseMeaning meaning(Use use, VkPipelineStageFlags2 shader_stages);
 
 struct Wait {
@@ -24,8 +24,8 @@ struct Wait {
     VkImageLayout from_layout = VK_IMAGE_LAYOUT_UNDEFINED, to_layout = VK_IMAGE_LAYOUT_UNDEFINED;
 };
 
-/// Notes a use and says what must be waited for before it; nothing where the last write is visible to it already.
-/// @param image  whether the layout counts
+/// Records a use and returns the barrier that it requires; nothing if the last write is already visible to it.
+/// @param image  whether the layout matters
 std::optional<Wait> follow(UseState& state, const UseMeaning& use, bool image);
 
 }   // namespace gnomon::vk

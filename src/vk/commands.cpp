@@ -48,12 +48,12 @@ void Commands::barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kin
         const auto same = [&](const ResourceUse& u) { return u.buffer == first.buffer && u.image == first.image; };
         if (std::any_of(uses.begin(), uses.begin() + static_cast<std::ptrdiff_t>(i), same)) continue;
 
-        // Join all uses of one resource in this pass.
+        // Combine all uses of one resource in this pass.
         UseMeaning use = meaning(first.use, shaders);
         for (std::size_t j = i + 1; j < uses.size(); ++j) {
             if (!same(uses[j])) continue;
             const UseMeaning more = meaning(uses[j].use, shaders);
-            GNOMON_CHECK(!first.image || more.layout == use.layout);   // one layout a pass
+            GNOMON_CHECK(!first.image || more.layout == use.layout);   // one layout per pass
             use.stages |= more.stages;
             use.access |= more.access;
             use.writes = use.writes || more.writes;
@@ -100,7 +100,7 @@ void Commands::upload(const std::string& name, std::span<const Upload> uploads)
     if (total == 0) return;
     const Buffer& staging = staging_.emplace_back(device_, name + " (staging)", total, Access::upload);
 
-    // Bring the bytes to one buffer, and sort the copies by where they go.
+    // Copy the bytes to a staging buffer, and group the copies by target.
     std::vector<std::pair<const Buffer*, std::vector<VkBufferCopy>>> copies;
     VkDeviceSize at = 0;
     for (const Upload& u : uploads) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Work for the device, in passes. A pass declares what it reads and writes; from that, and from how each resource was
-// used last, come the barriers and image layouts. Every pass is labelled for debuggers and timed.
+// Records work for the device in passes. A pass declares the resources that it reads and writes; barriers and image
+// layouts are derived from these declarations and from each resource's previous use. Every pass is labelled for
+// debuggers and timed.
 //
 //     Commands commands(device);
 //     commands.pass("depth").reads(matrices, Use::storage_read).reads(vertices, Use::vertices)
@@ -14,8 +15,8 @@
 //     Buffer result = commands.read_back(depth);
 //     commands.submit();                        // waits; then result.as<float>()
 //
-// What a pass uses without having declared it, or writes having declared to read, is a failed check. Resources must
-// live until submit() returns. Cost: a few comparisons a resource and pass.
+// A check fails if a pass uses a resource without declaring it, or writes one that it declared as read. Resources must
+// live until submit() returns. Cost: a few comparisons per resource and pass.
 
 #include <functional>
 #include <optional>
@@ -28,11 +29,11 @@
 
 namespace gnomon::vk {
 
-/// What a pass does with a resource.
+/// How a pass uses a resource.
 enum class Use : std::uint8_t {
     sampled,         // by a sampler or texelFetch: images, texel buffers
     storage_read,    // storage buffers and images
-    storage_write,   // the same, written and perhaps read
+    storage_write,   // the same for writing, and possibly reading
     uniform,         // uniform buffers
     vertices,        // vertex and index buffers
     indirect,        // draw parameters
@@ -42,10 +43,10 @@ enum class Use : std::uint8_t {
     depth_target,   // by Pass::depth
     depth_test,     // by Pass::depth without writing
     host_read,      // by read_back
-    build_input,    // what acceleration structures are built from: vertices, indices, matrices, instances
-    build_source,   // bottom levels, where a top level is built from them
+    build_input,    // inputs of acceleration structure builds: vertices, indices, matrices, instances
+    build_source,   // bottom levels that are inputs of a top level's build
     build_target,   // structures that are built, and the scratch memory of builds
-    traced,         // structures, by rays: the top level, and all below it
+    traced,         // structures that rays traverse: the top level, and all below it
 };
 
 struct Rect {
@@ -53,7 +54,7 @@ struct Rect {
     std::uint32_t width = 0, height = 0;
 };
 
-/// An image rendered into. Without `clear` what is there stays.
+/// An image to render into. Without `clear`, its contents are kept.
 struct ColorTarget {
     const Image* image = nullptr;
     std::uint32_t layer = 0;
@@ -63,7 +64,7 @@ struct DepthTarget {
     const Image* image = nullptr;
     std::uint32_t layer = 0;
     std::optional<float> clear{};
-    bool write = true;   // false: compared alone
+    bool write = true;   // false: depth test only
 };
 
 struct PassTiming {
@@ -73,24 +74,24 @@ struct PassTiming {
 
 class Commands;
 
-/// One declared use of a buffer or an image.
+/// A declared use of a buffer or an image.
 struct ResourceUse {
     const Buffer* buffer = nullptr;
     const Image* image = nullptr;
     Use use{};
 };
 
-/// Records inside one pass.
+/// Records commands inside one pass.
 class Recorder {
  public:
     void bind(const Pipeline& pipeline);
 
-    /// Fills a binding, by its name in the shader. Texel buffers take a format.
-    /// @throws MissingError  more of a buffer than the device gives a shader
+    /// Binds a resource to a binding, given by its name in the shader. Texel buffers need a format.
+    /// @throws MissingError  a larger range of a buffer than the device allows for a shader
     void set(std::string_view binding, const Buffer& buffer, VkDeviceSize offset = 0,
              VkDeviceSize bytes = VK_WHOLE_SIZE);
     void set_texels(std::string_view binding, const Buffer& buffer, VkFormat format);
-    void set(std::string_view binding, const Image& image);                      // storage image, or sampled without
+    void set(std::string_view binding, const Image& image);   // storage image, or sampled image without a sampler
     void set(std::string_view binding, const Image& image, VkSampler sampler);   // combined
     void set(std::string_view binding, const AccelerationStructure& top);
     void push_constants(const void* data, std::size_t bytes);
@@ -100,10 +101,10 @@ class Recorder {
         push_constants(&constants, sizeof constants);
     }
 
-    // In a rendering pass. Viewport and scissor begin as the whole target, culling as none.
+    // In a rendering pass. Initially, viewport and scissor cover the whole target, and culling is off.
     void viewport(const Rect& rect);
     void scissor(const Rect& rect);
-    /// Counter-clockwise on the screen (y down) is the front.
+    /// Front faces are counter-clockwise on the screen (y down).
     void cull(VkCullModeFlags mode);
     void vertex_buffer(std::uint32_t location, const Buffer& buffer, VkDeviceSize offset = 0);
     void index_buffer(const Buffer& buffer, VkDeviceSize offset = 0);   // 32-bit
@@ -111,22 +112,22 @@ class Recorder {
               std::uint32_t first_instance = 0);
     void draw_indexed(std::uint32_t indices, std::uint32_t instances = 1, std::uint32_t first_index = 0,
                       std::int32_t vertex_offset = 0, std::uint32_t first_instance = 0);
-    /// VkDrawIndexedIndirectCommand, one after the other.
+    /// Consecutive VkDrawIndexedIndirectCommand structures.
     void draw_indexed_indirect(const Buffer& buffer, VkDeviceSize offset, std::uint32_t draws);
     void clear_depth(const Rect& rect, float value);
 
     // In a compute pass.
     void dispatch(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
-    /// As many groups as cover that many invocations.
+    /// Dispatches enough groups to cover that many invocations.
     void dispatch_over(std::uint32_t x, std::uint32_t y = 1, std::uint32_t z = 1);
 
-    // In a tracing pass.
-    /// One ray generation each. At most Device::ray_limits().most_rays in all.
+    // In a ray-tracing pass.
+    /// One ray generation invocation per element; at most Device::ray_limits().most_rays in total.
     void trace(std::uint32_t width, std::uint32_t height = 1);
 
-    // In a pass of builds.
-    /// All at once: each needs scratch memory of its own, and none may need another.
-    /// @param scratch  where all their scratch memory lies
+    // In a build pass.
+    /// Builds all structures at once, each with its own range of the scratch memory; none may depend on another.
+    /// @param scratch  the buffer with all scratch memory
     void build(std::span<const StructureBuild> builds, const Buffer& scratch);
 
     // In a copy pass.
@@ -136,7 +137,7 @@ class Recorder {
     void copy(const Image& from, const Image& to, std::span<const VkImageCopy> regions);
     void fill(const Buffer& buffer, std::uint32_t word, VkDeviceSize offset = 0, VkDeviceSize bytes = VK_WHOLE_SIZE);
 
-    /// All channels of all layers of a floating-point or normalised image.
+    /// Clears all channels of all layers of a floating-point or normalised image.
     void clear(const Image& image, float value);
 
     VkCommandBuffer handle() const { return buffer_; }
@@ -160,7 +161,7 @@ class Recorder {
     const std::vector<ResourceUse>& uses_;
     const std::string& pass_;
     const Pipeline* pipeline_ = nullptr;
-    std::uint64_t set_ = 0;   // bindings filled, by place in the pipeline's list
+    std::uint64_t set_ = 0;   // bit mask of bound bindings, by index in the pipeline's list
     bool pushed_ = false;
     std::uint64_t calls_ = 0;   // draws, dispatches and traces
 };
@@ -174,13 +175,13 @@ class Pass {
     Pass& writes(const Image& image, Use use = Use::storage_write);
     Pass& color(const ColorTarget& target);
     Pass& depth(const DepthTarget& target);
-    /// Part of the targets that is rendered into and cleared; all of them otherwise.
+    /// Restricts rendering and clearing to a part of the targets.
     Pass& area(const Rect& rect);
 
     void render(const std::function<void(Recorder&)>& body);
     void compute(const std::function<void(Recorder&)>& body);
-    void trace(const std::function<void(Recorder&)>& body);   // rays
-    void build(const std::function<void(Recorder&)>& body);   // acceleration structures
+    void trace(const std::function<void(Recorder&)>& body);   // traces rays
+    void build(const std::function<void(Recorder&)>& body);   // builds acceleration structures
     void copy(const std::function<void(Recorder&)>& body);
 
  private:
@@ -197,7 +198,7 @@ class Pass {
     std::optional<Rect> area_;
 };
 
-/// Bytes for a place in a buffer.
+/// Bytes to copy to a position in a buffer.
 struct Upload {
     const Buffer* to = nullptr;
     VkDeviceSize offset = 0;
@@ -217,31 +218,31 @@ class Commands {
     Commands& operator=(const Commands&) = delete;
 
     Pass pass(std::string name) { return {*this, std::move(name)}; }
-    /// Copies the bytes at once and records their way to the buffers, as one pass.
+    /// Copies the bytes to staging memory immediately, and records the transfer to the buffers as one pass.
     void upload(const std::string& name, std::span<const Upload> uploads);
-    /// Records a copy to the host; what it holds is there after submit().
-    /// @param bytes  from the start; all of them otherwise
+    /// Records a copy to host memory; its contents are valid after submit().
+    /// @param bytes  from the start; VK_WHOLE_SIZE: all
     Buffer read_back(const Buffer& from, VkDeviceSize bytes = VK_WHOLE_SIZE);
     Buffer read_back(const Image& from, std::uint32_t layer = 0);
-    /// The same of the first bytes, into a buffer that is kept.
+    /// The same for the first bytes, into an existing buffer.
     void read_back(const Buffer& from, const Buffer& to, VkDeviceSize bytes);
 
-    /// Sends all that was recorded and waits for it.
+    /// Submits everything that was recorded and waits for it.
     /// @throws MissingError   the device was lost, or has too little memory
-    /// @throws InternalError  validation had something to say
+    /// @throws InternalError  validation reported a message
     void submit();
 
-    /// Of the last submit, by pass, as the device measures. Mesa's software driver measures draws rightly; what it
-    /// says of compute passes is too little.
+    /// Device time of each pass of the last submit. Mesa's software driver measures draws correctly, but reports too
+    /// little time for compute passes.
     const std::vector<PassTiming>& timings() const { return timings_; }
-    /// Calls that draw, dispatch or trace, of the last submit.
+    /// Draws, dispatches and traces of the last submit.
     std::uint64_t draw_calls() const { return draw_calls_; }
     const std::shared_ptr<Device>& device() const { return device_; }
 
  private:
     friend class Pass;
     friend class Recorder;
-    static constexpr std::uint32_t k_max_timed = 512;   // passes a submit
+    static constexpr std::uint32_t k_max_timed = 512;   // passes per submit
     void begin();
     void barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kind);
 
@@ -249,7 +250,7 @@ class Commands {
     Submission submission_;
     Owned<VkQueryPool> queries_;
     bool recording_ = false;
-    std::vector<Buffer> staging_;   // until submit
+    std::vector<Buffer> staging_;   // kept until submit
     std::vector<std::string> timed_;
     std::vector<PassTiming> timings_;
     std::uint64_t draw_calls_ = 0;

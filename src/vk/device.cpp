@@ -93,7 +93,7 @@ Device::~Device()
 void Device::check_storage_range(const std::string& name, VkDeviceSize bytes) const
 {
     if (bytes > limits_.maxStorageBufferRange)
-        throw MissingError(fmt::format("Vulkan: '{}' takes {} MiB, and the device addresses {} MiB", name,
+        throw MissingError(fmt::format("Vulkan: '{}' needs {} MiB, but the device can address only {} MiB", name,
                                        (bytes + (1 << 20) - 1) >> 20, limits_.maxStorageBufferRange >> 20));
 }
 

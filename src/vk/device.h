@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A logical device with one queue that draws, computes and copies, and the memory that resources are cut from.
+// A logical device with one queue for graphics, compute and copies, and the allocator of its memory.
 //
-// Everything made on a device keeps it alive. Not thread-safe: one thread a device.
+// Objects that are created on a device keep it alive. Not thread-safe: use a device from one thread.
 
 #include <functional>
 #include <memory>
@@ -13,21 +13,21 @@
 
 namespace gnomon::vk {
 
-/// What a device that traces rays asks for, and how much it takes.
+/// Requirements and limits of a device for ray tracing.
 struct RayLimits {
-    std::uint32_t handle_bytes = 0;        // of one shader group
+    std::uint32_t handle_bytes = 0;        // of a shader group
     std::uint32_t handle_alignment = 1;    // of records in a shader binding table
     std::uint32_t table_alignment = 1;     // of the table's parts
-    std::uint32_t scratch_alignment = 1;   // of memory that builds work in
-    std::uint64_t most_rays = 0;           // of one trace
-    std::uint64_t most_instances = 0;      // of a top level
-    std::uint64_t most_triangles = 0;      // of a bottom level
+    std::uint32_t scratch_alignment = 1;   // of scratch memory
+    std::uint64_t most_rays = 0;           // per trace
+    std::uint64_t most_instances = 0;      // per top level
+    std::uint64_t most_triangles = 0;      // per bottom level
 };
 
 class Device : public std::enable_shared_from_this<Device> {
  public:
-    /// The first suitable device.
-    /// @throws MissingError  no Vulkan, no suitable device (with the reasons), or it cannot be opened
+    /// Opens the best suitable device.
+    /// @throws MissingError  no Vulkan, no suitable device (with the reasons), or the device cannot be opened
     static std::shared_ptr<Device> open();
     ~Device();
     Device(const Device&) = delete;
@@ -39,12 +39,12 @@ class Device : public std::enable_shared_from_this<Device> {
     std::uint32_t queue_family() const { return info_.queue_family; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
-    /// Whether it builds acceleration structures and has pipelines that trace rays against them (not ray queries).
+    /// Whether it supports acceleration structures and ray-tracing pipelines (ray queries are not needed).
     bool traces_rays() const { return info_.no_rays.empty(); }
-    /// @throws MissingError  more bytes of a buffer than a shader can be given at once as a storage buffer
+    /// @throws MissingError  the size exceeds the device's limit on a storage buffer's range
     void check_storage_range(const std::string& name, VkDeviceSize bytes) const;
     const RayLimits& ray_limits() const { return ray_limits_; }
-    /// Nanoseconds a timestamp step; 0: no timestamps.
+    /// Nanoseconds per timestamp step; 0: no timestamps.
     double timestamp_period() const { return timestamp_period_; }
     const Instance& instance() const { return *instance_; }
     Memory& memory() { return *memory_; }
@@ -64,7 +64,7 @@ class Device : public std::enable_shared_from_this<Device> {
     std::unique_ptr<Memory> memory_;
 };
 
-/// One Vulkan handle with one owner: destroyed with it, moved and never copied.
+/// Owns one Vulkan handle: destroys it, can be moved but not copied.
 template <class Handle>
 class Owned {
  public:

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Time that the device takes for whole submits: a stamp before and one after, each in a submit of its own.
+// Measures the device time of whole submits, with a timestamp before and one after, each in its own submit.
 //
-// Mesa's software driver stamps a compute pass as soon as it is recorded, and so tells too little inside a submit; from
-// one submit to the next its stamps are right. On hardware the gap between submits is in the time: some 10 us each.
+// Mesa's software driver writes a timestamp in a compute pass as soon as it is recorded, so times within a submit are
+// too short; between submits they are correct. On hardware, the measured time includes the gaps between submits, some
+// 10 us each.
 
 #include "vk/submission.h"
 

@@ -14,7 +14,7 @@ struct NeededFeature {
     VkBool32& (*in)(FeatureChain&);
 };
 
-// Lavapipe of Mesa 22.3 has all of them; so has every desktop processor of the last years.
+// Lavapipe of Mesa 22.3 supports all of them, and so do desktop GPUs of recent years.
 const NeededFeature k_needed[] = {
     {"multiDrawIndirect", [](FeatureChain& f) -> VkBool32& { return f.core.features.multiDrawIndirect; }},
     {"drawIndirectFirstInstance",
@@ -95,7 +95,7 @@ void need_rays(FeatureChain& chain)
 
 std::vector<std::string> missing_for_rays(VkPhysicalDevice device)
 {
-    // The structures of an extension may be handed to devices alone that have it.
+    // Feature structures of an extension must be passed only to devices that have it.
     std::vector<std::string> missing;
     note_missing_extensions(device, k_ray_extensions, missing);
     if (!missing.empty()) return missing;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The features every device of ours must have: one list, asked when devices are listed and enabled when one is made.
-// And those of ray tracing, which a device may lack: enabled where all of them are there.
+// The features that every device must have: one list, checked when devices are listed and enabled when a device is
+// created. Also the features for ray tracing, which are optional and enabled only if all of them are available.
 
 #include <string>
 #include <vector>
@@ -10,38 +10,39 @@
 
 namespace gnomon::vk {
 
-/// Extensions beyond Vulkan 1.3 that are needed.
+/// Required extensions beyond Vulkan 1.3.
 inline constexpr const char* k_device_extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
 
-/// Those by which rays are traced in pipelines. Ray queries are not among them: there are devices without.
+/// Extensions for ray-tracing pipelines. Ray queries are not used, because some devices lack them.
 inline constexpr const char* k_ray_extensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
                                                    VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
                                                    VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME};
 
-/// The chain of feature structures of Vulkan 1.0 to 1.3. Points into itself: neither copied nor moved.
+/// The chain of feature structures of Vulkan 1.0 to 1.3. Contains pointers to itself, so it is neither copied nor
+/// moved.
 struct FeatureChain {
     VkPhysicalDeviceFeatures2 core{};
     VkPhysicalDeviceVulkan11Features v11{};
     VkPhysicalDeviceVulkan12Features v12{};
     VkPhysicalDeviceVulkan13Features v13{};
     VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{};   // in the chain after add_rays()
-    VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_pipelines{};   // so is this
+    VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_pipelines{};   // in the chain after add_rays()
 
     FeatureChain();
-    /// For devices that know the extensions of ray tracing.
+    /// Only for devices with the ray-tracing extensions.
     void add_rays();
     FeatureChain(const FeatureChain&) = delete;
     FeatureChain& operator=(const FeatureChain&) = delete;
 };
 
-/// Turns on what is needed, and nothing else.
+/// Enables exactly the required features.
 void need_features(FeatureChain& chain);
-/// Names of needed features and extensions that a device lacks. The device must have Vulkan 1.3.
+/// Names of required features and extensions that a device lacks. The device must support Vulkan 1.3.
 std::vector<std::string> missing_features(VkPhysicalDevice device);
 
-/// Turns on what traces rays. @pre chain.add_rays()
+/// Enables the features for ray tracing. @pre chain.add_rays()
 void need_rays(FeatureChain& chain);
-/// Names of extensions and features for tracing rays that a device lacks.
+/// Names of extensions and features for ray tracing that a device lacks.
 std::vector<std::string> missing_for_rays(VkPhysicalDevice device);
 
 }   // namespace gnomon::vk

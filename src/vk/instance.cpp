@@ -44,7 +44,7 @@ void load_entry_points()
     if (result != VK_SUCCESS) throw MissingError("Vulkan: no loader is installed (libvulkan.so.1)");
     if (!vkEnumerateInstanceVersion) throw MissingError("Vulkan: the loader is older than Vulkan 1.3");
     std::uint32_t version = 0;
-    check(vkEnumerateInstanceVersion(&version), "asking the loader's version");
+    check(vkEnumerateInstanceVersion(&version), "querying the loader version");
     if (version < VK_API_VERSION_1_3) throw MissingError("Vulkan: the loader is older than Vulkan 1.3");
 }
 
@@ -108,7 +108,7 @@ DeviceInfo describe(VkPhysicalDevice device)
     for (std::uint32_t h = 0; h < memory.memoryHeapCount; ++h)
         if (memory.memoryHeaps[h].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) info.memory += memory.memoryHeaps[h].size;
 
-    // Find a queue that draws and computes.
+    // Find a queue with graphics and compute.
     std::uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
@@ -118,7 +118,8 @@ DeviceInfo describe(VkPhysicalDevice device)
     info.queue_family = static_cast<std::uint32_t>(family - families.begin());
 
     if (info.api_version < VK_API_VERSION_1_3)
-        info.reasons.push_back(fmt::format("it has Vulkan {}.{}, not 1.3", VK_API_VERSION_MAJOR(info.api_version),
+        info.reasons.push_back(fmt::format("it supports Vulkan {}.{}; 1.3 is required",
+                                           VK_API_VERSION_MAJOR(info.api_version),
                                            VK_API_VERSION_MINOR(info.api_version)));
     else
         for (const std::string& feature : missing_features(device)) info.reasons.push_back("it lacks " + feature);
@@ -126,7 +127,7 @@ DeviceInfo describe(VkPhysicalDevice device)
         info.no_rays = missing_for_rays(device);
     else
         info.no_rays.emplace_back("Vulkan 1.3");
-    if (family == families.end()) info.reasons.emplace_back("no queue of it both draws and computes");
+    if (family == families.end()) info.reasons.emplace_back("it has no queue with graphics and compute");
     info.suitable = info.reasons.empty();
     return info;
 }
@@ -197,13 +198,13 @@ Instance::Instance()
         create.enabledLayerCount = 1;
         create.ppEnabledLayerNames = &k_validation_layer;
     }
-    check(vkCreateInstance(&create, nullptr, &handle_), "making an instance");
+    check(vkCreateInstance(&create, nullptr, &handle_), "creating an instance");
     volkLoadInstance(handle_);
     if (validate && debug_utils_) {
         const VkResult result = vkCreateDebugUtilsMessengerEXT(handle_, &messenger, nullptr, &messenger_);
         if (result != VK_SUCCESS) {
             vkDestroyInstance(handle_, nullptr);
-            fail(result, "listening to validation");
+            fail(result, "creating the debug messenger");
         }
     }
 }
@@ -223,7 +224,7 @@ std::vector<DeviceInfo> Instance::devices() const
     std::vector<DeviceInfo> infos;
     for (const VkPhysicalDevice handle : handles) infos.push_back(describe(handle));
 
-    // Put the best first; devices of one kind stay in the loader's order.
+    // Sort the best first; devices of one kind keep the loader's order.
     std::stable_sort(infos.begin(), infos.end(), [](const DeviceInfo& a, const DeviceInfo& b) {
         if (a.suitable != b.suitable) return a.suitable;
         return rank_of(a.kind) < rank_of(b.kind);

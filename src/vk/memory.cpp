@@ -23,7 +23,7 @@ struct MemoryPiece::Block {
 
 namespace {
 
-// Bytes that the machine has.
+// The machine's memory in bytes.
 VkDeviceSize machine_memory()
 {
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGE_SIZE);
@@ -71,7 +71,7 @@ Memory::~Memory()
     for (const auto& block : blocks_) vkFreeMemory(device_, block->memory, nullptr);
 }
 
-// The first type that has all wanted properties, then the first that has those it cannot do without.
+// Chooses the first type with all preferred properties, else the first with the required ones.
 std::uint32_t Memory::type_for(std::uint32_t allowed, Access access, const std::string& what) const
 {
     constexpr VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
@@ -95,12 +95,12 @@ MemoryPiece::Block* Memory::new_block(VkDeviceSize size, std::uint32_t type, boo
     info.allocationSize = size;
     info.memoryTypeIndex = type;
     auto block = std::make_unique<MemoryPiece::Block>();
-    // More than a heap holds may not be asked for. Software drivers give more than the machine has.
+    // A heap's size may not be exceeded. Software drivers report more memory than the machine has.
     const VkDeviceSize heap = properties_.memoryHeaps[properties_.memoryTypes[type].heapIndex].size;
     const VkDeviceSize left = most_ - std::min(most_, counts().bytes_allocated);
     const VkResult result = size > std::min(heap, left) ? VK_ERROR_OUT_OF_DEVICE_MEMORY
                                                         : vkAllocateMemory(device_, &info, nullptr, &block->memory);
-    if (result != VK_SUCCESS) fail(result, fmt::format("taking {} MiB for {}", (size + (1 << 20) - 1) >> 20, what));
+    if (result != VK_SUCCESS) fail(result, fmt::format("allocating {} MiB for {}", (size + (1 << 20) - 1) >> 20, what));
     block->size = size;
     block->type = type;
     block->image = image;
@@ -123,7 +123,7 @@ MemoryPiece Memory::take(const VkMemoryRequirements& needs, Access access, bool 
     const bool alone = needs.size >= k_block_bytes / 2;
     MemoryPiece piece;
 
-    // Cut it from the first free range that holds it, aligned.
+    // Allocate from the first free range that is large enough, with alignment.
     const auto cut_from = [&](MemoryPiece::Block& block) {
         for (auto range = block.free.begin(); range != block.free.end(); ++range) {
             const auto [begin, size] = *range;
@@ -156,7 +156,7 @@ void Memory::give_back(MemoryPiece& piece)
     MemoryPiece::Block& block = *piece.block_;
     block.used -= piece.size_;
     if (--block.pieces == 0) {
-        // An empty block goes back to the driver: what comes next may be of another type.
+        // Return an empty block to the driver, because the next allocation may need another type.
         vkFreeMemory(device_, block.memory, nullptr);
         std::erase_if(blocks_, [&](const auto& b) { return b.get() == &block; });
         return;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Device memory in blocks, cut into pieces: drivers allow few allocations, and each costs.
+// Allocates device memory in large blocks and divides them, because drivers allow few allocations and each is slow.
 //
-// A block belongs to one memory type and to either buffers or images, so that their granularity never meets. Pieces are
-// found first-fit in a list of free ranges by offset, and merge with their neighbours when given back. What needs half
-// a block or more gets a block of its own. Host-visible blocks stay mapped.
-// Cost: the free ranges of the blocks of one type; never a driver call for a small piece.
+// A block belongs to one memory type and to either buffers or images, so the granularity between them does not matter.
+// Pieces are allocated first-fit from a list of free ranges sorted by offset, and merged with neighbouring ranges when
+// freed. Resources of half a block or more get a block of their own. Host-visible blocks stay mapped. Cost: linear in
+// the free ranges of the blocks of one type; no driver call for a small piece.
 
 #include <cstdint>
 #include <map>
@@ -17,16 +17,16 @@
 
 namespace gnomon::vk {
 
-/// Who touches a resource.
+/// Whether host or device access a resource.
 enum class Access : std::uint8_t {
-    device,     // the device alone
+    device,     // device only
     upload,     // written by the host, read by the device
     readback,   // written by the device, read by the host
 };
 
 class Memory;
 
-/// A piece of a block; given back with its owner.
+/// A piece of a block, freed with its owner.
 class MemoryPiece {
  public:
     MemoryPiece() = default;
@@ -47,24 +47,24 @@ class MemoryPiece {
 };
 
 struct MemoryCounts {
-    std::uint64_t blocks = 0;            // allocations of the driver alive
+    std::uint64_t blocks = 0;            // live driver allocations
     std::uint64_t bytes_allocated = 0;   // of these blocks
-    std::uint64_t bytes_used = 0;        // of pieces alive
-    std::uint64_t pieces = 0;            // alive
+    std::uint64_t bytes_used = 0;        // of live pieces
+    std::uint64_t pieces = 0;            // live
 };
 
 class Memory {
  public:
     static constexpr VkDeviceSize k_block_bytes = 32 << 20;
 
-    /// @param addresses  what buffers are placed in may have addresses that shaders and builds know (ray tracing)
+    /// @param addresses  whether buffers get device addresses (for ray tracing)
     Memory(VkPhysicalDevice physical, VkDevice device, bool addresses);
     ~Memory();
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
 
-    /// @param what  for the message
-    /// @throws MissingError  too little memory, or no memory type fits
+    /// @param what  name for the error message
+    /// @throws MissingError  too little memory, or no suitable memory type
     MemoryPiece take(const VkMemoryRequirements& needs, Access access, bool image, const std::string& what);
     MemoryCounts counts() const;
 
@@ -77,7 +77,7 @@ class Memory {
     VkDevice device_;
     bool addresses_;
     VkPhysicalDeviceMemoryProperties properties_{};
-    VkDeviceSize most_ = ~VkDeviceSize{0};   // of all blocks together
+    VkDeviceSize most_ = ~VkDeviceSize{0};   // limit on all blocks together
     std::vector<std::unique_ptr<MemoryPiece::Block>> blocks_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declaring a pass, and what goes around its body: barriers, rendering, label, timestamps.
+// Declares passes, and records what surrounds their bodies: barriers, rendering scope, label, timestamps.
 #include <algorithm>
 
 #include "base/check.h"
@@ -117,7 +117,8 @@ void Pass::begin_rendering(VkCommandBuffer buffer) const
 
 namespace {
 
-// What is recorded while it lives has a name. Ends with what fails, too: a driver may keep what has no end.
+// Labels the commands that are recorded during its lifetime. Also ends the label on exceptions, because drivers may
+// keep open ones.
 class Label {
  public:
     Label(VkCommandBuffer buffer, const std::string& name, bool there) : buffer_(there ? buffer : VK_NULL_HANDLE)

@@ -29,7 +29,7 @@ Owned<VkPipeline> own(const std::shared_ptr<Device>& device, VkPipeline pipeline
     return {device, pipeline, [](const Device& d, VkPipeline p) { vkDestroyPipeline(d.handle(), p, nullptr); }};
 }
 
-// Specialisation constants 0 ... n - 1 as Vulkan wants them. Points into itself and its argument.
+// Specialisation constants 0 ... n - 1 as Vulkan structures. Contains pointers to itself and to its argument.
 struct Specialization {
     std::vector<VkSpecializationMapEntry> entries;
     VkSpecializationInfo info{};
@@ -55,7 +55,7 @@ VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShader
     return info;
 }
 
-// A block the host shares may be in any of the stages, and must be in one.
+// Checks that a block that the host shares appears in at least one stage and has the same layout in each.
 void check_blocks(const std::vector<BlockExpectation>& blocks, std::span<const ShaderCode> codes,
                   std::span<const Reflection> reflections)
 {
@@ -76,7 +76,7 @@ void check_blocks(const std::vector<BlockExpectation>& blocks, std::span<const S
 
 }   // namespace
 
-// Adds a stage's bindings; two stages must mean the same by one number.
+// Adds a stage's bindings; a binding number must have the same meaning in all stages.
 void Pipeline::merge(const Reflection& reflection)
 {
     stages_ |= reflection.stage;
@@ -110,7 +110,7 @@ void Pipeline::make_layout(const std::shared_ptr<Device>& device)
     set.pBindings = slots.data();
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
     check(vkCreateDescriptorSetLayout(device->handle(), &set, nullptr, &set_layout),
-          fmt::format("making the layout of '{}'", name_));
+          fmt::format("creating the layout of '{}'", name_));
     set_layout_ = {device, set_layout, [](const Device& d, VkDescriptorSetLayout l) {
                        vkDestroyDescriptorSetLayout(d.handle(), l, nullptr);
                    }};
@@ -124,7 +124,7 @@ void Pipeline::make_layout(const std::shared_ptr<Device>& device)
     info.pPushConstantRanges = &range;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     check(vkCreatePipelineLayout(device->handle(), &info, nullptr, &layout),
-          fmt::format("making the layout of '{}'", name_));
+          fmt::format("creating the layout of '{}'", name_));
     layout_ = {device, layout,
                [](const Device& d, VkPipelineLayout l) { vkDestroyPipelineLayout(d.handle(), l, nullptr); }};
 }
@@ -147,7 +147,7 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const ComputeDesc& des
     info.layout = layout_.get();
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(vkCreateComputePipelines(device->handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-          fmt::format("making pipeline '{}'", name_));
+          fmt::format("creating pipeline '{}'", name_));
     pipeline_ = own(device, pipeline);
     device->name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name_);
 }
@@ -176,7 +176,7 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const RayDesc& desc)
         modules.push_back(make_module(device, codes[i]));
         stages.push_back(stage_info(reflections[i].stage, modules.back().get(), constants));
     }
-    // Groups: how rays begin, how they miss, what becomes of hits.
+    // Fill the groups: ray generation, miss, hit.
     VkRayTracingShaderGroupCreateInfoKHR groups[3]{};
     for (std::uint32_t g = 0; g < 3; ++g) {
         groups[g].sType = VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR;
@@ -197,13 +197,13 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const RayDesc& desc)
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(
         vkCreateRayTracingPipelinesKHR(device->handle(), VK_NULL_HANDLE, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-        fmt::format("making pipeline '{}'", name_));
+        fmt::format("creating pipeline '{}'", name_));
     pipeline_ = own(device, pipeline);
     device->name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name_);
     make_table(device, std::size(groups));
 }
 
-// The shader binding table: one record a group, each at the start of a part of its own.
+// Makes the shader binding table: one record per group, each at the start of its own aligned part.
 void Pipeline::make_table(const std::shared_ptr<Device>& device, std::uint32_t groups)
 {
     const RayLimits& limits = device->ray_limits();
@@ -212,8 +212,8 @@ void Pipeline::make_table(const std::shared_ptr<Device>& device, std::uint32_t g
     std::vector<std::byte> handles(std::size_t{groups} * limits.handle_bytes);
     check(vkGetRayTracingShaderGroupHandlesKHR(device->handle(), pipeline_.get(), 0, groups, handles.size(),
                                                handles.data()),
-          fmt::format("finding the shaders of '{}'", name_));
-    // Memory may begin anywhere: leave room to the next aligned place.
+          fmt::format("querying the shader groups of '{}'", name_));
+    // The memory's start may be unaligned; reserve space to align it.
     table_memory_ = Buffer(device, name_ + " (shader table)", groups * part + limits.table_alignment, Access::upload);
     const VkDeviceAddress memory = table_memory_.address(), first = round_up(memory, limits.table_alignment);
     VkStridedDeviceAddressRegionKHR* const parts[] = {&table_.generation, &table_.miss, &table_.hit};
@@ -323,7 +323,7 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& de
     info.layout = layout_.get();
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(vkCreateGraphicsPipelines(device->handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-          fmt::format("making pipeline '{}'", name_));
+          fmt::format("creating pipeline '{}'", name_));
     pipeline_ = own(device, pipeline);
     device->name(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name_);
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Pipelines, for dynamic rendering, for compute and for tracing rays. The descriptor layout (one set, pushed) comes
-// from reflection.
+// Pipelines for dynamic rendering, compute and ray tracing. The descriptor layout (one set, pushed) comes from
+// reflection.
 //
-// Vertex attributes come tightly packed, one buffer a location. Viewport, scissor and cull mode are set while
-// recording.
+// Vertex attributes are tightly packed, with one buffer per location. Viewport, scissor and cull mode are dynamic.
 
 #include <string>
 #include <vector>
@@ -18,7 +17,7 @@ namespace gnomon::vk {
 struct GraphicsDesc {
     std::string name;
     ShaderCode vertex;
-    ShaderCode fragment;   // no words: depth alone
+    ShaderCode fragment;   // empty: depth only
     std::vector<VkFormat> colors{};
     VkFormat depth = VK_FORMAT_UNDEFINED;
     VkCompareOp depth_compare = VK_COMPARE_OP_GREATER;   // reversed depth: near is 1
@@ -36,17 +35,17 @@ struct ComputeDesc {
     std::vector<std::uint32_t> constants{};
 };
 
-/// Rays that ask whether something is in the way: one way of beginning, one of missing, one kind of triangles, whose
-/// hits the last shader may ignore.
+/// A pipeline for visibility rays: one ray generation shader, one miss shader, and one hit group for triangles, whose
+/// any-hit shader may ignore hits.
 struct RayDesc {
     std::string name;
     ShaderCode generation, miss;
-    ShaderCode any_hit{};   // no words: every hit counts
+    ShaderCode any_hit{};   // empty: every hit counts
     std::vector<BlockExpectation> blocks{};
     std::vector<std::uint32_t> constants{};
 };
 
-/// Where a tracing pipeline's shaders are found, as the device wants it.
+/// The shader binding table of a ray-tracing pipeline, as Vulkan structures.
 struct ShaderTable {
     VkStridedDeviceAddressRegionKHR generation{}, miss{}, hit{}, callable{};
 };
@@ -54,11 +53,11 @@ struct ShaderTable {
 class Pipeline {
  public:
     Pipeline() = default;
-    /// @throws MissingError   the device cannot make it
+    /// @throws MissingError   the device cannot create it
     /// @throws InternalError  the stages or the host's structures disagree
     Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& desc);
     Pipeline(const std::shared_ptr<Device>& device, const ComputeDesc& desc);
-    /// @pre the device traces rays
+    /// @pre the device supports ray tracing
     Pipeline(const std::shared_ptr<Device>& device, const RayDesc& desc);
 
     VkPipeline handle() const { return pipeline_.get(); }

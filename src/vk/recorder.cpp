@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens inside a pass; every resource is held against what the pass declared.
+// Commands inside a pass; every use of a resource is checked against the pass's declarations.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,9 +15,9 @@ void Recorder::declared(const Buffer* buffer, const Image* image, std::initializ
         if (use.buffer == buffer && use.image == image &&
             std::find(any_of.begin(), any_of.end(), use.use) != any_of.end())
             return;
-    fail_check(
-        __FILE__, __LINE__,
-        fmt::format("pass '{}' uses '{}' otherwise than declared", pass_, buffer ? buffer->name() : image->name()));
+    fail_check(__FILE__, __LINE__,
+               fmt::format("pass '{}' uses '{}' differently from its declaration", pass_,
+                           buffer ? buffer->name() : image->name()));
 }
 
 void Recorder::bind(const Pipeline& pipeline)
@@ -37,7 +37,8 @@ const Binding& Recorder::binding(std::string_view name, VkDescriptorType type) c
     for (const Binding& b : pipeline_->bindings())
         if (b.name == name) {
             if (b.type != type)
-                fail_check(__FILE__, __LINE__, fmt::format("'{}': '{}' is of another type", pipeline_->name(), name));
+                fail_check(__FILE__, __LINE__,
+                           fmt::format("'{}': binding '{}' has another type", pipeline_->name(), name));
             return b;
         }
     fail_check(__FILE__, __LINE__, fmt::format("'{}': no binding '{}'", pipeline_->name(), name));
@@ -128,7 +129,7 @@ void Recorder::push_constants(const void* data, std::size_t bytes)
     pushed_ = true;
 }
 
-// Everything the bound pipeline reads must have been set since it was bound.
+// Checks that all bindings of the pipeline have been set since it was bound.
 void Recorder::ready() const
 {
     GNOMON_CHECK(pipeline_);

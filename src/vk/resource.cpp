@@ -38,20 +38,20 @@ Buffer::Buffer(const std::shared_ptr<Device>& device, const std::string& name, V
     if (device->traces_rays() && access == Access::device)
         info.usage |= VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR;
     VkBuffer buffer = VK_NULL_HANDLE;
-    check(vkCreateBuffer(device->handle(), &info, nullptr, &buffer), fmt::format("making buffer '{}'", name));
+    check(vkCreateBuffer(device->handle(), &info, nullptr, &buffer), fmt::format("creating buffer '{}'", name));
     handle_ = {device, buffer, [](const Device& d, VkBuffer b) { vkDestroyBuffer(d.handle(), b, nullptr); }};
     VkMemoryRequirements needs{};
     vkGetBufferMemoryRequirements(device->handle(), buffer, &needs);
     memory_ = device->memory().take(needs, access, false, fmt::format("buffer '{}'", name));
     check(vkBindBufferMemory(device->handle(), buffer, memory_.memory(), memory_.offset()),
-          fmt::format("placing buffer '{}'", name));
+          fmt::format("binding memory of buffer '{}'", name));
     device->name(VK_OBJECT_TYPE_BUFFER, as_number(buffer), name);
 }
 
 std::byte* Buffer::mapped() const
 {
     std::byte* const at = memory_.mapped();
-    GNOMON_CHECK(at);   // made for the device alone
+    GNOMON_CHECK(at);   // not for device-only memory
     return at;
 }
 
@@ -68,7 +68,7 @@ VkBufferView Buffer::texel_view(VkFormat format, VkDeviceSize texel_size) const
 {
     if (texels_ && texel_format_ == format) return texels_.get();
     if (bytes_ / texel_size > device_->limits().maxTexelBufferElements)
-        throw MissingError(fmt::format("Vulkan: '{}' has {} million texels, and the device takes {}", name_,
+        throw MissingError(fmt::format("Vulkan: '{}' has {} million texels, but the device supports only {}", name_,
                                        bytes_ / texel_size / 1'000'000,
                                        device_->limits().maxTexelBufferElements / 1'000'000));
     VkBufferViewCreateInfo info{};
@@ -77,7 +77,8 @@ VkBufferView Buffer::texel_view(VkFormat format, VkDeviceSize texel_size) const
     info.format = format;
     info.range = bytes_ / texel_size * texel_size;
     VkBufferView view = VK_NULL_HANDLE;
-    check(vkCreateBufferView(device_->handle(), &info, nullptr, &view), fmt::format("viewing buffer '{}'", name_));
+    check(vkCreateBufferView(device_->handle(), &info, nullptr, &view),
+          fmt::format("creating a view of buffer '{}'", name_));
     texels_ = {device_, view, [](const Device& d, VkBufferView v) { vkDestroyBufferView(d.handle(), v, nullptr); }};
     texel_format_ = format;
     return view;
@@ -97,24 +98,24 @@ Image::Image(const std::shared_ptr<Device>& device, const ImageDesc& desc) : dev
     info.usage = desc.usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
 
-    // Ask before making it: a size or format beyond the device is the machine's lack.
+    // Check support first, so that an unsupported size or format is reported as a limit of the device.
     VkImageFormatProperties can{};
     const VkResult known = vkGetPhysicalDeviceImageFormatProperties(device->physical(), info.format, info.imageType,
                                                                     info.tiling, info.usage, 0, &can);
-    if (known != VK_SUCCESS) fail(known, fmt::format("making image '{}'", desc.name));
+    if (known != VK_SUCCESS) fail(known, fmt::format("creating image '{}'", desc.name));
     if (desc.width > can.maxExtent.width || desc.height > can.maxExtent.height || desc.layers > can.maxArrayLayers)
-        throw MissingError(fmt::format("Vulkan: '{}' of {} x {} x {} is more than the device's {} x {} x {}", desc.name,
-                                       desc.width, desc.height, desc.layers, can.maxExtent.width, can.maxExtent.height,
-                                       can.maxArrayLayers));
+        throw MissingError(fmt::format("Vulkan: '{}' of {} x {} x {} exceeds the device's limit of {} x {} x {}",
+                                       desc.name, desc.width, desc.height, desc.layers, can.maxExtent.width,
+                                       can.maxExtent.height, can.maxArrayLayers));
 
     VkImage image = VK_NULL_HANDLE;
-    check(vkCreateImage(device->handle(), &info, nullptr, &image), fmt::format("making image '{}'", desc.name));
+    check(vkCreateImage(device->handle(), &info, nullptr, &image), fmt::format("creating image '{}'", desc.name));
     handle_ = {device, image, [](const Device& d, VkImage i) { vkDestroyImage(d.handle(), i, nullptr); }};
     VkMemoryRequirements needs{};
     vkGetImageMemoryRequirements(device->handle(), image, &needs);
     memory_ = device->memory().take(needs, Access::device, true, fmt::format("image '{}'", desc.name));
     check(vkBindImageMemory(device->handle(), image, memory_.memory(), memory_.offset()),
-          fmt::format("placing image '{}'", desc.name));
+          fmt::format("binding memory of image '{}'", desc.name));
     device->name(VK_OBJECT_TYPE_IMAGE, as_number(image), desc.name);
     constexpr VkImageUsageFlags viewed = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT |
                                          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
@@ -139,7 +140,8 @@ Owned<VkImageView> Image::make_view(VkImageViewType type, std::uint32_t first, s
     info.format = desc_.format;
     info.subresourceRange = {aspect(), 0, 1, first, count};
     VkImageView view = VK_NULL_HANDLE;
-    check(vkCreateImageView(device_->handle(), &info, nullptr, &view), fmt::format("viewing image '{}'", desc_.name));
+    check(vkCreateImageView(device_->handle(), &info, nullptr, &view),
+          fmt::format("creating a view of image '{}'", desc_.name));
     return {device_, view, [](const Device& d, VkImageView v) { vkDestroyImageView(d.handle(), v, nullptr); }};
 }
 
@@ -192,7 +194,7 @@ Owned<VkSampler> make_sampler(const std::shared_ptr<Device>& device, const Sampl
     info.addressModeU = info.addressModeV = info.addressModeW = desc.address;
     info.maxLod = VK_LOD_CLAMP_NONE;
     VkSampler sampler = VK_NULL_HANDLE;
-    check(vkCreateSampler(device->handle(), &info, nullptr, &sampler), "making a sampler");
+    check(vkCreateSampler(device->handle(), &info, nullptr, &sampler), "creating a sampler");
     return {device, sampler, [](const Device& d, VkSampler s) { vkDestroySampler(d.handle(), s, nullptr); }};
 }
 

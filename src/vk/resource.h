@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Buffers and images: each owns its handle, its views and its piece of memory, and remembers how it was last used, so
-// that a pass can say what must be waited for (see commands.h).
+// Buffers and images. Each owns its handle, its views and its piece of memory, and stores its last use, from which
+// passes derive barriers (see commands.h).
 
 #include <cstddef>
 #include <span>
@@ -11,11 +11,11 @@
 
 namespace gnomon::vk {
 
-/// How a resource was used last. Kept by commands.cpp.
+/// The last use of a resource. Updated by commands.cpp.
 struct UseState {
     VkPipelineStageFlags2 write_stages = 0;   // of the last write
     VkAccessFlags2 write_access = 0;
-    VkPipelineStageFlags2 read_stages = 0;   // of reads since
+    VkPipelineStageFlags2 read_stages = 0;   // of reads since then
     VkPipelineStageFlags2 seen_stages = 0;   // the last write is visible to these stages ...
     VkAccessFlags2 seen_access = 0;          // ... by these accesses
     VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -24,9 +24,9 @@ struct UseState {
 class Buffer {
  public:
     Buffer() = default;
-    /// Any use is allowed: vertices, indices, indirect draws, storage, texels, copies; on devices that trace rays also
-    /// what acceleration structures are built from, and on the device alone what holds them. At least 4 bytes are
-    /// taken.
+    /// A buffer allows every use: vertices, indices, indirect draws, storage, texels, copies; on devices with ray
+    /// tracing also as input of acceleration structure builds and, in device-only memory, as their storage. At least 4
+    /// bytes are allocated.
     /// @throws MissingError  too little memory
     Buffer(const std::shared_ptr<Device>& device, const std::string& name, VkDeviceSize bytes,
            Access access = Access::device);
@@ -37,7 +37,7 @@ class Buffer {
     const std::string& name() const { return name_; }
     explicit operator bool() const { return static_cast<bool>(handle_); }
 
-    /// Host memory of an upload or readback buffer. What the device wrote is there after Commands::submit().
+    /// Host memory of an upload or readback buffer. Data that the device wrote is valid after Commands::submit().
     template <class T>
     std::span<T> as() const
     {
@@ -45,10 +45,10 @@ class Buffer {
     }
     std::byte* mapped() const;
 
-    /// Where it is, to builds and traces. @pre the device traces rays; not for readback
+    /// The device address, for builds and traces. @pre the device supports ray tracing; not for readback
     VkDeviceAddress address() const;
 
-    /// Reads the buffer as texels of a format (`samplerBuffer`).
+    /// A view of the buffer as texels of a format (`samplerBuffer`).
     /// @throws MissingError  more texels than the device can address
     VkBufferView texel_view(VkFormat format, VkDeviceSize texel_bytes) const;
 
@@ -70,14 +70,14 @@ struct ImageDesc {
     std::uint32_t width = 1, height = 1;
     std::uint32_t layers = 1;
     VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
-    VkImageUsageFlags usage = 0;   // copies to and from are always allowed
-    bool array = false;            // shaders see an array, even of one layer
+    VkImageUsageFlags usage = 0;   // copies are always allowed in addition
+    bool array = false;            // shaders see an array, even with one layer
 };
 
 class Image {
  public:
     Image() = default;
-    /// @throws MissingError  too little memory, or the device cannot make one of that size or format
+    /// @throws MissingError  too little memory, or the device does not support the size or format
     Image(const std::shared_ptr<Device>& device, const ImageDesc& desc);
 
     VkImage handle() const { return handle_.get(); }
@@ -89,9 +89,9 @@ class Image {
     VkImageAspectFlags aspect() const;
     explicit operator bool() const { return static_cast<bool>(handle_); }
 
-    /// All layers, as shaders see them.
+    /// All layers, for shaders.
     VkImageView view() const { return view_.get(); }
-    /// One layer, as a target.
+    /// One layer, as a render target.
     VkImageView layer_view(std::uint32_t layer) const;
 
     UseState& state() const { return state_; }
@@ -108,7 +108,7 @@ class Image {
     mutable UseState state_;
 };
 
-/// Bytes a pixel, of the formats we use.
+/// Bytes per texel of the formats that we use.
 std::uint32_t texel_bytes(VkFormat format);
 bool is_depth(VkFormat format);
 

@@ -15,7 +15,7 @@ namespace {
 
 using Context = std::unique_ptr<spvc_context_s, void (*)(spvc_context)>;
 
-// Everything a question to SPIRV-Cross needs.
+// The SPIRV-Cross objects for reading one shader.
 struct Reader {
     const char* name;
     Context context{nullptr, spvc_context_destroy};
@@ -26,7 +26,7 @@ struct Reader {
         if (result == SPVC_SUCCESS) return;
         fail_check(
             __FILE__, __LINE__,
-            fmt::format("{}: {}", name, context ? spvc_context_get_last_error_string(context.get()) : "no memory"));
+            fmt::format("{}: {}", name, context ? spvc_context_get_last_error_string(context.get()) : "out of memory"));
     }
     std::uint32_t decoration(spvc_variable_id id, SpvDecoration which) const
     {
@@ -46,7 +46,7 @@ struct Reader {
         }
         return result;
     }
-    /// A block that is one struct is described by its members, and by itself under its own name.
+    /// The members of a block that is one struct, and the struct itself under its own name.
     std::vector<BlockMember> block_members(spvc_type type) const
     {
         std::vector<BlockMember> result = members(type);
@@ -74,7 +74,7 @@ struct Reader {
     }
 };
 
-// A block that is one unsized array is described by its element.
+// Describes a block; one that is an unsized array is described by its element.
 void describe_block(const Reader& reader, const spvc_reflected_resource& resource, Binding& binding)
 {
     const spvc_type type = spvc_compiler_get_type_handle(reader.compiler, resource.base_type_id);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// SPIR-V as the build embedded it, and what it says of itself (by SPIRV-Cross): bindings, block layouts, inputs.
+// Embedded SPIR-V, and its reflection by SPIRV-Cross: bindings, block layouts, inputs.
 //
-// Descriptor layouts are made from this and from nothing else. What the host knows too (the bytes of shared structures,
-// which binding holds which) is checked against it when a pipeline is made: see BlockExpectation.
+// Descriptor layouts are derived from reflection only. Knowledge that the host shares (sizes of structures, which
+// binding holds which) is checked against it when a pipeline is created: see BlockExpectation.
 
 #include <cstdint>
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace gnomon::vk {
 
-/// Code the build made: `#include "ROOM/NAME.STAGE.inc"` between braces gives the words.
+/// Embedded code: `#include "ROOM/NAME.STAGE.inc"` between braces gives its words.
 struct ShaderCode {
     const char* name = "";   // "gpu_scene/cull.comp"
     std::span<const std::uint32_t> words;
@@ -25,7 +25,7 @@ struct BlockMember {
     std::uint32_t offset = 0, size = 0;
 };
 
-/// One binding of set 0.
+/// A binding of set 0.
 struct Binding {
     std::uint32_t binding = 0;
     std::string name;
@@ -33,7 +33,7 @@ struct Binding {
     std::uint32_t count = 1;
     bool writes = false;   // the shader may write it
     VkShaderStageFlags stages = 0;
-    // Buffers: the bytes of one element if the block is one unsized array, else of the block; and its members.
+    // For buffers: size of one element if the block is an unsized array, else of the block; and its members.
     std::uint32_t bytes = 0;
     std::vector<BlockMember> members;
 };
@@ -53,16 +53,16 @@ struct Reflection {
     std::uint32_t color_outputs = 0;        // of fragment shaders
 };
 
-/// @throws InternalError  for code that SPIRV-Cross cannot read, or that uses another set than 0
+/// @throws InternalError  SPIRV-Cross cannot read the code, or it uses a set other than 0
 Reflection reflect(const ShaderCode& code);
 
-/// A structure the host shares with a shader: its bytes and the offsets of its members must be the shader's.
+/// A structure that host and shader share: its size and the offsets of its members must agree.
 struct BlockExpectation {
     std::string binding;   // the block's instance name in the shader; "" for the push constants
     std::size_t bytes = 0;
     std::vector<std::pair<std::string, std::size_t>> offsets;   // some or all members
 };
-/// @throws InternalError  naming what differs
+/// @throws InternalError  with the name of what differs
 void check_block(const Reflection& reflection, const ShaderCode& code, const BlockExpectation& expected);
 
 }   // namespace gnomon::vk

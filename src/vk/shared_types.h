@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_VK_SHARED_TYPES_H
 #define GNOMON_VK_SHARED_TYPES_H
-// GLSL's names for types, on the host: for `*_shared.h`, the headers that C++ and GLSL both include. Blocks have the
-// `scalar` layout, which is C++'s own; pipelines check it against the shader all the same.
+// GLSL's type names for the host, used by the `*_shared.h` headers that C++ and GLSL both include. Blocks have the
+// `scalar` layout, which equals C++'s; pipelines still check it against the shader.
 
 #ifdef __cplusplus
 #include <cstdint>
@@ -21,7 +21,7 @@ using ivec2 = glm::ivec2;
 using mat3 = glm::mat3;
 using mat4 = glm::mat4;
 }   // namespace gnomon::vk::shared
-// Opens and closes the namespace of a shared header; nothing in GLSL.
+// Opens and closes the namespace of a shared header; empty in GLSL.
 #define GNOMON_SHARED_BEGIN(room)    \
     namespace gnomon::room::shared { \
     using namespace gnomon::vk::shared;

@@ -9,7 +9,7 @@ Submission::Submission(const std::shared_ptr<Device>& device) : device_(device)
     pool_info.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
     pool_info.queueFamilyIndex = device->queue_family();
     VkCommandPool pool = VK_NULL_HANDLE;
-    check(vkCreateCommandPool(device->handle(), &pool_info, nullptr, &pool), "making a command pool");
+    check(vkCreateCommandPool(device->handle(), &pool_info, nullptr, &pool), "creating a command pool");
     pool_ = {device, pool, [](const Device& d, VkCommandPool p) { vkDestroyCommandPool(d.handle(), p, nullptr); }};
 
     VkCommandBufferAllocateInfo info{};
@@ -17,12 +17,12 @@ Submission::Submission(const std::shared_ptr<Device>& device) : device_(device)
     info.commandPool = pool;
     info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     info.commandBufferCount = 1;
-    check(vkAllocateCommandBuffers(device->handle(), &info, &buffer_), "making a command buffer");
+    check(vkAllocateCommandBuffers(device->handle(), &info, &buffer_), "creating a command buffer");
 
     VkFenceCreateInfo fence_info{};
     fence_info.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
     VkFence fence = VK_NULL_HANDLE;
-    check(vkCreateFence(device->handle(), &fence_info, nullptr, &fence), "making a fence");
+    check(vkCreateFence(device->handle(), &fence_info, nullptr, &fence), "creating a fence");
     fence_ = {device, fence, [](const Device& d, VkFence f) { vkDestroyFence(d.handle(), f, nullptr); }};
 }
 

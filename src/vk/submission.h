@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A command buffer that is recorded, sent and waited for, again and again; and timestamps.
+// A command buffer that is recorded, submitted and waited for repeatedly; and timestamps.
 
 #include "vk/device.h"
 
@@ -10,10 +10,10 @@ class Submission {
  public:
     explicit Submission(const std::shared_ptr<Device>& device);
 
-    /// Begins to record anew.
+    /// Begins a new recording.
     void begin();
     VkCommandBuffer buffer() const { return buffer_; }
-    /// Ends recording, sends it, and waits.
+    /// Ends the recording, submits it, and waits.
     /// @throws MissingError  the device was lost, or has too little memory
     void submit();
 
@@ -24,7 +24,7 @@ class Submission {
     VkCommandBuffer buffer_ = VK_NULL_HANDLE;
 };
 
-/// Room for `count` timestamps; the device has some (Device::timestamp_period).
+/// A pool of `count` timestamps; the device must support them (Device::timestamp_period).
 Owned<VkQueryPool> make_timestamps(const std::shared_ptr<Device>& device, std::uint32_t count);
 
 }   // namespace gnomon::vk
