@@ -10,7 +10,7 @@ namespace gnomon::light_views {
 
 namespace {
 
-// Every second bit of a number: x or y of the n-th square along a Z-order curve.
+// Extracts every second bit of a number: x or y of the n-th square along a Z-order curve.
 int compact_bits(std::uint64_t n)
 {
     int result = 0;
@@ -32,7 +32,8 @@ Atlas make_atlas(std::span<const int> views, const AtlasOptions& options)
     GNOMON_CHECK(std::has_single_bit(static_cast<unsigned>(options.view_size)));
     GNOMON_CHECK(std::has_single_bit(static_cast<unsigned>(options.least_size)));
 
-    // Sizes: as wanted, then halved from the last light to the first, round after round, until they fit.
+    // Choose sizes: start with the requested one, then halve from the last light to the first, round by round, until
+    // all fit.
     std::vector<int> size(views.size());
     std::int64_t texels = 0;
     const auto cost = [&](std::size_t l) { return static_cast<std::int64_t>(size[l]) * size[l] * views[l]; };
@@ -63,7 +64,7 @@ Atlas make_atlas(std::span<const int> views, const AtlasOptions& options)
     }
     if (atlas.tiles.empty()) return atlas;
 
-    // Along a Z-order curve, largest first, every square finds itself aligned and no texel is lost in between.
+    // Place squares along a Z-order curve, largest first: every square is aligned, without gaps between them.
     std::vector<std::uint32_t> order(atlas.tiles.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),
@@ -71,7 +72,7 @@ Atlas make_atlas(std::span<const int> views, const AtlasOptions& options)
     atlas.page_size = atlas.tiles[order.front()].size;
     const std::uint64_t page_texels =
         static_cast<std::uint64_t>(atlas.page_size) * static_cast<unsigned>(atlas.page_size);
-    std::uint64_t at = 0;   // texels along the curve
+    std::uint64_t at = 0;   // in texels along the curve
     for (const std::uint32_t t : order) {
         Tile& tile = atlas.tiles[t];
         const auto size_texels = static_cast<std::uint64_t>(tile.size) * static_cast<unsigned>(tile.size);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Which objects cast shadows, and the box each is in now.
+// Determines which objects cast shadows, and their current bounding boxes.
 //
-// Boxes of rigid objects are their mesh's, made once; those of deforming ones are made again when they deform. Cost a
-// frame: the vertices of what deformed.
+// Boxes of rigid objects are those of their meshes, computed once; those of deforming objects are recomputed when they
+// deform. Cost per frame: the vertices of objects that deformed.
 
 #include <span>
 #include <vector>
@@ -16,16 +16,16 @@ class Casters {
  public:
     explicit Casters(const scene::SceneState& state);
 
-    /// Follows one advance(): deformed and appeared objects.
+    /// Call after each advance(): updates deformed and appeared objects.
     void update(const scene::SceneState& state);
 
-    /// Whether it has triangles that block light: opaque or alpha-tested ones. Depends on the scene alone.
+    /// Whether it has opaque or alpha-tested triangles. Depends on the scene only.
     bool casts(scene::ObjectId object) const { return casts_[object]; }
-    /// In the space that object_matrix() takes to the world.
+    /// In object space (object_matrix() transforms it to world space).
     const Box3& box(scene::ObjectId object) const;
-    /// Where a caster that is there (SceneState::object_there) falls in a view; empty for others.
+    /// The texels of a view that a caster covers if it is present (SceneState::object_there); empty for others.
     Rect footprint(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const;
-    /// How far from the light it is.
+    /// The range of its distances from the light.
     DistanceRange distance(const ViewProjection& view, const scene::SceneState& state, scene::ObjectId object) const
     {
         return distance_range(view, state.object_matrix(object), box(object));
@@ -37,7 +37,7 @@ class Casters {
     const scene::Scene* scene_;
     std::vector<char> casts_;
     std::vector<Box3> mesh_box_;
-    std::vector<std::uint32_t> deformed_slot_;   // by object; none for rigid ones
+    std::vector<std::uint32_t> deformed_slot_;   // by object; none for rigid objects
     std::vector<Box3> deformed_box_;
 };
 

@@ -85,7 +85,8 @@ void FootprintIndex::query(const Rect& rect, std::vector<scene::ObjectId>& found
     if (rect.empty()) return;
     for (const Level& level : levels_) {
         if (level.count == 0) continue;
-        // A footprint on this level is at most one cell wide: it starts in the cells of the query or one before.
+        // A footprint on this level is at most one cell wide, so it starts in the cells of the query or in the one
+        // before.
         const int x0 = std::max(rect.x0 / level.cell - 1, 0), x1 = std::min((rect.x1 - 1) / level.cell, level.side - 1);
         const int y0 = std::max(rect.y0 / level.cell - 1, 0), y1 = std::min((rect.y1 - 1) / level.cell, level.side - 1);
         for (int y = y0; y <= y1; ++y)

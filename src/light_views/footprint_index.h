@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The light-space index: which static objects fall on a rectangle of a light view?
+// A spatial index in light space: finds the static objects whose footprints meet a rectangle of a light view.
 //
-// A stack of grids over the view's texels, each with cells half as wide as the one above. An object is kept once, on
-// the level whose cells are just as large as its footprint, in the cell of the footprint's corner; a query looks at the
-// cells that a footprint touching it can start from, on levels that hold something.
-// Cost: insert and erase O(1); a query: the cells under it and the objects around it, whatever else there is
-// (`touched` counts entries looked at).
+// It is a stack of grids over the view's texels, each with cells half as wide as the one above. An object is stored
+// once, on the level whose cells are just large enough for its footprint, in the cell of the footprint's corner. On
+// each level that is not empty, a query visits the cells in which a footprint that meets the rectangle can start. Cost:
+// insert and erase O(1); a query: linear in the cells and objects near the rectangle, independent of all others
+// (`touched` counts visited entries).
 
 #include <cstdint>
 #include <vector>
@@ -26,27 +26,27 @@ class FootprintIndex {
     void insert(scene::ObjectId object, const Rect& rect);
     void erase(scene::ObjectId object);
     bool contains(scene::ObjectId object) const { return entry_[object] != scene::none; }
-    /// Empty if the object is not there.
+    /// Empty if the object is not in the index.
     Rect rect(scene::ObjectId object) const { return contains(object) ? entries_[entry_[object]].rect : Rect{}; }
     std::size_t count() const { return count_; }
 
-    /// Appends the objects whose footprint meets `rect`, in no particular order, each once.
+    /// Appends each object whose footprint meets `rect` once, in no particular order.
     void query(const Rect& rect, std::vector<scene::ObjectId>& found) const;
-    /// Appends all.
+    /// Appends all objects.
     void all(std::vector<scene::ObjectId>& found) const;
 
-    /// Entries that queries have looked at since construction.
+    /// Entries visited by queries since construction.
     std::uint64_t touched() const { return touched_; }
 
  private:
     struct Entry {
         Rect rect;
         scene::ObjectId object = scene::none;
-        std::uint32_t next = scene::none, previous = scene::none, cell = 0;   // of the cell's list
+        std::uint32_t next = scene::none, previous = scene::none, cell = 0;   // links of the cell's list
     };
     struct Level {
-        int cell = 0, side = 0;         // texels of a cell, cells a side
-        std::uint32_t first_cell = 0;   // in heads_
+        int cell = 0, side = 0;         // texels per cell side, cells per grid side
+        std::uint32_t first_cell = 0;   // index in heads_
         std::uint32_t count = 0;        // objects
     };
     Level& level_of(const Rect& rect);
@@ -55,7 +55,7 @@ class FootprintIndex {
     std::vector<std::uint32_t> heads_;   // by cell: the first entry, or none
     std::vector<Entry> entries_;
     std::vector<std::uint32_t> free_;
-    std::vector<std::uint32_t> entry_;   // by object
+    std::vector<std::uint32_t> entry_;   // by object: index in entries_
     std::size_t count_ = 0;
     mutable std::uint64_t touched_ = 0;
 };

@@ -60,7 +60,7 @@ void LightViews::note_mobility(scene::ObjectId object)
     changed_.push_back(object);
 }
 
-// Who moved, deformed, appeared, vanished, or is of another mobility than in the last update.
+// Collects the objects that moved, deformed, appeared, vanished, or changed mobility since the last update.
 void LightViews::note_changes(const scene::SceneState& state)
 {
     const scene::FrameChanges& changes = state.changes();
@@ -96,7 +96,7 @@ void LightViews::update(const scene::SceneState& state)
         const bool moves = holds(moved, l);
         const bool was_shown = views_[v].shown;
         if (light.visible && (moves || first_ || !was_shown)) {
-            // Where does the light look now?
+            // Compute the light's current projections.
             const auto projections = project(scene.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
             for (std::size_t i = v; i < end; ++i) views_[i].projection = projections[i - v];
         }

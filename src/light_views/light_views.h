@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What all lights of a scene see, kept up to date [Oh and Shin 2004, 3]: which depth buffers change this frame, where,
-// and what must be drawn into them.
+// Keeps depth and item buffers seen from all lights up to date [Oh and Shin 2004, 3]: determines which buffers change
+// in this frame, where, and which objects must be drawn into them.
 //
-// update() follows one advance() of the scene's state and leaves a plan for every view; an executor (the Vulkan one, or
-// the slow twin in software.h) carries the plans out. Nothing here knows how.
+// update() follows one advance() of the scene's state and stores a plan for every view. An executor carries the plans
+// out: the Vulkan one, or the CPU reference in software.h. This component does not depend on either.
 //
-// Invariants, held by tests: after each frame the rendering buffer of every view of a visible light equals, to the bit,
-// the one that drawing everything anew gives; the static buffer likewise, of what is static. Mobility, its hysteresis
-// and overrides by hand change what is done, never the rendering buffers.
-// Cost: see ViewTracker; `touched` counts.
+// Invariants, held by tests: after each frame, the rendering buffer of every view of a visible light equals, bit for
+// bit, the one that redrawing everything gives; likewise the static buffer for static objects. Mobility, its hysteresis
+// and user overrides affect the work that is done, but never the rendering buffers. Cost: see ViewTracker; `touched`
+// counts.
 
 #include "light_views/atlas.h"
 #include "light_views/view_tracker.h"
@@ -20,46 +20,46 @@ namespace gnomon::light_views {
 struct LightViewsOptions {
     ProjectionOptions projection;
     AtlasOptions atlas;
-    int quiet_frames = 8;     // frames of rest after which an object counts as static
-    bool coherence = true;    // false: everything is drawn in every frame, as without this house's second idea
-    bool receivers = false;   // list whose shadow textures change, too
+    int quiet_frames = 8;     // frames at rest after which an object is static
+    bool coherence = true;    // false: everything is redrawn in every frame, for comparison
+    bool receivers = false;   // also list objects whose shadow textures change
 };
 
-/// One square of the atlas: a spot or directional light, or a face of a point light.
+/// One square of the atlas: the view of a spot or directional light, or one face of a point light.
 struct LightView {
     scene::LightId light = scene::none;
     int face = 0;
     Tile tile;
-    bool shown = false;          // its light is on, and the buffers are valid after this frame's plan
-    ViewProjection projection;   // valid while shown
-    ViewPlan plan;               // of this frame
+    bool shown = false;          // the light is on, and the buffers are valid once this frame's plan is carried out
+    ViewProjection projection;   // valid if shown
+    ViewPlan plan;               // for this frame
 };
 
 struct LightViewsCounts {   // of the last update
     std::uint64_t draws = 0, copies = 0;
     std::uint64_t copied_texels = 0;
     std::uint64_t views_changed = 0;
-    std::uint64_t touched = 0;   // objects and index entries looked at
+    std::uint64_t touched = 0;   // objects and index entries visited
 };
 
 class LightViews {
  public:
-    /// Plans nothing yet. Keeps a reference to the state's scene, not to the state.
+    /// Makes no plans yet. Keeps a reference to the state's scene, but not to the state.
     /// @throws MissingError  more lights than the atlas's budget holds
     explicit LightViews(const scene::SceneState& state, const LightViewsOptions& options = {});
 
-    /// Makes the plans for the state's present. Call once after every advance(); the first call plans everything.
+    /// Makes the plans for the current state. Call once after every advance(); the first call plans complete redraws.
     void update(const scene::SceneState& state);
-    /// The buffers were lost: the next update plans everything.
+    /// Call if the buffers were lost: the next update plans complete redraws.
     void forget();
 
-    /// Fixes an object as static or dynamic, or leaves it to its motion again. Takes effect with the next update.
+    /// Overrides the mobility of an object, or removes the override. Takes effect with the next update.
     void set_override(scene::ObjectId object, scene::MobilityOverride value);
 
     const LightViewsOptions& options() const { return options_; }
     const Atlas& atlas() const { return atlas_; }
     const std::vector<LightView>& views() const { return views_; }
-    /// A light's views are views()[first_view(light)] and those after it.
+    /// The index in views() of a light's first view; its other views follow.
     std::uint32_t first_view(scene::LightId light) const { return atlas_.first_tile[light]; }
     const ViewTracker& tracker(std::size_t view) const { return trackers_[view]; }
     const SceneBounds& bounds() const { return bounds_; }

@@ -10,7 +10,7 @@ namespace gnomon::light_views {
 
 namespace {
 
-// Clip-space rows (x, y, depth, w) from an orthonormal basis: `forward` is where the light looks.
+// Clip-space rows (x, y, depth, w) from an orthonormal basis; `forward` is the direction of the view.
 glm::dmat4 view_matrix(const glm::dvec3& right, const glm::dvec3& down, const glm::dvec3& forward,
                        const glm::dvec3& eye)
 {
@@ -46,7 +46,7 @@ struct Extent {
     glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
 };
 
-// Of a box along three axes.
+// The extent of a box along three axes.
 Extent extent_of(const Box3& box, const glm::dvec3& right, const glm::dvec3& down, const glm::dvec3& forward)
 {
     Extent extent;
@@ -59,7 +59,7 @@ Extent extent_of(const Box3& box, const glm::dvec3& right, const glm::dvec3& dow
     return extent;
 }
 
-// Sees what lies over or under `seen`, from one end of `bounds` to the other.
+// A view that covers `seen` across, and `bounds` from one end to the other in depth.
 ViewProjection orthographic(const glm::vec3& direction, const Box3& seen, const Box3& bounds, double stretch, int size)
 {
     glm::vec3 s, t;
@@ -70,7 +70,7 @@ ViewProjection orthographic(const glm::vec3& direction, const Box3& seen, const 
     glm::dvec3 &low = extent.low, &high = extent.high;
     low.z = all.low.z, high.z = all.high.z;
     const glm::dvec3 middle = 0.5 * (low + high);
-    // A hair more than the bounds, so that what touches them is inside; never zero.
+    // Enlarge the bounds slightly, so that objects that touch them are inside; never zero.
     constexpr double k_room = 1.0001, k_smallest = 1e-6;
     const double half = std::max({high.x - low.x, high.y - low.y, k_smallest}) / 2 * k_room * stretch;
     const double half_depth = std::max(high.z - low.z, k_smallest) / 2 * k_room;
@@ -78,7 +78,7 @@ ViewProjection orthographic(const glm::vec3& direction, const Box3& seen, const 
     p[0][0] = p[1][1] = 1 / half;
     p[3][0] = -middle.x / half;
     p[3][1] = -middle.y / half;
-    p[2][2] = -0.5 / half_depth;   // depth 1 at the light's side, 0 at the other
+    p[2][2] = -0.5 / half_depth;   // depth 1 at the end towards the light, 0 at the other
     p[3][2] = 0.5 + 0.5 * middle.z / half_depth;
     ViewProjection view;
     view.clip_from_world = glm::mat4(p * view_matrix(right, down, forward, glm::dvec3(0)));
@@ -154,7 +154,7 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
 {
     if (box.empty()) return {};
     const glm::dmat4 world(to_world), clip(view.clip_from_world), matrix = clip * world;
-    // The same with absolute values bounds what rounding can do to a vertex that the graphics card transforms.
+    // Transform absolute values as well, to bound the rounding error of vertices on the device.
     glm::dmat4 world_abs, clip_abs;
     for (int c = 0; c < 4; ++c) world_abs[c] = glm::abs(world[c]), clip_abs[c] = glm::abs(clip[c]);
     const glm::dmat4 magnitude = clip_abs * world_abs;
@@ -184,7 +184,7 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
     };
     for (const Corner& corner : corners)
         if (corner.at.w >= w_least) add(corner.at, corner.error);
-    // Edges through the plane in front of the eye end there.
+    // Clip edges at the plane in front of the eye.
     if (behind > 0)
         for (int i = 0; i < 8; ++i)
             for (const int bit : {1, 2, 4}) {
@@ -196,7 +196,7 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
                 add(cut, glm::max(a.error, b.error));
             }
 
-    // One texel around: sample positions and the driver's snapping of vertices.
+    // Add one texel on each side, for sample positions and the driver's snapping of vertices.
     constexpr double k_margin = 1;
     const auto texel = [&](double p, double side) {
         const double t = (0.5 * p + 0.5) * view.size + side * k_margin;
@@ -209,7 +209,7 @@ Rect footprint(const ViewProjection& view, const glm::mat4& to_world, const Box3
 
 DistanceRange distance_range(const ViewProjection& view, const glm::mat4& to_world, const Box3& box)
 {
-    constexpr float k_rounding = 0x1p-19f;   // of what is added up: 32 roundings
+    constexpr float k_rounding = 0x1p-19f;   // of the sum: 32 roundings
     const auto size = [](const glm::vec3& p) { return std::abs(p.x) + std::abs(p.y) + std::abs(p.z); };
     const float fixed = size(view.origin) + (view.perspective ? 0 : view.reach);
     DistanceRange range;

@@ -25,7 +25,7 @@ inline Rect intersection(const Rect& a, const Rect& b)
     return r.empty() ? Rect{} : r;
 }
 
-/// The smallest rectangle around both; an empty one adds nothing.
+/// The smallest rectangle that contains both; an empty one adds nothing.
 inline Rect around(const Rect& a, const Rect& b)
 {
     if (a.empty()) return b;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a scene is over its whole clip, and where most of it is: a function of the scene alone.
+// The scene's bounds over its whole clip, and the part that contains most triangles; both depend on the scene only.
 #include <algorithm>
 
 #include "light_views/projection.h"
@@ -13,21 +13,21 @@ struct ObjectBox {
     double triangles;
 };
 
-// Where the sum of weights reaches a share of all.
-float quantile(std::vector<std::pair<float, double>> values, double share)
+// The value at which the sum of weights reaches a fraction of the total.
+float quantile(std::vector<std::pair<float, double>> values, double fraction)
 {
     std::sort(values.begin(), values.end());
     double sum = 0, all = 0;
     for (const auto& [value, weight] : values) all += weight;
     for (const auto& [value, weight] : values)
-        if ((sum += weight) >= share * all) return value;
+        if ((sum += weight) >= fraction * all) return value;
     return values.back().first;
 }
 
-// Around the middle of the triangles, then around what enlarges it little.
+// The box around the middle of the triangles, extended by objects that enlarge it little.
 Box3 dense_part(const std::vector<ObjectBox>& boxes)
 {
-    constexpr double k_outliers = 0.1;   // share of triangles that may lie beyond each side at first
+    constexpr double k_outliers = 0.1;   // fraction of triangles that may initially lie beyond each side
     constexpr float k_little = 0.25f;    // of its diagonal
     Box3 dense;
     std::vector<std::pair<float, double>> lows, highs;
@@ -75,7 +75,7 @@ SceneBounds clip_bounds(const scene::Scene& scene, int most_times)
         std::any_of(scene.objects.begin(), scene.objects.end(), [](const scene::Object& o) { return o.dynamic; });
     for (int i = 0; i < (moves ? times : 1); ++i) {
         const int frame = times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
-        // Of all nodes at once: walking up from each takes too long where they are deep.
+        // Compute the matrices of all nodes at once, because walking up from each is slow in deep hierarchies.
         const std::vector<glm::dmat4> world = scene.world_matrices(scene.timeline.time_of(frame));
         for (std::size_t o = 0; o < boxes.size(); ++o) {
             const scene::Object& object = scene.objects[o];

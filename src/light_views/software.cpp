@@ -9,7 +9,7 @@ namespace gnomon::light_views {
 
 namespace {
 
-// Products of two snapped coordinates need more than 64 bits close to the eye.
+// Products of two snapped coordinates need more than 64 bits near the eye.
 __extension__ typedef __int128 Int128;
 
 struct ClipVertex {
@@ -17,7 +17,7 @@ struct ClipVertex {
     glm::dvec2 uv;
 };
 
-// The part of a triangle with w >= near (perspective): 0, 3 or 4 corners.
+// Clips a triangle to w >= near (perspective): 0, 3 or 4 corners remain.
 int clip_near(const std::array<ClipVertex, 3>& in, double near, std::array<ClipVertex, 4>& out)
 {
     int count = 0;
@@ -50,7 +50,7 @@ ScreenVertex to_screen(const ClipVertex& v, int size)
     return {snap(v.at.x), snap(v.at.y), v.at.z / v.at.w, 1 / v.at.w, v.uv / v.at.w};
 }
 
-// Twice the area of (a, b, p), exact.
+// Twice the signed area of (a, b, p), exact.
 template <class Wide>
 Wide edge(const ScreenVertex& a, const ScreenVertex& b, std::int64_t x, std::int64_t y)
 {
@@ -191,18 +191,18 @@ void SoftwareView::execute(const ViewPlan& plan, const ViewProjection& view, con
     const bool restless = plan.kind == ViewPlan::Kind::restless;
     if (restless) rendering_.empty(view.whole());
 
-    // 1: what was dynamic goes.
+    // Step 1: erase dynamic objects.
     for (const Rect& rect : plan.erase) rendering_.copy(statics_, rect);
-    // 2 to 4: the places of what stood still and no longer does.
+    // Steps 2 to 4: rebuild the rectangles that static objects left.
     for (const Rect& rect : plan.rebuild) rendering_.empty(rect);
     for (const ViewPlan::Redraw& redraw : plan.redraw)
         draw_object(rendering_, view, state, redraw.object, plan.rebuild[redraw.rect]);
     for (const Rect& rect : plan.rebuild) statics_.copy(rendering_, rect);
-    // 5 and 6: what has come to rest.
+    // Steps 5 and 6: add objects that came to rest.
     for (const ViewPlan::Settle& settle : plan.settle)
         draw_object(rendering_, view, state, settle.object, view.whole(), &statics_);
     for (const ViewPlan::Settle& settle : plan.settle) statics_.copy(rendering_, settle.rect);
-    // 7: what moves.
+    // Step 7: draw dynamic objects.
     for (const scene::ObjectId object : plan.dynamics)
         draw_object(rendering_, view, state, object, view.whole(), restless ? nullptr : &statics_);
 }

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The slow twin: light views drawn on the CPU, one texel at a time, for tests and as the meaning of the plan's steps.
+// The reference implementation of light views: draws them on the CPU, texel by texel, for tests. It defines the meaning
+// of the plan's steps.
 //
-// Vertices are snapped to 1/256 texel and edges decided in integers, with the rule that a texel on a shared edge
-// belongs to one triangle; depths come from the triangle's plane alone. What a triangle does at a texel therefore does
-// not depend on the rectangle that drawing is clipped to, and redrawing a part gives the same bits as redrawing the
-// whole. Cost: the texels of every triangle's bounding rectangle. Not for frames that anybody waits for.
+// Vertices are snapped to 1/256 texel and edges are evaluated in integers, so that a texel on a shared edge belongs to
+// exactly one triangle. Depth depends on the triangle's plane only. So a triangle's result at a texel does not depend
+// on the clipping rectangle, and redrawing a part gives the same bits as redrawing the whole. Cost: the texels of every
+// triangle's bounding rectangle; too slow for interactive use.
 
 #include "light_views/light_views.h"
 
 namespace gnomon::light_views {
 
-using Item = std::uint32_t;   // object + 1; 0: nothing there
+using Item = std::uint32_t;   // object + 1; 0: none
 
 /// The two layers of a buffer, rows from y = 0.
 struct SoftwareBuffer {
     explicit SoftwareBuffer(int size = 0);
     int size = 0;
-    std::vector<float> depth;   // 0: nothing
+    std::vector<float> depth;   // 0: nothing drawn
     std::vector<Item> item;
 
     std::size_t at(int x, int y) const
@@ -29,13 +30,13 @@ struct SoftwareBuffer {
     friend bool operator==(const SoftwareBuffer&, const SoftwareBuffer&) = default;
 };
 
-/// Draws one object where it is nearer than, or as near as, what is there.
+/// Draws one object where it is nearer than the buffer's contents, or equally near.
 /// @param clip     nothing is drawn outside
-/// @param statics  if given: where its depth is equal, the higher item of both is written
+/// @param statics  optional: where its depth is equal, the higher of both items is written
 void draw_object(SoftwareBuffer& buffer, const ViewProjection& view, const scene::SceneState& state,
                  scene::ObjectId object, const Rect& clip, const SoftwareBuffer* statics = nullptr);
 
-/// The buffers of one view.
+/// The static and the rendering buffer of one view.
 class SoftwareView {
  public:
     explicit SoftwareView(int size) : rendering_(size), statics_(size) {}

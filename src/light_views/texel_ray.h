@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The ray of a light view's texel, and what the texel stands for.
+// The ray of a light view's texel, and the measure of the texel.
 
 #include "light_views/projection.h"
 
 namespace gnomon::light_views {
 
-/// Views side by side, without overlap: every direction belongs to one texel.
+/// Views of a point light without overlap: every direction belongs to one texel.
 inline constexpr light_views::ProjectionOptions k_projection{.border = 0};
 
 struct TexelWay {
@@ -27,7 +27,7 @@ inline TexelWay texel_way(const light_views::ViewProjection& view, int x, int y)
     return {view.origin, glm::normalize(view.forward + off)};
 }
 
-/// What the texel stands for: a solid angle (perspective), or area across the ray.
+/// The measure of a texel: solid angle (perspective), or area perpendicular to the ray.
 inline double texel_measure(const light_views::ViewProjection& view, int x, int y)
 {
     const double texel = 2.0 / view.size;

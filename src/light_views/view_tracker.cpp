@@ -18,7 +18,7 @@ bool holds(std::span<const scene::ObjectId> ascending, scene::ObjectId object)
     return std::binary_search(ascending.begin(), ascending.end(), object);
 }
 
-// Erasing the whole view at once is cheaper than rectangles that together are larger.
+// Erases the whole view if the rectangles together are larger, because that is cheaper.
 void join_if_larger(std::vector<Rect>& rects, const Rect& whole)
 {
     std::int64_t area = 0;
@@ -26,15 +26,16 @@ void join_if_larger(std::vector<Rect>& rects, const Rect& whole)
     if (area >= whole.area()) rects.assign(1, whole);
 }
 
-// Something changed in this rectangle, so far from the light at the nearest.
-// DEVIATION(Oh and Shin 2004, 3.2): the texture of an object that lies nearer stays as it is; by footprints alone
-// nearly twice as many are made anew in a scene as dense as the paper's.
+// A rectangle in which something changed, and the least distance of the change from the light.
+// DEVIATION(Oh and Shin 2004, 3.2): the texture of an object that lies nearer is kept. By footprints alone, nearly
+// twice as many textures would be redrawn in a scene as dense as the paper's.
 struct Change {
     Rect rect;
     float nearest;
 };
 
-// Joins rectangles that overlap so much that one drawing into both costs no more. Quadratic, so in short lists alone.
+// Joins rectangles that overlap so much that drawing into their union costs no more. Quadratic, so only for short
+// lists.
 void join_overlapping(std::vector<Rect>& rects)
 {
     constexpr std::size_t k_short = 64;
@@ -77,7 +78,7 @@ void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& project
     place_dynamics(frame);
     if (statics_known_)
         plan_incremental(frame, receivers, plan);
-    else if (concerned(frame))   // a light that has come to rest: its static buffer is made when it is first needed
+    else if (affects_view(frame))   // a light that has come to rest: its static buffer is made when it is first needed
         plan_whole(frame, receivers, plan);
 }
 
@@ -89,7 +90,7 @@ void ViewTracker::plan_anew(const FrameMobility& frame, const ViewProjection& pr
     plan_restless(frame, plan);
 }
 
-// Where dynamic objects are now.
+// Computes the footprints of dynamic objects.
 void ViewTracker::place_dynamics(const FrameMobility& frame)
 {
     present_.clear();
@@ -108,8 +109,8 @@ bool ViewTracker::is_drawn(scene::ObjectId object) const
     return at != drawn_.end() && at->object == object;
 }
 
-// Whether anything that changed is or was in view. After a restless frame drawn_ holds every object.
-bool ViewTracker::concerned(const FrameMobility& frame) const
+// Whether anything that changed is or was in view. After a restless frame, drawn_ holds every object.
+bool ViewTracker::affects_view(const FrameMobility& frame) const
 {
     for (const scene::ObjectId object : frame.changed) {
         if (!frame.casters.footprint(projection_, frame.state, object).empty()) return true;
@@ -159,7 +160,7 @@ void ViewTracker::plan_whole(const FrameMobility& frame, bool receivers, ViewPla
 
 void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, ViewPlan& plan)
 {
-    // Sort out what changed among static objects: what left its place (SD), what came to rest (DS).
+    // Classify changes of static objects: objects that left their place (SD), and objects that came to rest (DS).
     for (const scene::ObjectId object : frame.changed) {
         ++touched_;
         const bool was_static = index_.contains(object);
@@ -172,13 +173,13 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
         if (!frame.is_dynamic[object] && !rect.empty()) plan.settle.push_back({object, rect});
     }
 
-    // Find out whether anything dynamic changed: came, went, or moved within its place.
+    // Determine whether any dynamic object came, went, or changed within its footprint.
     bool moved = drawn_ != present_;
     for (std::size_t i = 0; !moved && i < present_.size(); ++i) moved = holds(frame.changed, present_[i].object);
     if (!moved && plan.rebuild.empty() && plan.settle.empty()) return;
     plan.kind = ViewPlan::Kind::incremental;
 
-    // List where depths may differ from the last frame's, for the textures of what lies there.
+    // List where depths may differ from the last frame's, to find the textures to redraw.
     std::vector<Change> dirty;
     if (receivers) {
         for (const Rect& rect : plan.rebuild) dirty.push_back({rect, -k_infinity});
@@ -191,11 +192,11 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
         for (const Drawn& d : present_) changes(d);
     }
 
-    // Erase what was dynamic; it lies on top of the static depths.
+    // Erase the dynamic objects of the last frame.
     for (const Drawn& drawn : drawn_) plan.erase.push_back(drawn.rect);
     join_if_larger(plan.erase, projection_.whole());
 
-    // Rebuild the places of what stood still and no longer does, with the static objects that meet them.
+    // Rebuild the rectangles that static objects left, with the static objects that meet them.
     join_overlapping(plan.rebuild);
     join_if_larger(plan.rebuild, projection_.whole());
     for (std::size_t r = 0; r < plan.rebuild.size(); ++r) {
@@ -205,7 +206,7 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
         for (const scene::ObjectId object : found_) plan.redraw.push_back({object, static_cast<std::uint32_t>(r)});
     }
 
-    // Add what has come to rest, and draw what moves.
+    // Add objects that came to rest, and draw dynamic objects.
     for (const ViewPlan::Settle& settle : plan.settle) index_.insert(settle.object, settle.rect);
     for (const Drawn& drawn : present_) plan.dynamics.push_back(drawn.object);
 

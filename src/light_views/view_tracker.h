@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Keeps one light view's books: where static objects lie in it, where dynamic ones were drawn, and what follows from a
-// frame's changes.
+// Tracks one light view: the footprints of static objects, the rectangles in which dynamic objects were drawn, and the
+// plan that follows from a frame's changes.
 //
-// Cost a frame: the objects that changed or are dynamic, and the static ones that meet them. A view that is new or
-// whose light moves costs all objects, that view alone. Nothing is drawn here.
+// Cost per frame: the objects that changed or are dynamic, and the static ones that meet them; all objects for a view
+// that is new or whose light moves. Nothing is drawn here.
 
 #include <span>
 
@@ -14,12 +14,12 @@
 
 namespace gnomon::light_views {
 
-/// The frame as all views read it.
+/// The changes of a frame, shared by all views.
 struct FrameMobility {
     const scene::SceneState& state;
     const Casters& casters;
-    std::span<const scene::ObjectId> changed;    // moved, deformed, appeared, vanished or of new mobility; ascending
-    std::span<const scene::ObjectId> dynamics;   // all that count as dynamic now, ascending
+    std::span<const scene::ObjectId> changed;    // moved, deformed, appeared, vanished, or changed mobility; ascending
+    std::span<const scene::ObjectId> dynamics;   // all dynamic objects, ascending
     const std::vector<char>& is_dynamic;         // by object
 };
 
@@ -27,28 +27,28 @@ class ViewTracker {
  public:
     ViewTracker(int size, std::size_t object_count) : index_(size, object_count) {}
 
-    /// Says what to do for this frame. Must be called for every frame, or `forget` be called before the next.
-    /// @param restless   the light moves: do not expect the projection to stay
-    /// @param receivers  also list whose shadow textures change
+    /// Makes the plan for this frame. Must be called for every frame, or `forget` before the next call.
+    /// @param restless   the light moves, so the projection is expected to change again
+    /// @param receivers  also list objects whose shadow textures change
     void plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, bool receivers,
               ViewPlan& plan);
-    /// Without coherence: empties the view and draws everything in it.
+    /// Without coherence: empties the view and draws everything.
     void plan_anew(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan);
-    /// The buffers are no longer to be trusted (the light was off).
+    /// Call if the buffers are no longer valid (the light was off).
     void forget() { known_ = statics_known_ = false; }
 
     const ViewProjection& projection() const { return projection_; }
-    /// Whether the static buffer holds what is static now: not while the light moves.
+    /// Whether the static buffer is up to date; not while the light moves.
     bool statics_known() const { return statics_known_; }
     const FootprintIndex& index() const { return index_; }
-    /// Objects and index entries looked at so far.
+    /// Objects and index entries visited so far.
     std::uint64_t touched() const { return touched_ + index_.touched(); }
 
  private:
     struct Drawn {
         scene::ObjectId object;
         Rect rect;
-        float nearest;   // to the light, along the view
+        float nearest;   // distance to the light, along the view
         friend bool operator==(const Drawn&, const Drawn&) = default;
     };
     void place_dynamics(const FrameMobility& frame);
@@ -56,13 +56,13 @@ class ViewTracker {
     void plan_restless(const FrameMobility& frame, ViewPlan& plan);
     void plan_incremental(const FrameMobility& frame, bool receivers, ViewPlan& plan);
     bool is_drawn(scene::ObjectId object) const;
-    bool concerned(const FrameMobility& frame) const;
+    bool affects_view(const FrameMobility& frame) const;
 
     ViewProjection projection_;
-    FootprintIndex index_;                 // static objects; valid with statics_known_
+    FootprintIndex index_;                 // static objects; valid if statics_known_
     std::vector<Drawn> drawn_, present_;   // dynamic objects in the rendering buffer, and in this frame; ascending
     std::vector<scene::ObjectId> found_;   // scratch
-    bool known_ = false;                   // the rendering buffer holds projection_'s view of the last frame
+    bool known_ = false;                   // the rendering buffer holds the last frame with projection_
     bool statics_known_ = false;
     std::uint64_t touched_ = 0;
 };

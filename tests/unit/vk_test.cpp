@@ -194,8 +194,8 @@ TEST_F(Vulkan, UndeclaredUsesAreCaught)
         });
     };
     const auto& names = pipeline.bindings();
-    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set(names[0].name, b); }), "'b' otherwise than declared"));
-    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set(names[1].name, a); }), "'a' otherwise than declared"));
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set(names[0].name, b); }), "'b' differently from its declaration"));
+    EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set(names[1].name, a); }), "'a' differently from its declaration"));
     EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.set("nothing", a); }), "no binding 'nothing'"));
     EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.dispatch(1); }), "is not set"));
     EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.push(1.0f); }), "bytes"));
@@ -296,7 +296,7 @@ TEST_F(Vulkan, FaultOldDriver)
             real(d, p);
             p->properties.apiVersion = VK_API_VERSION_1_1;
         });
-    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "Vulkan 1.1, not 1.3"));
+    EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "Vulkan 1.1; 1.3 is required"));
 }
 
 TEST_F(Vulkan, FaultMissingFeature)
@@ -330,7 +330,7 @@ TEST_F(Vulkan, FaultTooLittleMemory)
             return VK_ERROR_OUT_OF_DEVICE_MEMORY;
         });
     EXPECT_TRUE(has(thrown<MissingError>([&] { vk::Buffer(device_, "big", 64 << 20); }),
-                    "taking 64 MiB for buffer 'big' failed: out of device memory"));
+                    "allocating 64 MiB for buffer 'big' failed: out of device memory"));
     EXPECT_TRUE(
         has(thrown<MissingError>([&] { vk::Image(device_, {.name = "image", .usage = VK_IMAGE_USAGE_SAMPLED_BIT}); }),
             "image 'image'"));
@@ -366,7 +366,7 @@ TEST_F(Vulkan, FaultMoreThanTheMachineHas)
                         while (memory.counts().bytes_used <= machine)
                             pieces.push_back(memory.take(needs, any, false, "brick"));
                     }),
-                    "taking 1024 MiB for brick failed: out of device memory"));
+                    "allocating 1024 MiB for brick failed: out of device memory"));
 }
 
 TEST_F(Vulkan, FaultImageBeyondTheDevice)
@@ -375,7 +375,7 @@ TEST_F(Vulkan, FaultImageBeyondTheDevice)
                         vk::Image(device_,
                                   {.name = "wall", .width = 1 << 20, .height = 1, .usage = VK_IMAGE_USAGE_SAMPLED_BIT});
                     }),
-                    "more than the device's"));
+                    "exceeds the device's limit"));
 }
 
 TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
@@ -399,7 +399,7 @@ TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
         });
     };
     EXPECT_TRUE(has(thrown<MissingError>([&] { set(0, VK_WHOLE_SIZE); }),
-                    "'many' takes 2 MiB, and the device addresses 1 MiB"));
+                    "'many' needs 2 MiB, but the device can address only 1 MiB"));
     set(256, VK_WHOLE_SIZE);
     set(0, 1 << 20);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alpha of a material at uv, bilinear from its finest level, as scene::Texture::alpha has it. Needs the buffers
+// Alpha of a material at uv, bilinear from its finest level, like scene::Texture::alpha. Needs the buffers
 // `alpha_materials` and `alpha_texels`.
 
 int alpha_wrapped(int i, int n, uint mode)

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Writes a caster's number where it is nearer than, or as near as, what is there.
+// Writes a caster's item where it is nearer than the buffer's contents, or equally near.
 #include "light_views/vulkan/caster_shared.h"
 
 layout(location = 0) flat in uint object;

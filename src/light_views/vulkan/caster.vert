@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// A caster's vertices, seen from a light. Every pipeline that draws into a light view, or compares with one, uses these
-// very instructions: equal depths are compared to the bit.
+// Transforms a caster's vertices to a light view. Every pipeline that draws into a light view, or compares depths with
+// one, uses this shader, because equal depths must be equal bit for bit.
 #include "light_views/vulkan/caster_shared.h"
 
 layout(location = 0) in vec3 position;

@@ -15,18 +15,18 @@ namespace gnomon::light_views {
 
 namespace {
 
-// Around every image, in cells: more than the rounding of vertices and points.
+// Margin around every projected triangle, in cells: more than the rounding of vertices and points.
 constexpr double k_margin = 0.01;
-// Nothing is cast from nearer the light than this share of the view's near plane.
+// Triangles nearer to the light than this fraction of the view's near plane cast no shadows.
 constexpr double k_nearest = 1e-3;
 
-// A triangle in front of the light, at most cut once.
+// A triangle in front of the light, clipped at most once.
 struct Polygon {
     std::array<glm::dvec2, 4> at;
     int count = 0;
 };
 
-// How far along the view its nearest corner lies; what the light does not see of it counts, too.
+// The distance of its nearest corner along the view; corners outside the view count, too.
 float nearest_of(const ViewProjection& view, const glm::vec3 (&corners)[3])
 {
     float nearest = k_infinity;
@@ -55,7 +55,7 @@ Polygon image_of(const ViewProjection& view, const glm::vec3 (&corners)[3], doub
     return polygon;
 }
 
-// Of an image in one cell, a little larger; see CellEntry.
+// The bounds of a projected triangle in one cell, slightly enlarged; see CellEntry.
 std::uint32_t bounds_in(const glm::dvec2& low, const glm::dvec2& high, int x, int y)
 {
     const auto byte = [](double at, double room) {
@@ -65,7 +65,7 @@ std::uint32_t bounds_in(const glm::dvec2& low, const glm::dvec2& high, int x, in
            byte(high.y - y, k_margin) << 24;
 }
 
-// Which part of its cell a byte of bounds falls into, along one side.
+// The part of a cell, along one side, that contains a byte of the bounds.
 std::uint32_t part_of(std::uint32_t byte)
 {
     return (byte & 255u) * GNOMON_BLOCK_PARTS / 256u;
@@ -90,7 +90,7 @@ CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightV
     bases_ = vk::Buffer(device, "cells of views", std::max<std::size_t>(base_.size(), 1) * sizeof(std::uint32_t));
 }
 
-// Puts a triangle into the cells that its image meets, row by row.
+// Adds a triangle to the cells that its projection meets, row by row.
 void CasterCells::add_triangle(std::size_t view, const ViewProjection& projection, const shared::CellTriangle& triangle,
                                std::uint32_t number)
 {
@@ -109,7 +109,7 @@ void CasterCells::add_triangle(std::size_t view, const ViewProjection& projectio
     const int first = std::max(cell_of(low.y - k_margin), 0),
               last = std::min(cell_of(high.y + k_margin), static_cast<int>(side) - 1);
     for (int y = first; y <= last; ++y) {
-        // The row's part of each edge.
+        // Clip each edge to the row.
         const double top = y - k_margin, bottom = y + 1 + k_margin;
         double left = std::numeric_limits<double>::infinity(), right = -left;
         for (int i = 0; i < polygon.count; ++i) {
@@ -135,7 +135,7 @@ void CasterCells::add_triangle(std::size_t view, const ViewProjection& projectio
     }
 }
 
-// Into all views of the set that are to be made and that it belongs to.
+// Adds an object's triangles to all views that need new lists of this set and to whose set the object belongs.
 void CasterCells::add_object(const Set& set, const LightViews& views, const CasterGeometry& casters,
                              const scene::SceneState& state, scene::ObjectId object)
 {
@@ -150,7 +150,7 @@ void CasterCells::add_object(const Set& set, const LightViews& views, const Cast
     }
 }
 
-// What was found, by list, and the blocks over it.
+// Sorts the collected entries by list, and makes the blocks over them.
 void CasterCells::sort(std::size_t view, Lists& lists)
 {
     lists.first.assign(2 * side_[view] * side_[view] + 1, 0);
@@ -191,7 +191,7 @@ void CasterCells::make(Set& set, bool moving, const LightViews& views, const Cas
         if (set.stale[v]) sort(v, set.views[v]);
 }
 
-// All views' lists, one after the other.
+// Concatenates and uploads the lists of all views.
 void CasterCells::send(vk::Commands& commands, Set& set, const char* name)
 {
     std::vector<std::uint32_t> first;
@@ -203,13 +203,13 @@ void CasterCells::send(vk::Commands& commands, Set& set, const char* name)
         for (const std::uint32_t f : lists.first) first.push_back(before + f);
         entries.insert(entries.end(), lists.entries.begin(), lists.entries.end());
         blocks.insert(blocks.end(), lists.blocks.begin(), lists.blocks.end());
-        entries.resize(blocks.size() * GNOMON_BLOCK_ENTRIES);   // each view's blocks are its own
+        entries.resize(blocks.size() * GNOMON_BLOCK_ENTRIES);   // blocks do not span views
     }
     const auto fit = [&](vk::Buffer& buffer, std::size_t bytes) {
         if (bytes > device_->limits().maxStorageBufferRange)
             throw MissingError(
-                fmt::format("Vulkan: the lists of triangles for hard shadows need {} MB, and the device's "
-                            "buffers hold {}; --shadow-filter 1 needs none",
+                fmt::format("Vulkan: the lists of triangles for hard shadows need {} MB, but the device's "
+                            "buffers hold only {} MB; use --shadow-filter 1 instead",
                             bytes >> 20, device_->limits().maxStorageBufferRange >> 20));
         if (!buffer || buffer.bytes() < bytes)
             buffer = vk::Buffer(device_, name, std::bit_ceil(std::max<std::size_t>(bytes, 16)));
@@ -227,7 +227,7 @@ void CasterCells::send(vk::Commands& commands, Set& set, const char* name)
 void CasterCells::update(vk::Commands& commands, const LightViews& views, const CasterGeometry& casters,
                          const scene::SceneState& state)
 {
-    // Find the views whose lists changed, and who moves in them.
+    // Find the views whose lists changed, and the objects that are dynamic in them.
     bool any[2] = {false, false};
     for (std::size_t v = 0; v < side_.size(); ++v) {
         const ViewPlan& plan = views.views()[v].plan;
@@ -245,7 +245,7 @@ void CasterCells::update(vk::Commands& commands, const LightViews& views, const 
         Set& set = sets_[moving ? 1 : 0];
         if (!any[moving ? 1 : 0] && set.first) continue;
         make(set, moving, views, casters, state);
-        send(commands, set, moving ? "cells of what moves" : "cells of what stands still");
+        send(commands, set, moving ? "cells of dynamic objects" : "cells of static objects");
     }
     triangles_.send(commands);
     if (!sent_bases_ && !base_.empty()) {

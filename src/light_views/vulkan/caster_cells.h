@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Which triangles may lie over each place of a light's view: for hard shadows with the edges of triangles instead of
-// texels (shadow_textures/vulkan/hard_edges.glsl). All that can block a ray to the light is in one cell's list.
+// Lists the triangles that may cover each cell of a light view, for hard shadows with the edges of triangles instead of
+// texels (shadow_textures/vulkan/hard_edges.glsl). Every triangle that can block a ray from a point to the light is in
+// the lists of the point's cell.
 //
-// A cell is a square of texels. Each view has two sets of lists, as it has two buffers: of what stands still, made when
-// that changes, and of what moves, made in every frame in which the view's plan does something. Lists hold every
-// triangle whose image meets the cell, and near its rim a few that do not; a cell has one of opaque triangles and one
-// of alpha-tested ones, which cost more to ask. Each 32 entries are a block, which says which of them lie around a part
-// of their cell, and how near the light any of them comes: most entries of a long list are passed over 32 at a time. A
-// block may hold entries of several cells. Lists that one buffer of the device cannot hold are a MissingError. Cost of
-// a set: its triangles, and the cells that they cover; on the CPU. Memory: 10 bytes a triangle and cell, and
-// CasterTriangles.
+// A cell is a square of texels. Each view has two sets of lists, like its two buffers: of static objects, rebuilt when
+// these change, and of dynamic objects, rebuilt in every frame whose plan is not idle. Lists contain every triangle
+// whose projection meets the cell, and near its edges a few that do not. A cell has one list of opaque and one of
+// alpha-tested triangles, which are more expensive to test. Each 32 entries form a block, which stores which of them
+// meet each part of their cell and how near to the light any of them comes; so most entries of a long list are skipped
+// 32 at a time. A block may contain entries of several cells. Lists that exceed one buffer of the device are a
+// MissingError. Cost of a set, on the CPU: its triangles, and the cells that they cover. Memory: 10 bytes per triangle
+// and cell, plus CasterTriangles.
 
 #include "light_views/light_views.h"
 #include "light_views/vulkan/caster_triangles.h"
@@ -21,20 +22,20 @@ class CasterCells {
  public:
     CasterCells(const std::shared_ptr<vk::Device>& device, const LightViews& views);
 
-    /// Follows one update() of the views and one of the geometry.
+    /// Call after each update() of the views and of the geometry.
     void update(vk::Commands& commands, const LightViews& views, const CasterGeometry& casters,
                 const scene::SceneState& state);
 
-    /// CellBases, CellTriangles, and of both sets First, Blocks and Entries (StaticFirst ... MovingEntries).
+    /// Bindings CellBases, CellTriangles, and for both sets First, Blocks and Entries (StaticFirst ... MovingEntries).
     vk::Pass& declare(vk::Pass& pass) const;
     void bind(vk::Recorder& recorder) const;
 
-    /// Lists of one view: of cell c, opaque, entries[first[2 c]] up to first[2 c + 1]; the alpha-tested ones follow, up
-    /// to first[2 c + 2].
+    /// The lists of one view. Opaque triangles of cell c: entries[first[2 c]] up to first[2 c + 1]; alpha-tested ones
+    /// follow, up to first[2 c + 2].
     struct Lists {
         std::vector<std::uint32_t> first;
         std::vector<shared::CellEntry> entries;
-        std::vector<shared::CellBlock> blocks;   // of each GNOMON_BLOCK_ENTRIES entries
+        std::vector<shared::CellBlock> blocks;   // one per GNOMON_BLOCK_ENTRIES entries
     };
     const Lists& statics(std::size_t view) const { return sets_[0].views[view]; }
     std::uint32_t side(std::size_t view) const { return side_[view]; }   // in cells
@@ -43,7 +44,7 @@ class CasterCells {
  private:
     struct Set {
         std::vector<Lists> views;
-        std::vector<char> stale;   // by view: to be made
+        std::vector<char> stale;   // by view: must be rebuilt
         vk::Buffer first, blocks, entries;
     };
     struct Found {
@@ -62,10 +63,10 @@ class CasterCells {
 
     std::shared_ptr<vk::Device> device_;
     CasterTriangles triangles_;
-    std::vector<std::uint32_t> side_, base_;   // by view: cells a side; its first list in the buffers
-    std::uint32_t lists_ = 0;                  // in all, one more a view
+    std::vector<std::uint32_t> side_, base_;   // by view: cells a side; index of its first list in the buffers
+    std::uint32_t lists_ = 0;                  // in total, with one extra per view
     Set sets_[2];                              // static, moving
-    std::vector<std::vector<char>> among_;     // by view, object: moves there
+    std::vector<std::vector<char>> among_;     // by view and object: dynamic there
     std::vector<std::vector<Found>> found_;    // by view; scratch
     vk::Buffer bases_;
     bool sent_bases_ = false;

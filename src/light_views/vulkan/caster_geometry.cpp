@@ -7,7 +7,7 @@ namespace gnomon::light_views {
 
 namespace {
 
-// Offsets of a mesh's (or a deforming object's) vertices in the shared buffers.
+// Appends the vertices of a mesh (or deforming object) to the shared buffers and returns their offset.
 std::int32_t add_vertices(const scene::Mesh& mesh, const std::vector<glm::vec3>& positions, int texcoord,
                           std::vector<glm::vec3>& all_positions, std::vector<glm::vec2>& all_texcoords)
 {
@@ -24,9 +24,9 @@ std::int32_t add_vertices(const scene::Mesh& mesh, const std::vector<glm::vec3>&
 CasterGeometry::CasterGeometry(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state)
     : scene_(&state.scene())
 {
-    // Gather the triangles that block light: opaque ones in one run, alpha-tested ones by material.
+    // Gather the triangles that occlude light: opaque ones in one range, alpha-tested ones by material.
     std::map<scene::MaterialId, std::uint32_t> alpha_of;
-    std::vector<int> texcoord_of;   // by mesh: the set that its alpha tests use
+    std::vector<int> texcoord_of;   // by mesh: the set of texture coordinates for its alpha tests
     for (const scene::Mesh& mesh : scene_->meshes) {
         MeshParts parts;
         int texcoord = 0;
@@ -52,7 +52,7 @@ CasterGeometry::CasterGeometry(const std::shared_ptr<vk::Device>& device, const 
         texcoord_of.push_back(texcoord);
     }
 
-    // Place vertices: a mesh's once, a deforming object's for itself.
+    // Add vertices: once per mesh, and once per deforming object.
     std::vector<std::int32_t> mesh_offset(scene_->meshes.size(), -1);
     vertex_offset_.assign(scene_->objects.size(), 0);
     for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
@@ -103,7 +103,7 @@ std::uint32_t CasterGeometry::alpha_material(const scene::Material& material, st
         record.nearest = texture.sampler().magnify == scene::Filter::nearest;
         for (int y = 0; y < texture.height(); ++y)
             for (int x = 0; x < texture.width(); ++x) texels.push_back(level.pixel(x, y)[3]);
-        // apply() is affine: its image of the origin and of the axes says all.
+        // apply() is affine, so its values at the origin and the axes determine it.
         record.offset = use.apply({0, 0});
         const glm::vec2 u = use.apply({1, 0}) - record.offset, v = use.apply({0, 1}) - record.offset;
         record.row_u = {u.x, v.x};
@@ -148,7 +148,8 @@ void CasterGeometry::update(vk::Commands& commands, const scene::SceneState& sta
     }
     const scene::FrameChanges& changes = state.changes();
     std::vector<glm::mat4> matrices;
-    matrices.reserve(changes.moved.size() + changes.appeared.size());   // spans into it must stay
+    matrices.reserve(changes.moved.size() +
+                     changes.appeared.size());   // `uploads` has spans of it, so it must not reallocate
     std::vector<vk::Upload> uploads;
     for (const auto* list : {&changes.moved, &changes.appeared})
         for (const scene::ObjectId o : *list) {

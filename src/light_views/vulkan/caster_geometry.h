@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What casts shadows, on the device: positions, texture coordinates for alpha tests, triangles that block light, and a
-// world matrix an object. Of attributes that only cameras see nothing is here.
+// The geometry of shadow casters on the device: positions, texture coordinates for alpha tests, triangles that occlude
+// light, and a world matrix per object. Attributes for shading are not included.
 //
-// Meshes are there once, however often they are instanced; a deforming object has vertices of its own.
-// Cost a frame: the matrices of what moved, the vertices of what deformed.
+// Meshes are stored once, even if instanced; a deforming object has its own vertices. Cost per frame: the matrices of
+// objects that moved, the vertices of objects that deformed.
 
 #include <span>
 
@@ -16,11 +16,11 @@ namespace gnomon::light_views {
 
 class CasterGeometry {
  public:
-    /// Makes the buffers; the first update fills them.
+    /// Creates the buffers; the first update fills them.
     /// @throws MissingError  too little device memory
     CasterGeometry(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state);
 
-    /// Follows one advance() of the state.
+    /// Call after each advance() of the state.
     void update(vk::Commands& commands, const scene::SceneState& state);
 
     /// Triangles of one material kind.
@@ -28,7 +28,7 @@ class CasterGeometry {
         std::uint32_t first_index = 0, index_count = 0;
         std::uint32_t material = scene::none;   // alpha-tested: index into AlphaMaterial[]
     };
-    /// All opaque triangles of an object as one part (which may be empty).
+    /// All opaque triangles of an object, as one part (possibly empty).
     const Part& opaque(scene::ObjectId object) const { return meshes_[scene_->objects[object].mesh].opaque; }
     std::span<const Part> masked(scene::ObjectId object) const { return meshes_[scene_->objects[object].mesh].masked; }
     std::int32_t vertex_offset(scene::ObjectId object) const { return vertex_offset_[object]; }
@@ -37,17 +37,17 @@ class CasterGeometry {
         return {part.index_count, 1, part.first_index, vertex_offset_[object], object};
     }
 
-    /// Everything that a pass which draws casters reads.
+    /// Declares everything that a pass that draws casters reads.
     vk::Pass& declare(vk::Pass& pass) const;
-    /// Vertex and index buffers, and the bindings of caster.vert; with `alpha` also those of alpha_test.glsl.
+    /// Binds vertex and index buffers, and the bindings of caster.vert; with `alpha` also those of alpha_test.glsl.
     void bind(vk::Recorder& recorder, bool alpha) const;
 
     /// For shaders that test the alpha of single triangles: CasterTexcoords, CasterIndices, CasterOffsets (first vertex
-    /// by object), and what alpha_test.glsl needs.
+    /// by object), and the buffers of alpha_test.glsl.
     vk::Pass& declare_alpha(vk::Pass& pass) const;
     void bind_alpha(vk::Recorder& recorder) const;
 
-    std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }   // in the last update
+    std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }   // by the last update
 
  private:
     struct MeshParts {
@@ -62,7 +62,7 @@ class CasterGeometry {
     std::vector<MeshParts> meshes_;
     std::vector<std::int32_t> vertex_offset_;   // by object
     vk::Buffer positions_, texcoords_, indices_, matrices_, offsets_, alpha_materials_, alpha_texels_;
-    // Until the first update:
+    // Kept until the first update:
     std::vector<glm::vec3> first_positions_;
     std::vector<glm::vec2> first_texcoords_;
     std::vector<std::uint32_t> first_indices_;

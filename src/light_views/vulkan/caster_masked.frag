@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// The same for alpha-tested surfaces: nothing where the material's alpha is below its cutoff.
+// The same for alpha-tested surfaces: discards fragments where the material's alpha is below its cutoff.
 #include "light_views/vulkan/caster_shared.h"
 
 layout(location = 0) flat in uint object;

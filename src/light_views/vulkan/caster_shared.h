@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_LIGHT_VIEWS_CASTER_SHARED_H
 #define GNOMON_LIGHT_VIEWS_CASTER_SHARED_H
-// What the shaders that draw casters share with the host.
+// Structures and constants that the shaders for casters share with the host.
 
 #include "vk/shared_types.h"
 
@@ -10,38 +10,38 @@ GNOMON_SHARED_BEGIN(light_views)
 struct CasterConstants {
     mat4 clip_from_world;
     uint page;       // of the atlas
-    uint ties;       // 1: where the static buffer is equally near, the higher item of both is written
+    uint ties;       // 1: where the static buffer is equally near, the higher of both items is written
     uint material;   // of alpha-tested parts: index into AlphaMaterial[]
-    uint place;      // for those who draw receivers: the view's first entry in their table
+    uint place;      // for drawing receivers: the view's first entry in their table
 };
 
 // Side of a cell of CasterCells, in texels of the view.
 #define GNOMON_CELL_TEXELS 16u
 
-// A triangle that may lie over a cell.
+// An entry of a cell's list: a triangle that may cover the cell.
 struct CellEntry {
-    uint triangle;   // of CellTriangle[]
-    uint bounds;     // of its image in the cell, a byte each in 256ths of it: low x, low y, high x, high y
+    uint triangle;   // index of CellTriangle[]
+    uint bounds;     // of the projection in the cell, a byte each in 256ths of the cell: low x, low y, high x, high y
 };
 
-// A caster's triangle in the world.
+// A caster's triangle in world space.
 struct CellTriangle {
     vec3 a, b, c;
     uint object;
-    uint triangle;   // three of the casters' indices
+    uint triangle;   // index of the first of three caster indices
     uint material;   // alpha-tested: index into AlphaMaterial[]; else none
 };
 
-// So many entries are passed over at once; the parts of a cell, along a side, that this knows apart.
+// Entries per block, which are skipped together; and the parts of a cell, along a side, that a block distinguishes.
 #define GNOMON_BLOCK_ENTRIES 32u
 #define GNOMON_BLOCK_PARTS 4u
 
 struct CellBlock {
     uint around[16];   // by part of the cell, row by row: a bit for each entry whose bounds meet it
-    float nearest;     // along the view's `forward` from its origin: no triangle of the block comes nearer the light
+    float nearest;     // least distance of the block's triangles along the view's `forward` from its origin
 };
 
-// Where an alpha-tested material's texture lies, and how it is looked up.
+// The location of an alpha-tested material's texture, and how it is sampled.
 struct AlphaMaterial {
     uint first_byte;   // of its alpha texels; none: no texture
     uint width, height;

@@ -7,7 +7,7 @@
 
 namespace gnomon::light_views {
 
-// Gives every object its run.
+// Assigns a range to every object.
 void CasterTriangles::number(const scene::Scene& scene)
 {
     std::vector<std::uint32_t> of_mesh;
@@ -28,8 +28,8 @@ void CasterTriangles::number(const scene::Scene& scene)
     const std::size_t bytes = std::max<std::size_t>(count, 1) * sizeof(shared::CellTriangle);
     if (bytes > device_->limits().maxStorageBufferRange)
         throw MissingError(
-            fmt::format("Vulkan: the triangles for hard shadows need {} MB, and the device's buffers "
-                        "hold {}; --shadow-filter 1 needs none",
+            fmt::format("Vulkan: the triangles for hard shadows need {} MB, but the device's buffers "
+                        "hold only {} MB; use --shadow-filter 1 instead",
                         bytes >> 20, device_->limits().maxStorageBufferRange >> 20));
     buffer_ = vk::Buffer(device_, "caster triangles", bytes);
 }
@@ -50,7 +50,7 @@ void CasterTriangles::write(const CasterGeometry& casters, const scene::SceneSta
                 {world_[triangle[0]], world_[triangle[1]], world_[triangle[2]], object, first + t, material});
         }
     };
-    // As CasterGeometry orders them.
+    // Use the order of CasterGeometry.
     std::uint32_t opaque = casters.opaque(object).first_index / 3;
     std::size_t masked = 0;
     for (const scene::MeshPart& part : mesh.parts) {

@@ -29,7 +29,7 @@ VkImageCopy region(const Tile& tile, const Rect& rect)
 {
     VkImageCopy copy{};
     const auto layer = static_cast<std::uint32_t>(tile.page);
-    copy.srcSubresource = copy.dstSubresource = {0, 0, layer, 1};   // the aspect is each image's
+    copy.srcSubresource = copy.dstSubresource = {0, 0, layer, 1};   // the aspects differ per image
     copy.srcOffset = copy.dstOffset = {tile.x + rect.x0, tile.y + rect.y0, 0};
     copy.extent = {static_cast<std::uint32_t>(rect.width()), static_cast<std::uint32_t>(rect.height()), 1};
     return copy;
@@ -70,7 +70,7 @@ GpuLightViews::GpuLightViews(const std::shared_ptr<vk::Device>& device, const Li
             desc.colors = {k_item_format};
             desc.depth = k_depth_format;
             desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-            // What lies before a directional light's view casts shadows into it all the same.
+            // Keep objects in front of a directional light's view, because they cast shadows into it.
             desc.depth_clamp = !perspective;
             pipelines_[perspective ? 0 : 1][masked ? 1 : 0] = vk::Pipeline(device, desc);
         }
@@ -104,7 +104,7 @@ void GpuLightViews::end_batch(Phase& phase, Batch batch)
     if (batch.count + batch.masked_count > 0) phase.batches.push_back(batch);
 }
 
-// Turns the plans into clears, copies and draws.
+// Converts the plans to clears, copies and draws.
 void GpuLightViews::gather(const LightViews& views, const CasterGeometry& casters)
 {
     commands_.clear(), masked_.clear();

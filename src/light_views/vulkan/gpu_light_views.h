@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Light views on the device: carries out the plans of LightViews, all views of one page of the atlas together.
+// Light views on the device: carries out the plans of LightViews, for all views of one page of the atlas together.
 //
-// Two atlases (static and rendering) of two layers each: depth (32-bit float, reversed) and item (object + 1). A frame
-// in which nothing moved records nothing. Every draw uses one vertex shader whose position is invariant, and every
-// rectangle is redrawn under the viewport of its whole view: so the same triangle gives the same depth, to the bit.
-// Cost: the plans'. Memory: 16 bytes a texel of the atlas.
+// Two atlases (static and rendering) have two layers each: depth (32-bit float, reversed) and item (object + 1). A
+// frame without changes records nothing. All draws use one vertex shader with an invariant position, and every
+// rectangle is redrawn with the viewport of its whole view; so the same triangle gives the same depth, bit for bit.
+// Cost: that of the plans. Memory: 16 bytes per texel of the atlas.
 
 #include "light_views/light_views.h"
 #include "light_views/vulkan/caster_geometry.h"
@@ -17,27 +17,27 @@ class GpuLightViews {
     /// @throws MissingError  too little device memory for the atlas
     GpuLightViews(const std::shared_ptr<vk::Device>& device, const LightViews& views);
 
-    /// Records what the views' present plans ask for. The geometry must be up to date.
+    /// Records the steps of the views' current plans. The geometry must be up to date.
     void record(vk::Commands& commands, const LightViews& views, const CasterGeometry& casters);
 
     const vk::Image& depth() const { return rendering_.depth; }
     const vk::Image& item() const { return rendering_.item; }
     const vk::Image& static_depth() const { return statics_.depth; }
     const vk::Image& static_item() const { return statics_.item; }
-    /// Nearest, for texelFetch.
+    /// Nearest-neighbour, for texelFetch.
     VkSampler sampler() const { return sampler_.get(); }
 
  private:
     struct Layers {
         vk::Image depth, item;
     };
-    // Draws in one view under one scissor: runs of indirect commands and single alpha-tested parts.
+    // Draws in one view under one scissor: ranges of indirect commands, and single alpha-tested parts.
     struct Batch {
         std::uint32_t view = 0;
-        Rect scissor;   // in the view
+        Rect scissor;   // in texels of the view
         bool ties = false;
         std::uint32_t first = 0, count = 0;                 // opaque: indirect commands
-        std::uint32_t first_masked = 0, masked_count = 0;   // into masked_
+        std::uint32_t first_masked = 0, masked_count = 0;   // ranges in masked_
     };
     struct MaskedDraw {
         VkDrawIndexedIndirectCommand command;
@@ -45,7 +45,7 @@ class GpuLightViews {
     };
     struct Phase {
         std::vector<Batch> batches;
-        std::vector<std::pair<std::uint32_t, Rect>> cleared;   // view, rectangle in it
+        std::vector<std::pair<std::uint32_t, Rect>> cleared;   // view and rectangle in it
     };
     void gather(const LightViews& views, const CasterGeometry& casters);
     void add_object(Batch& batch, const CasterGeometry& casters, scene::ObjectId object);
