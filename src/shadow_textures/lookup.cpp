@@ -34,10 +34,12 @@ float visibility(const ViewProjection& view, const SoftwareBuffer& buffer, const
     if (!(at.x >= 0 && at.y >= 0 && at.x < size && at.y < size)) return 1;
 
     const float own = view.perspective ? clip.w : glm::dot(point - view.origin, view.forward);
-    const float texel = 2 * glm::length(view.across) / size * (view.perspective ? own : 1.0f);   // its width here
-    const float above = glm::dot(normal, point - view.origin);   // of the plane's equation
+    const float texel =
+        2 * glm::length(view.across) / size * (view.perspective ? own : 1.0f);   // width of a texel at the point
+    const float above =
+        glm::dot(normal, point - view.origin);   // height of the point above the view's origin along the normal
 
-    // Is the receiver lit at a texel's centre?
+    // Returns whether the receiver is lit at a texel's centre.
     const auto lit = [&](int x, int y) {
         x = std::clamp(x, 0, view.size - 1), y = std::clamp(y, 0, view.size - 1);
         const std::size_t i = buffer.at(x, y);
@@ -53,7 +55,7 @@ float visibility(const ViewProjection& view, const SoftwareBuffer& buffer, const
     };
     if (options.filter <= 0) return lit(static_cast<int>(at.x), static_cast<int>(at.y)) ? 1.0f : 0.0f;
 
-    // A box of the filter's width around the point; texels count by how much of them it covers.
+    // Filter with a box around the point; each texel is weighted by the area that the box covers.
     const glm::vec2 low = at - 0.5f * options.filter, high = at + 0.5f * options.filter;
     float sum = 0;
     for (int y = static_cast<int>(std::floor(low.y)); static_cast<float>(y) < high.y; ++y)

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Depth alone, of alpha-tested casters between a receiver and the light.
+// Depth pass for alpha-tested casters between a receiver and the light.
 #include "light_views/vulkan/caster_shared.h"
 
 layout(location = 1) in vec2 uv;

@@ -33,7 +33,7 @@ vk::Rect in_page(const LightView& view, const Rect& rect)
             static_cast<std::uint32_t>(rect.height())};
 }
 
-// The page's own coordinates: rectangles of different views never meet there.
+// Converts to coordinates of the page, in which rectangles of different views are disjoint.
 Rect page_rect(const LightView& view, const Rect& rect)
 {
     return {view.tile.x + rect.x0, view.tile.y + rect.y0, view.tile.x + rect.x1, view.tile.y + rect.y1};
@@ -98,7 +98,7 @@ void GpuTextures::drop_texture(std::size_t view, scene::ObjectId object)
     changed_places_.push_back(static_cast<std::uint32_t>(at));
 }
 
-// Enlarges the buffer of words if it is too small, with what is in it.
+// Enlarges the buffer of words if it is too small, and copies its contents.
 void GpuTextures::make_room(vk::Commands& commands, bool keep)
 {
     const VkDeviceSize bytes = std::max<VkDeviceSize>(arena_.words(), 1) * 4;
@@ -112,7 +112,7 @@ void GpuTextures::make_room(vk::Commands& commands, bool keep)
             .reads(words_, vk::Use::copy_source)
             .writes(larger, vk::Use::copy_target)
             .copy([&](vk::Recorder& r) { r.copy(words_, larger, std::span(&whole, 1)); });
-        outgrown_.push_back(std::move(words_));   // until the commands were carried out
+        outgrown_.push_back(std::move(words_));   // kept until the commands have completed
     }
     words_ = std::move(larger);
 }
@@ -144,7 +144,7 @@ void GpuTextures::clear_textures(vk::Commands& commands, const std::vector<Recei
     });
 }
 
-// Draws each receiver once, against a depth buffer that nothing changes.
+// Draws each receiver once, against the unchanged depth buffer of everything.
 void GpuTextures::draw_receivers(vk::Commands& commands, const LightViews& views, const vk::Image& depth, int page,
                                  std::span<const Receiver> receivers, const CasterGeometry& casters)
 {
@@ -214,7 +214,7 @@ void GpuTextures::record(vk::Commands& commands, const LightViews& views, const 
     }
 }
 
-// For each receiver, in a rectangle of its own: its depth, and that of all casters which reach nearer to the light.
+// For each receiver, draws into its own rectangle the depth of all casters that reach nearer to the light, and its own.
 void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews& views, int page,
                                        std::span<const Receiver> receivers, const CasterGeometry& casters,
                                        const scene::SceneState& state)
@@ -268,7 +268,7 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
                                        .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                                        .array = true});
     }
-    // Groups of receivers whose rectangles do not meet share a pass.
+    // Group receivers whose rectangles are disjoint, to draw each group in one pass.
     struct Group {
         int page;
         std::vector<Receiver> receivers;

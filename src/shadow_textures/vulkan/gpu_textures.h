@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// One shadow texture a receiver, on the device [Oh and Shin 2004, 2 and 3.2], and the method before it.
+// One shadow texture per receiver on the device [Oh and Shin 2004, 2 and 3.2], and the earlier method for comparison.
 //
-// `depth`, and the paper's coherent method: one draw a receiver against the depth of everything. `per_caster`: for
-// every receiver the casters between it and the light are drawn first: O(N^2). All give the same bits, and so do the
-// items of the light views wherever no two objects are equally near; the renderer therefore looks items up, and these
-// textures are the measure of what that saves. DEVIATION(Oh and Shin 2004, 2): a texture covers its receiver's
-// footprint alone, a bit a texel, written from the fragment shader: a target a receiver would mean as many passes as
-// receivers.
+// `depth`, and the paper's coherent method: one draw per receiver against the depth of everything. `per_caster`: first
+// draws the casters between each receiver and the light, O(N^2) in total. All give the same bits, and so do the items
+// of the light views wherever no two objects are equally near. Therefore the renderer reads items, and these textures
+// serve to measure what that saves. DEVIATION(Oh and Shin 2004, 2): a texture covers only its receiver's footprint,
+// with one bit per texel, and is written from the fragment shader, because a render target per receiver would need as
+// many passes as receivers.
 
 #include "light_views/vulkan/gpu_light_views.h"
 #include "shadow_textures/vulkan/texture_arena.h"
@@ -16,26 +16,26 @@
 namespace gnomon::shadow_textures {
 
 struct TextureCounts {           // of the last record
-    std::uint64_t updated = 0;   // textures made anew
-    std::uint64_t draws = 0;     // of receivers, and of casters between (per_caster)
+    std::uint64_t updated = 0;   // textures redrawn
+    std::uint64_t draws = 0;     // of receivers, and of casters between them and the light (per_caster)
 };
 
 class GpuTextures {
  public:
     GpuTextures(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views);
 
-    /// By depth: makes the textures that the plans list anew. Call after GpuLightViews::record, with plans that list
-    /// receivers; textures stay from frame to frame.
+    /// Redraws the textures that the plans list, by depth. Call after GpuLightViews::record, with plans that list
+    /// receivers; textures are kept from frame to frame.
     void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
                 const light_views::CasterGeometry& casters, const scene::SceneState& state);
-    /// Per caster: makes all textures anew, without any light view.
+    /// Redraws all textures per caster, without any light view.
     void record_per_caster(vk::Commands& commands, const light_views::LightViews& views,
                            const light_views::CasterGeometry& casters, const scene::SceneState& state);
 
     const TextureCounts& counts() const { return counts_; }
     const vk::Buffer& textures() const { return words_; }
     const vk::Buffer& places() const { return places_; }
-    /// Where a receiver's texture is, for tests and read-back.
+    /// The location of a receiver's texture, for tests and read-back.
     const shared::TexturePlace& place(std::size_t view, scene::ObjectId object) const
     {
         return host_places_[view * objects_ + object];
@@ -45,7 +45,7 @@ class GpuTextures {
     struct Receiver {
         std::uint32_t view = 0;
         scene::ObjectId object = scene::none;
-        light_views::Rect rect;   // in the view
+        light_views::Rect rect;   // in texels of the view
     };
     void place_texture(const light_views::LightView& view, const Receiver& receiver);
     void drop_texture(std::size_t view, scene::ObjectId object);
@@ -62,13 +62,13 @@ class GpuTextures {
     std::size_t objects_;
     TextureArena arena_;
     std::vector<shared::TexturePlace> host_places_;   // by view and object
-    std::vector<std::uint32_t> place_words_;          // their sizes
+    std::vector<std::uint32_t> place_words_;          // sizes of the textures in words
     std::vector<std::uint32_t> changed_places_;
     vk::Buffer words_, places_;
     std::vector<vk::Buffer> outgrown_;
     std::vector<std::vector<light_views::DistanceRange>> ranges_;   // per caster: by view and object
-    vk::Image scratch_;                                             // per caster: the depth of what lies between
-    vk::Pipeline receiver_[2][2], caster_[2][2];                    // perspective or not, opaque or alpha-tested
+    vk::Image scratch_;                            // per caster: depth of the casters between receiver and light
+    vk::Pipeline receiver_[2][2], caster_[2][2];   // perspective or not, opaque or alpha-tested
     bool places_filled_ = false;
     TextureCounts counts_;
 };

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard shadows with the edges of triangles: is there one between a point and the light? All that can be are in the list
-// of the cell that the point falls into (light_views/vulkan/caster_cells.h). The ray is the traced frame's, and so is
-// the test of it; so both frames have the same shadows, but for rounding.
+// Hard shadows with the edges of triangles: tests whether any triangle lies between a point and the light. All
+// candidates are in the list of the cell that contains the point (light_views/vulkan/caster_cells.h). The ray and the
+// intersection test are those of the traced frame, so both frames have the same shadows up to rounding.
 //
-// Cost: a word for each block of one cell's triangles, a comparison of bounds for those around the point's part of the
-// cell, a test for those around the point, up to the first that blocks.
+// Cost: a word for each block of one cell's triangles, a comparison of bounds for those near the point's part of the
+// cell, an intersection test for those near the point, up to the first hit.
 
 const float k_shadow_end = 0.9999;            // a shadow ray ends this fraction short of its lamp ...
 const float k_lift_per_coordinate = 2e-6;     // ... and starts so far off its surface, as src/ray/origin.h has it
 const float k_edge_slack = 1.1920929e-7;      // as src/ray/triangle_test.h
 const float k_along_slack = 1e-5;              // of coordinates: more than that lift and the rounding of distances
 
-// The twin of ray::meets. `at`: how much of b and c, where it is met.
+// Same computation as ray::meets. `at`: barycentric coordinates of b and c at the hit.
 bool meets(CellTriangle triangle, vec3 origin, vec3 direction, float end, out vec2 at)
 {
     vec3 p0 = triangle.a - origin, p1 = triangle.b - origin, p2 = triangle.c - origin;
@@ -35,7 +35,7 @@ bool blocks(uint number, vec3 origin, vec3 direction, float end)
     return meets(cell_triangles[number], origin, direction, end, at);
 }
 
-// Alpha-tested ones block where their material does.
+// Tests an alpha-tested triangle; it occludes where its material's alpha does.
 bool blocks_masked(uint number, vec3 origin, vec3 direction, float end)
 {
     CellTriangle triangle = cell_triangles[number];
@@ -52,13 +52,13 @@ bool is_around(uint bounds, uvec2 at)
     return at.x >= (bounds & 255u) && at.y >= (bounds >> 8u & 255u) && at.x <= (bounds >> 16u & 255u) && at.y <= bounds >> 24u;
 }
 
-// Goes through one list; a macro, for buffers are no arguments. `word`: entries of the block at
-// `next`'s that are still to be looked at.
-#define OCCLUDED_BY(list, first, blocks_of, entries, test)                                                              \
+// Searches one list; a macro, because buffers cannot be arguments. `word`: remaining entries of the block that contains
+// `next`.
+#define OCCLUDED_BY(list, first, blocks_of, entries, test)                                                             \
     {                                                                                                                  \
         uint next = first[list], last = first[list + 1u], block = next / GNOMON_BLOCK_ENTRIES, word = 0u;              \
         uint skip = next % GNOMON_BLOCK_ENTRIES;                                                                       \
-        while (!occluded) {                                                                                             \
+        while (!occluded) {                                                                                            \
             bool found = false;                                                                                        \
             while (!found && (word != 0u || block * GNOMON_BLOCK_ENTRIES < last)) {                                    \
                 if (word == 0u) {                                                                                      \
@@ -71,7 +71,7 @@ bool is_around(uint bounds, uvec2 at)
                 }                                                                                                      \
             }                                                                                                          \
             if (!found) break;                                                                                         \
-            occluded = test(entries[next].triangle, origin, to_light, end);                                             \
+            occluded = test(entries[next].triangle, origin, to_light, end);                                            \
         }                                                                                                              \
     }
 
@@ -101,8 +101,8 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     vec3 eye = abs(view.origin);
     float far = dot(point - view.origin, view.forward) + k_along_slack * (largest + max(max(eye.x, eye.y), eye.z));
 
-    // Each invocation goes on to its next triangle around the point, then all test theirs at once: a device that runs
-    // them in step would else test whenever one of them has to.
+    // Let each invocation advance to its next candidate, then test all of them together. A device that runs invocations
+    // in lock-step would otherwise test whenever any of them has a candidate.
     bool occluded = false;
     OCCLUDED_BY(list, static_first, static_blocks, static_entries, blocks)
     OCCLUDED_BY(list, moving_first, moving_blocks, moving_entries, blocks)

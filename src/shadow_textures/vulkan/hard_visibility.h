@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the image takes from the lights where edges of shadows are to be hard: those of the casters' triangles, not of
-// texels (hard_edges.glsl). The light views still say what changed; their depths are not looked at.
+// Computes the visibility of lights at each pixel with hard shadow edges: those of the casters' triangles, not of
+// texels (hard_edges.glsl). The light views only provide the changes; their depths are not used.
 //
-// Cost: pixels times lights times the triangles over a cell; with ten thousand leaves between, many.
+// Cost: pixels times lights times the triangles over a cell, which is high where thousands of leaves overlap.
 
 #include "light_views/vulkan/caster_cells.h"
 #include "shadow_textures/vulkan/gpu_visibility.h"
@@ -14,11 +14,11 @@ class HardVisibility {
  public:
     HardVisibility(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views);
 
-    /// Follows the views and the geometry of this frame. Call before `record`, once a frame.
+    /// Updates the lists for this frame's views and geometry. Call once per frame, before `record`.
     void update(vk::Commands& commands, const light_views::LightViews& views,
                 const light_views::CasterGeometry& casters, const scene::SceneState& state);
 
-    /// @param out  as GpuVisibility::record has it: lights first ... first + count - 1
+    /// @param out  as for GpuVisibility::record, with lights first ... first + count - 1
     void record(vk::Commands& commands, const light_views::LightViews& views,
                 const light_views::CasterGeometry& casters, const ImageInputs& inputs, const vk::Image& out,
                 std::uint32_t first, std::uint32_t count);

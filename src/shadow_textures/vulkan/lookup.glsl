@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is this point of this object in shadow? The twin of shadow_textures::visibility (lookup.h), which explains it. Needs
-// `view_records`, `light_records`, `places`, `textures`, the images light_depth and light_item, and `lookup`.
+// Determines whether a point of an object is in shadow. Same computation as shadow_textures::visibility (lookup.h),
+// which explains it. Needs `view_records`, `light_records`, `places`, `textures`, the images light_depth and
+// light_item, and `lookup`.
 
 #include "shadow_textures/vulkan/view_of_light.glsl"
 
-// Whether a receiver is the object nearest the light at a texel.
+// Whether a receiver is the nearest object to the light at a texel.
 bool is_nearest(uint view, ivec3 at, uint object)
 {
     if (lookup.by_textures == 0u) return texelFetch(light_item, at, 0).x == object + 1u;
     TexturePlace place = places[view * lookup.objects + object];
     ivec2 texel = at.xy - place.corner;
-    // Outside its texture the word index would be another's.
+    // Outside the texture, the word index would refer to another texture.
     if (place.row_words == 0u || any(lessThan(texel, ivec2(0))) || texel.x >= place.columns || texel.y >= place.rows) return false;
     return (textures[place.first_word + uint(texel.y) * place.row_words + uint(texel.x) / 32u] >> (uint(texel.x) % 32u) & 1u) != 0u;
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What every look-up of shadows on the device reads: light views, their records, and the receivers' textures or the
-// items in their place.
+// The resources of shadow look-ups on the device: light views, their records, and the receivers' textures or the items.
 //
-// Cost a frame: a comparison a view; records are sent when a light moved or was switched.
+// Cost per frame: a comparison per view; records are uploaded when a light moved or was switched on or off.
 
 #include "light_views/vulkan/gpu_light_views.h"
 #include "shadow_textures/lookup.h"
@@ -16,15 +15,15 @@ class LookupRecords {
  public:
     LookupRecords(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views);
 
-    /// Records the sending of what changed.
+    /// Records the upload of records that changed.
     void update(vk::Commands& commands, const light_views::LightViews& views);
 
-    /// Everything that lookup.glsl reads.
-    /// @param textures  the receivers' own textures are looked up; nullptr: the items instead
+    /// Declares everything that lookup.glsl reads.
+    /// @param textures  use the receivers' own textures; nullptr: use the items
     vk::Pass& declare(vk::Pass& pass, const light_views::GpuLightViews& buffers, const GpuTextures* textures) const;
     void bind(vk::Recorder& recorder, const light_views::GpuLightViews& buffers, const GpuTextures* textures) const;
 
-    /// The records alone: ViewRecords, LightRecords.
+    /// Declares only the records: ViewRecords, LightRecords.
     vk::Pass& declare_views(vk::Pass& pass) const;
     void bind_views(vk::Recorder& recorder) const;
 

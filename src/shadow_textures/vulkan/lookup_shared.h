@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_SHADOW_TEXTURES_LOOKUP_SHARED_H
 #define GNOMON_SHADOW_TEXTURES_LOOKUP_SHARED_H
-// Light views as look-ups need them: light_views::ViewProjection and where the view lies in the atlas.
+// Light views for look-ups: light_views::ViewProjection and the view's location in the atlas.
 
 #include "vk/shared_types.h"
 
@@ -17,7 +17,7 @@ struct ViewRecord {
     uint size;
     vec3 down;
     uint page;
-    ivec2 corner;   // of its square, in the page
+    ivec2 corner;   // of its square, in texels of the page
 };
 
 struct LightRecord {
@@ -27,13 +27,13 @@ struct LightRecord {
 
 struct LookupConstants {
     uvec2 size;           // of the image
-    float filter_width;   // of the box that softens edges, in texels; 0: hard
+    float filter_width;   // of the box filter for edges, in texels; 0: hard
     float self_margin;    // see LookupOptions
     float other_margin;
     float border;   // texels: ProjectionOptions::border
     uint objects;
-    uint by_textures;   // 1: the receiver's own texture says where it is nearest; 0: the items do
-    uint first_light;   // of those asked for
+    uint by_textures;   // 1: use the receiver's own texture; 0: use the items
+    uint first_light;   // first light to look up
 };
 
 GNOMON_SHARED_END

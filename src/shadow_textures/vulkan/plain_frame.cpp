@@ -48,7 +48,7 @@ void PlainFrame::record(vk::Commands& commands, const light_views::LightViews& v
 {
     records_.update(commands, views);
 
-    // Which objects are there hardly ever changes.
+    // Rebuild the list of visible objects, which rarely changes.
     std::vector<VkDrawIndexedIndirectCommand> draws;
     for (scene::ObjectId o = 0; o < views.object_count(); ++o)
         if (state.object_visible(o) && casters.opaque(o).index_count > 0)

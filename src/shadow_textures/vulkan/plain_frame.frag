@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// White clay under all lights, each as bright as the next, with the shadows of the receiver's textures.
+// White diffuse surfaces under all lights with equal brightness, with the shadows of the receiver's textures.
 #include "shadow_textures/vulkan/plain_shared.h"
 #include "shadow_textures/vulkan/textures_shared.h"
 

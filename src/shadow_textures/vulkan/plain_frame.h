@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The plainest whole frame with shadow textures, as their paper measures it [Oh and Shin 2004, 4]: every object drawn
-// once from the camera, its texture looked up where it is shaded. No materials, no culling, alpha ignored: what is left
-// is the least that shadows can be a part of.
+// A minimal frame with shadow textures, as measured in their paper [Oh and Shin 2004, 4]: every object is drawn once
+// from the camera and its texture is sampled for shading. There are no materials, no culling and no alpha tests, so the
+// rest of the frame costs as little as possible beside the shadows.
 //
-// Cost: every caster's triangles once, and a look-up a light and fragment.
+// Cost: every caster's triangles once, and a look-up per light and fragment.
 
 #include "shadow_textures/vulkan/lookup_records.h"
 #include "shadow_textures/vulkan/plain_shared.h"
@@ -17,7 +17,7 @@ class PlainFrame {
                std::uint32_t height);
 
     /// @param clip_from_world  of the camera; reversed depth, y down
-    /// @param textures         the receivers' own textures are looked up; nullptr: the items instead
+    /// @param textures         use the receivers' own textures; nullptr: use the items
     void record(vk::Commands& commands, const light_views::LightViews& views, const light_views::GpuLightViews& buffers,
                 const GpuTextures* textures, const light_views::CasterGeometry& casters, const scene::SceneState& state,
                 const glm::mat4& clip_from_world, const glm::vec3& eye, const LookupOptions& options = {});

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// A caster as the camera sees it.
+// Transforms a caster to the camera's view.
 #include "shadow_textures/vulkan/plain_shared.h"
 
 layout(location = 0) in vec3 position;

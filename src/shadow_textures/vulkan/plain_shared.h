@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_SHADOW_TEXTURES_PLAIN_SHARED_H
 #define GNOMON_SHADOW_TEXTURES_PLAIN_SHARED_H
-// What the plain frame's shaders share with the host.
+// Structures that the plain frame's shaders share with the host.
 
 #include "shadow_textures/vulkan/lookup_shared.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Room for the shadow textures of all receivers in one buffer of words. A texture keeps its place while its size class
-// stays; freed places are kept for the next of their class.
+// Allocates the shadow textures of all receivers in one buffer of words. A texture keeps its place while its size class
+// does not change; freed places are reused within their class.
 //
 // Sizes are rounded up to powers of two. Cost of each call: constant.
 
@@ -19,11 +19,11 @@ class TextureArena {
     std::uint32_t take(std::uint32_t words);
     void give_back(std::uint32_t first_word, std::uint32_t words);
     void clear();
-    /// Words that were ever in use at once: what the buffer must hold. Beyond 2^32 places are wrong: no device has such
-    /// a buffer.
+    /// Largest number of words that were allocated at once, which is the required size of the buffer. Places beyond
+    /// 2^32 words are wrong, but no device has such a buffer.
     std::uint64_t words() const { return end_; }
 
-    /// log2 of the room that a texture of so many words gets.
+    /// log2 of the words allocated for a texture with this number of words.
     static unsigned size_class(std::uint32_t words);
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_SHADOW_TEXTURES_TEXTURES_SHARED_H
 #define GNOMON_SHADOW_TEXTURES_TEXTURES_SHARED_H
-// Where the shadow texture of one receiver in one view lies: rows of whole words, a bit a texel.
+// The location of the shadow texture of one receiver in one view: rows of whole words, one bit per texel.
 
 #include "vk/shared_types.h"
 

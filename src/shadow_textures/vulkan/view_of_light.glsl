@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The view of a light that sees a point; view_count must not be 0.
+// The view of a light that contains a point; view_count must not be 0.
 uint view_of_light(LightRecord light, vec3 point)
 {
     if (light.view_count == 6u) {

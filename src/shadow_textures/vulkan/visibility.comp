@@ -2,14 +2,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// How much of some lights each pixel sees, from the image's positions, normals and object numbers. One layer a light.
+// Computes the visibility of lights at each pixel from positions, normals and object numbers; one layer per light.
 #include "shadow_textures/vulkan/lookup_shared.h"
 #include "shadow_textures/vulkan/textures_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0) uniform sampler2D positions;    // world space
 layout(binding = 1) uniform sampler2D normals;      // geometric, unit, on the viewer's side
-layout(binding = 2) uniform usampler2D objects;     // object + 1; 0: nothing there
+layout(binding = 2) uniform usampler2D objects;  // object + 1; 0: none
 layout(binding = 3) uniform sampler2DArray light_depth;
 layout(binding = 4) uniform usampler2DArray light_item;
 layout(binding = 5, scalar) readonly buffer ViewRecords { ViewRecord view_records[]; };

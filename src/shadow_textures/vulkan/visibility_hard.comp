@@ -2,14 +2,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Which lights each pixel sees, with edges where the casters' triangles have theirs. One layer a light.
+// Computes the visibility of lights at each pixel with the edges of the casters' triangles; one layer per light.
 #include "light_views/vulkan/caster_shared.h"
 #include "shadow_textures/vulkan/lookup_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0) uniform sampler2D positions;    // world space
 layout(binding = 1) uniform sampler2D normals;      // geometric, unit, on the viewer's side
-layout(binding = 2) uniform usampler2D objects;     // object + 1; 0: nothing there
+layout(binding = 2) uniform usampler2D objects;  // object + 1; 0: none
 layout(binding = 3, scalar) readonly buffer ViewRecords { ViewRecord view_records[]; };
 layout(binding = 4, scalar) readonly buffer LightRecords { LightRecord light_records[]; };
 layout(binding = 5, r8) writeonly uniform image2DArray visibility;
