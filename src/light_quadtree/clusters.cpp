@@ -43,7 +43,7 @@ void find_clusters(const LightMap& map, const CutLevels& levels, Clusters& out)
     for (int grid = start; !here.empty(); ++grid) {
         below.clear();
         for (const Place& place : here) {
-            // A map smaller than the limit level ends at its texels.
+            // The cut of a map smaller than the limit level ends at its texels.
             const int limit = std::min(grid_of_paper_level(levels.limit), place.view->levels);
             const std::size_t id = place.view->node(grid, place.x, place.y);
             if (grid < limit && !map.valid(id)) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// This file is compiled once per instruction set: Highway includes it repeatedly.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_quadtree/gather.cpp"
-#include <hwy/foreach_target.h>   // first of all
+#include <hwy/foreach_target.h>   // must be the first include of Highway
 
 #include <hwy/highway.h>
 
@@ -14,7 +14,7 @@ namespace gnomon::light_quadtree::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Two vectors of receivers at once share what is read of a light.
+// Processes two vectors of receivers at once, so that a cluster is loaded once for both.
 void gather_of(const Clusters& clusters, Receivers& receivers, std::size_t begin, std::size_t end)
 {
     const Real real;
@@ -112,12 +112,12 @@ glm::vec3 gather_as_printed(const LightMap& map, const CutLevels& levels, const 
         for (const LightMap::View& view : map.views()) {
             if (!view.on || grid > view.levels) continue;
             const bool last = grid == std::min(limit, view.levels);
-            // Four children after one another, as their parents come: the order of the cut.
+            // Visit nodes in the order of the cut: four children in sequence, in the order of their parents.
             for (std::uint32_t top = 0; top < 1u << (2 * start); ++top)
                 for (std::uint32_t path = 0; path < 1u << (2 * (grid - start)); ++path) {
                     int x = static_cast<int>(top & ((1u << start) - 1)), y = static_cast<int>(top >> start);
                     bool unused = true;
-                    // Look at the ancestors from the start level on.
+                    // Check that all ancestors from the start level on are invalid.
                     for (int level = start; level < grid && unused; ++level) {
                         unused = !map.valid(view.node(level, x, y));
                         const std::uint32_t child = (path >> (2 * (grid - 1 - level))) & 3;

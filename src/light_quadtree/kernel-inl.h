@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of one light at a vector of receivers: shared by the sum over clusters and by the sampling it is compared
-// with. Included once for each instruction set, after highway.h.
+// The irradiance by one light at a vector of receivers, for the sum over clusters and for the sampling to which it is
+// compared. Included once per instruction set, after highway.h.
 // clang-format off
 #if defined(GNOMON_LIGHT_QUADTREE_KERNEL_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef GNOMON_LIGHT_QUADTREE_KERNEL_INL
@@ -15,7 +15,7 @@
 #ifndef GNOMON_LIGHT_QUADTREE_LEAST_SQUARE
 #define GNOMON_LIGHT_QUADTREE_LEAST_SQUARE
 namespace gnomon::light_quadtree {
-inline constexpr float k_least_square = 1e-30f;   // no division by zero where receiver and light are in one place
+inline constexpr float k_least_square = 1e-30f;   // avoids division by zero where receiver and light coincide
 }
 #endif
 
@@ -62,7 +62,7 @@ HWY_INLINE void store(const Sum& sum, Receivers& to, std::size_t k)
     hn::StoreU(sum.b, real, &to.b[k]);
 }
 
-// No fused operations: the same bits everywhere.
+// No fused operations, so that all instruction sets give the same bits.
 HWY_INLINE void add(const Light& light, const Receiver& at, Sum& sum)
 {
     const Real real;

@@ -14,7 +14,7 @@ namespace gnomon::light_quadtree {
 
 namespace {
 
-// The radius of a rigid thing's ball about the middle of its box, in the space of its mesh.
+// The radius of a rigid object's bounding ball about the centre of its box, in object space.
 float ball_of(const scene::Scene& scene, const scene::Object& object)
 {
     if (object.deforming) return 0;
@@ -25,10 +25,10 @@ float ball_of(const scene::Scene& scene, const scene::Object& object)
     return std::sqrt(square);
 }
 
-// By how much a matrix stretches whatever it takes, if that is the same in all directions; else 0.
+// The scale factor of a matrix if it is uniform, else 0.
 double even_scale(const glm::dmat3& m)
 {
-    constexpr double k_uneven = 1e-4;   // of squares
+    constexpr double k_uneven = 1e-4;   // tolerance on squared scales
     const double square = glm::dot(m[0], m[0]);
     for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
@@ -75,7 +75,7 @@ light_views::Rect LightMap::footprint(const View& view, const scene::SceneState&
     return of_ball ? light_views::intersection(of_box, *of_ball) : of_box;
 }
 
-// Casts the static layer, builds the pyramid, and puts in what moves.
+// Traces the static layer, builds the pyramid, and adds dynamic objects.
 void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ray::RayScene& rays, Work& work)
 {
     View& view = views_[v];
@@ -115,8 +115,8 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
                 state, rays, work);
 }
 
-// Casts the rays of some of a tile's texels, no further than `reach`, and puts what they meet in front of what is
-// there. Its own packets, whatever else is cast.
+// Traces the rays of a tile's texels in the mask, up to `reach`, and stores hits over the current contents. A tile's
+// rays always form the same packets, independent of other tiles.
 void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scene::SceneState& state,
                          const ray::RayScene& rays, ray::Against against, Tile& texels, Distances& reach) const
 {
@@ -150,7 +150,7 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
             if (hits.object[k] == scene::none) continue;
             const ray::ObjectGeometry& geometry = rays.geometry(hits.object[k]);
             const std::uint32_t triangle = hits.triangle[k];
-            // Light passes what does not block it.
+            // Pass through surfaces that do not occlude light.
             const scene::Material& material = scene.materials[geometry.mesh->part_of(triangle).material];
             if (material.surface_class() == scene::SurfaceClass::transparent) {
                 onward.push(queue.origin(k), std::nextafter(hits.t[k], k_infinity), queue.direction(k),
@@ -171,7 +171,7 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
             normal /= length;
             float cosine = -glm::dot(normal, queue.direction(k));
             if (cosine < 0) normal = -normal, cosine = -cosine;
-            // The wide view of a directional light leaves out what the near one has.
+            // In the wide view of a directional light, skip texels that its near view covers.
             if (outside) {
                 const glm::vec4 clip = outside_of.clip_from_world * glm::vec4(position, 1);
                 if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) continue;
@@ -203,7 +203,7 @@ void LightMap::make_node(const View& view, int level, int x, int y)
     valid_[id] = is_valid(four, nodes_[id], options_.validity);
 }
 
-// Makes the tiles under some rectangles anew, and what is above those of their texels that changed.
+// Updates the tiles under some rectangles, and the nodes above texels that changed.
 void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> where, const scene::SceneState& state,
                            const ray::RayScene& rays, Work& work)
 {
@@ -223,7 +223,8 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
     std::sort(dirty.begin(), dirty.end());
     dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
 
-    // Find the texels that a dynamic object may cover: a function of where dynamic objects are, so of the frame alone.
+    // Find the texels that a dynamic object may cover. This depends on the current positions only, not on earlier
+    // frames.
     std::vector<TexelMask> covered(layers.slot.size(), 0);
     each_tile(layers.dynamic_objects, [&](const light_views::Rect& rect, int x, int y) {
         const auto from = [](int low, int tile_at) { return std::max(low - tile_at * k_tile, 0); };
@@ -240,7 +241,7 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
         const auto texel = [&](int i) -> LightNode& {
             return nodes_[view.node(view.levels, left + i % k_tile, top + i / k_tile)];
         };
-        // Keep the static layer, the first time something moves in front of it.
+        // Keep the static layer when the first dynamic object covers the tile.
         std::int32_t& slot = layers.slot[static_cast<std::size_t>(tile)];
         if (slot < 0) {
             slot = static_cast<std::int32_t>(layers.kept.size());
@@ -269,7 +270,7 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
     }
     work.dirty_texels += changed.size();
 
-    // Go upward from what changed.
+    // Update the pyramid upwards from the changed texels.
     for (int level = view.levels - 1; level >= 0; --level) {
         for (std::uint32_t& at : changed) {
             const std::uint32_t below = level + 1, x = at & ((1u << below) - 1), y = at >> below;
@@ -289,13 +290,13 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
     work_ = {};
     const scene::FrameChanges& changes = state.changes();
     if (!changes.anything()) return;
-    std::vector<std::uint32_t> stirred;   // places in dynamics_
+    std::vector<std::uint32_t> stirred;   // indices in dynamics_
     for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
         for (const scene::ObjectId o : *list)
             if (dynamic_place_[o] != scene::none) {
                 stirred.push_back(dynamic_place_[o]);
             } else if (casters_.casts(o)) {
-                // Somebody moves by hand what stood still: the static layer is another.
+                // If the user moved a static object, the static layer changed: trace everything again.
                 const std::uint32_t before = version_;
                 *this = LightMap(state, rays, options_, tasks);
                 version_ = before + 1;

@@ -76,7 +76,7 @@ void MapLight::set_grid(std::span<const MapReceiver> points, int columns, int st
     counters_.gathered += grid_.size();
 }
 
-// Takes the light of the four receivers around, where enough of them lie on the pixel's surface.
+// Interpolates from the four surrounding receivers of the grid if enough of them lie on the pixel's surface.
 bool MapLight::interpolate(const MapReceiver& point, glm::vec3& irradiance) const
 {
     const int column = point.pixel.x / grid_step_, row = point.pixel.y / grid_step_;

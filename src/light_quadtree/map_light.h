@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Indirect light from a light map, without visibility: the light quad-tree as published [Ki and Oh 2007], and the
-// sampling of reflective shadow maps that it is compared with [Dachsbacher and Stamminger 2005].
+// Indirect light from a light map, without occlusion: the published light quad-tree [Ki and Oh 2007], and the sampling
+// of reflective shadow maps to which it is compared [Dachsbacher and Stamminger 2005].
 //
-// Sparse receivers [Ki and Oh 2007, 3.3]: light is gathered at a coarse grid of the image's points; a pixel whose
-// neighbours in the grid agree with it in position and normal takes theirs, every other pixel gathers by itself. Kept
-// buffers: while neither scene, light nor view moves, the map, the cut and the grid's light are used again.
+// Sparse receivers [Ki and Oh 2007, 3.3]: light is gathered on a coarse grid of the image's points. A pixel
+// interpolates from the surrounding grid points if their positions and normals agree with its own; every other pixel
+// gathers by itself. Kept buffers: while neither scene, lights nor view change, the map, the cut and the grid's light
+// are reused.
 //
-// Known faults, the papers': nothing stands in the way of bounced light, so it leaks and is too bright.
-// Cost: the map's (light_map.h); then lights times receivers.
+// Known flaws, as in the papers: bounced light is not occluded, so it leaks and is too bright. Cost: the map's
+// (light_map.h); then lights times receivers.
 
 #include <memory>
 #include <span>
@@ -17,56 +18,63 @@
 
 namespace gnomon::light_quadtree {
 
-enum class MapMethod : std::uint8_t { quadtree, rsm, brute };   // brute: every texel is a light; the oracle of both
+enum class MapMethod : std::uint8_t {
+    quadtree,
+    rsm,
+    brute
+};   // brute: every texel is a light; the ground truth of both
 
 struct MapLightOptions {
     MapMethod method = MapMethod::quadtree;
     LightMapOptions map;
     CutLevels levels;
     RsmOptions rsm;
-    int grid = 64;                 // sparse receivers along the image's longer side; 0: every pixel gathers
-    float grid_normals = 0.9f;     // a neighbour agrees whose normal's cosine is above this
-    float grid_off_plane = 0.1f;   // and that is off the pixel's plane by less than this share of the grid's spacing
-    int grid_neighbours = 3;       // of four must agree
+    int grid = 64;               // sparse receivers along the image's longer side; 0: every pixel gathers
+    float grid_normals = 0.9f;   // a grid point agrees if the cosine between the normals exceeds this
+    float grid_off_plane =
+        0.1f;   // and its distance from the pixel's plane is less than this fraction of the grid's spacing
+    int grid_neighbours = 3;   // number of the four that must agree
 };
 
-/// Where a pixel's light is wanted.
+/// The point of a pixel at which light is computed.
 struct MapReceiver {
     glm::vec3 position{0};
     glm::vec3 normal{0};    // unit, shading; zero: no surface
-    float width = 0;        // of a pixel there, scene units
-    glm::ivec2 pixel{-1};   // of the image; negative: not one of the image's own points (in a mirror)
+    float width = 0;        // of a pixel at the point, in scene units
+    glm::ivec2 pixel{-1};   // negative: not a point of the image itself (seen in a mirror)
 };
 
 struct MapLightCounters {
     std::uint64_t lights = 0;         // clusters, or samples
     std::uint64_t gathered = 0;       // receivers
     std::uint64_t interpolated = 0;   // pixels
-    bool kept_grid = false;           // the grid's light was used again
+    bool kept_grid = false;           // the grid's light was reused
 };
 
 class MapLight {
  public:
     MapLight(const scene::SceneState& state, const ray::RayScene& rays, const MapLightOptions& options, Tasks& tasks);
 
-    /// After the state advanced and the ray scene followed.
+    /// Call after the state advanced and the ray scene was updated.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
     /// Pixels between two receivers of the grid, for an image of that size; 0: no grid.
     int grid_step(int width, int height) const;
-    /// Gathers at the grid's receivers, row by row from pixel (0, 0) on, `columns` a row. After begin_frame().
+    /// Gathers at the grid's receivers, given row by row from pixel (0, 0) on, `columns` per row. Call after
+    /// begin_frame().
     void set_grid(std::span<const MapReceiver> receivers, int columns, int step, Tasks& tasks);
 
-    /// A thread's scratch and counters.
+    /// Scratch memory and counters of one thread.
     struct Batch {
         Receivers receivers;
         RsmPlaces places;
         std::vector<std::uint32_t> waiting;
         MapLightCounters counters;
     };
-    /// Irradiance at points. From any thread, each with its own batch.
+    /// Irradiance at points. Thread-safe if every thread uses its own batch.
     void shade(Batch& batch, std::span<const MapReceiver> points, glm::vec3* irradiance) const;
-    /// The same at receivers already side by side, every one gathered. begin, end: as gather().
+    /// Irradiance at receivers as a structure of arrays, all gathered without interpolation. begin, end: as for
+    /// gather().
     void gather_all(Receivers& receivers, std::size_t begin, std::size_t end, RsmPlaces& scratch) const;
 
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);

@@ -10,7 +10,7 @@ namespace gnomon::light_quadtree {
 
 namespace {
 
-// How far along its axis a view sees the scene, whole clip: the depth range that thresholds are fractions of.
+// The depth range of the scene over the whole clip along a view's axis; thresholds are fractions of it.
 float depth_range_of(const light_views::ViewProjection& view, const Box3& bounds)
 {
     if (!view.perspective) return view.reach;

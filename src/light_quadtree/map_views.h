@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The views of light maps and the order of their nodes: the same whether rays or Vulkan fill them.
+// The views of light maps and the layout of their nodes, the same for ray tracing and for Vulkan.
 //
-// Spot lights have one view, point lights six, directional lights one or two. Cost: a few matrix products a view.
+// Spot lights have one view, point lights six, directional lights one or two. Cost: a few matrix products per view.
 
 #include <vector>
 
@@ -13,21 +13,22 @@ namespace gnomon::light_quadtree {
 
 struct LightMapOptions {
     int side = 512;                  // texels of a view; a power of two
-    std::size_t texels = 1u << 20;   // of all views together, at most; views get smaller sides by halves
+    std::size_t texels = 1u << 20;   // limit on all views together; to fit, the sides of views are halved
     int least_side = 64;
-    float least_cosine = 0.05f;   // surfaces at a more grazing angle stand for no larger area
-    int most_transparent = 16;    // surfaces that a ray passes before it is given up
+    float least_cosine = 0.05f;   // limits the area of a texel on surfaces at grazing angles
+    int most_transparent = 16;    // surfaces that a ray passes through at most
     Validity validity;
-    bool against_everything = false;   // dynamic objects' tiles are cast as if no static layer were kept: the slow twin
+    bool against_everything =
+        false;   // trace dynamic objects' tiles without the static layer; the slow reference for tests
 };
 
-/// One view of a light and its pyramid. The grid of level l has 2^l nodes a side; level `levels` are the texels.
+/// One view of a light and its pyramid. Level l is a grid of 2^l nodes a side; level `levels` are the texels.
 struct MapView {
     scene::LightId light = scene::none;
     int face = 0;
     int levels = 0;
-    bool on = false;         // nothing to be seen of dark lights
-    std::size_t first = 0;   // node
+    bool on = false;         // false: the light is dark
+    std::size_t first = 0;   // index of the first node
     light_views::ViewProjection projection;
     float depth_range = 1;   // scene units
 
@@ -40,14 +41,15 @@ struct MapView {
     std::size_t end() const { return node(levels + 1, 0, 0); }
 };
 
-/// Every view of every light that is not of the environment, none aimed yet; their nodes one after the other.
+/// Makes the views of all lights except those of the environment, not aimed yet, with consecutive nodes.
 std::vector<MapView> lay_out_views(const scene::Scene& scene, const light_views::SceneBounds& bounds,
                                    const LightMapOptions& options);
 
-/// Follows the light: `on`, `projection`, `depth_range`.
+/// Updates the view for the current light: `on`, `projection`, `depth_range`.
 void aim_view(MapView& view, const scene::SceneState& state, const light_views::SceneBounds& bounds);
 
-/// The wide view of a directional light leaves out what this other view has; none of other views.
+/// Whether this is the wide view of a directional light, which skips the part that its other view covers;
+/// `near` then gets the projection of that view.
 bool leaves_out(const MapView& view, const scene::SceneState& state, const light_views::SceneBounds& bounds,
                 light_views::ViewProjection& near);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// This file is compiled once per instruction set: Highway includes it repeatedly.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "light_quadtree/rsm.cpp"
-#include <hwy/foreach_target.h>   // first of all
+#include <hwy/foreach_target.h>   // must be the first include of Highway
 
 #include <hwy/highway.h>
 
@@ -14,7 +14,7 @@ namespace gnomon::light_quadtree::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Adds one view's light. @param texels  the map's finest level, as words
+// Adds the light of one view. @param texels  the map's finest level, as words
 void sample_view_of(const float* texels, int side, const RsmPattern& pattern, const RsmPlaces& places,
                     Receivers& receivers, std::size_t begin, std::size_t end)
 {
@@ -35,17 +35,17 @@ void sample_view_of(const float* texels, int side, const RsmPattern& pattern, co
             const auto column = hn::ConvertTo(integer, hn::IfThenElseZero(inside, x)),
                        row = hn::ConvertTo(integer, hn::IfThenElseZero(inside, y));
             const auto word = hn::Mul(hn::Add(hn::Mul(row, hn::Set(integer, side)), column), hn::Set(integer, k_words));
-            const auto share = hn::IfThenElseZero(inside, hn::Set(real, pattern.weight[s] * k_per_pi));
+            const auto weight = hn::IfThenElseZero(inside, hn::Set(real, pattern.weight[s] * k_per_pi));
             const Light light{hn::GatherIndex(real, texels, word),
                               hn::GatherIndex(real, texels + 1, word),
                               hn::GatherIndex(real, texels + 2, word),
                               hn::GatherIndex(real, texels + 3, word),
                               hn::GatherIndex(real, texels + 4, word),
                               hn::GatherIndex(real, texels + 5, word),
-                              hn::Mul(hn::GatherIndex(real, texels + 7, word), share),
-                              hn::Mul(hn::GatherIndex(real, texels + 8, word), share),
-                              hn::Mul(hn::GatherIndex(real, texels + 9, word), share),
-                              hn::Mul(hn::GatherIndex(real, texels + 10, word), share)};
+                              hn::Mul(hn::GatherIndex(real, texels + 7, word), weight),
+                              hn::Mul(hn::GatherIndex(real, texels + 8, word), weight),
+                              hn::Mul(hn::GatherIndex(real, texels + 9, word), weight),
+                              hn::Mul(hn::GatherIndex(real, texels + 10, word), weight)};
             add(light, receiver, sum);
         }
         store(sum, receivers, k);
@@ -69,7 +69,7 @@ static_assert(offsetof(LightNode, normal) == 3 * sizeof(float) && offsetof(Light
 
 namespace {
 
-// Where a view sees a point, in texels; at the rim or in the middle if it does not.
+// The position of a point in a view, in texels; clamped to the edge, or the centre if the view cannot see it.
 glm::vec2 place_in(const LightMap::View& view, const glm::vec3& position)
 {
     const glm::vec4 clip = view.projection.clip_from_world * glm::vec4(position, 1);
@@ -140,7 +140,7 @@ glm::vec3 sample_map_one(const LightMap& map, const RsmOptions& options, const g
             const std::size_t id = view.node(view.levels, static_cast<int>(x), static_cast<int>(y));
             light.clear();
             light.push(map.node(id), id, view.levels);
-            // A sample stands for several texels.
+            // A sample represents several texels, so scale its flux and area.
             for (auto* lane : {&light.disk, &light.r, &light.g, &light.b}) lane->front() *= pattern.weight[s];
             add_light(light, 0, position, normal, irradiance);
         }

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounced light at an image's surfaces, or at a list of points: sparse receivers first, then every pixel from those
-// around it that agree with it, or by itself [Ki and Oh 2007, 3.3]. As map_light.cpp. An invocation has a few pixels,
-// which share what is read of a light. Included after
+// Bounced light at an image's surfaces, or at a list of points: sparse receivers first, then every pixel, interpolated
+// from surrounding receivers that agree with it, or gathered by itself [Ki and Oh 2007, 3.3]. Same method as
+// map_light.cpp. An invocation processes several pixels, so that it loads a light once for all of them. Included after
 //
 //     GNOMON_ACROSS, GNOMON_DOWN   an invocation's pixels
 //     GNOMON_IMAGES                the binding at which images begin
 //     void all_light(vec3 at[GNOMON_TOGETHER], vec3 normal[GNOMON_TOGETHER], inout vec3 sum[GNOMON_TOGETHER])
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = GNOMON_IMAGES) uniform texture2D positions;   // w: 0 where nothing is to be lit
+layout(binding = GNOMON_IMAGES) uniform texture2D positions;  // w: 0 where no light is computed
 layout(binding = GNOMON_IMAGES + 1) uniform texture2D normals;
 layout(binding = GNOMON_IMAGES + 2, rgba32f) uniform image2D grid_position;
 layout(binding = GNOMON_IMAGES + 3, rgba32f) uniform image2D grid_normal;
 layout(binding = GNOMON_IMAGES + 4, rgba32f) uniform image2D grid_light;
 layout(binding = GNOMON_IMAGES + 5, rgba32f) uniform writeonly image2D irradiance;
 
-// The pixel that a receiver of the grid stands on; beyond the image's end, the last.
+// The pixel at which a receiver of the grid lies; clamped to the image.
 ivec2 grid_pixel(ivec2 at)
 {
     return min(at * int(push.step), ivec2(push.width, push.height) - 1);
@@ -51,7 +51,7 @@ void main()
     const ivec2 first = ivec2(gl_GlobalInvocationID.xy) * ivec2(GNOMON_ACROSS, GNOMON_DOWN);
     if (first.x >= size.x || first.y >= size.y) return;
 
-    // Collect those that must gather; the others face nowhere meanwhile.
+    // Collect the pixels that must gather; the others get a zero normal.
     vec3 at[GNOMON_TOGETHER], normal[GNOMON_TOGETHER], light[GNOMON_TOGETHER];
     bool gathers = false;
     [[unroll]] for (int i = 0; i < GNOMON_TOGETHER; ++i) {

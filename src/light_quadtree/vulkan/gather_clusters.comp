@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Bounced light by the quad-tree: every receiver reads the same list of clusters.
+// Bounced light by the quad-tree: every receiver gathers the same list of clusters.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 #include "light_quadtree/vulkan/map_shared.h"
 
 layout(binding = 0, scalar) readonly buffer Counts { uint at[]; } counts;
-layout(binding = 1, rgba32f) uniform readonly image2D clusters;   // GpuCluster, three texels each
+layout(binding = 1, rgba32f) uniform readonly image2D clusters;  // GpuCluster, three texels per cluster
 layout(push_constant, scalar) uniform Push { GatherPush push; };
 #include "light_quadtree/vulkan/kernel.glsl"
 #define GNOMON_ACROSS GNOMON_CLUSTERS_ACROSS

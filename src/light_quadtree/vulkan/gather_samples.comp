@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Bounced light by sampling the map about the receiver's own place in it [Dachsbacher and Stamminger 2005, 4.2]. As
-// rsm.cpp. The map is read as an image, and so is the pattern.
+// Bounced light by sampling the map around the receiver's projection in it [Dachsbacher and Stamminger 2005, 4.2]. Same
+// method as rsm.cpp. The map and the pattern are read as images.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 #include "light_quadtree/vulkan/map_shared.h"
 
 layout(binding = 0, scalar) readonly buffer Views { GpuMapView at[]; } views;
-layout(binding = 1, rgba32f) uniform readonly image2D texels;    // of map_image.comp
+layout(binding = 1, rgba32f) uniform readonly image2D texels;  // written by map_image.comp
 layout(binding = 2, rgba32f) uniform readonly image2D pattern;   // x, y, weight
 layout(push_constant, scalar) uniform Push { GatherPush push; };
 #include "light_quadtree/vulkan/kernel.glsl"
 #define GNOMON_ACROSS GNOMON_SAMPLES_ACROSS
 #define GNOMON_DOWN GNOMON_SAMPLES_DOWN
-#define GNOMON_TOGETHER (GNOMON_ACROSS * GNOMON_DOWN)   // they share what is read of the pattern
+#define GNOMON_TOGETHER (GNOMON_ACROSS * GNOMON_DOWN)  // pixels that use each loaded sample
 #define GNOMON_IMAGES 3
 
 void all_light(vec3 at[GNOMON_TOGETHER], vec3 normal[GNOMON_TOGETHER], inout vec3 sum[GNOMON_TOGETHER])

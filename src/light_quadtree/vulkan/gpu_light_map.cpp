@@ -47,7 +47,7 @@ constexpr VkFormat k_depth_format = VK_FORMAT_D32_SFLOAT;
 static_assert(sizeof(GpuNode) == sizeof(LightNode) && offsetof(GpuNode, flux) == offsetof(LightNode, flux) &&
               offsetof(GpuNode, members) == offsetof(LightNode, members));
 
-// Planes around what a rectangle of a view sees, pointing inwards.
+// Planes around the volume that a rectangle of a view sees, with normals pointing inwards.
 void rectangle_planes(const light_views::ViewProjection& view, const Rect& rect, glm::vec4 (&planes)[6])
 {
     const glm::mat4 rows = glm::transpose(view.clip_from_world);
@@ -164,7 +164,7 @@ std::uint32_t GpuLightMap::views_on() const
         std::count_if(views_.begin(), views_.end(), [](const MapView& view) { return view.on; }));
 }
 
-// Finds in each view the rectangle around what changed. False: nothing did.
+// Finds the rectangle around all changes in each view. Returns false if there are none.
 bool GpuLightMap::find_dirty(const scene::SceneState& state)
 {
     const scene::FrameChanges& changes = state.changes();
@@ -181,7 +181,7 @@ bool GpuLightMap::find_dirty(const scene::SceneState& state)
             if (dynamic_place_[o] != scene::none)
                 stirred.push_back(o);
             else if (casters_.casts(o))
-                all = true;   // somebody moves by hand what stood still
+                all = true;   // the user moved a static object
         }
     std::sort(stirred.begin(), stirred.end());
     stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
@@ -318,7 +318,7 @@ void GpuLightMap::make_texels(vk::Commands& commands, const gpu_scene::GpuScene&
     });
 }
 
-// Makes the nodes above what changed, level by level, in all views at once.
+// Recomputes the nodes above changed texels, level by level, in all views at once.
 void GpuLightMap::make_tree(vk::Commands& commands)
 {
     for (int level = views_.front().levels - 1; level >= 0; --level) {

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The light map and its quad-tree on the device [Ki and Oh 2007, 3.1 and 3.2]: drawn, not cast; the pyramid, validity
-// by thresholds and the compacted cut in compute shaders. The twin of LightMap and find_clusters; views and nodes are
-// laid out alike.
+// The light map and its quad-tree on the device [Ki and Oh 2007, 3.1 and 3.2]: the map is rasterised, and compute
+// shaders build the pyramid, evaluate validity by thresholds, and compact the cut. The device version of LightMap and
+// find_clusters, with the same layout of views and nodes.
 //
-// What is drawn is ids alone (draw and triangle); a compute pass then makes each texel where its ray meets that
-// triangle, by the cast map's formulas, so both maps hold the same texels and differ where a ray and the rasteriser
-// disagree about an edge. Surfaces that let light pass are not drawn; alpha-tested ones where they are opaque.
+// The rasteriser writes only ids (draw and triangle). A compute pass then computes each texel where its ray hits that
+// triangle, with the formulas of the ray-traced map. So both maps have the same texels, except where ray tracing and
+// rasterisation disagree about an edge. Surfaces that do not occlude light are not drawn; alpha-tested ones are drawn
+// where they are opaque.
 //
-// Kept from frame to frame: in each view one rectangle around what moved, before and now, is drawn anew, and the nodes
-// above it are made anew, no others. A map that followed any number of frames equals a new one, to the bit.
+// The map is kept from frame to frame: in each view, one rectangle around the old and new footprints of dynamic objects
+// is redrawn, and only the nodes above it are recomputed. A map that was updated over any number of frames equals a new
+// one, bit for bit.
 //
-// Cost a frame: the draws that touch these rectangles, their texels and a third more nodes; then the cut, 5,440 nodes a
-// view at most. 52 bytes a node on the device.
+// Cost per frame: the draws that touch these rectangles, their texels and a third more nodes; then the cut, at most
+// 5,440 nodes per view. Memory: 52 bytes per node on the device.
 
 #include "gpu_scene/gpu_scene.h"
 #include "light_quadtree/clusters.h"
@@ -24,45 +26,45 @@ namespace gnomon::light_quadtree {
 
 class GpuLightMap {
  public:
-    /// @throws MissingError  too little device memory, or a storage buffer cannot hold the nodes
+    /// @throws MissingError  too little device memory, or a storage buffer is too small for the nodes
     GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                 const LightMapOptions& options, const CutLevels& levels);
 
-    /// Records what follows one advance() of the state; all of it the first time. Culls the scene's draws for lights:
-    /// cull for the eye afterwards.
+    /// Records the updates after one advance() of the state; everything the first time. Culls the scene's draws for
+    /// lights, so cull for the camera afterwards.
     void record(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state);
-    /// The same with texels from elsewhere: nodes laid out as LightMap has them, of which the finest levels are read.
+    /// The same with texels from elsewhere: nodes in the layout of LightMap, of which the finest levels are used.
     void record_tree_over(vk::Commands& commands, const scene::SceneState& state, std::span<const LightNode> nodes);
 
-    /// Makes the list exactly so long for what follows, by repeating it from its beginning, until the next cut: for
-    /// measurements. Submits. There must be a cluster, and room for so many.
+    /// For measurements: extends the list to exactly this length by repeating it from its beginning, until the next
+    /// cut. Submits. There must be a cluster, and room for as many.
     void record_repeated(vk::Commands& commands, std::uint32_t clusters) const;
 
     std::span<const MapView> views() const { return views_; }
-    /// Views with something to see.
+    /// Number of views whose light is on.
     std::uint32_t views_on() const;
     std::size_t node_count() const { return views_.empty() ? 0 : views_.back().end(); }
-    /// Something changed. Counts up.
+    /// Increases with every change of the map.
     std::uint32_t version() const { return version_; }
-    /// Of the last record: texels drawn anew, and nodes above them.
+    /// Work of the last record: texels redrawn, and nodes above them.
     struct Work {
         std::uint64_t texels = 0, nodes = 0;
     };
     const Work& work() const { return work_; }
-    /// Of the last record, by view: where texels changed.
+    /// By view: the rectangle that the last record changed.
     std::span<const light_views::Rect> dirty() const { return dirty_; }
     std::size_t bytes() const;
 
-    // On the device.
+    // Buffers on the device.
     const vk::Buffer& view_buffer() const { return view_buffer_; }   // GpuMapView
     const vk::Buffer& nodes() const { return nodes_; }               // GpuNode
-    const vk::Buffer& valid() const { return valid_; }               // 32 bits a node
+    const vk::Buffer& valid() const { return valid_; }               // 32 bits per node
     const vk::Buffer& clusters() const { return clusters_; }         // GpuCluster
-    /// The same as texels, for the gather: see GNOMON_CLUSTERS_A_ROW. Mesa's software driver reads an image several
-    /// times as fast as a buffer.
+    /// The clusters as texels for the gather: see GNOMON_CLUSTERS_A_ROW. Mesa's software driver reads an image several
+    /// times faster than a buffer.
     const vk::Image& cluster_image() const { return cluster_image_; }
     const vk::Buffer& counts() const { return counts_; }
-    std::uint32_t count_at() const { return groups_; }   // where `counts` has the number of clusters
+    std::uint32_t count_at() const { return groups_; }   // index in `counts` of the number of clusters
 
  private:
     void make_pipelines();
@@ -81,8 +83,8 @@ class GpuLightMap {
     light_views::SceneBounds bounds_;
     std::vector<MapView> views_;
     std::vector<light_views::Rect> dirty_;                  // by view
-    std::vector<std::vector<light_views::Rect>> dynamic_;   // by view and place in dynamics_: where each is
-    std::vector<scene::ObjectId> dynamics_;                 // that cast
+    std::vector<std::vector<light_views::Rect>> dynamic_;   // current footprints, by view and index in dynamics_
+    std::vector<scene::ObjectId> dynamics_;                 // dynamic objects that cast shadows
     std::vector<std::uint32_t> dynamic_place_;              // by object; none: it stands still
     bool fresh_ = true;
     std::uint32_t version_ = 0;

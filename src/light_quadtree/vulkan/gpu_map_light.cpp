@@ -166,7 +166,7 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
     });
 }
 
-// Kept while the number of samples stays.
+// The pattern is kept while the number of samples does not change.
 void GpuMapLight::send_pattern(vk::Commands& commands, std::uint32_t samples)
 {
     if (pattern_samples_ == samples) return;
@@ -188,7 +188,7 @@ void GpuMapLight::send_pattern(vk::Commands& commands, std::uint32_t samples)
         });
 }
 
-// What changed since the last copy; all of it if that was longer ago than the map's last change.
+// Copies what changed since the last copy; everything if there was another change in between.
 void GpuMapLight::copy_texels(vk::Commands& commands)
 {
     if (copied_ == map_.version()) return;

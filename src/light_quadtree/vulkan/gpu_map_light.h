@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Bounced light from a light map, without visibility, on the device: the light quad-tree as published [Ki and Oh 2007],
-// and the sampling that it is compared with [Dachsbacher and Stamminger 2005]. The twin of MapLight, kernel and all.
+// Bounced light from a light map, without occlusion, on the device: the published light quad-tree [Ki and Oh 2007], and
+// the sampling to which it is compared [Dachsbacher and Stamminger 2005]. The device version of MapLight, with the same
+// kernel.
 //
-// Surfaces come as images; so does what arrives. Sparse receivers stand on pixels of the image. Cost: the map's
-// (gpu_light_map.h); lights times receivers; 48 bytes a receiver of the grid.
+// Surfaces and results are images. Sparse receivers lie at pixels of the image. Cost: the map's (gpu_light_map.h);
+// lights times receivers. Memory: 48 bytes per receiver of the grid.
 
 #include "light_quadtree/map_light.h"
 #include "light_quadtree/vulkan/gpu_light_map.h"
 
 namespace gnomon::light_quadtree {
 
-/// An image's surfaces: four 32-bit floats a pixel.
+/// An image's surfaces: four 32-bit floats per pixel.
 struct MapSurfaces {
-    const vk::Image* position;   // w: not 0 where light is wanted
+    const vk::Image* position;   // w: 0 where no light is computed
     const vk::Image* normal;     // unit, shading
     Size size;                   // of the image
     glm::vec3 eye{0};
-    float pixel_width = 0, pixel_spread = 0;   // of the view, as scene::View has them
+    float pixel_width = 0, pixel_spread = 0;   // of the view, as in scene::View
 };
 
 class GpuMapLight {
  public:
-    /// @param options  its method is quadtree or rsm
+    /// @param options  with method quadtree or rsm
     /// @throws MissingError  too little device memory
     GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                 const MapLightOptions& options);
@@ -30,14 +31,14 @@ class GpuMapLight {
     GpuLightMap& map() { return map_; }
     const GpuLightMap& map() const { return map_; }
 
-    /// Records the light of the grid's receivers: needed before light() where there is a grid.
+    /// Records the light at the grid's receivers; call before record_light() if there is a grid.
     void record_grid(vk::Commands& commands, const MapSurfaces& surfaces);
-    /// Records what arrives at every pixel, into an image of the same size (four 32-bit floats, a storage image).
+    /// Records the light at every pixel, into an image of the same size (four 32-bit floats, a storage image).
     void record_light(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance);
-    /// The same for a list of points, laid out as any image: its position.w is a point's pixel in the image, from 1.
+    /// The same for a list of points in any image layout; position.w is a point's pixel in the image, counted from 1.
     void record_listed(vk::Commands& commands, const MapSurfaces& points, const vk::Image& irradiance);
 
-    /// Lights in use: samples, or clusters as the device counted them in what read_count() returned.
+    /// Number of lights: samples, or clusters as counted by the device, which read_count() returns.
     vk::Buffer read_count(vk::Commands& commands) const { return commands.read_back(map_.counts()); }
     std::uint64_t lights(const vk::Buffer& count) const;
     int grid_step(Size size) const;
@@ -53,12 +54,12 @@ class GpuMapLight {
     MapLightOptions options_;
     GpuLightMap map_;
     vk::Pipeline pipeline_;
-    // Of sampling: the pattern, and the map's texels.
+    // For sampling: the pattern, and the map's texels.
     vk::Pipeline copy_pipeline_;
     vk::Buffer pattern_;
     vk::Image pattern_image_, texels_;
     std::uint32_t pattern_samples_ = 0;   // in it
-    std::uint32_t copied_ = 0;            // version of the map
+    std::uint32_t copied_ = 0;            // version of the map at the last copy
     vk::Image grid_position_, grid_normal_, grid_light_, none_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of one light at one receiver: shared by the sum over clusters and by the sampling it is compared with, and
-// the twin of kernel-inl.h, operation by operation.
+// The irradiance by one light at one receiver, for the sum over clusters and for the sampling to which it is compared.
+// The same operations as kernel-inl.h.
 
 const float k_least_square = 1e-30;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 // The cut through the trees [Ki and Oh 2007, 3.2], compacted into one list in a fixed order: level by level, view by
-// view, children as their parents come. A work group has one level of one view; counted first, written then.
+// view, children in the order of their parents. A work group handles one level of one view; a first pass counts, a
+// second writes.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "light_quadtree/vulkan/map_shared.h"
@@ -11,7 +12,7 @@ layout(local_size_x = GNOMON_GROUP) in;
 layout(binding = 0, scalar) readonly buffer Views { GpuMapView at[]; } views;
 layout(binding = 1, scalar) readonly buffer Nodes { GpuNode at[]; } nodes;
 layout(binding = 2, scalar) readonly buffer Valid { uint at[]; } valid;
-layout(binding = 3, scalar) buffer Counts { uint at[]; } counts;   // by group; then the sum
+layout(binding = 3, scalar) buffer Counts { uint at[]; } counts;  // by group; then the total
 layout(binding = 4, scalar) writeonly buffer Clusters { GpuCluster at[]; } clusters;
 layout(push_constant, scalar) uniform Push { CutPush push; };
 
@@ -23,7 +24,8 @@ shared uint sum;
 const uint k_none = 0xffffffffu;
 const float k_per_pi = 0.318309886183791;
 
-// The i-th node of a level, if it lights: all above it are invalid, it is valid or at the limit, and not dark.
+// The i-th node of a level if it is in the cut: all its ancestors are invalid, it is valid or at the limit, and not
+// dark.
 uint chosen(GpuMapView view, uint level, uint limit, uint i)
 {
     const uint depth = level - push.start;
@@ -58,7 +60,7 @@ void main()
         return;
     }
 
-    // Find where this group's clusters begin.
+    // Find the offset of this group's clusters.
     uint before = 0;
     for (uint g = me; g < group; g += GNOMON_GROUP) before += counts.at[g];
     atomicAdd(sum, before);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Which draw's which triangle a light sees.
+// Writes the draw and the triangle that a light sees.
 layout(location = 0) flat in uint draw;
 layout(location = 0) out uvec2 id;
 

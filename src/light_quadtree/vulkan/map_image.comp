@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// The finest level of the map, where it changed, as an image for those that sample it: views below one another, three
-// texels a node, as clusters have them.
+// Copies the changed part of the map's finest level to an image for sampling: views below one another, three texels per
+// node, in the layout of clusters.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "light_quadtree/vulkan/map_shared.h"

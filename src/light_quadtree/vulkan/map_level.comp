@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// One level of the pyramid above what changed, all views at once: each node from its four children, and whether it may
-// stand for them [Ki and Oh 2007, 3.1]. As mean_of and is_valid (light_node.h), in the same order.
+// One level of the pyramid above changed texels, in all views at once: each node from its four children, and whether it
+// may represent them [Ki and Oh 2007, 3.1]. As mean_of and is_valid (light_node.h), in the same order.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "light_quadtree/vulkan/map_shared.h"
@@ -48,10 +48,10 @@ void main()
         members += four[c].members;
     }
     if (members != 0) {
-        const float share = 1 / float(members);
-        position *= share;
-        normal *= share;
-        depth *= share;
+        const float scale = 1 / float(members);
+        position *= scale;
+        normal *= scale;
+        depth *= scale;
     }
     const GpuNode mean = GpuNode(position, normal, depth, area, flux, members);
     const uint id = node_of(view, push.level, x, y);

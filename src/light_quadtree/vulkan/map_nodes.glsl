@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where nodes lie, as MapView::node.
+// The index of a node, as MapView::node.
 
 uint node_of(GpuMapView view, uint level, uint x, uint y)
 {

@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_LIGHT_QUADTREE_MAP_SHARED_H
 #define GNOMON_LIGHT_QUADTREE_MAP_SHARED_H
-// Light maps, their trees and cuts as shaders see them. Layout: scalar.
+// Structures for light maps, their trees and cuts in shaders. Layout: scalar.
 
 #include "vk/shared_types.h"
 
 GNOMON_SHARED_BEGIN(light_quadtree)
 
-/// One view of a light (MapView), and what of it is made anew.
+/// One view of a light (MapView), and its part to update.
 struct GpuMapView {
     mat4 clip_from_world;
-    mat4 near_clip;   // of the view that has what this one leaves out
+    mat4 near_clip;   // of the view whose part this one skips
     vec3 origin;
     uint light;
     vec3 forward;
-    uint first;   // node
+    uint first;   // index of the first node
     vec3 across;
     uint levels;
     vec3 down;
     float depth_range;
-    float cell;   // area of a texel across the ray, on the plane at `forward`
+    float cell;   // area of a texel, perpendicular to the ray, on the plane at `forward`
     uint perspective;
     uint leaves_out;
     uint on;
-    uint dirty[4];   // texels: x0, y0, x1, y1; empty where nothing changed
+    uint dirty[4];   // texels x0, y0, x1, y1; empty if nothing changed
 };
 
-/// As LightNode.
+/// Like LightNode.
 struct GpuNode {
     vec3 position, normal;
     float depth, area;
@@ -34,7 +34,7 @@ struct GpuNode {
     uint members;
 };
 
-/// One light of the cut; as Clusters has it.
+/// One light of the cut, like Clusters.
 struct GpuCluster {
     vec3 position;
     float disk;
@@ -43,60 +43,60 @@ struct GpuCluster {
     uint node, grid;
 };
 
-/// Of drawing a view's ids.
+/// For drawing a view's ids.
 struct MapDrawPush {
     mat4 clip_from_world;
 };
 
-/// Of making texels from ids.
+/// For computing texels from ids.
 struct TexelPush {
     uint view;
     float least_cosine;
 };
 
-/// Of making one level of nodes.
+/// For computing one level of nodes.
 struct NodePush {
     uint level;
     float depth_threshold, normal_threshold;
 };
 
-/// Of the cut: a work group for each level and view.
+/// For the cut: a work group for each level and view.
 struct CutPush {
     uint views, start, limit;
-    uint write;   // else count
+    uint write;   // 0: count
 };
 
-// Clusters a row of the image that the gather reads, three texels each.
+// Clusters per row of the image that the gather reads, three texels each.
 #define GNOMON_CLUSTERS_A_ROW 1024u
 
-// Pixels of one invocation that gathers clusters.
+// Pixels per invocation of gathering clusters.
 #define GNOMON_CLUSTERS_ACROSS 4
 #define GNOMON_CLUSTERS_DOWN 2
 
-// Samples a row of the pattern's image.
+// Samples per row of the pattern's image.
 #define GNOMON_SAMPLES_A_ROW 1024u
 
-// Pixels of one invocation that samples.
+// Pixels per invocation of sampling.
 #define GNOMON_SAMPLES_ACROSS 4
 #define GNOMON_SAMPLES_DOWN 2
 
-/// Of copying the map's texels to an image.
+/// For copying the map's texels to an image.
 struct MapImagePush {
-    uint all;   // else what is dirty
+    uint all;   // 0: only the changed part
 };
 
-/// Of gathering.
+/// For gathering.
 struct GatherPush {
     vec3 eye;
     float pixel_width, pixel_spread;
     uint width, height;         // of the image
     uint step, columns, rows;   // of the grid; step 0: none
-    uint fill_grid;             // else light points
-    uint listed;                // points are a list, and position.w is a point's pixel, from 1; else they are the image
+    uint fill_grid;             // 0: light the points
+    uint listed;   // 1: points are a list, and position.w is a point's pixel, from 1; 0: they are the image
     float grid_normals, grid_off_plane;
     uint grid_neighbours;
-    uint views, samples;   // of sampling: a view
-    uint total;            // of the cut: where the number of clusters is
+    uint views, samples;   // samples: per view
+    uint total;            // of the cut: index of the number of clusters
 };
 
 GNOMON_SHARED_END

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Ids to texels of a light map: position, normal, depth, area and flux where the texel's ray meets its triangle, by the
-// formulas of LightMap::cast_tile and diffuse.cpp.
+// Converts ids to texels of a light map: position, normal, depth, area and flux where the texel's ray hits its
+// triangle, by the formulas of LightMap::cast_tile and diffuse.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #define GNOMON_OBJECTS 0
@@ -76,7 +76,7 @@ GpuNode texel_at(GpuMapView view, uvec2 at, uvec2 id)
     for (int c = 0; c < 3; ++c)
         p[c] = vec3(to_world * vec4(position_of(objects.at[draw.object].positions + corner[c]), 1));
 
-    // Where the ray meets the triangle's plane; its middle where it is seen edge-on.
+    // Intersect the ray with the triangle's plane; use the triangle's centroid if it is seen edge-on.
     const vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
     const vec3 normal = cross(e1, e2);
     const float size = length(normal);
@@ -100,7 +100,7 @@ GpuNode texel_at(GpuMapView view, uvec2 at, uvec2 id)
     float cosine = -dot(texel.normal, direction);
     if (cosine < 0) texel.normal = -texel.normal, cosine = -cosine;
 
-    // The area it stands for, and the light that leaves there.
+    // Compute the texel's area on the surface, and the flux that leaves it.
     const float facing_area = view.perspective != 0
                                   ? view.cell * length(view.forward) / (reach * reach * reach) * t * t
                                   : view.cell;

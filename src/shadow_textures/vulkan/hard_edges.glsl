@@ -29,14 +29,14 @@ bool meets(CellTriangle triangle, vec3 origin, vec3 direction, float end, out ve
     return t > 0.0 && t <= end;
 }
 
-bool blocks(uint number, vec3 origin, vec3 direction, float end)
+bool occludes(uint number, vec3 origin, vec3 direction, float end)
 {
     vec2 at;
     return meets(cell_triangles[number], origin, direction, end, at);
 }
 
 // Tests an alpha-tested triangle; it occludes where its material's alpha does.
-bool blocks_masked(uint number, vec3 origin, vec3 direction, float end)
+bool occludes_masked(uint number, vec3 origin, vec3 direction, float end)
 {
     CellTriangle triangle = cell_triangles[number];
     vec2 at;
@@ -104,9 +104,9 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     // Let each invocation advance to its next candidate, then test all of them together. A device that runs invocations
     // in lock-step would otherwise test whenever any of them has a candidate.
     bool occluded = false;
-    OCCLUDED_BY(list, static_first, static_blocks, static_entries, blocks)
-    OCCLUDED_BY(list, moving_first, moving_blocks, moving_entries, blocks)
-    OCCLUDED_BY(list + 1u, static_first, static_blocks, static_entries, blocks_masked)
-    OCCLUDED_BY(list + 1u, moving_first, moving_blocks, moving_entries, blocks_masked)
+    OCCLUDED_BY(list, static_first, static_blocks, static_entries, occludes)
+    OCCLUDED_BY(list, moving_first, moving_blocks, moving_entries, occludes)
+    OCCLUDED_BY(list + 1u, static_first, static_blocks, static_entries, occludes_masked)
+    OCCLUDED_BY(list + 1u, moving_first, moving_blocks, moving_entries, occludes_masked)
     return occluded ? 0.0 : 1.0;
 }
