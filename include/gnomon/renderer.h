@@ -49,15 +49,15 @@ struct RenderOptions {
     double depth_threshold = 0.05;   // Indirect::quadtree: largest depth difference within a cluster, as a fraction of
                                      // the light view's depth range
     double normal_threshold = 0.9;   // Indirect::quadtree: smallest cosine between normals within a cluster
-    bool indirect_at_every_pixel =
-        false;   // Indirect::rsm, quadtree: else at 64 a side, interpolated where that is fair
-    int indirect_memory =
-        16;   // Indirect::visible: size of the irradiance cache in MB, 1 to 65536; changes time, not images
+    /// Indirect::rsm, quadtree: gather at every pixel. Otherwise, gather at 64 receivers along the longer side, and
+    /// interpolate where the surfaces agree.
+    bool indirect_at_every_pixel = false;
+    int indirect_memory = 16;   // Indirect::visible: MB of irradiance cache, 1 to 65536; changes time, not images
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;   // 0: all
-    bool layers =
-        false;   // also output depth, normal, albedo, direct, indirect and shadow layers, and more for a reference
+    /// Also output the layers depth, normal, albedo, direct, indirect and shadow, and more for a reference.
+    bool layers = false;
     /// Shown instead of the rendered scene. The image is then larger than `size` (see image_size) and has no other
     /// layers.
     Overlay overlay = Overlay::none;

@@ -49,6 +49,7 @@ void BoxTree::build(std::span<const Box3> boxes)
     };
     nodes_.reserve(2 * boxes.size() - 1);
     nodes_.emplace_back();
+    // Split nodes top-down, with a stack of ranges of `order`.
     std::vector<Open> open{{0, 0, static_cast<std::uint32_t>(boxes.size())}};
     while (!open.empty()) {
         const Open at = open.back();
@@ -65,6 +66,8 @@ void BoxTree::build(std::span<const Box3> boxes)
             nodes_[at.node].box.add(boxes[order[i]]);
             centres.add(place(order[i]));
         }
+        // Split at the median along the longest axis of the centres. Break ties by index, so that the tree is
+        // deterministic.
         const glm::vec3 size = centres.size();
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const std::uint32_t middle = at.begin + (at.end - at.begin) / 2;
@@ -73,6 +76,7 @@ void BoxTree::build(std::span<const Box3> boxes)
                              const float x = place(a)[axis], y = place(b)[axis];
                              return x != y ? x < y : a < b;
                          });
+        // Store the two children next to each other.
         const auto child = static_cast<std::uint32_t>(nodes_.size());
         nodes_[at.node].child = child;
         nodes_.emplace_back().parent = at.node;

@@ -88,12 +88,14 @@ TexelPool convert(const std::vector<scene::Texture>& textures)
     static_assert(static_cast<int>(scene::Filter::nearest) == 0);
     static const std::array<std::uint16_t, 256> plain = halves_of(false), linear = halves_of(true);
     TexelPool pool;
+    // Count the texels.
     std::uint64_t total = 0;
     for (const scene::Texture& texture : textures)
         for (const Image8& level : texture.levels()) total += static_cast<std::uint64_t>(level.width) * level.height;
     if (total > std::numeric_limits<std::int32_t>::max())
         throw MissingError("Vulkan: the scene's textures have more texels than can be addressed");
     pool.halves.reserve(4 * total);
+    // Convert all levels of all textures to half floats.
     for (const scene::Texture& texture : textures) {
         shared::GpuTexture& g = pool.textures.emplace_back();
         g.width = static_cast<std::uint32_t>(texture.width());

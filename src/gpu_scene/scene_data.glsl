@@ -107,6 +107,7 @@ vec4 row_sample(uint texture_id, int level, vec2 uv, vec2 diameter, int count, u
 /// Samples over an ellipse with two conjugate diameters in uv units, as scene::sample_ellipse does.
 vec4 sample_ellipse(uint texture_id, vec2 uv, vec2 diameter, vec2 other)
 {
+    // Measure the ellipse in texels of the finest level.
     const vec2 size = vec2(textures.at[texture_id].width, textures.at[texture_id].height);
     const vec2 along = diameter * size, across = other * size;
     const float area = abs(along.x * across.y - along.y * across.x);
@@ -116,6 +117,7 @@ vec4 sample_ellipse(uint texture_id, vec2 uv, vec2 diameter, vec2 other)
         diameter = other;
     }
     if (!(abs(uv.x) + abs(uv.y) < k_far && square < k_far * k_far)) return texture_sample(texture_id, uv, sqrt(square));
+    // Choose the footprint of each sample, and their number.
     const float k_longest = GNOMON_FOOTPRINT_STRETCH * GNOMON_FOOTPRINT_STRETCH;
     const float most = float(GNOMON_FOOTPRINT_SAMPLES);
     const int levels = int(textures.at[texture_id].levels);
@@ -129,6 +131,7 @@ vec4 sample_ellipse(uint texture_id, vec2 uv, vec2 diameter, vec2 other)
             count = int(clamp(ceil(wanted - k_no_sample_more), 1, most));
         }
     }
+    // Blend the two levels whose texel sizes enclose the footprint's.
     const uint filtering = footprint > 1 ? textures.at[texture_id].minify : textures.at[texture_id].magnify;
     if (filtering == k_nearest) return texture_sample(texture_id, uv, sqrt(footprint));
     const float lod = footprint > 1 ? min(0.5 * log2(footprint), float(levels - 1)) : 0;

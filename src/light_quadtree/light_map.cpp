@@ -80,6 +80,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
 {
     View& view = views_[v];
     Layers& layers = layers_[v];
+    // Reset the view's nodes and layers.
     const std::size_t end = view.end();
     std::fill(nodes_.begin() + static_cast<std::ptrdiff_t>(view.first),
               nodes_.begin() + static_cast<std::ptrdiff_t>(end), LightNode{});
@@ -89,10 +90,11 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     layers.slot.assign(static_cast<std::size_t>(tiles) * static_cast<std::size_t>(tiles), -1);
     layers.kept.clear();
     layers.reach.assign(layers.slot.size(), {});
-    layers.dynamic_objects.assign(dynamics_.size(), {});
+    layers.footprints.assign(dynamics_.size(), {});
     aim_view(view, state, bounds_);
     if (!view.on) return;
 
+    // Trace the static layer, tile by tile.
     for (int tile = 0; tile < tiles * tiles; ++tile) {
         Tile texels{};
         Distances& reach = layers.reach[static_cast<std::size_t>(tile)];
@@ -103,16 +105,18 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
                 texels[static_cast<std::size_t>(i)];
     }
     work.cast += static_cast<std::uint64_t>(view.side()) * static_cast<std::uint64_t>(view.side());
+    // Build the pyramid, finest level first.
     for (int level = view.levels - 1; level >= 0; --level)
         for (int y = 0; y < 1 << level; ++y)
             for (int x = 0; x < 1 << level; ++x) make_node(view, level, x, y);
 
-    for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.dynamic_objects[d] = footprint(view, state, dynamics_[d]);
+    // Add dynamic objects.
+    for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.footprints[d] = footprint(view, state, dynamics_[d]);
     const light_views::Rect everywhere{0, 0, view.side(), view.side()};
-    repair_view(v,
-                options_.against_everything ? std::span(&everywhere, 1)
-                                            : std::span<const light_views::Rect>(layers.dynamic_objects),
-                state, rays, work);
+    repair_view(
+        v,
+        options_.against_everything ? std::span(&everywhere, 1) : std::span<const light_views::Rect>(layers.footprints),
+        state, rays, work);
 }
 
 // Traces the rays of a tile's texels in the mask, up to `reach`, and stores hits over the current contents. A tile's
@@ -226,7 +230,7 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
     // Find the texels that a dynamic object may cover. This depends on the current positions only, not on earlier
     // frames.
     std::vector<TexelMask> covered(layers.slot.size(), 0);
-    each_tile(layers.dynamic_objects, [&](const light_views::Rect& rect, int x, int y) {
+    each_tile(layers.footprints, [&](const light_views::Rect& rect, int x, int y) {
         const auto from = [](int low, int tile_at) { return std::max(low - tile_at * k_tile, 0); };
         const auto to = [](int high, int tile_at) { return std::min(high - tile_at * k_tile, k_tile); };
         const TexelMask row = (k_whole_row >> (k_tile - to(rect.x1, x))) & (k_whole_row << from(rect.x0, x));
@@ -315,7 +319,7 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
         }
         std::vector<light_views::Rect> where;
         for (const std::uint32_t d : stirred) {
-            light_views::Rect& rect = layers_[v].dynamic_objects[d];
+            light_views::Rect& rect = layers_[v].footprints[d];
             where.push_back(rect);
             rect = footprint(views_[v], state, dynamics_[d]);
             where.push_back(rect);

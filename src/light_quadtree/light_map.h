@@ -57,7 +57,7 @@ class LightMap {
     static constexpr TexelMask k_whole_row = (TexelMask{1} << k_tile) - 1, k_whole_tile = ~TexelMask{0};
     static_assert(k_tile * k_tile == 64);
     struct Layers {
-        std::vector<light_views::Rect> dynamic_objects;   // current footprints, by index in dynamics_
+        std::vector<light_views::Rect> footprints;   // current footprints, by index in dynamics_
         std::vector<std::int32_t> slot;   // by tile: index of its saved static layer; -1: the tile is all static
         std::vector<Tile> kept;
         std::vector<Distances> reach;   // by tile: distances to the static layer

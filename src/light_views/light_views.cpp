@@ -89,6 +89,7 @@ void LightViews::update(const scene::SceneState& state)
     counts_ = {};
     counts_.touched = changed_.size() + dynamics_.size();
     std::uint64_t touched = 0;
+    // Plan light by light, view by view.
     for (std::size_t v = 0; v < views_.size();) {
         const scene::LightId l = views_[v].light;
         const std::size_t end = atlas_.first_tile[l + 1];
@@ -113,6 +114,7 @@ void LightViews::update(const scene::SceneState& state)
                 trackers_[v].forget();
                 view.plan.clear();
             }
+            // Count the work of the plan.
             if (view.plan.kind != ViewPlan::Kind::idle) ++counts_.views_changed;
             counts_.draws += view.plan.draws();
             counts_.copies += view.plan.copies();

@@ -120,6 +120,7 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
     GNOMON_CHECK_LT(2 * options.border, size);
     const double stretch = static_cast<double>(size) / (size - 2 * options.border);
     const int count = view_count(light, bounds, options);
+    // A directional light: one view of everything, or two.
     if (light.type == scene::LightType::directional) {
         const ViewProjection everything = orthographic(state.direction, bounds.whole, bounds.whole, stretch, size);
         if (count == 1) return {everything};
@@ -131,6 +132,7 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
     const double near = options.near_fraction * diagonal;
     const glm::dvec3 eye(state.position);
     std::vector<ViewProjection> views;
+    // A spot light: one perspective view.
     if (count == 1) {
         glm::vec3 s, t;
         make_basis(state.direction, s, t);
@@ -139,6 +141,7 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
                                     std::max(tangent, 1e-4), near, size));
         return views;
     }
+    // A point light: six faces of a cube.
     for (int face = 0; face < 6; ++face) {
         const int axis = face / 2;
         glm::dvec3 forward(0), right(0), down(0);

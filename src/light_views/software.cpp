@@ -145,6 +145,7 @@ void draw_object(SoftwareBuffer& buffer, const ViewProjection& view, const scene
             masked && use.used() && !mesh.texcoords[use.texcoord].empty() ? &mesh.texcoords[use.texcoord] : nullptr;
 
         for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
+            // Transform the triangle, and clip it at the near plane.
             std::array<ClipVertex, 3> corners;
             for (int i = 0; i < 3; ++i) {
                 const std::uint32_t index = mesh.triangles[t][i];
@@ -157,6 +158,7 @@ void draw_object(SoftwareBuffer& buffer, const ViewProjection& view, const scene
                 count = clip_near(corners, static_cast<double>(view.reach), polygon);
             else
                 std::copy(corners.begin(), corners.end(), polygon.begin());
+            // Rasterise the clipped polygon as a fan.
             for (int k = 2; k < count; ++k) {
                 const std::array<ScreenVertex, 3> screen{to_screen(polygon[0], view.size),
                                                          to_screen(polygon[static_cast<std::size_t>(k - 1)], view.size),
@@ -166,6 +168,7 @@ void draw_object(SoftwareBuffer& buffer, const ViewProjection& view, const scene
                         std::clamp(b.x * v[0].depth + b.y * v[1].depth + b.z * v[2].depth, 0.0, 1.0));
                     const std::size_t at = buffer.at(x, y);
                     if (depth < buffer.depth[at]) return;
+                    // Discard texels where the material's alpha is below its cutoff.
                     if (masked) {
                         float alpha = material.alpha;
                         if (texcoords) {

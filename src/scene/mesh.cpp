@@ -32,6 +32,7 @@ void check_mesh(const Mesh& mesh)
     GNOMON_CHECK(fits(mesh.colors.size()));
     for (const glm::uvec3& t : mesh.triangles) GNOMON_CHECK_LT(std::max({t.x, t.y, t.z}), n);
 
+    // Check that parts cover all triangles in order.
     std::size_t covered = 0;
     for (const MeshPart& part : mesh.parts) {
         GNOMON_CHECK_EQ(part.first_triangle, covered);
@@ -39,6 +40,7 @@ void check_mesh(const Mesh& mesh)
     }
     GNOMON_CHECK_EQ(covered, mesh.triangles.size());
 
+    // Check the arrays of deformations.
     for (const MorphTarget& target : mesh.morph_targets) {
         GNOMON_CHECK(fits(target.positions.size()) && fits(target.normals.size()) && fits(target.tangents.size()));
     }

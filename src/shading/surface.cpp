@@ -118,6 +118,7 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
 {
     glm::vec3 base = material.base_color;
     float alpha = material.alpha;
+    // Multiply vertex colours and textures into the material's factors.
     if (!frame.mesh.colors.empty()) {
         const auto& c = frame.mesh.colors;
         const glm::vec4 color =
@@ -145,6 +146,7 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
         s.emissive = base;
         return;
     }
+    // Split the base colour into specular, diffuse and transmitted light.
     const float f0 = (material.ior - 1) / (material.ior + 1);
     s.specular = glm::mix(glm::vec3(f0 * f0), base, metallic);
     s.diffuse = base * ((1 - metallic) * (1 - material.transmission));

@@ -48,12 +48,14 @@ void reset_signals(posix_spawnattr_t& attributes)
 Process::Process(const std::vector<std::string>& arguments)
 {
     int pair[2] = {-1, -1};
+    // Create files in memory for the output, and a socket for the input.
     output_ = ::memfd_create("output", MFD_CLOEXEC);
     errors_ = ::memfd_create("errors", MFD_CLOEXEC);
     int error = errno;
     if (output_ >= 0 && errors_ >= 0) {
         error = ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) == 0 ? 0 : errno;
         if (error == 0) {
+            // Start the program with these as its standard streams.
             posix_spawn_file_actions_t actions;
             posix_spawnattr_t attributes;
             posix_spawn_file_actions_init(&actions);
@@ -74,6 +76,7 @@ Process::Process(const std::vector<std::string>& arguments)
     }
     close_and_forget(pair[1]);
     input_ = pair[0];
+    // On failure, close everything.
     if (process_ >= 0) return;
     close_and_forget(input_);
     close_and_forget(output_);

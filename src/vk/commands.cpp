@@ -61,6 +61,7 @@ void Commands::barriers(const std::vector<ResourceUse>& uses, Recorder::Kind kin
         UseState& state = first.image ? first.image->state() : first.buffer->state();
         const std::optional<Wait> wait = follow(state, use, first.image != nullptr);
         if (!wait) continue;
+        // Convert the wait to a barrier.
         if (first.image) {
             VkImageMemoryBarrier2& barrier = images.emplace_back();
             barrier = {};

@@ -172,6 +172,7 @@ Instance::Instance()
     application.pApplicationName = "gnomon";
     application.apiVersion = VK_API_VERSION_1_3;
 
+    // Prepare the debug messenger, and synchronisation validation.
     VkDebugUtilsMessengerCreateInfoEXT messenger{};
     messenger.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
     messenger.messageSeverity =
@@ -186,6 +187,7 @@ Instance::Instance()
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = &synchronisation;
 
+    // Create the instance.
     std::vector<const char*> extensions;
     if (debug_utils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     VkInstanceCreateInfo create{};

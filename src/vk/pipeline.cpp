@@ -227,6 +227,7 @@ void Pipeline::make_table(const std::shared_ptr<Device>& device, std::uint32_t g
 Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& desc)
     : name_(desc.name), color_targets_(desc.colors.size())
 {
+    // Reflect the stages, and make the layout.
     std::vector<ShaderCode> codes{desc.vertex};
     if (!desc.fragment.words.empty()) codes.push_back(desc.fragment);
     std::vector<Reflection> reflections;
@@ -247,6 +248,7 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& de
         stages.push_back(stage_info(reflections[i].stage, modules.back().get(), constants));
     }
 
+    // Derive the vertex input from the vertex shader: one tightly packed buffer per location.
     std::vector<VkVertexInputBindingDescription> buffers;
     std::vector<VkVertexInputAttributeDescription> attributes;
     for (const VertexInput& input : reflections[0].inputs) {
@@ -261,6 +263,7 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& de
     vertices.vertexAttributeDescriptionCount = vertex_buffers_;
     vertices.pVertexAttributeDescriptions = attributes.data();
 
+    // Fill in the fixed-function state.
     VkPipelineInputAssemblyStateCreateInfo assembly{};
     assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
     assembly.topology = desc.topology;
@@ -301,6 +304,7 @@ Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& de
     dynamic.dynamicStateCount = std::size(changing);
     dynamic.pDynamicStates = changing;
 
+    // Use dynamic rendering.
     VkPipelineRenderingCreateInfo rendering{};
     rendering.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO;
     rendering.colorAttachmentCount = static_cast<std::uint32_t>(desc.colors.size());

@@ -115,6 +115,7 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
     const Animation& animation = model.animations[index];
     const std::string here = at("/animations", index);
 
+    // Check the accessors of samplers.
     for (std::size_t i = 0; i < animation.samplers.size(); ++i) {
         const AnimationSampler& sampler = animation.samplers[i];
         const std::string place = at(at(here, "samplers"), i);
@@ -138,6 +139,7 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             context.fail(input_place, "a cubic spline needs at least 2 keys");
     }
 
+    // Check the targets of channels.
     std::set<std::tuple<Index, std::string>> seen;
     for (std::size_t i = 0; i < animation.channels.size(); ++i) {
         const Channel& channel = animation.channels[i];
@@ -161,6 +163,7 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
         if (!moves && targets == 0) context.fail(target, "the node has no morph targets");
 
+        // Check the output's format and count against the target.
         const AnimationSampler& sampler = animation.samplers[channel.sampler];
         const Accessor& input = model.accessors[sampler.input];
         const Accessor& output = model.accessors[sampler.output];

@@ -31,6 +31,7 @@ std::string header_fault(std::span<const std::uint8_t> b)
 {
     const auto u16 = [&](std::size_t i) { return static_cast<std::size_t>(b[i]) << 8 | b[i + 1]; };
     const char* ends = "the image ends within its header";
+    // Walk the chunks of a PNG up to the first IDAT.
     if (format_of(b) == ImageFormat::png) {
         int chunks = 0;
         for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_most_looked_at;) {
@@ -44,6 +45,7 @@ std::string header_fault(std::span<const std::uint8_t> b)
         }
         return chunks > k_most_looked_at ? "" : ends;
     }
+    // Walk the markers of a JPEG up to the frame header.
     if (format_of(b) == ImageFormat::jpeg) {
         int markers = 0;
         for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_most_looked_at;) {

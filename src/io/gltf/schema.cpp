@@ -200,6 +200,7 @@ class Walk {
 
     void check_array(const json& value, const Rule& rule)
     {
+        // Check the length.
         if (!value.is_array()) wrong_type(value, "an array");
         if (value.empty()) fail("must not be empty");
         if (rule.kind == Kind::objects && value.size() > context_.limits.elements)
@@ -209,6 +210,7 @@ class Walk {
                 fail(fmt::format("expected {} elements, found {}", rule.min_items, value.size()));
             fail(fmt::format("expected {} to {} elements, found {}", rule.min_items, rule.max_items, value.size()));
         }
+        // Check the elements, and that strings and indices are unique.
         std::unordered_set<std::uint64_t> seen;
         std::unordered_set<std::string_view> seen_text;
         for (std::size_t i = 0; i < value.size(); ++i) {

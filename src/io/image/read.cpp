@@ -170,6 +170,7 @@ bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::spa
     info.progress = &errors.scans;
     jpeg_mem_src(&info, bytes.data(), bytes.size());
     jpeg_read_header(&info, TRUE);
+    // Check the claimed size before allocating memory.
     const std::uint64_t side = static_cast<std::uint64_t>(limits.max_side);
     if (info.image_width > side || info.image_height > side ||
         static_cast<std::uint64_t>(info.image_width) * info.image_height > limits.max_pixels) {
@@ -181,6 +182,7 @@ bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::spa
                       info.image_height, bytes.size());
         return false;
     }
+    // Decode.
     info.out_color_space = info.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     if (info.num_components == 4) info.out_color_space = JCS_CMYK;
     jpeg_start_decompress(&info);
@@ -194,6 +196,7 @@ bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::spa
         jpeg_read_scanlines(&info, &row, 1);
     }
     jpeg_finish_decompress(&info);
+    // Reject a truncated file.
     if (!errors.file_ended || !errors.pixels_lacked) return true;
     std::snprintf(errors.message, sizeof errors.message, "the file ends before its last pixel");
     return false;

@@ -86,6 +86,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
     PolygonTriangulator triangulator;
     for (std::size_t o = 0; o < data.objects.size(); ++o) {
         if (o % 1024 == 0 && progress && !progress({"loading", 0.8})) throw InterruptedError("interrupted");
+        // Sort the object's faces by material, and compute missing normals.
         const std::vector<std::uint32_t> faces = by_material(data, std::move(faces_of[o]), material_rank);
         const std::vector<glm::vec3> normals = corner_normals(data, faces, options, positions_used);
 
@@ -94,6 +95,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
         VertexTable vertices(normals.size());
         bool any_normal = false, any_texcoord = false;
         std::size_t corner = 0;
+        // Triangulate the faces.
         for (const std::uint32_t f : faces) {
             const ObjFace& face = data.faces[f];
             const ObjCorner* const corners = &data.corners[face.first_corner];
@@ -113,6 +115,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
                 index.push_back(
                     vertices.find_or_add({corners[i].position, corners[i].texcoord, given ? normals[corner] : flat}));
             }
+            // Start a new part with each material.
             if (mesh.parts.empty() || mesh.parts.back().material != material_of[face.material])
                 mesh.parts.push_back(
                     {material_of[face.material], static_cast<std::uint32_t>(mesh.triangles.size()), 0});
@@ -120,6 +123,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
             for (const glm::uvec3& t : triangles) mesh.triangles.emplace_back(index[t.x], index[t.y], index[t.z]);
         }
 
+        // Convert the distinct vertices to arrays, with v flipped.
         mesh.positions.reserve(vertices.keys().size());
         for (const VertexKey& key : vertices.keys()) {
             mesh.positions.push_back(data.positions[key.position]);

@@ -88,6 +88,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     scene.name = file.stem().string();
     const SceneFolder folder(file);
 
+    // Parse the file, and release its text.
     ObjData data;
     {
         const auto bytes = read_whole_file(file, file.string(), k_largest_obj);
@@ -132,6 +133,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
                                      : fmt::format("material '{}' and {} more are not defined: grey is used",
                                                    shown(first_missing), missing - 1));
 
+    // Add meshes and textures.
     add_obj_meshes(scene, data, material_of, {}, progress);
     data = {};
     add_obj_textures(scene, mtl, folder, progress);

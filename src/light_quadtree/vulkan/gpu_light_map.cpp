@@ -186,6 +186,7 @@ bool GpuLightMap::find_dirty(const scene::SceneState& state)
     std::sort(stirred.begin(), stirred.end());
     stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
 
+    // Join the old and new footprints of these objects in each view.
     bool anything = false;
     for (std::size_t v = 0; v < views_.size(); ++v) {
         MapView& view = views_[v];

@@ -104,6 +104,7 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
                          bool listed)
 {
     const int step = grid_step(surfaces.size);
+    // Fill in the push constants.
     GatherPush push{};
     push.eye = surfaces.eye;
     push.pixel_width = surfaces.pixel_width, push.pixel_spread = surfaces.pixel_spread;
@@ -123,12 +124,14 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
     push.total = map_.count_at();
     const glm::uvec2 points = grid ? glm::uvec2(push.columns, push.rows)
                                    : glm::uvec2(surfaces.position->width(), surfaces.position->height());
+    // Enlarge or shrink the images of the grid.
     if (grid && (grid_light_.width() != points.x || grid_light_.height() != points.y)) {
         grid_position_ = grid_image(device_, "receivers' positions", points);
         grid_normal_ = grid_image(device_, "receivers' normals", points);
         grid_light_ = grid_image(device_, "receivers' light", points);
     }
 
+    // Upload the sampling pattern, and copy the map's texels.
     const bool samples = options_.method == MapMethod::rsm;
     if (samples) {
         push.samples = static_cast<std::uint32_t>(
@@ -137,6 +140,7 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
         copy_texels(commands);
     }
 
+    // Record the gather.
     vk::Pass pass = commands.pass(grid ? "bounced light of receivers" : "bounced light");
     std::vector<std::pair<const char*, const vk::Image*>> lights;
     if (samples)

@@ -116,11 +116,13 @@ void GpuLightViews::gather(const LightViews& views, const CasterGeometry& caster
         const ViewPlan& plan = view.plan;
         if (plan.kind == ViewPlan::Kind::idle) continue;
         const Rect whole = view.projection.whole();
+        // Steps 1 and 2: rectangles to copy and to clear.
         for (const Rect& rect : plan.erase) erase_.push_back(region(view.tile, rect));
         for (const Rect& rect : plan.rebuild) {
             rebuild_.cleared.emplace_back(v, rect);
             keep_rebuilt_.push_back(region(view.tile, rect));
         }
+        // Step 3: draw static objects, one batch per rectangle.
         for (std::size_t i = 0; i < plan.redraw.size();) {
             const std::uint32_t rect = plan.redraw[i].rect;
             Batch batch = begin_batch(v, plan.rebuild[rect], false);
@@ -128,12 +130,14 @@ void GpuLightViews::gather(const LightViews& views, const CasterGeometry& caster
                 add_object(batch, casters, plan.redraw[i].object);
             end_batch(rebuild_, batch);
         }
+        // Step 5: draw objects that came to rest.
         Batch settling = begin_batch(v, whole, true);
         for (const ViewPlan::Settle& settle : plan.settle) {
             add_object(settling, casters, settle.object);
             keep_settled_.push_back(region(view.tile, settle.rect));
         }
         end_batch(settle_, settling);
+        // Step 7: draw dynamic objects.
         const bool restless = plan.kind == ViewPlan::Kind::restless;
         if (restless) dynamics_.cleared.emplace_back(v, whole);
         Batch moving = begin_batch(v, whole, !restless);
@@ -191,6 +195,7 @@ void GpuLightViews::draw(vk::Commands& commands, const char* name, const Phase& 
         pass.color({.image = &rendering_.item, .layer = layer})
             .depth({.image = &rendering_.depth, .layer = layer})
             .render([&](vk::Recorder& recorder) {
+                // Clear rectangles.
                 for (const auto& [v, rect] : phase.cleared) {
                     if (!on_page(v)) continue;
                     const vk::Rect r = in_page(views.views()[v].tile, rect);
@@ -200,6 +205,7 @@ void GpuLightViews::draw(vk::Commands& commands, const char* name, const Phase& 
                     const VkClearRect where{{{r.x, r.y}, {r.width, r.height}}, 0, 1};
                     vkCmdClearAttachments(recorder.handle(), 2, what, 1, &where);
                 }
+                // Draw the batches, with as few changes of pipeline as possible.
                 const vk::Pipeline* bound = nullptr;
                 const auto bind = [&](const LightView& view, bool masked) {
                     const vk::Pipeline& wanted = pipeline(view.projection.perspective, masked);

@@ -302,10 +302,12 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
                 groups.push_back({view.tile.page, {receiver}});
         }
     }
+    // Allocate and clear all textures.
     counts_.updated = all.size();
     make_room(commands, false);
     upload_places(commands);
     clear_textures(commands, all);
+    // Draw casters and receivers, group by group.
     for (const Group& group : groups) {
         draw_casters_between(commands, views, group.page, group.receivers, casters, state);
         draw_receivers(commands, views, scratch_, group.page, group.receivers, casters);

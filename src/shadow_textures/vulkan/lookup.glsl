@@ -18,6 +18,7 @@ bool is_nearest(uint view, ivec3 at, uint object)
 
 float light_visibility(uint light_number, vec3 point, vec3 normal, uint object)
 {
+    // Find the view that contains the point.
     LightRecord light = light_records[light_number];
     if (light.view_count == 0u) return 0.0;
     uint number = view_of_light(light, point);
@@ -30,6 +31,7 @@ float light_visibility(uint light_number, vec3 point, vec3 normal, uint object)
     vec2 at = (0.5 * clip.xy / clip.w + 0.5) * size;
     if (any(lessThan(at, vec2(0))) || any(greaterThanEqual(at, vec2(size)))) return 1.0;
 
+    // Compute the filter's texels, and the width of a texel at the point.
     float own = perspective ? clip.w : dot(point - view.origin, view.forward);
     float texel_width = 2.0 * length(view.across) / size * (perspective ? own : 1.0);
     float above = dot(normal, point - view.origin);
@@ -37,6 +39,7 @@ float light_visibility(uint light_number, vec3 point, vec3 normal, uint object)
     ivec2 first = ivec2(floor(at - half_width)), last = ivec2(ceil(at + half_width)) - 1;
     if (half_width == 0.0) last = first;
 
+    // Compare distances at each texel's centre, weighted by the area that the filter covers.
     float sum = 0.0, covered = 0.0;
     for (int y = first.y; y <= last.y; ++y)
         for (int x = first.x; x <= last.x; ++x) {
