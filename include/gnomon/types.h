@@ -64,8 +64,7 @@ struct FrameCounters {
         std::uint64_t clusters = 0;
         std::uint64_t rays = 0;
         bool gathered_by_vulkan = false;   // Indirect::visible: the device computes cuts and sums
-        bool traced_by_vulkan =
-            false;   // and also traces the rays to nodes of a cut, to the sky and past dynamic objects
+        bool traced_by_vulkan = false;     // also traces rays to nodes of a cut, to the sky and past dynamic objects
     } indirect;
     /// Work of Accelerator::kdtree by kind of ray. Rays that an overlay traces to check results are not counted.
     struct KdTree {

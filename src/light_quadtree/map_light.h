@@ -29,11 +29,10 @@ struct MapLightOptions {
     LightMapOptions map;
     CutLevels levels;
     RsmOptions rsm;
-    int grid = 64;               // sparse receivers along the image's longer side; 0: every pixel gathers
-    float grid_normals = 0.9f;   // a grid point agrees if the cosine between the normals exceeds this
-    float grid_off_plane =
-        0.1f;   // and its distance from the pixel's plane is less than this fraction of the grid's spacing
-    int grid_neighbours = 3;   // number of the four that must agree
+    int grid = 64;                 // sparse receivers along the image's longer side; 0: every pixel gathers
+    float grid_normals = 0.9f;     // a grid point agrees if the cosine between the normals exceeds this
+    float grid_off_plane = 0.1f;   // and its distance from the pixel's plane is below this fraction of the spacing
+    int grid_neighbours = 3;       // number of the four that must agree
 };
 
 /// The point of a pixel at which light is computed.

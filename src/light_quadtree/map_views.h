@@ -18,8 +18,7 @@ struct LightMapOptions {
     float least_cosine = 0.05f;   // limits the area of a texel on surfaces at grazing angles
     int most_transparent = 16;    // surfaces that a ray passes through at most
     Validity validity;
-    bool against_everything =
-        false;   // trace dynamic objects' tiles without the static layer; the slow reference for tests
+    bool against_everything = false;   // ignore the static layer for dynamic objects; slow, for tests
 };
 
 /// One view of a light and its pyramid. Level l is a grid of 2^l nodes a side; level `levels` are the texels.

@@ -8,9 +8,8 @@ namespace gnomon::shading {
 namespace {
 
 constexpr float k_inverse_pi = static_cast<float>(1 / k_pi);
-constexpr float k_faintest_highlight = -7;   // exponent: e^-7 is below 1/1000
-constexpr float k_min_alpha =
-    2e-3f;   // smallest GGX alpha, because the highlight of a point light in a perfect mirror would vanish
+constexpr float k_faintest_highlight = -7;    // exponent: e^-7 is below 1/1000
+constexpr float k_min_alpha = 2e-3f;          // smallest GGX alpha; at 0, the highlight of a point light would vanish
 constexpr float k_mirror_roughness = 0.12f;   // up to here reflections are sharp, and one ray gets all of them
 constexpr float k_matte_roughness = 0.45f;    // from here on reflections are too blurred for one ray
 

@@ -10,9 +10,8 @@ namespace gnomon::shading {
 
 namespace {
 
-constexpr float k_least_sine = 1e-4f;   // least sine at which a ray has a direction along the surface
-constexpr float k_least_cosine =
-    0.02f;   // least cosine between ray and normal, to limit the footprint of surfaces seen edge-on
+constexpr float k_least_sine = 1e-4f;     // least sine at which a ray has a direction along the surface
+constexpr float k_least_cosine = 0.02f;   // least cosine between ray and normal; limits grazing footprints
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
 {

@@ -34,10 +34,9 @@ float visibility(const ViewProjection& view, const SoftwareBuffer& buffer, const
     if (!(at.x >= 0 && at.y >= 0 && at.x < size && at.y < size)) return 1;
 
     const float own = view.perspective ? clip.w : glm::dot(point - view.origin, view.forward);
-    const float texel =
-        2 * glm::length(view.across) / size * (view.perspective ? own : 1.0f);   // width of a texel at the point
-    const float above =
-        glm::dot(normal, point - view.origin);   // height of the point above the view's origin along the normal
+    // Compute the width of a texel at the point, and the point's height above the view's origin along the normal.
+    const float texel = 2 * glm::length(view.across) / size * (view.perspective ? own : 1.0f);
+    const float above = glm::dot(normal, point - view.origin);
 
     // Returns whether the receiver is lit at a texel's centre.
     const auto lit = [&](int x, int y) {

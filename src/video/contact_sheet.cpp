@@ -16,8 +16,7 @@ constexpr int k_widest_sheet = 1920;   // pixels; larger images are scaled down 
 constexpr int k_gap = 8;
 constexpr int k_dot = 2;   // pixels per dot of the font
 constexpr int k_line_height = k_dot * (image::k_glyph_height + 4);
-constexpr std::uint8_t k_paper =
-    24;   // grey value of the background: dark, so that the brightness of images can be judged
+constexpr std::uint8_t k_paper = 24;   // grey value of the background: dark, so that brightness can be judged
 constexpr std::uint8_t k_ink = 210;
 
 // An output pixel is the mean, in linear light, of the box of input pixels that it covers, including fractions.

@@ -9,8 +9,8 @@ namespace gnomon::io {
 
 namespace {
 
-constexpr std::size_t k_least_spline_keys =
-    4;   // the track runs between the inner two; one more is needed beyond each end
+// The track runs between the inner two keys; one more is needed beyond each end.
+constexpr std::size_t k_least_spline_keys = 4;
 
 void read_shape(AffTokens& tokens, scene::KochanekKey& key)
 {

@@ -123,8 +123,8 @@ Index Materials::first_of(Index index)
         source = data_.resource_file(*image.uri, at(at("/images", index), "uri")).string();
     } else if (image.view != k_absent) {
         const BufferView& view = model_.views[image.view];
-        source =
-            fmt::format("{} {} {}", view.buffer, view.offset, view.length);   // not a path, because paths are absolute
+        // Paths are absolute, so this key differs from every path.
+        source = fmt::format("{} {} {}", view.buffer, view.offset, view.length);
     }
     first = source.empty() ? index : by_source_.try_emplace(std::move(source), index).first->second;
     return first;

@@ -26,8 +26,8 @@ class PolygonTriangulator {
  private:
     bool is_ear(std::size_t previous, std::size_t corner, std::size_t next);
 
-    std::uint64_t budget_ =
-        200'000'000;   // for all polygons of a file together: point-in-triangle tests and corners passed
+    // Point-in-triangle tests and corners passed that are left, for all polygons of a file.
+    std::uint64_t budget_ = 200'000'000;
     std::vector<glm::dvec2> flat_;
     std::vector<std::uint32_t> next_, previous_;
     std::vector<glm::uvec3> triangles_;
