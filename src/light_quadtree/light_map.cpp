@@ -15,7 +15,7 @@ namespace gnomon::light_quadtree {
 namespace {
 
 // The radius of a rigid object's bounding ball about the centre of its box, in object space.
-float ball_of(const scene::Scene& scene, const scene::Object& object)
+float bounding_radius(const scene::Scene& scene, const scene::Object& object)
 {
     if (object.deforming) return 0;
     const scene::Mesh& mesh = scene.meshes[object.mesh];
@@ -26,7 +26,7 @@ float ball_of(const scene::Scene& scene, const scene::Object& object)
 }
 
 // The scale factor of a matrix if it is uniform, else 0.
-double even_scale(const glm::dmat3& m)
+double uniform_scale(const glm::dmat3& m)
 {
     constexpr double k_uneven = 1e-4;   // tolerance on squared scales
     const double square = glm::dot(m[0], m[0]);
@@ -49,7 +49,7 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
         if ((scene.objects[o].dynamic || rays.has_own_instance(o)) && casters_.casts(o)) {
             dynamic_place_[o] = static_cast<std::uint32_t>(dynamics_.size());
             dynamics_.push_back(o);
-            ball_.push_back(ball_of(scene, scene.objects[o]));
+            ball_.push_back(bounding_radius(scene, scene.objects[o]));
         }
     views_ = lay_out_views(scene, bounds_, options);
     const std::size_t end = views_.empty() ? 0 : views_.back().end();
@@ -68,7 +68,7 @@ light_views::Rect LightMap::footprint(const View& view, const scene::SceneState&
     const auto ball = static_cast<double>(ball_[dynamic_place_[object]]);
     if (of_box.empty() || !(ball > 0)) return of_box;
     const glm::dmat4 world(state.object_matrix(object));
-    const double scale = even_scale(glm::dmat3(world));
+    const double scale = uniform_scale(glm::dmat3(world));
     if (!(scale > 0)) return of_box;
     const glm::dvec3 centre(world * glm::dvec4(glm::dvec3(casters_.box(object).centre()), 1));
     const auto of_ball = ball_footprint(view.projection, centre, scale * ball);

@@ -109,7 +109,7 @@ void LightViews::update(const scene::SceneState& state)
                 if (options_.coherence)
                     trackers_[v].plan(frame, view.projection, restless, options_.receivers, view.plan);
                 else
-                    trackers_[v].plan_anew(frame, view.projection, view.plan);
+                    trackers_[v].plan_full_redraw(frame, view.projection, view.plan);
             } else {
                 trackers_[v].forget();
                 view.plan.clear();

@@ -82,7 +82,7 @@ void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& project
         plan_whole(frame, receivers, plan);
 }
 
-void ViewTracker::plan_anew(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan)
+void ViewTracker::plan_full_redraw(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan)
 {
     plan.clear();
     projection_ = projection;

@@ -33,7 +33,7 @@ class ViewTracker {
     void plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, bool receivers,
               ViewPlan& plan);
     /// Without coherence: empties the view and draws everything.
-    void plan_anew(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan);
+    void plan_full_redraw(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan);
     /// Call if the buffers are no longer valid (the light was off).
     void forget() { known_ = statics_known_ = false; }
 

@@ -16,7 +16,7 @@ constexpr int k_widest_sheet = 1920;   // pixels; larger images are scaled down 
 constexpr int k_gap = 8;
 constexpr int k_dot = 2;   // pixels per dot of the font
 constexpr int k_line_height = k_dot * (image::k_glyph_height + 4);
-constexpr std::uint8_t k_paper = 24;   // grey value of the background: dark, so that brightness can be judged
+constexpr std::uint8_t k_background = 24;   // grey value of the background: dark, so that brightness can be judged
 constexpr std::uint8_t k_ink = 210;
 
 // An output pixel is the mean, in linear light, of the box of input pixels that it covers, including fractions.
@@ -81,7 +81,7 @@ void write_contact_sheet(const std::vector<std::filesystem::path>& pngs, const s
     const int rows = (static_cast<int>(pngs.size()) + columns - 1) / columns;
     const int cell_height = height + k_line_height + k_gap;
     Image8 sheet(k_gap + columns * (width + k_gap), k_gap + rows * cell_height, 3);
-    std::fill(sheet.data.begin(), sheet.data.end(), k_paper);
+    std::fill(sheet.data.begin(), sheet.data.end(), k_background);
     for (std::size_t i = 0; i < pngs.size(); ++i) {
         if (i > 0) image = io::read_image(pngs[i]);
         if (Size{image.width, image.height} != first)

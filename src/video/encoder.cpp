@@ -138,20 +138,20 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
     if (!(fps > 0)) throw UsageError(fmt::format("{}: the rate of a video must be above 0", out.string()));
 
     double done = 0;
-    const auto go_on = [&] { return !progress || progress({"encoding", done}); };
+    const auto keep_waiting = [&] { return !progress || progress({"encoding", done}); };
     io::AtomicFile file(out, frames.front().parent_path());   // the unfinished file is stored with the frames
     Process ffmpeg(encode_arguments(fps, file.temporary()));
 
     // Feed the frames one by one. If the program stops reading, it has reported an error.
-    bool listening = true;
-    for (std::size_t i = 0; i < frames.size() && listening; ++i) {
-        if (!go_on()) throw InterruptedError("interrupted");
-        listening = ffmpeg.write(bytes_of(frames[i]), go_on);
+    bool reading = true;
+    for (std::size_t i = 0; i < frames.size() && reading; ++i) {
+        if (!keep_waiting()) throw InterruptedError("interrupted");
+        reading = ffmpeg.write(bytes_of(frames[i]), keep_waiting);
         done = static_cast<double>(i + 1) / static_cast<double>(frames.size());
     }
-    const int status = ffmpeg.wait(go_on);
+    const int status = ffmpeg.wait(keep_waiting);
     if (status < 0) throw MissingError(fmt::format("ffmpeg was ended by signal {} ({})", -status, out.string()));
-    const bool whole = status == 0 && listening && is_whole_mp4(file.temporary());
+    const bool whole = status == 0 && reading && is_whole_mp4(file.temporary());
     if (!whole) {
         const std::string reason = last_line(ffmpeg.errors());
         const std::string short_of =

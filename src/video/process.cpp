@@ -22,7 +22,7 @@ extern char** environ;
 namespace gnomon::video {
 
 namespace {
-constexpr int k_ask_every_ms = 100;          // interval of calls of go_on while the program does not read
+constexpr int k_ask_every_ms = 100;          // interval of calls of keep_waiting while the program does not read
 constexpr long k_wait_step_ns = 5'000'000;   // interval of checks whether the program has ended
 
 void close_and_forget(int& descriptor)
@@ -96,14 +96,14 @@ Process::~Process()
     close_and_forget(errors_);
 }
 
-bool Process::write(std::span<const std::uint8_t> bytes, const GoOn& go_on)
+bool Process::write(std::span<const std::uint8_t> bytes, const KeepWaiting& keep_waiting)
 {
     while (!bytes.empty()) {
         const ssize_t n = ::send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
         if (n > 0) {
             bytes = bytes.subspan(static_cast<std::size_t>(n));
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
-            if (go_on && !go_on()) throw InterruptedError("interrupted");
+            if (keep_waiting && !keep_waiting()) throw InterruptedError("interrupted");
             pollfd room{input_, POLLOUT, 0};
             ::poll(&room, 1, k_ask_every_ms);
         } else {
@@ -118,7 +118,7 @@ void Process::close_input()
     close_and_forget(input_);
 }
 
-int Process::wait(const GoOn& go_on)
+int Process::wait(const KeepWaiting& keep_waiting)
 {
     close_input();
     for (;;) {
@@ -132,7 +132,7 @@ int Process::wait(const GoOn& go_on)
             process_ = -1;   // the process was already reaped, e.g. because the embedding program ignores SIGCHLD
             throw MissingError(fmt::format("cannot wait for a program that was started: {}", std::strerror(errno)));
         }
-        if (go_on && !go_on()) throw InterruptedError("interrupted");
+        if (keep_waiting && !keep_waiting()) throw InterruptedError("interrupted");
         const timespec step{0, k_wait_step_ns};
         ::nanosleep(&step, nullptr);
     }

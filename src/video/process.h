@@ -16,7 +16,7 @@ namespace gnomon::video {
 class Process {
  public:
     /// Called from time to time while waiting; return false to stop, which throws InterruptedError.
-    using GoOn = std::function<bool()>;
+    using KeepWaiting = std::function<bool()>;
 
     /// @param arguments  the program, looked up in PATH, then its arguments
     /// @throws MissingError  it cannot be started
@@ -27,10 +27,10 @@ class Process {
     Process& operator=(const Process&) = delete;
 
     /// Feeds bytes; returns false if the program has stopped reading.
-    bool write(std::span<const std::uint8_t> bytes, const GoOn& go_on = {});
+    bool write(std::span<const std::uint8_t> bytes, const KeepWaiting& keep_waiting = {});
     void close_input();
     /// Closes the input and waits for the program to end. Returns its exit status, or -signal.
-    int wait(const GoOn& go_on = {});
+    int wait(const KeepWaiting& keep_waiting = {});
 
     std::string output() const { return text_of(output_); }
     std::string errors() const { return text_of(errors_); }

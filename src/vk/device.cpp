@@ -56,11 +56,11 @@ Device::Device() : instance_(Instance::get()), info_(choose(*instance_))
 
     std::vector<const char*> extensions(std::begin(k_device_extensions), std::end(k_device_extensions));
     FeatureChain features;
-    need_features(features);
+    enable_features(features);
     if (traces_rays()) {
         extensions.insert(extensions.end(), std::begin(k_ray_extensions), std::end(k_ray_extensions));
-        features.add_rays();
-        need_rays(features);
+        features.add_ray_tracing();
+        enable_ray_tracing(features);
         ray_limits_ = ask_ray_limits(info_.handle);
     }
 

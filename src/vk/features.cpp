@@ -63,7 +63,7 @@ FeatureChain::FeatureChain()
     v12.pNext = &v13;
 }
 
-void FeatureChain::add_rays()
+void FeatureChain::add_ray_tracing()
 {
     structures.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
     ray_pipelines.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR;
@@ -71,7 +71,7 @@ void FeatureChain::add_rays()
     structures.pNext = &ray_pipelines;
 }
 
-void need_features(FeatureChain& chain)
+void enable_features(FeatureChain& chain)
 {
     for (const NeededFeature& needed : k_needed) needed.in(chain) = VK_TRUE;
 }
@@ -88,19 +88,19 @@ std::vector<std::string> missing_features(VkPhysicalDevice device)
     return missing;
 }
 
-void need_rays(FeatureChain& chain)
+void enable_ray_tracing(FeatureChain& chain)
 {
     for (const NeededFeature& needed : k_needed_for_rays) needed.in(chain) = VK_TRUE;
 }
 
-std::vector<std::string> missing_for_rays(VkPhysicalDevice device)
+std::vector<std::string> missing_ray_tracing(VkPhysicalDevice device)
 {
     // Feature structures of an extension must be passed only to devices that have it.
     std::vector<std::string> missing;
     note_missing_extensions(device, k_ray_extensions, missing);
     if (!missing.empty()) return missing;
     FeatureChain present;
-    present.add_rays();
+    present.add_ray_tracing();
     vkGetPhysicalDeviceFeatures2(device, &present.core);
     for (const NeededFeature& needed : k_needed_for_rays)
         if (!needed.in(present)) missing.emplace_back(needed.name);

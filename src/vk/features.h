@@ -25,24 +25,24 @@ struct FeatureChain {
     VkPhysicalDeviceVulkan11Features v11{};
     VkPhysicalDeviceVulkan12Features v12{};
     VkPhysicalDeviceVulkan13Features v13{};
-    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{};   // in the chain after add_rays()
-    VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_pipelines{};   // in the chain after add_rays()
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{};   // in the chain after add_ray_tracing()
+    VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_pipelines{};   // in the chain after add_ray_tracing()
 
     FeatureChain();
     /// Only for devices with the ray-tracing extensions.
-    void add_rays();
+    void add_ray_tracing();
     FeatureChain(const FeatureChain&) = delete;
     FeatureChain& operator=(const FeatureChain&) = delete;
 };
 
 /// Enables exactly the required features.
-void need_features(FeatureChain& chain);
+void enable_features(FeatureChain& chain);
 /// Names of required features and extensions that a device lacks. The device must support Vulkan 1.3.
 std::vector<std::string> missing_features(VkPhysicalDevice device);
 
-/// Enables the features for ray tracing. @pre chain.add_rays()
-void need_rays(FeatureChain& chain);
+/// Enables the features for ray tracing. @pre chain.add_ray_tracing()
+void enable_ray_tracing(FeatureChain& chain);
 /// Names of extensions and features for ray tracing that a device lacks.
-std::vector<std::string> missing_for_rays(VkPhysicalDevice device);
+std::vector<std::string> missing_ray_tracing(VkPhysicalDevice device);
 
 }   // namespace gnomon::vk

@@ -124,7 +124,7 @@ DeviceInfo describe(VkPhysicalDevice device)
     else
         for (const std::string& feature : missing_features(device)) info.reasons.push_back("it lacks " + feature);
     if (info.api_version >= VK_API_VERSION_1_3)
-        info.no_rays = missing_for_rays(device);
+        info.no_rays = missing_ray_tracing(device);
     else
         info.no_rays.emplace_back("Vulkan 1.3");
     if (family == families.end()) info.reasons.emplace_back("it has no queue with graphics and compute");

@@ -219,7 +219,7 @@ void Reader::read_file(File& file)
         const bool flat = keyword.text[0] == 'p' || keyword.text[0] == 't';
         if (!flat) builder_.flush();
         (this->*found->second)(tokens);
-        if (const std::string why = builder_.too_much(); !why.empty()) tokens.fail(keyword, why);
+        if (const std::string why = builder_.limit_exceeded(); !why.empty()) tokens.fail(keyword, why);
     }
     builder_.flush();
     if (!open_braces_.empty()) tokens.fail(open_braces_.back(), "'{' is never closed in this file");

@@ -29,7 +29,7 @@ scene::Material grey()
 
 }   // namespace
 
-std::string AffBuilder::too_much() const
+std::string AffBuilder::limit_exceeded() const
 {
     if (triangles_ > limits_.max_triangles) return fmt::format("more than {} triangles", limits_.max_triangles);
     if (shape_triangles_ > limits_.max_shape_triangles)

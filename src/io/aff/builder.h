@@ -39,7 +39,7 @@ class AffBuilder {
     AffBuilder(const AffSceneLimits& limits, const AffShapeOptions& shapes) : limits_(limits), shapes_(shapes) {}
 
     /// Why the scene is too large, or empty. Call after every statement.
-    std::string too_much() const;
+    std::string limit_exceeded() const;
 
     void set_material(const scene::Material& material);
     /// A number that is equal for equal materials, ignoring textures.

@@ -15,7 +15,7 @@ void Context::fail(const std::string& pointer, const std::string& problem) const
 void Context::warn(const std::string& pointer, const std::string& problem)
 {
     if (warnings_.size() >= limits.warnings) {
-        ++left_out_;
+        ++omitted_;
         return;
     }
     warnings_.push_back(fmt::format("{}: {}", pointer.empty() ? "/" : pointer, problem));
@@ -23,8 +23,8 @@ void Context::warn(const std::string& pointer, const std::string& problem)
 
 std::vector<std::string> Context::take_warnings()
 {
-    if (left_out_ > 0) warnings_.push_back(fmt::format("{} further warnings were omitted", left_out_));
-    left_out_ = 0;
+    if (omitted_ > 0) warnings_.push_back(fmt::format("{} further warnings were omitted", omitted_));
+    omitted_ = 0;
     return std::move(warnings_);
 }
 

@@ -51,7 +51,7 @@ class Context {
  private:
     std::string file_;
     std::vector<std::string> warnings_;
-    std::size_t left_out_ = 0;
+    std::size_t omitted_ = 0;
 };
 
 /// pointer + "/" + name, with ~ and / in the name escaped as in RFC 6901; long names are cut.

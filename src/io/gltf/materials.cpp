@@ -24,7 +24,7 @@ ImageFormat format_of(std::span<const std::uint8_t> bytes)
     return begins(png) ? ImageFormat::png : begins(jpeg) ? ImageFormat::jpeg : ImageFormat::other;
 }
 
-constexpr int k_most_looked_at = 1000;   // chunks or markers to check in an unused image
+constexpr int k_max_checked = 1000;   // chunks or markers to check in an unused image
 
 // Returns the fault of an image up to where its pixels begin, or an empty string.
 std::string header_fault(std::span<const std::uint8_t> b)
@@ -34,7 +34,7 @@ std::string header_fault(std::span<const std::uint8_t> b)
     // Walk the chunks of a PNG up to the first IDAT.
     if (format_of(b) == ImageFormat::png) {
         int chunks = 0;
-        for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_most_looked_at;) {
+        for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_max_checked;) {
             const std::size_t length = u16(i) << 16 | u16(i + 2);
             if (std::memcmp(&b[i + 4], "IDAT", 4) == 0) return {};
             if (i == 8 && (std::memcmp(&b[i + 4], "IHDR", 4) != 0 || length != 13))
@@ -43,12 +43,12 @@ std::string header_fault(std::span<const std::uint8_t> b)
             if (length > b.size() - i - 8) return ends;
             i += length + around;
         }
-        return chunks > k_most_looked_at ? "" : ends;
+        return chunks > k_max_checked ? "" : ends;
     }
     // Walk the markers of a JPEG up to the frame header.
     if (format_of(b) == ImageFormat::jpeg) {
         int markers = 0;
-        for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_most_looked_at;) {
+        for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_max_checked;) {
             if (b[i] != 0xff) return "the JPEG's markers are broken";
             const std::uint8_t marker = b[i + 1];
             if (marker == 0xff) {
@@ -62,7 +62,7 @@ std::string header_fault(std::span<const std::uint8_t> b)
             if (frame) return length < 8 ? "a JPEG frame header is too short" : "";
             i += 2 + length;
         }
-        return markers > k_most_looked_at ? "" : ends;
+        return markers > k_max_checked ? "" : ends;
     }
     return {};
 }

@@ -201,7 +201,7 @@ class Parser {
     }
     void warn_once(const char* what)
     {
-        if (said_.insert(what).second) warnings_.push_back(fmt::format("line {}: {}", text_.line(), what));
+        if (warned_.insert(what).second) warnings_.push_back(fmt::format("line {}: {}", text_.line(), what));
     }
 
     ObjText& text_;
@@ -214,7 +214,7 @@ class Parser {
     std::uint32_t smoothing_ = ObjFace::k_unset;
     Ahead ahead_[3];
     std::set<std::string, std::less<>> unknown_;
-    std::set<std::string_view> said_;
+    std::set<std::string_view> warned_;
     bool any_known_ = false;
 };
 

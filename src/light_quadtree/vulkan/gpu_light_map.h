@@ -85,7 +85,7 @@ class GpuLightMap {
     std::vector<light_views::Rect> dirty_;                  // by view
     std::vector<std::vector<light_views::Rect>> dynamic_;   // current footprints, by view and index in dynamics_
     std::vector<scene::ObjectId> dynamics_;                 // dynamic objects that cast shadows
-    std::vector<std::uint32_t> dynamic_place_;              // by object; none: it stands still
+    std::vector<std::uint32_t> dynamic_place_;              // by object; none: static
     bool fresh_ = true;
     std::uint32_t version_ = 0;
     Work work_;

@@ -85,7 +85,7 @@ CasterCells::CasterCells(const std::shared_ptr<vk::Device>& device, const LightV
         set.views.resize(side_.size());
         set.stale.assign(side_.size(), 1);
     }
-    among_.resize(side_.size());
+    in_dynamic_set_.resize(side_.size());
     found_.resize(side_.size());
     bases_ = vk::Buffer(device, "cells of views", std::max<std::size_t>(base_.size(), 1) * sizeof(std::uint32_t));
 }
@@ -142,7 +142,7 @@ void CasterCells::add_object(const Set& set, const LightViews& views, const Cast
     const bool moving = &set == &sets_[1];
     for (std::size_t v = 0; v < side_.size(); ++v) {
         const LightView& view = views.views()[v];
-        if (!set.stale[v] || !view.shown || (among_[v][object] != 0) != moving) continue;
+        if (!set.stale[v] || !view.shown || (in_dynamic_set_[v][object] != 0) != moving) continue;
         if (views.casters().footprint(view.projection, state, object).empty()) continue;
         const CasterTriangles::Run run = triangles_.of(casters, state, object);
         for (std::uint32_t t = 0; t < run.triangles.size(); ++t)
@@ -238,8 +238,8 @@ void CasterCells::update(vk::Commands& commands, const LightViews& views, const 
         sets_[1].stale[v] = changed || sets_[1].views[v].first.empty();
         any[0] = any[0] || sets_[0].stale[v], any[1] = any[1] || sets_[1].stale[v];
         if (!sets_[1].stale[v]) continue;
-        among_[v].assign(views.object_count(), 0);
-        for (const scene::ObjectId o : plan.dynamics) among_[v][o] = 1;
+        in_dynamic_set_[v].assign(views.object_count(), 0);
+        for (const scene::ObjectId o : plan.dynamics) in_dynamic_set_[v][o] = 1;
     }
     for (const bool moving : {false, true}) {
         Set& set = sets_[moving ? 1 : 0];

@@ -63,11 +63,11 @@ class CasterCells {
 
     std::shared_ptr<vk::Device> device_;
     CasterTriangles triangles_;
-    std::vector<std::uint32_t> side_, base_;   // by view: cells a side; index of its first list in the buffers
-    std::uint32_t lists_ = 0;                  // in total, with one extra per view
-    Set sets_[2];                              // static, moving
-    std::vector<std::vector<char>> among_;     // by view and object: dynamic there
-    std::vector<std::vector<Found>> found_;    // by view; scratch
+    std::vector<std::uint32_t> side_, base_;          // by view: cells a side; index of its first list in the buffers
+    std::uint32_t lists_ = 0;                         // in total, with one extra per view
+    Set sets_[2];                                     // static, moving
+    std::vector<std::vector<char>> in_dynamic_set_;   // by view and object: dynamic there
+    std::vector<std::vector<Found>> found_;           // by view; scratch
     vk::Buffer bases_;
     bool sent_bases_ = false;
 };
