@@ -12,7 +12,7 @@ namespace gnomon {
 struct FrameTimes {
     enum Stage {
         scene,               // changes of the scene, and updates of the ray-tracing acceleration structures
-        light_maps,          // light views and what changed in them
+        light_maps,          // light maps and light trees
         rays,                // camera rays, reflected and refracted rays
         surfaces,            // hit points and their shading
         shadows,             // visibility of the lights

@@ -40,7 +40,7 @@ struct VisibilityTrack {
 class WeightsTrack {
  public:
     virtual ~WeightsTrack() = default;
-    /// @param weights  resized by the caller to the number of targets; every element is written
+    /// @param weights  resized to the number of targets; every element is written
     virtual void evaluate(double time, std::vector<float>& weights) const = 0;
     virtual std::vector<Interval> changing() const = 0;
 };
