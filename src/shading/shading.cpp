@@ -115,7 +115,7 @@ glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, co
 {
     const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
     if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
-    // Rough mirrors reflect only the background, so their reflectance also remains for indirect light.
+    // Subtract the reflected light. Unresolved reflections bring only the background, so subtract them only from that.
     const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_share, glm::vec3(0));
     const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_share, glm::vec3(0));
     return reflectance * (not_traced * indirect + not_mirrored * surroundings);
