@@ -71,7 +71,7 @@ TEST(ReferenceImage, OptionsThatContradictAreRefused)
     const ScratchFolder folder;
     expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
     for (const char* option : {"--spp", "--bounces", "--seed"})
-        expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "belongs to --reference");
+        expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "needs --reference");
     expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
 }
 

@@ -160,7 +160,7 @@ TEST(Report, OfEverythingOpensInABrowser)
     expect_frames_by_stage(document["frames"], found["charts"]);
     EXPECT_EQ(nlohmann::json::parse(found["downloads"].back()["text"].get<std::string>()), document);
     const std::string html = bytes_of(folder / "page/index.html");
-    EXPECT_EQ(times(html, "BART's Kitchen is not there"), 1u);
+    EXPECT_EQ(times(html, "BART's Kitchen was not found"), 1u);
     EXPECT_EQ(times(html, "remembered since the first of these frames. Not a pixel differs."), 1u);
     EXPECT_EQ(times(html, "<section "), times(html, "<li>"));
     // Every figure names what measured it.
