@@ -14,6 +14,8 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
         sum.nodes += part.nodes;
         sum.tests += part.tests;
     };
+
+    // Count for each tile.
     std::vector<Sums> sums(tiles.size());
     tasks.for_each(tiles.size(), [&](std::size_t t, int) {
         const CullingTile& tile = tiles[t];
@@ -37,6 +39,8 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
             }
         }
     });
+
+    // Sum over the tiles.
     for (const Sums& s : sums) {
         record.off.nodes += s.off.nodes, record.off.tests += s.off.tests;
         record.paper.nodes += s.paper.nodes, record.paper.tests += s.paper.tests;

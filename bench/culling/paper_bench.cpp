@@ -37,7 +37,7 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
         const scene::LightState& at = state_->light(static_cast<scene::LightId>(l));
         const bool directional = scene.lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
 
-        // Ask about every point that faces the light.
+        // Queue a ray for every point that faces the light.
         w.asked.clear();
         w.point.clear();
         w.origins.clear();
@@ -49,6 +49,8 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
             w.point.push_back(p);
             w.origins.push_back(culling_.primitive(point.object, point.triangle));
         }
+
+        // Test the rays, and store the results by point.
         w.hit.resize(w.point.size());
         w.traced.resize(w.point.size());
         w.tracer.answer(culling_, *rays_, l, w.asked, w.origins, w.hit.data(), w.traced.data());
