@@ -214,7 +214,7 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
         info.title = fmt::format(fmt::runtime(row.title), info.number, info.settings.radius);
         return info;
     }
-    throw UsageError(fmt::format("unknown method '{}': expected {}", name, known));
+    throw UsageError(fmt::format("no method '{}': expected {}", name, known));
 }
 
 std::vector<glm::vec3> brute_irradiance(const scene::SceneState& state, const ray::RayScene& rays,
