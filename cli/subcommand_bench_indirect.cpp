@@ -115,7 +115,7 @@ int run_bench_indirect(const CommandLine& line, Output& output)
                                study.large->size.width, study.large->size.height, study.large->clusters));
     }
     if (raster)
-        output.say(fmt::format("{:14} {}; times are the device's, except for remembered visibility", "device", device));
+        output.say(fmt::format("{:14} {}; times are the device's, except for cached visibility", "device", device));
 
     if (report) {
         study.direct = bench::direct_light(Scene(inside), study);

@@ -63,9 +63,9 @@ int run_compare(const CommandLine& line, Output& output)
     std::vector<Threshold> thresholds;
     for (const std::string& word : values.all("fail-above")) thresholds.push_back(threshold_of(word));
     const auto wanted = [&](std::string_view name) {
-        bool asked = metric == "all" || metric == name;
-        for (const Threshold& threshold : thresholds) asked = asked || threshold.metric->name == name;
-        return asked;
+        bool named = metric == "all" || metric == name;
+        for (const Threshold& threshold : thresholds) named = named || threshold.metric->name == name;
+        return named;
     };
 
     CompareOptions options;

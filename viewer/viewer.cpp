@@ -158,16 +158,16 @@ struct Viewer::Impl {
     std::vector<double> image_ms;
 
     // The last request, to detect changes.
-    double asked_time = -1;
-    Size asked_size{};
+    double requested_time = -1;
+    Size requested_size{};
     int scale =
         k_smallest_scale;   // every scale-th pixel in x and y; coarse at first, so that the first image is quick
-    int asked_scale = 1;
+    int requested_scale = 1;
     bool wants_screenshot = false;
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
     Size video_size{};                                   // the window's size when the recording began
     bool dirty = true;
-    std::vector<HandMoved> asked_overrides;
+    std::vector<HandMoved> requested_overrides;
 
     glm::vec2 pressed_at{0};
     int pressed = -1;
@@ -393,8 +393,9 @@ void Viewer::Impl::ask()
     const Size size = recorder.recording() ? video_size : window.framebuffer();
     if (size.width < 1 || size.height < 1) return;   // iconified
     const double time = playback.time(*scene);
-    const bool moved = dirty || time != asked_time || !(size == asked_size) || overrides.list != asked_overrides;
-    const bool sharper = !moved && asked_scale > 1;
+    const bool moved =
+        dirty || time != requested_time || !(size == requested_size) || overrides.list != requested_overrides;
+    const bool sharper = !moved && requested_scale > 1;
     const bool whole = recorder.recording() || wants_screenshot;
     if (!moved && !sharper) return;
     // Send one request at a time and let each finish, because every frame fills caches for the next.
@@ -412,16 +413,16 @@ void Viewer::Impl::ask()
     if (request.options.turntable_seconds > 0)
         request.turn = 2 * k_pi * (playback.frame - 1) / playback.fps / request.options.turntable_seconds;
     request.whole = whole;
-    asked_scale = whole ? 1 : sharper ? asked_scale / 2 : scale;
-    request.size = {std::max(size.width / asked_scale, 16), std::max(size.height / asked_scale, 16)};
+    requested_scale = whole ? 1 : sharper ? requested_scale / 2 : scale;
+    request.size = {std::max(size.width / requested_scale, 16), std::max(size.height / requested_scale, 16)};
     if (own_camera) request.eye = camera.view(request.size);
     if (pick) request.pick = *pick * glm::vec2(request.size.width, request.size.height);
     pick.reset();
 
     // Remember the request, and send it.
-    asked_time = time;
-    asked_size = size;
-    asked_overrides = overrides.list;
+    requested_time = time;
+    requested_size = size;
+    requested_overrides = overrides.list;
     dirty = false;
     const std::uint64_t number = session.ask(std::move(request));
     if (wants_screenshot) shot_request = number;

@@ -34,7 +34,7 @@ struct BenchPoints {
 /// Use one per thread; it is reused from tile to tile.
 class PointTracer {
  public:
-    static constexpr int k_tile = 32;   // pixels a side
+    static constexpr int k_tile = 32;   // width and height in pixels
 
     /// Replaces `out` by the points of the tile with its top left corner at (x0, y0).
     /// @param max_depth  largest number of reflections and refractions in a path

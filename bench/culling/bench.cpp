@@ -36,7 +36,7 @@ std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, std::vector<std::u
 {
     std::uint64_t wrong = 0;
     for (const CullingTile& tile : tiles)
-        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.asked[i] && tile.off[i] != (tile.*method)[i];
+        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.facing[i] && tile.off[i] != (tile.*method)[i];
     return wrong;
 }
 
@@ -125,7 +125,7 @@ class Run {
             for (const SeenPixel& p : tile.pixels)
                 if (paper_) paper_->set_pixel(p.x, p.y, p.object, p.triangle, p.origin, p.direction);
             const std::size_t pairs = tile.points.size() * scene_.lights.size();
-            tile.asked.assign(pairs, 0);
+            tile.facing.assign(pairs, 0);
             tile.off.assign(pairs, 1);
             tile.paper.assign(paper_ ? pairs : 0, 1);
             tile.certified.assign(culling_ ? pairs : 0, 1);
@@ -151,7 +151,7 @@ class Run {
                 continue;
             worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray_end_);
             worker.whose.push_back(p);
-            tile.asked[l * tile.points.size() + p] = 1;
+            tile.facing[l * tile.points.size() + p] = 1;
         }
     }
 

@@ -68,7 +68,7 @@ class CullingChapter : public BenchChapter {
     {
         std::vector<BenchPart> parts;
         for (const Wanted& wanted : wanted_windows(settings_)) {
-            const CullingWindow window = asked(wanted);
+            const CullingWindow window = window_of(wanted);
             parts.push_back(
                 {fmt::format("{} culling: {}", wanted.timed ? "certified" : "published and certified", name_of(window)),
                  wanted.weight, [this, wanted](const Progress& progress) { measure(wanted, progress); }});
@@ -138,7 +138,7 @@ class CullingChapter : public BenchChapter {
 
  private:
     // The options of a window, and the command line that measures the same.
-    CullingWindow asked(const Wanted& wanted) const
+    CullingWindow window_of(const Wanted& wanted) const
     {
         CullingWindow w;
         w.scene = wanted.scene;
@@ -162,7 +162,7 @@ class CullingChapter : public BenchChapter {
             loaded_name_ = wanted.scene;
         }
         const Scene scene = wanted.timed ? loaded_->with_lights(k_timed_lights) : *loaded_;
-        CullingWindow window = asked(wanted);
+        CullingWindow window = window_of(wanted);
         window.lights = scene.inside()->lights.size();
         window.result = bench_culling(scene.inside(), window.options, progress);
         if (wanted.timed) {

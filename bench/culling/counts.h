@@ -13,7 +13,7 @@ namespace gnomon::bench {
 
 /// The points of one tile, and by [light][point] the results and rays of each method.
 struct CullingTile : BenchPoints {
-    std::vector<std::uint8_t> asked;                   // 1 where the surface faces the light
+    std::vector<std::uint8_t> facing;                  // 1 where the surface faces the light, within its cone
     std::vector<std::uint8_t> off, paper, certified;   // 1 where occluded or facing away
     std::vector<std::uint8_t> paper_rays,
         certified_rays;   // 1: a ray against everything; 2: against dynamic objects only

@@ -45,7 +45,7 @@ WrongImages wrong_images(const scene::SceneState& state, Size size, const std::v
             Pixel pixel{};
             for (std::size_t l = 0; l < scene.lights.size(); ++l) {
                 const std::size_t at = l * tile.points.size() + p;
-                if (!tile.asked[at]) continue;
+                if (!tile.facing[at]) continue;
                 const scene::LightSample light = scene::illuminate(
                     scene.lights[l], state.light(static_cast<scene::LightId>(l)), tile.points[p].origin);
                 const glm::vec3 radiance = tile.diffuse[p] * light.irradiance *

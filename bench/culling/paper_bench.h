@@ -44,8 +44,8 @@ class PaperBench {
  private:
     struct Worker {
         shadow_culling::PaperTracer tracer;
-        ray::RayQueue asked;
-        std::vector<std::uint32_t> point;   // by ray of `asked`
+        ray::RayQueue queue;
+        std::vector<std::uint32_t> point;   // by ray of `queue`
         std::vector<shadow_culling::PrimitiveId> origins;
         std::vector<std::uint8_t> hit, traced;
     };
