@@ -195,6 +195,7 @@ std::string options_page()
 
 std::string bash_completion()
 {
+    // Complete the subcommand, which has two words after "bench".
     std::string text =
         "# bash completion for gnomon\n"
         "_gnomon()\n{\n"
@@ -209,6 +210,8 @@ std::string bash_completion()
         "    if [[ $COMP_CWORD -eq 2 && $subcommand == bench ]]; then\n"
         "        COMPREPLY=($(compgen -W \"{}\" -- \"$cur\"))\n        return\n    fi\n",
         fmt::join(second_words("bench"), " "));
+
+    // Complete the choices of the previous option.
     text += "    case \"$subcommand $prev\" in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -219,6 +222,8 @@ std::string bash_completion()
                                 subcommand.name, option->name, replaced(std::string(choices), "|", " "));
         }
     }
+
+    // Complete the names of options, else files and built-in scenes.
     text += "    esac\n    if [[ $cur == -* ]]; then\n        case \"$subcommand\" in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -236,6 +241,7 @@ std::string bash_completion()
 
 std::string zsh_completion()
 {
+    // Complete the subcommand, which has two words after "bench".
     std::string text =
         "#compdef gnomon\n"
         "_gnomon() {\n"
@@ -247,6 +253,8 @@ std::string zsh_completion()
         "        if (( CURRENT == 3 )); then\n            compadd {}\n            return\n        fi\n"
         "        subcommand=\"bench $words[3]\"\n    fi\n",
         fmt::join(second_words("bench"), " "));
+
+    // Complete the choices of the previous option.
     text += "    case \"$subcommand $words[CURRENT-1]\" in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -255,6 +263,8 @@ std::string zsh_completion()
                 text += fmt::format("        \"{} --{}\") compadd {}; return ;;\n", subcommand.name, option->name,
                                     replaced(std::string(choices), "|", " "));
     }
+
+    // Complete the names of options, else files and built-in scenes.
     text += "    esac\n    if [[ $words[CURRENT] == -* ]]; then\n        case $subcommand in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -270,6 +280,7 @@ std::string zsh_completion()
 
 std::string fish_completion()
 {
+    // Complete the subcommand, which has two words after "bench".
     std::string text("# fish completion for gnomon\n");
     for (const std::string& word : first_words()) {
         std::string_view summary = word == "bench" ? "run a benchmark" : "";
@@ -281,6 +292,8 @@ std::string fish_completion()
         "complete -c gnomon -n '__fish_seen_subcommand_from bench; and not __fish_seen_subcommand_from {0}' -f -a "
         "'{0}'\n",
         fmt::join(second_words("bench"), " "));
+
+    // Describe the options of each subcommand with their choices.
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
         std::string when;

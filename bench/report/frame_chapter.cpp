@@ -74,6 +74,7 @@ class FrameChapter : public BenchChapter {
     void write(ReportPage& page) const override
     {
         if (!measured_) return;
+        // State the conditions and the times of all configurations.
         page.section("Whole frames", command());
         page.text(
             fmt::format("{}, frames {} to {}, {} x {} pixels, reflections to depth 10. The configurations take turns, "
@@ -99,6 +100,8 @@ class FrameChapter : public BenchChapter {
                  false});
         }
         page.table(table);
+
+        // Chart the times frame by frame, then stages and images.
         Chart chart{"Time of whole frames", "frame", "ms", {}, {}, {}, {}, {}};
         for (const Way& way : ways_) {
             ChartSeries series{way.full_name(),
@@ -157,6 +160,7 @@ class FrameChapter : public BenchChapter {
 
     void measure(const Progress& progress)
     {
+        // Create one renderer per configuration.
         const Scene scene = load(scene_name_);
         if (scene.frame_count() < frames_.last) frames_ = {1, scene.frame_count()};
         std::vector<Renderer> renderers;
@@ -166,6 +170,8 @@ class FrameChapter : public BenchChapter {
                                                  .shadow_culling = way.culling,
                                                  .indirect = way.indirect,
                                                  .threads = way.threads});
+
+        // Render every frame with all of them in turn; keep the images of the last frame.
         for (int frame = frames_.first; frame <= frames_.last; ++frame) {
             for (std::size_t i = 0; i < ways_.size(); ++i) {
                 const double done =

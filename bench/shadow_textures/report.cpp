@@ -93,6 +93,7 @@ class Section {
     // Redraws Figure 7: render time against the number of objects.
     void figure_7()
     {
+        // Chart the whole frame.
         const auto by_objects = [](const ShadowTexturesRow& row) { return row.objects; };
         const auto shown = [&](const ShadowTexturesRow& row) { return has_first_percent(row); };
         const std::string moving = fmt::format("{} % of the objects are dynamic.", options_.dynamic.front());
@@ -100,6 +101,7 @@ class Section {
                              by_objects, shown),
                     fmt::format("Figure 7 of the paper, measured here: time of the whole frame. {}", moving));
 
+        // Chart the shadow pass on a logarithmic scale.
         Chart shadows = chart_of("Figure 7: the shadow pass", "objects", "ms per frame", &ShadowTexturesRow::shadow_ms,
                                  by_objects, shown);
         shadows.logarithmic = true;
@@ -130,6 +132,7 @@ class Section {
     // Redraws Figure 8: render time with and without coherence against the percentage of dynamic objects.
     void figure_8()
     {
+        // Chart the whole frame and the shadow pass.
         const auto by_percent = [](const ShadowTexturesRow& row) { return row.dynamic_percent; };
         const auto shown = [&](const ShadowTexturesRow& row) { return most_objects(row); };
         const int objects = *std::max_element(options_.objects.begin(), options_.objects.end());
@@ -140,6 +143,7 @@ class Section {
                              &ShadowTexturesRow::shadow_ms, by_percent, shown),
                     fmt::format("Time of the shadow pass alone, {} objects.", objects));
 
+        // Chart the time saved, with the value that the paper prints.
         const auto saved = [&](TextureMethod method, Value y) {
             const auto depth = points(TextureMethod::depth, y, by_percent, shown),
                        coherent = points(method, y, by_percent, shown);
