@@ -15,14 +15,14 @@ namespace gnomon::cli {
 namespace {
 constexpr const char* k_standard_output = "-";
 
-// "bench culling" is two words on the command line.
+// Removes the name of the subcommand from the front of `words`. "bench culling" is two words.
 const options::SubcommandInfo& take_subcommand(std::vector<std::string>& words)
 {
     std::string name = words.front();
     words.erase(words.begin());
     if (name == "bench") {
         if (words.empty() || words.front().starts_with("-"))
-            throw UsageError("bench needs to know what to measure; see gnomon --help");
+            throw UsageError("bench needs the name of a benchmark, such as 'bench trace'; see gnomon --help");
         name += " " + words.front();
         words.erase(words.begin());
     }
@@ -34,6 +34,7 @@ const options::SubcommandInfo& take_subcommand(std::vector<std::string>& words)
                                  near.empty() ? "; see gnomon --help" : fmt::format("; did you mean '{}'?", near)));
 }
 
+// Throws at the first word that looks like an option.
 void refuse_unknown(const options::SubcommandInfo& subcommand, const std::vector<std::string>& words)
 {
     for (const std::string& word : words) {
@@ -49,13 +50,13 @@ void refuse_unknown(const options::SubcommandInfo& subcommand, const std::vector
     }
 }
 
-// "--resume=no" would be taken for --resume, and "--json=" for --json.
+// CLI11 accepts "--resume=no" as --resume and "--json=" as --json.
 void refuse_value(const options::Option& option, const std::vector<std::string>& results,
                   const std::vector<std::string>& words)
 {
     if (option.kind == options::Kind::flag)
         for (const std::string& result : results)
-            if (result != "true") throw UsageError(fmt::format("--{} takes no value", option.name));
+            if (result != "true") throw UsageError(fmt::format("--{} takes no value, got '{}'", option.name, result));
     if (option.kind == options::Kind::optional_file &&
         std::count(words.begin(), words.end(), fmt::format("--{}=", option.name)))
         throw UsageError(fmt::format("--{}=: a value is missing", option.name));
@@ -71,10 +72,10 @@ CLI::Option* add(CLI::App& parser, const options::Option& option)
     return parser.add_option(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
 }
 
-// "--method paper certified" is "--method paper --method certified", and so are "--objects 25 50" and "--method visible
-// rsm:256": further words that are among the choices of an option that repeats, or begin like its values, or are
-// numbers where it takes numbers, belong to it, and nothing else does.
-void spell_out_lists(std::vector<std::string>& words)
+// Rewrites "--method paper certified" as "--method paper --method certified", and likewise "--objects 25 50" and
+// "--method visible rsm:256". A further word belongs to an option that repeats if it is one of the option's choices,
+// begins with one and a colon, or is a number where the option takes numbers.
+void expand_lists(std::vector<std::string>& words)
 {
     const auto among = [](const std::string& word, std::string_view choices) {
         return !word.empty() && word.find('|') == std::string::npos &&
@@ -101,19 +102,19 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     line.command = "gnomon";
     for (const std::string& word : arguments) line.command += " " + options::shell_word(word);
     std::vector<std::string> words = arguments;
-    if (words.empty()) throw UsageError("nothing to do; see gnomon --help");
+    if (words.empty()) throw UsageError("a subcommand is missing; see gnomon --help");
     if (words.front() == "--version") return line.version = true, line;
     if (words.front() == "--help" || words.front() == "-h" || words.front() == "help") return line.help = true, line;
     line.subcommand = &take_subcommand(words);
     line.values = options::OptionValues(line.subcommand->subcommand);
 
-    // What stands behind "--" is no option, whatever it begins with.
+    // Set aside the words after "--", which are no options whatever they begin with.
     const auto dashes = std::find(words.begin(), words.end(), "--");
     const std::vector<std::string> plain(dashes == words.end() ? dashes : dashes + 1, words.end());
     words.erase(dashes, words.end());
-    spell_out_lists(words);
+    expand_lists(words);
 
-    // Build a parser of this subcommand's options from the table.
+    // Build a parser for this subcommand's options from the table.
     CLI::App parser;
     parser.set_help_flag();
     parser.allow_extras();
@@ -121,7 +122,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     for (const options::Option& option : options::options())
         if (option.subcommands & bit(line.subcommand->subcommand)) known.emplace_back(&option, add(parser, option));
     try {
-        parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));   // CLI11 takes them from the back
+        parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));   // CLI11 expects them in reverse order
     } catch (const CLI::ArgumentMismatch& error) {
         const std::string text = error.what();   // "--out: 1 required ..."
         throw UsageError(fmt::format("{}: a value is missing", text.substr(0, text.find(':'))));
@@ -129,7 +130,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
         throw UsageError(fmt::format("{}: {}", line.subcommand->name, error.what()));
     }
 
-    // Read its results: unknown options first, since their values look like positionals.
+    // Check the results, unknown options first because their values look like positional arguments.
     std::vector<std::string> rest = parser.remaining();
     refuse_unknown(*line.subcommand, rest);
     rest.insert(rest.end(), plain.begin(), plain.end());
@@ -141,6 +142,8 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
     }
     if (line.help || line.version) return line;
     if (!line.subcommand->built) throw UsageError(fmt::format("{}: not built yet", line.subcommand->name));
+
+    // Store the values and the positional arguments; the --config file sets only options that were not given.
     for (const auto& [option, parsed] : known)
         if (parsed->count() > 0) line.values.set(*option, parsed->results());
     line.positionals = rest;

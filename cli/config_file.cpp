@@ -11,7 +11,7 @@
 namespace gnomon::cli {
 
 namespace {
-constexpr std::uintmax_t k_limit = 1 << 20;   // bytes of a --config file
+constexpr std::uintmax_t k_limit = 1 << 20;   // largest size of a --config file, in bytes
 
 std::string word_of(const nlohmann::json& value)
 {
@@ -22,23 +22,25 @@ std::string word_of(const nlohmann::json& value)
 void read_config(const std::filesystem::path& file, const options::SubcommandInfo& subcommand,
                  options::OptionValues& values)
 {
+    // Read the file and parse it.
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(file, error);
     if (error) throw InputError(file.string(), "", error.message());
     if (size > k_limit)
-        throw InputError(file.string(), "", fmt::format("{} bytes, at most {} are read", size, k_limit));
+        throw InputError(file.string(), "", fmt::format("the file has {} bytes; the limit is {}", size, k_limit));
     std::ifstream in(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     nlohmann::json document;
     try {
         document = nlohmann::json::parse(text);
     } catch (const nlohmann::json::parse_error& problem) {
-        throw InputError(file.string(), fmt::format("byte {}", problem.byte), "no JSON there");
-    } catch (const nlohmann::json::exception&) {   // it does not say where
-        throw InputError(file.string(), "", "a number beyond all numbers");
+        throw InputError(file.string(), fmt::format("byte {}", problem.byte), "invalid JSON");
+    } catch (const nlohmann::json::exception&) {   // the exception carries no position
+        throw InputError(file.string(), "", "a number is out of range");
     }
     if (!document.is_object()) throw InputError(file.string(), "", "expected a JSON object of options");
 
+    // Set each option that the command line does not give.
     for (const auto& [key, value] : document.items()) {
         const std::string place = "/" + key;
         const options::Option* option = options::find_option(subcommand.subcommand, key);
@@ -53,7 +55,7 @@ void read_config(const std::filesystem::path& file, const options::SubcommandInf
                                          near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
         }
 
-        // A flag is a boolean, an option that repeats an array, the rest a word or a number.
+        // Convert the value to words: a flag is a boolean, a repeated option an array, any other a string or a number.
         std::vector<std::string> words;
         if (option->kind == options::Kind::flag ||
             (option->kind == options::Kind::optional_file && value.is_boolean())) {
@@ -70,7 +72,7 @@ void read_config(const std::filesystem::path& file, const options::SubcommandInf
         } else {
             throw InputError(file.string(), place, fmt::format("expected {}", option->argument));
         }
-        if (values.given(key) || words.empty()) continue;   // the command line wins
+        if (values.given(key) || words.empty()) continue;   // the command line takes precedence
         try {
             values.set(*option, std::move(words));
         } catch (const UsageError& problem) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes what is installed beside the program: documents FOLDER gives gnomon.1, gnomon.bash, _gnomon, gnomon.fish;
-// and docs/guide/options.md.
+// gnomon_documents FOLDER: writes the manual page and the shell completions that are installed with the program
+// (gnomon.1, gnomon.bash, _gnomon, gnomon.fish), and options.md, which is kept in docs/guide.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,7 @@
 int main(int argc, char** argv)
 {
     if (argc != 2) {
-        std::fputs("usage: documents FOLDER\n", stderr);
+        std::fputs("usage: gnomon_documents FOLDER\n", stderr);
         return 2;
     }
     using namespace gnomon::cli;

@@ -10,9 +10,9 @@ namespace gnomon::cli {
 
 namespace {
 constexpr std::size_t k_width = 100;
-constexpr std::size_t k_column = 32;   // where the explanations begin
+constexpr std::size_t k_column = 32;   // column at which explanations begin
 
-// Breaks text at blanks; later lines are indented.
+// Breaks text at blanks into lines of at most k_width columns; all but the first are indented.
 std::string wrapped(const std::string& text, std::size_t indent)
 {
     std::string result;
@@ -34,6 +34,7 @@ std::string wrapped(const std::string& text, std::size_t indent)
     return result;
 }
 
+// A name and its explanation.
 std::string row(const std::string& left, const std::string& right)
 {
     std::string text = "  " + left;
@@ -72,17 +73,17 @@ std::string help_text(const options::SubcommandInfo* subcommand)
     std::string text;
     if (!subcommand) {
         text = fmt::format(
-            "gnomon {}: lights animated 3D scenes, and aims never to compute light twice that stood still\n\n"
+            "gnomon {}: renders animated 3D scenes, caches their lighting and recomputes only what changed\n\n"
             "usage: gnomon SUBCOMMAND ...\n\n",
             version());
         for (const options::SubcommandInfo& each : options::subcommands())
             text += row(std::string(each.name) + (each.arguments.empty() ? "" : " ") + std::string(each.arguments),
                         std::string(each.summary) + (each.built ? "" : "; not built yet"));
         return text +
-               "\ngnomon SUBCOMMAND --help explains a subcommand's options.\n"
+               "\ngnomon SUBCOMMAND --help explains the options of a subcommand.\n"
                "SCENE: a file, or builtin:cornell, builtin:kinetic, builtin:spheres?objects=300&dynamic=10.\n"
-               "Exit codes: 0 done, 1 a comparison or check failed, 2 wrong usage, 3 bad input file, 4 something\n"
-               "needed is missing (device, driver, ffmpeg, disk), 5 internal error, 130 interrupted.\n";
+               "Exit codes: 0 success, 1 a comparison or check failed, 2 invalid arguments, 3 invalid input file,\n"
+               "4 a device, a driver, ffmpeg or disk space is missing, 5 internal error, 130 interrupted.\n";
     }
     text = fmt::format("gnomon {}: {}\n\nusage: gnomon {} {}{}[options]\n", subcommand->name, subcommand->summary,
                        subcommand->name, subcommand->arguments, subcommand->arguments.empty() ? "" : " ");
@@ -93,7 +94,7 @@ std::string help_text(const options::SubcommandInfo* subcommand)
         group = option.group;
         text += row(left_of(option), right_of(option));
     }
-    return text + "\nDefaults stand in brackets.\n";
+    return text + "\nDefaults are given in parentheses.\n";
 }
 
 }   // namespace gnomon::cli

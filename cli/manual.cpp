@@ -37,8 +37,8 @@ std::string replaced(const std::string& text, std::string_view from, std::string
     }
 }
 
-// Text in a manual page: a backslash is a command, and so is a dot or a quote at a line's beginning; a plain hyphen may
-// be set as something that cannot be copied.
+// Escapes text for a manual page: a backslash begins a command, and so does a dot or a quote at the beginning of a
+// line; a plain hyphen may be set as a character that cannot be copied to a shell.
 std::string roff(std::string_view text)
 {
     std::string result = replaced(replaced(std::string(text), "\\", "\\e"), "-", "\\-");
@@ -73,7 +73,7 @@ std::vector<std::string_view> words_of(std::string_view text, char between)
     return words;
 }
 
-// What a shell sees as the first word, and the second ones of "bench".
+// The first words of all subcommands, each once.
 std::vector<std::string> first_words()
 {
     std::vector<std::string> words;
@@ -84,6 +84,7 @@ std::vector<std::string> first_words()
     return words;
 }
 
+// The second words of the subcommands that begin with `first`, such as "bench".
 std::vector<std::string> second_words(std::string_view first)
 {
     std::vector<std::string> words;
@@ -94,7 +95,7 @@ std::vector<std::string> second_words(std::string_view first)
     return words;
 }
 
-// Options of a subcommand, and for each with choices what they are. One name may stand in the table more than once.
+// The built options of a subcommand, in the order of the table.
 std::vector<const options::Option*> options_of(options::Subcommand subcommand)
 {
     std::vector<const options::Option*> list;
@@ -103,7 +104,7 @@ std::vector<const options::Option*> options_of(options::Subcommand subcommand)
     return list;
 }
 
-// "render an image" as a sentence: "Renders an image."
+// Turns "render an image" into "Renders an image."
 std::string sentence(std::string_view summary)
 {
     const std::size_t end = std::min(summary.find(' '), summary.size());
@@ -123,9 +124,8 @@ constexpr std::string_view k_scenes = "builtin:cornell builtin:kinetic builtin:s
 std::string manual_page()
 {
     std::string text = fmt::format(
-        ".TH GNOMON 1 \"\" \"gnomon {}\" \"User Commands\"\n.SH NAME\ngnomon \\- light animated 3D scenes, and aim "
-        "never "
-        "to compute light twice that stood still\n.SH SYNOPSIS\n",
+        ".TH GNOMON 1 \"\" \"gnomon {}\" \"User Commands\"\n.SH NAME\ngnomon \\- render animated 3D scenes, "
+        "recomputing only the lighting that changed\n.SH SYNOPSIS\n",
         version());
     for (const options::SubcommandInfo& subcommand : options::subcommands())
         if (subcommand.built)
@@ -133,7 +133,7 @@ std::string manual_page()
                                 subcommand.arguments.empty() ? "" : " ");
     text +=
         ".SH DESCRIPTION\nSCENE is a file (.gltf, .glb, .obj, .aff), or builtin:cornell, builtin:kinetic, "
-        "builtin:spheres?objects=300&dynamic=10. Defaults stand in brackets.\n";
+        "builtin:spheres?objects=300&dynamic=10. Defaults are given in parentheses.\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
         text += fmt::format(".SH \"GNOMON {}\"\n{}\n", roff(subcommand.name), roff(sentence(subcommand.summary)));
@@ -149,23 +149,20 @@ std::string manual_page()
     for (const options::Option* option : options_of(options::Subcommand::info))
         if (option->group == "Everywhere") text += roff_option(*option);
     text +=
-        ".SH EXIT STATUS\n0 done; 1 a comparison or check failed; 2 wrong usage; 3 bad input file; 4 something needed "
-        "is missing (device, driver, ffmpeg, disk); 5 internal error; 130 interrupted. On any failure one line on "
-        "standard error, and no partial output file.\n";
+        ".SH EXIT STATUS\n0 success; 1 a comparison or check failed; 2 invalid arguments; 3 invalid input file; 4 a "
+        "device, a driver, ffmpeg or disk space is missing; 5 internal error; 130 interrupted. Every failure prints "
+        "one line on standard error and leaves no partial output file.\n";
     return text;
 }
 
-// Like the manual page, but of everything that can be built, so that it is the same wherever it is made.
+// Like the manual page, but also with subcommands and options that are not built, so that the page is the same for
+// every build.
 std::string options_page()
 {
     std::string text =
-        "# Options\n\nEvery option of every subcommand, from the table that `gnomon SUBCOMMAND --help`, the manual "
-        "page, the "
-        "shells' "
-        "completions and the viewer's\npanel are made from. Defaults stand in brackets. [Choosing "
-        "options](README.md#choosing-options) "
-        "says "
-        "which to take for what.\n";
+        "# Options\n\nThis page lists every option of every subcommand. It is generated from the table that also gives "
+        "`gnomon SUBCOMMAND --help`,\nthe manual page, the shell completions and the viewer's panel. Defaults are "
+        "given in parentheses.\n[Choosing options](README.md#choosing-options) says which options suit which task.\n";
     const auto add_row = [&](const options::Option& option) {
         std::string name = fmt::format("--{}", option.name);
         if (option.letter) name = fmt::format("-{}, {}", option.letter, name);
@@ -198,6 +195,7 @@ std::string options_page()
 
 std::string bash_completion()
 {
+    // Complete the subcommand, which has two words after "bench".
     std::string text =
         "# bash completion for gnomon\n"
         "_gnomon()\n{\n"
@@ -212,6 +210,8 @@ std::string bash_completion()
         "    if [[ $COMP_CWORD -eq 2 && $subcommand == bench ]]; then\n"
         "        COMPREPLY=($(compgen -W \"{}\" -- \"$cur\"))\n        return\n    fi\n",
         fmt::join(second_words("bench"), " "));
+
+    // Complete the choices of the previous option.
     text += "    case \"$subcommand $prev\" in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -222,6 +222,8 @@ std::string bash_completion()
                                 subcommand.name, option->name, replaced(std::string(choices), "|", " "));
         }
     }
+
+    // Complete the names of options, else files and built-in scenes.
     text += "    esac\n    if [[ $cur == -* ]]; then\n        case \"$subcommand\" in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -239,6 +241,7 @@ std::string bash_completion()
 
 std::string zsh_completion()
 {
+    // Complete the subcommand, which has two words after "bench".
     std::string text =
         "#compdef gnomon\n"
         "_gnomon() {\n"
@@ -250,6 +253,8 @@ std::string zsh_completion()
         "        if (( CURRENT == 3 )); then\n            compadd {}\n            return\n        fi\n"
         "        subcommand=\"bench $words[3]\"\n    fi\n",
         fmt::join(second_words("bench"), " "));
+
+    // Complete the choices of the previous option.
     text += "    case \"$subcommand $words[CURRENT-1]\" in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -258,6 +263,8 @@ std::string zsh_completion()
                 text += fmt::format("        \"{} --{}\") compadd {}; return ;;\n", subcommand.name, option->name,
                                     replaced(std::string(choices), "|", " "));
     }
+
+    // Complete the names of options, else files and built-in scenes.
     text += "    esac\n    if [[ $words[CURRENT] == -* ]]; then\n        case $subcommand in\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
@@ -273,9 +280,10 @@ std::string zsh_completion()
 
 std::string fish_completion()
 {
+    // Complete the subcommand, which has two words after "bench".
     std::string text("# fish completion for gnomon\n");
     for (const std::string& word : first_words()) {
-        std::string_view summary = word == "bench" ? "measure" : "";
+        std::string_view summary = word == "bench" ? "run a benchmark" : "";
         for (const options::SubcommandInfo& subcommand : options::subcommands())
             if (subcommand.name == word) summary = subcommand.summary;
         text += fmt::format("complete -c gnomon -n __fish_use_subcommand -a {} -d {}\n", word, single_quoted(summary));
@@ -284,6 +292,8 @@ std::string fish_completion()
         "complete -c gnomon -n '__fish_seen_subcommand_from bench; and not __fish_seen_subcommand_from {0}' -f -a "
         "'{0}'\n",
         fmt::join(second_words("bench"), " "));
+
+    // Describe the options of each subcommand with their choices.
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;
         std::string when;

@@ -31,7 +31,7 @@ Output::Output(const options::OptionValues& values) : impl_(std::make_unique<Imp
     impl_->verbose = values.flag("verbose");
     const std::string json = values.text("json");
     if (json == "-") impl_->json_to_standard_output = true;
-    // Opened now, so that a name that cannot be written is found before the work.
+    // Open the file before the work, so that a name that cannot be written fails at once.
     if (!json.empty() && json != "-") impl_->json_file.emplace(json);
 }
 
@@ -78,7 +78,7 @@ void Output::finish(const nlohmann::ordered_json& document)
 {
     impl_->progress.clear();
     if (!impl_->json_to_standard_output && !impl_->json_file) return;
-    // Names from files may be no UTF-8: their bad bytes are replaced, never a reason to fail.
+    // Replace bytes that are not valid UTF-8, because names in scene files may contain any.
     const std::string text = document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
     if (impl_->json_to_standard_output) write_standard_output(text);
     if (impl_->json_file) {
@@ -97,7 +97,7 @@ std::uint64_t peak_memory_bytes()
 {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;   // Linux counts in kilobytes
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;   // Linux reports kilobytes
 }
 
 }   // namespace gnomon::cli

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where a subcommand's words go: text for people, one JSON document for programs, progress for the patient.
+// The output of a subcommand: lines of text, one JSON document and the progress of long work.
 //
-// With --json, standard output carries the document and nothing else; text goes to standard error. The document is
-// written last, when all else has worked.
+// With --json, standard output carries the document and nothing else, and text goes to standard error. The document is
+// written last, after everything else has succeeded.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -24,20 +24,20 @@ class Output {
     explicit Output(const options::OptionValues& values);
     ~Output();
 
-    /// One line of text, unless --quiet.
+    /// Prints one line of text, unless --quiet.
     void say(std::string_view line);
-    /// The same, with -v alone.
+    /// Prints one line of text with -v only.
     void detail(std::string_view line);
-    /// "warning: ...", on standard error, unless --quiet.
+    /// Prints "warning: ..." on standard error, unless --quiet.
     void warn(std::string_view line);
 
-    /// One line on standard error, even with --quiet.
+    /// Prints one line on standard error, even with --quiet.
     void error(std::string_view line);
 
-    /// Shows the way and listens to signals. Lives as long as this.
+    /// A callback that shows progress and returns false after a signal. Valid as long as this object.
     Progress progress();
 
-    /// Writes the document, if one was asked for, and makes sure that all text has arrived.
+    /// Writes the document if --json was given.
     /// @throws MissingError
     void finish(const nlohmann::ordered_json& document);
 
@@ -46,10 +46,10 @@ class Output {
     std::unique_ptr<Impl> impl_;
 };
 
-/// All of it, or MissingError with the reason.
+/// Writes all of the text and flushes. @throws MissingError  with the reason
 void write_standard_output(std::string_view text);
 
-/// Largest memory this process has held, in bytes.
+/// Peak resident memory of this process, in bytes.
 std::uint64_t peak_memory_bytes();
 
 }   // namespace gnomon::cli

@@ -18,7 +18,7 @@
 namespace gnomon::cli {
 
 namespace {
-// What was read is not written over: a slip of the hand would cost a scene.
+// Throws if an output file is one of the input files, so that a typing error does not overwrite a scene.
 void refuse_to_replace_inputs(const CommandLine& line)
 {
     const auto value = [&](const char* name) {
@@ -28,10 +28,11 @@ void refuse_to_replace_inputs(const CommandLine& line)
     for (const char* name : {"environment", "config"}) inputs.push_back(value(name));
     for (const char* name : {"json", "out", "contact-sheet", "heatmap"}) {
         const std::string output = value(name);
-        std::error_code none;   // what is not there is not the same
+        std::error_code none;   // a missing file is no error here
         for (const std::string& input : inputs)
             if (!output.empty() && !input.empty() && std::filesystem::equivalent(output, input, none))
-                throw UsageError(fmt::format("--{} {}: that is {}, which is read", name, output, input));
+                throw UsageError(fmt::format("--{} {} would overwrite the input {}, which is read; choose another name",
+                                             name, output, input));
     }
 }
 
@@ -67,7 +68,7 @@ int run_subcommand(const CommandLine& line)
 
 int fail(int code, std::string message)
 {
-    // One line, whatever a name in it holds.
+    // Keep the message on one line even if a file name contains line breaks.
     for (char& c : message)
         if (c == '\n' || c == '\r') c = ' ';
     std::fprintf(stderr, "gnomon: %s\n", message.c_str());

@@ -12,19 +12,19 @@
 namespace gnomon::cli {
 
 namespace {
-constexpr double k_silence = 1.0;          // seconds of work that show nothing
-constexpr double k_terminal_every = 0.1;   // seconds between two looks of the line
-constexpr double k_plain_every = 5.0;      // between two plain lines
-constexpr double k_plain_step = 0.1;       // and at least so much further
-constexpr std::size_t k_bar = 24;
-constexpr std::size_t k_usual_columns = 80;
+constexpr double k_silence = 1.0;             // seconds of work before anything is shown
+constexpr double k_terminal_every = 0.1;      // least seconds between two updates of the line on a terminal
+constexpr double k_plain_every = 5.0;         // least seconds between two plain lines
+constexpr double k_plain_step = 0.1;          // least progress between two plain lines, as a fraction of the stage
+constexpr std::size_t k_bar = 24;             // columns
+constexpr std::size_t k_usual_columns = 80;   // of a terminal that does not report its size
 
 double seconds(std::chrono::steady_clock::duration span)
 {
     return std::chrono::duration<double>(span).count();
 }
 
-// Of the terminal, which may change.
+// The current width of the terminal, which may change at any time.
 std::size_t columns()
 {
     winsize size{};
@@ -43,7 +43,7 @@ std::string duration_text(double span)
 std::string progress_text(std::string_view stage, double done, const std::string& left, std::size_t columns)
 {
     const std::string head = fmt::format("{:<9} ", stage), tail = fmt::format(" {:3.0f} %  {}", 100 * done, left);
-    // What does not fit would go on in the next line, and stay there: first the bar gives way, then the end.
+    // Shorten the bar, then cut the end, because text that wraps to the next line could not be erased.
     const std::size_t around = head.size() + tail.size() + 2;
     const std::size_t bar = columns > around ? std::min(k_bar, columns - around) : 0;
     std::string text = head;

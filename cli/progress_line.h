@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// How far long work has come, and how long it will take: one line that renews itself on a terminal, a few plain lines
-// elsewhere. Work of less than a second shows nothing.
+// Shows the progress of long work and the estimated time left: on a terminal one line that is redrawn, elsewhere a few
+// plain lines. Work of less than a second shows nothing.
 
 #include <chrono>
 #include <mutex>
@@ -12,17 +12,17 @@
 
 namespace gnomon::cli {
 
-/// A stage with its bar, in at most so many columns.
+/// One progress line: the stage, a bar, the percentage and `left`, in at most `columns` columns.
 std::string progress_text(std::string_view stage, double done, const std::string& left, std::size_t columns);
 
 class ProgressLine {
  public:
-    /// On standard error.
+    /// Writes to standard error, or nothing if `quiet`.
     explicit ProgressLine(bool quiet);
     ~ProgressLine();
 
     void show(const ProgressStep& step);
-    /// Takes the line off the terminal, so that something else can be said.
+    /// Erases the line from the terminal, so that other text can be printed.
     void clear();
 
  private:
@@ -32,7 +32,7 @@ class ProgressLine {
     bool visible_ = false;
     std::string stage_;
     Clock::time_point stage_start_{}, last_shown_{};
-    double first_done_ = 0, last_done_ = 0;   // of the stage
+    double first_done_ = 0, last_done_ = 0;   // progress of the stage when it began, and when it was last shown
     std::mutex mutex_;
 };
 

@@ -15,16 +15,16 @@
 namespace gnomon::cli {
 
 namespace {
-// The system may run the handler on any thread: what is volatile alone would be a race with those that ask.
+// Atomic, because the system may run the handler on any thread and other threads read the flag.
 std::atomic<bool> g_interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a handler may not wait");
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not take a lock");
 
 extern "C" void note_signal(int)
 {
     if (g_interrupted.exchange(true)) ::_exit(k_exit_interrupted);
 }
 
-// Takes no memory: there may be none.
+// Allocates no memory, because memory may be exhausted.
 [[noreturn]] void end_with(int code, const char* line)
 {
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line, std::strlen(line));
@@ -39,7 +39,7 @@ extern "C" void note_signal(int)
         end_with(k_exit_missing, "gnomon: out of memory\n");
     } catch (...) {
     }
-    end_with(k_exit_internal, "gnomon: internal error: an exception where none may be\n");
+    end_with(k_exit_internal, "gnomon: internal error: uncaught exception\n");
 }
 }   // namespace
 
@@ -54,7 +54,7 @@ void install_signal_handlers()
     action.sa_handler = note_signal;
     sigemptyset(&action.sa_mask);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-        // What was ignored at the start (nohup) stays ignored.
+        // Keep ignoring a signal that was ignored at the start, as nohup arranges.
         struct sigaction before = {};
         if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
         ::sigaction(signal, &action, nullptr);
@@ -65,7 +65,8 @@ void install_signal_handlers()
 
 void fill_standard_descriptors()
 {
-    // The lowest free number is given first. A folder is always there, and what is written to it is refused.
+    // Open the root folder until all three are taken, because open() returns the lowest free number. The root folder
+    // always exists, and writing to it fails.
     int descriptor = 0;
     do {
         descriptor = ::open("/", O_RDONLY | O_DIRECTORY);

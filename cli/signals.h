@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Ctrl-C and friends, ends that nobody planned, and what a process is born with. The first signal asks the work to stop
-// in an orderly way (progress then returns false); a second one ends the program at once.
+// Handles signals, uncaught exceptions and closed standard descriptors. After the first signal the progress callback
+// returns false, so that the work stops in an orderly way; a second signal ends the program at once.
 
 namespace gnomon::cli {
 
-/// SIGINT, SIGTERM and SIGHUP ask to stop; SIGPIPE and SIGXFSZ are ignored, so that a closed pipe and a file at
-/// its limit are write errors. SIGCHLD is the usual one, whatever the parent made of it: a program that we run is
-/// waited for.
+/// SIGINT, SIGTERM and SIGHUP request a stop. SIGPIPE and SIGXFSZ are ignored, so that a closed pipe and a file at its
+/// size limit become write errors. SIGCHLD is reset to its default, because the parent may have ignored it and we wait
+/// for the programs that we start.
 void install_signal_handlers();
 
-/// What nothing can catch, such as memory refused inside a destructor of a library, ends with its exit code and one
-/// line too.
+/// Makes uncaught exceptions, such as a failed allocation in a library's destructor, end the program with one line and
+/// an exit code, too.
 void install_terminate_handler();
 
-/// Where a process was started with standard input, output or error closed, takes their places: else the next file that
-/// is opened would get the number, and the text meant for it.
+/// Opens those of standard input, output and error that the process was started without. Otherwise the next file opened
+/// would get such a descriptor and receive the text written to it.
 void fill_standard_descriptors();
 
-/// Whether one of them came.
+/// Whether a stop was requested.
 bool interrupted();
 
 }   // namespace gnomon::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnomon bench all: every chapter, one page.
+// gnomon bench all: measures every chapter and writes one report page.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -15,14 +15,15 @@ namespace gnomon::cli {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-struct Left {
-    std::string what, why;
+struct SkippedPart {
+    std::string name, reason;
 };
 
-// One part after the other, each with its share of the whole way.
-std::vector<Left> measure_all(std::vector<bench::BenchPart>& parts, Output& output)
+// Measures one part after the other; progress advances by the weights of the parts. Returns the parts for which
+// something is missing on this machine.
+std::vector<SkippedPart> measure_all(std::vector<bench::BenchPart>& parts, Output& output)
 {
-    std::vector<Left> left;
+    std::vector<SkippedPart> skipped;
     const Progress progress = output.progress();
     double total = 0, before = 0;
     for (const bench::BenchPart& part : parts) total += part.weight;
@@ -34,24 +35,26 @@ std::vector<Left> measure_all(std::vector<bench::BenchPart>& parts, Output& outp
                 return progress({"measuring", (before + part.weight * step.done) / total});
             });
         } catch (const MissingError& error) {
-            output.warn(fmt::format("{}: left out: {}", part.name, error.what()));
-            left.push_back({part.name, error.what()});
+            output.warn(fmt::format("skipped {}: {}", part.name, error.what()));
+            skipped.push_back({part.name, error.what()});
         }
         before += part.weight;
     }
-    return left;
+    return skipped;
 }
 }   // namespace
 
 int run_bench_all(const CommandLine& line, Output& output)
 {
-    if (!line.values.given("report")) throw UsageError("bench all needs --report DIR: where to put the page");
+    if (!line.values.given("report")) throw UsageError("bench all needs --report DIR, the folder for the page");
     const int threads =
         line.values.integer("threads") > 0 ? line.values.integer("threads") : gnomon::processor_threads();
     const bench::BenchSettings settings{line.values.flag("quick"), threads, line.command, bench::find_bench_scenes()};
-    bench::ReportFile file(line.values.text("report"));   // made now, so that a wrong one is found before the work
+    bench::ReportFile file(
+        line.values.text("report"));   // before the work, so that a folder that cannot be written fails at once
     const auto start = Clock::now();
 
+    // Measure all parts of all chapters.
     std::vector<std::unique_ptr<bench::BenchChapter>> chapters;
     chapters.push_back(bench::culling_chapter(settings));
     chapters.push_back(bench::shadow_textures_chapter(settings));
@@ -61,12 +64,13 @@ int run_bench_all(const CommandLine& line, Output& output)
     std::vector<bench::BenchPart> parts;
     for (const auto& chapter : chapters)
         for (bench::BenchPart& part : chapter->parts()) parts.push_back(std::move(part));
-    const std::vector<Left> left = measure_all(parts, output);
+    const std::vector<SkippedPart> skipped = measure_all(parts, output);
 
-    bench::ReportPage page("Gnomon beside the papers it is made of", bench::machine_line(threads));
+    // Write the page: the most important results, the chapters, and the conditions of the measurement.
+    bench::ReportPage page("Gnomon compared with the papers it implements", bench::machine_line(threads));
     bench::ReportTable lead;
-    lead.columns = {"", "as printed", "as published, here", "Gnomon's own"};
-    lead.caption = "The most important figures. What was measured, and how, is in the sections below.";
+    lead.columns = {"", "printed in the paper", "published method, measured here", "Gnomon's method"};
+    lead.caption = "The most important results. The sections below say what was measured and how.";
     for (const auto& chapter : chapters)
         for (bench::ReportTable::Row& row : chapter->lead()) lead.rows.push_back(std::move(row));
     page.lead(lead, settings.command);
@@ -78,19 +82,18 @@ int run_bench_all(const CommandLine& line, Output& output)
     page.section("About this page", settings.command);
     if (settings.quick)
         page.text(
-            "Measured with --quick: smaller images and fewer frames than the papers', so ratios and percentages are "
-            "near "
-            "theirs, times are not.");
+            "This page was measured with --quick: images are smaller and frames fewer than in the papers. Ratios and "
+            "percentages are close to those of a full run; times are not.");
     for (const auto& [name, scene] :
          {std::pair{"BART's Kitchen", settings.scenes.kitchen}, {"BART's Robots", settings.scenes.robots}})
         if (scene.empty())
             page.text(
-                fmt::format("{} is not there: set GNOMON_SCENES to the folder that holds bart/. {} stands in where "
-                            "nothing else is left.",
+                fmt::format("{} was not found. To include it, set GNOMON_SCENES to the folder that holds bart/. {} is "
+                            "used where no other scene is available.",
                             name, settings.scenes.stand_in));
-    for (const Left& one : left) page.text(fmt::format("Left out: {}: {}.", one.what, one.why));
-    page.text(
-        fmt::format("Measured in {}.", duration_text(std::chrono::duration<double>(Clock::now() - start).count())));
+    for (const SkippedPart& part : skipped) page.text(fmt::format("Skipped: {}: {}.", part.name, part.reason));
+    page.text(fmt::format("The measurement took {}.",
+                          duration_text(std::chrono::duration<double>(Clock::now() - start).count())));
     page.attach("all.json", document);
     file.write(page);
     output.say(fmt::format("report     {}", file.path().string()));

@@ -16,21 +16,22 @@ namespace gnomon::cli {
 
 namespace {
 
-constexpr int k_frames_by_default = 100;   // as the help says
+constexpr int k_frames_by_default = 100;   // the help text of --frames states it, too
 
+// One line for a frame; percentages are of all shadow rays.
 std::string line_of(const bench::CullingFrame& f, const bench::CullingBenchOptions& options)
 {
-    const auto share = [&](std::uint64_t n) {
+    const auto percent = [&](std::uint64_t n) {
         return 100.0 * static_cast<double>(n) / std::max<double>(1, static_cast<double>(f.off.rays));
     };
     std::string text = fmt::format("frame {:4}  off {} rays, {:.1f} ms", f.frame, f.off.rays, f.off.ms);
     if (options.paper)
         text += fmt::format("; paper {:.1f} % skipped, {:.1f} % dynamic only, {} wrong, {:.1f} ms",
-                            share(f.paper.skipped), share(f.paper.dynamic_only), f.paper.wrong, f.paper.ms);
+                            percent(f.paper.skipped), percent(f.paper.dynamic_only), f.paper.wrong, f.paper.ms);
     if (options.certified)
-        text +=
-            fmt::format("; certified {:.1f} % skipped, {:.2f} % dynamic only, {} wrong, {:.1f} ms",
-                        share(f.certified.skipped), share(f.certified.dynamic_only), f.certified.wrong, f.certified.ms);
+        text += fmt::format("; certified {:.1f} % skipped, {:.2f} % dynamic only, {} wrong, {:.1f} ms",
+                            percent(f.certified.skipped), percent(f.certified.dynamic_only), f.certified.wrong,
+                            f.certified.ms);
     return text;
 }
 
@@ -40,7 +41,7 @@ bench::CullingBenchOptions options_of(const options::OptionValues& values, const
     options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
     if (values.given("frames")) options.frames = *options::parse_range(values.text("frames"));
     if (options.frames.last > scene.frame_count() || options.frames.count() < 1)
-        throw UsageError(fmt::format("no frames {} to {}: the clip has frames 1 to {}", options.frames.first,
+        throw UsageError(fmt::format("--frames {}-{}: the clip has frames 1 to {}", options.frames.first,
                                      options.frames.last, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
     options.camera = scene::find_camera(*scene.inside(), values.text("camera"));
@@ -65,32 +66,32 @@ void say_summary(const bench::CullingWindow& window, Output& output)
     const bench::CullingBenchOptions& options = window.options;
     const auto saved = [&](const char* method, const bench::CullingBenchResult::Saved& s) {
         output.say(fmt::format(
-            "{:10} nodes saved {:.1f} % (best {:.1f}, frame {}; of totals {:.1f}), tests {:.1f} % (best {:.1f}, "
-            "frame {}; of totals {:.1f})",
+            "{:10} nodes saved {:.1f} % (best {:.1f} in frame {}; of the sums {:.1f}), tests saved {:.1f} % (best "
+            "{:.1f} in frame {}; of the sums {:.1f})",
             method, s.nodes_mean, s.nodes_best, s.nodes_best_frame, s.nodes_of_totals, s.tests_mean, s.tests_best,
             s.tests_best_frame, s.tests_of_totals));
     };
     if (options.paper) {
         if (options.counts) saved("paper", result.paper_saved);
-        output.say(fmt::format("{:10} {:.3f} extra tests a pixel, {:.1f} wrong a frame; {:.1f} MB", "paper",
+        output.say(fmt::format("{:10} {:.3f} extra tests per pixel, {:.1f} wrong results per frame; {:.1f} MB", "paper",
                                result.paper_extra_tests_per_pixel, result.paper_wrong_mean,
                                static_cast<double>(result.paper_bytes) / 1e6));
     }
     if (!options.certified) return;
     if (options.counts) saved("certified", result.certified_saved);
     output.say(
-        fmt::format("{:10} {:.2f} x faster, {:.2f} x over the second half; first frame {:.2f} x the time, worst "
-                    "later one {}; {} wrong",
+        fmt::format("{:10} speed-up {:.2f} x, over the second half {:.2f} x; first frame {:.2f} x the time, worst "
+                    "later frame {}; {} wrong results",
                     "certified", result.speedup_mean, result.speedup_steady, result.first_frame_ratio,
                     result.frames.size() > 1 ? fmt::format("{:.2f} x", result.worst_frame_ratio) : std::string("-"),
                     result.wrong_total));
     output.say(fmt::format(
-        "{:10} {:.2f} MB, {} visible triangles: {:.1f} bytes a triangle and light; for a while {:.2f} MB of evidence; "
+        "{:10} {:.2f} MB for {} visible triangles: {:.1f} bytes per triangle and light; evidence at most {:.2f} MB; "
         "mask of dynamic objects {:.2f} MB",
         "certified", static_cast<double>(result.bytes) / 1e6, result.visible_triangles, result.bytes_per_triangle_light,
         static_cast<double>(result.most_evidence_bytes) / 1e6, static_cast<double>(result.mask_bytes) / 1e6));
     if (window.moving_lights)
-        output.say(fmt::format("{:10} {:.3f} x the time while every light moves, from the second frame on", "certified",
+        output.say(fmt::format("{:10} {:.3f} x the time from the second frame on, while every light moves", "certified",
                                result.later_frames_ratio));
 }
 
@@ -102,13 +103,14 @@ int run_bench_culling(const CommandLine& line, Output& output)
     const Scene scene = load_scene(line, output.progress());
     bench::CullingWindow window{
         line.positionals.at(0), line.command, values.flag("moving-lights"), 0, options_of(values, scene), {}};
-    // Made now, so that a folder that cannot be written is found before the work.
+    // Create the report's folder before the work, so that one that cannot be written fails at once.
     std::optional<bench::ReportFile> report;
     if (values.given("report")) report.emplace(values.text("report"));
 
+    // Measure; print each frame when it is done, or at the end if its times are medians of several runs.
     const auto inside = window.moving_lights ? bench::with_moving_lights(scene.inside()) : scene.inside();
     window.lights = inside->lights.size();
-    const bool live = window.options.repeat == 1;   // else times are known at the end
+    const bool live = window.options.repeat == 1;
     window.result =
         bench::bench_culling(inside, window.options, output.progress(), [&](const bench::CullingFrame& frame) {
             if (live) output.say(line_of(frame, window.options));

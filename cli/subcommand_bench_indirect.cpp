@@ -15,10 +15,11 @@ namespace gnomon::cli {
 
 namespace {
 
-constexpr int k_frames_by_default = 10;   // as the help says
+constexpr int k_frames_by_default = 10;   // the help text of --frames states it, too
 
-// A report's image of the reference: paths a pixel, for paths a point.
-constexpr int k_image_paths_share = 8, k_least_image_paths = 64;
+// The report's image of the reference has --spp / k_image_paths_divisor paths per pixel, but at least
+// k_least_image_paths.
+constexpr int k_image_paths_divisor = 8, k_least_image_paths = 64;
 
 void say_row(const bench::IndirectRow& r, Output& output)
 {
@@ -31,18 +32,19 @@ void say_row(const bench::IndirectRow& r, Output& output)
     output.say(fmt::format("{:14} nRMSE {} ({} against all texels), energy {}", r.method, number(r.nrmse),
                            number(r.nrmse_brute), number(r.energy_ratio)));
     output.say(fmt::format(
-        "{:14} {:.1f} ms moving (median {:.1f}, worst {:.1f}; repair {:.2f} of it), {:.1f} static, "
-        "{:.1f} cold, {:.1f} to prepare anew",
+        "{:14} {:.1f} ms moving (median {:.1f}, worst {:.1f}, {:.2f} of it repair), {:.1f} ms static, "
+        "{:.1f} ms first frame, {:.1f} ms to rebuild",
         "", r.ms_moving, r.ms_moving_median, r.ms_moving_worst, r.ms_repair, r.ms_static, r.ms_cold, r.ms_rebuild));
-    output.say(fmt::format("{:14} {:.1f} ms of CPU moving, {:.1f} static, {:.1f} cold", "", r.cpu_ms_moving,
-                           r.cpu_ms_static, r.cpu_ms_cold));
-    output.say(fmt::format("{:14} flicker {} (floor {}); while the view alone moves {} on average, {} at most", "",
-                           percent(r.flicker), percent(r.flicker_floor),
-                           r.view_change ? percent(r.view_change->mean) : "-",
-                           r.view_change ? percent(r.view_change->largest) : "-"));
-    output.say(fmt::format("{:14} {} clusters, {} rays a frame ({} cold), {} pixels and {} nodes dirty, {:.1f} MB", "",
-                           r.work.clusters, r.work.rays, r.rays_cold, r.work.dirty_pixels, r.work.dirty_nodes,
-                           static_cast<double>(r.work.bytes) / 1e6));
+    output.say(fmt::format("{:14} CPU time {:.1f} ms moving, {:.1f} ms static, {:.1f} ms first frame", "",
+                           r.cpu_ms_moving, r.cpu_ms_static, r.cpu_ms_cold));
+    output.say(fmt::format(
+        "{:14} flicker {} (noise floor {}); change while only the view moves: {} on average, {} at most", "",
+        percent(r.flicker), percent(r.flicker_floor), r.view_change ? percent(r.view_change->mean) : "-",
+        r.view_change ? percent(r.view_change->largest) : "-"));
+    output.say(fmt::format(
+        "{:14} {} clusters, {} rays per frame ({} in the first), {} dirty pixels and {} dirty nodes, {:.1f} MB", "",
+        r.work.clusters, r.work.rays, r.rays_cold, r.work.dirty_pixels, r.work.dirty_nodes,
+        static_cast<double>(r.work.bytes) / 1e6));
 }
 
 bench::IndirectBenchOptions options_of(const options::OptionValues& values, const Scene& scene)
@@ -51,7 +53,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
     options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
     if (values.given("frames")) options.frames = *options::parse_range(values.text("frames"));
     if (options.frames.last > scene.frame_count() || options.frames.count() < 1)
-        throw UsageError(fmt::format("no frames {} to {}: the clip has frames 1 to {}", options.frames.first,
+        throw UsageError(fmt::format("--frames {}-{}: the clip has frames 1 to {}", options.frames.first,
                                      options.frames.last, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
     options.threads = values.integer("threads");
@@ -60,7 +62,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
     options.images = values.given("report");
-    options.image_spp = std::max(k_least_image_paths, options.spp / k_image_paths_share);
+    options.image_spp = std::max(k_least_image_paths, options.spp / k_image_paths_divisor);
     std::vector<std::string> methods = values.all("method");
     if (methods.empty() && !options.images) methods = {"visible"};
     const bench::IndirectSettings settings{values.number("depth-threshold"), values.number("normal-threshold"),
@@ -80,6 +82,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
 int run_bench_indirect(const CommandLine& line, Output& output)
 {
     const options::OptionValues& values = line.values;
+    // Load the scene and read the options.
     const bool raster = values.text("renderer") == "raster";
     const std::string device = raster ? bench::vulkan_device_name() : std::string();
     const Scene scene = load_scene(line, output.progress());
@@ -92,14 +95,16 @@ int run_bench_indirect(const CommandLine& line, Output& output)
     study.options = options_of(values, scene);
     const bench::IndirectBenchOptions& options = study.options;
     const auto inside = values.flag("moving-lights") ? bench::with_moving_lights(scene.inside()) : scene.inside();
+    // Measure all methods.
     const bench::IndirectBenchResult& result = study.result = bench::bench_indirect(
         inside, options, output.progress(), [&](const bench::IndirectRow& row) { say_row(row, output); });
     output.say(
-        fmt::format("{:14} {} paths a point, {} points of frames {} to {}; noise {:.4f} of the mean; {} computed, "
-                    "{} found",
+        fmt::format("{:14} {} paths per point, {} points in frames {} to {}; noise {:.4f} of the mean; {} computed, "
+                    "{} loaded",
                     "reference", options.spp, result.points, result.judged.front(), result.judged.back(),
                     result.reference_noise, result.references_computed, result.references_found));
 
+    // Measure the gather alone at every pixel of a large image.
     if (raster && study.options.methods.front().settings.full) {
         const scene::SceneState state(inside, inside->timeline.time_of(options.frames.first));
         const ray::RayScene rays(state);
@@ -109,7 +114,8 @@ int run_bench_indirect(const CommandLine& line, Output& output)
         output.say(fmt::format("{:14} {:.2f} ms for every pixel of {}x{} and {} clusters", "gather", study.large->ms,
                                study.large->size.width, study.large->size.height, study.large->clusters));
     }
-    if (raster) output.say(fmt::format("{:14} {}: times are its own, but for remembered visibility", "device", device));
+    if (raster)
+        output.say(fmt::format("{:14} {}; times are the device's, except for cached visibility", "device", device));
 
     if (report) {
         study.direct = bench::direct_light(Scene(inside), study);

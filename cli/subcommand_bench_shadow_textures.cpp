@@ -23,7 +23,7 @@ bench::ShadowTexturesBenchOptions options_of(const options::OptionValues& values
             options.objects.push_back(static_cast<int>(*options::parse_integer(word)));
     }
     if (values.given("dynamic")) {
-        if (values.given("movers")) throw UsageError("--movers: instead of --dynamic, not with it");
+        if (values.given("movers")) throw UsageError("--movers and --dynamic exclude each other");
         options.dynamic.clear();
         for (const std::string& word : values.all("dynamic")) options.dynamic.push_back(*options::parse_number(word));
     }
@@ -31,7 +31,8 @@ bench::ShadowTexturesBenchOptions options_of(const options::OptionValues& values
         options.dynamic_objects = values.integer("movers");
         const int fewest = *std::min_element(options.objects.begin(), options.objects.end());
         if (*options.dynamic_objects > fewest)
-            throw UsageError(fmt::format("--movers {}: there are only {} objects", *options.dynamic_objects, fewest));
+            throw UsageError(
+                fmt::format("--movers {}: the scene has only {} objects", *options.dynamic_objects, fewest));
     }
     options.size = *options::parse_size(values.text("size"));
     options.vertices = values.integer("vertices");
@@ -57,7 +58,7 @@ int run_bench_shadow_textures(const CommandLine& line, Output& output)
     const bench::ShadowTexturesBenchResult result = bench::bench_shadow_textures(options, output.progress());
     output.say(fmt::format("device     {}; times in ms, {}", result.device, result.clock));
     output.say(
-        "objects  moving      method    shadows  (buffers + textures)   CPU alone  whole frame   draws  copies  "
+        "objects dynamic      method    shadows  (buffers + textures)    planning  whole frame   draws  copies  "
         "textures  touched  identical");
     for (const bench::ShadowTexturesRow& row : result.rows)
         output.say(
@@ -67,8 +68,8 @@ int run_bench_shadow_textures(const CommandLine& line, Output& output)
                         row.textures_ms, row.shadow_cpu_ms, row.frame_ms, row.draws, row.copies, row.textures_updated,
                         row.touched, row.identical_to_full ? "yes" : "NO"));
     for (const auto& [method, exponent] : result.exponents)
-        output.say(fmt::format("{:10} grows with the {:.2f}th power of the number of objects", bench::name_of(method),
-                               exponent));
+        output.say(fmt::format("{:10} time grows with the number of objects to the power of {:.2f}",
+                               bench::name_of(method), exponent));
 
     const nlohmann::ordered_json document = bench::shadow_textures_json(options, result);
     if (report) {

@@ -20,20 +20,20 @@ int run_bench_trace(const CommandLine& line, Output& output)
     bench::TraceBenchOptions options;
     if (values.given("frame")) options.frame = values.integer("frame");
     if (options.frame > scene.frame_count())
-        throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", options.frame, scene.frame_count()));
+        throw UsageError(fmt::format("--frame {}: the clip has frames 1 to {}", options.frame, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
     options.camera = scene::find_camera(*scene.inside(), values.text("camera"));
     options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
     const bench::TraceBenchResult result = bench::bench_trace(scene.inside(), options);
 
-    const double load_ms = load.count() + result.build_ms;   // from the file to the first ray
+    const double load_ms = load.count() + result.build_ms;   // from opening the file to the first ray
     output.say(fmt::format("frame   {:.2f} ms ({:.2f} ms on one thread)", result.frame_ms, result.one_thread_ms));
     output.say(fmt::format("bare    {:.2f} ms for {} rays on one thread", result.bare_ms, result.rays));
     output.say(fmt::format("ratio   {:.3f}", result.ratio));
-    output.say(fmt::format("load    {:.1f} ms, {:.1f} ms of it trees", load_ms, result.build_ms));
+    output.say(fmt::format("load    {:.1f} ms, {:.1f} ms of it for building BVHs", load_ms, result.build_ms));
     output.say(fmt::format("update  {:.3f} ms", result.update_ms));
-    output.say(fmt::format("memory  {:.1f} MB of trees and vertices", static_cast<double>(result.bytes) / 1e6));
+    output.say(fmt::format("memory  {:.1f} MB for BVHs and vertices", static_cast<double>(result.bytes) / 1e6));
     output.finish({{"frame_ms", result.frame_ms},
                    {"bare_ms", result.bare_ms},
                    {"ratio", result.ratio},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnomon compare: through the public interface alone.
+// gnomon compare, on the public API alone.
 #include <fmt/format.h>
 
 #include <array>
@@ -47,7 +47,7 @@ Threshold threshold_of(const std::string& word)
     throw UsageError(fmt::format("--fail-above {}: expected METRIC=X, such as rmse=0.01 or psnr=40", word));
 }
 
-// Equal images have no psnr and pass any. What cannot be measured passes nothing.
+// Equal images have no psnr and pass every threshold of it. Any other metric that cannot be measured fails.
 bool fails(const Threshold& threshold, const CompareResult& result)
 {
     const std::optional<double> value = threshold.metric->value(result);
@@ -63,9 +63,9 @@ int run_compare(const CommandLine& line, Output& output)
     std::vector<Threshold> thresholds;
     for (const std::string& word : values.all("fail-above")) thresholds.push_back(threshold_of(word));
     const auto wanted = [&](std::string_view name) {
-        bool asked = metric == "all" || metric == name;
-        for (const Threshold& threshold : thresholds) asked = asked || threshold.metric->name == name;
-        return asked;
+        bool named = metric == "all" || metric == name;
+        for (const Threshold& threshold : thresholds) named = named || threshold.metric->name == name;
+        return named;
     };
 
     CompareOptions options;
@@ -76,7 +76,7 @@ int run_compare(const CommandLine& line, Output& output)
     options.threads = values.integer("threads");
     const CompareResult result = compare(line.positionals.at(0), line.positionals.at(1), options);
 
-    // Say what was asked for: all, or one and what thresholds name.
+    // Print the metrics that --metric and --fail-above name.
     Json document;
     for (const Metric& m : k_metrics) {
         if (!wanted(m.name)) continue;
@@ -85,6 +85,8 @@ int run_compare(const CommandLine& line, Output& output)
         const char* none = std::string_view(m.name) == "psnr" ? "equal" : "-";
         output.say(fmt::format("{:<17}{}", m.name, value ? fmt::format("{:.6g}", *value) : none));
     }
+
+    // Check the thresholds.
     std::string failures;
     for (const Threshold& threshold : thresholds) {
         if (!fails(threshold, result)) continue;
@@ -92,7 +94,7 @@ int run_compare(const CommandLine& line, Output& output)
         const char* side = threshold.metric->higher_is_better ? "below" : "above";
         failures += failures.empty() ? "" : "; ";
         failures += value ? fmt::format("{} is {:.6g}, {} {:g}", threshold.metric->name, *value, side, threshold.limit)
-                          : fmt::format("{} cannot be measured here", threshold.metric->name);
+                          : fmt::format("{} cannot be measured for these images", threshold.metric->name);
     }
     output.finish(document);
     if (failures.empty()) return k_exit_done;

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What `devices` says of Vulkan: as text line by line, and as JSON. A machine without is an answer, not a failure.
+// Prints the Vulkan devices line by line and returns them as JSON. A machine without Vulkan is a result, not an error.
 Json describe_vulkan(Output& output)
 {
     Json list = Json::array();
@@ -33,9 +33,9 @@ Json describe_vulkan(Output& output)
             const char* const verdict = d.chosen ? "chosen" : d.suitable ? "suitable" : "not suitable";
             output.say(fmt::format("           {}: {}", verdict, fmt::join(d.reasons, ", ")));
             if (d.no_rays.empty())
-                output.say("           traces rays");
+                output.say("           supports ray tracing");
             else
-                output.say(fmt::format("           traces no rays: it lacks {}", fmt::join(d.no_rays, ", ")));
+                output.say(fmt::format("           no ray tracing: the device lacks {}", fmt::join(d.no_rays, ", ")));
             list.push_back({{"name", d.name},
                             {"kind", d.kind},
                             {"driver", d.driver},
@@ -46,14 +46,14 @@ Json describe_vulkan(Output& output)
                             {"traces_rays", d.no_rays.empty()},
                             {"reasons", d.reasons}});
         }
-        if (list.empty()) output.say("Vulkan     no device (no driver is installed)");
+        if (list.empty()) output.say("Vulkan     no device; install a Vulkan driver");
         return {{"built", true}, {"devices", std::move(list)}};
     } catch (const MissingError& error) {
         output.say(error.what());
         return {{"built", true}, {"missing", error.what()}, {"devices", std::move(list)}};
     }
 #else
-    output.say("Vulkan     not built");
+    output.say("Vulkan     this program was built without Vulkan");
     return {{"built", false}, {"devices", std::move(list)}};
 #endif
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnomon info: through the public interface alone.
+// gnomon info, on the public API alone.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +10,7 @@
 namespace gnomon::cli {
 
 namespace {
+// The number of names and the first few of them.
 std::string names_of(const std::vector<std::string>& names)
 {
     constexpr std::size_t shown = 8;
@@ -26,16 +27,16 @@ int run_info(const CommandLine& line, Output& output)
     const SceneInfo info = scene.info();
 
     output.say(fmt::format("scene      {}", info.name));
-    output.say(fmt::format("triangles  {} ({} may move)", info.triangles, info.triangles_dynamic));
-    output.say(fmt::format("objects    {} ({} may move)", info.objects, info.objects_dynamic));
+    output.say(fmt::format("triangles  {} ({} dynamic)", info.triangles, info.triangles_dynamic));
+    output.say(fmt::format("objects    {} ({} dynamic)", info.objects, info.objects_dynamic));
     output.say(fmt::format("meshes     {}, {} materials, {} textures", info.meshes, info.materials, info.textures));
     output.say(fmt::format("lights     {}", names_of(info.lights)));
     output.say(fmt::format("cameras    {}", names_of(info.cameras)));
-    output.say(fmt::format("clip       {} frames, {:g} to {:g} s, {:g} a second", info.frames, info.start, info.end,
-                           info.fps));
+    output.say(fmt::format("clip       {} frames, {:g} to {:g} s, {:g} frames per second", info.frames, info.start,
+                           info.end, info.fps));
     output.say(fmt::format("bounds     {:g} {:g} {:g} to {:g} {:g} {:g}", info.bounds_low[0], info.bounds_low[1],
                            info.bounds_low[2], info.bounds_high[0], info.bounds_high[1], info.bounds_high[2]));
-    output.say(fmt::format("memory     {:.1f} MB at most", static_cast<double>(peak_memory_bytes()) / 1e6));
+    output.say(fmt::format("memory     {:.1f} MB at peak", static_cast<double>(peak_memory_bytes()) / 1e6));
     for (const std::string& warning : info.warnings) output.warn(warning);
 
     output.finish({{"scene", line.positionals[0]},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnomon render: through the public interface alone.
+// gnomon render, on the public API alone.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,8 +26,8 @@ nlohmann::ordered_json stages_json(const FrameTimes& times)
 
 using Json = nlohmann::ordered_json;
 
-// Options of one renderer mean nothing to the other, and what was asked for is not left out silently.
-void refuse_the_others(const options::OptionValues& values)
+// Throws at options that only the other renderer has, because ignoring them silently would mislead.
+void refuse_options_of_other_renderer(const options::OptionValues& values)
 {
     const auto refuse = [&](std::initializer_list<const char*> names, const char* renderer) {
         for (const char* name : names)
@@ -42,16 +42,16 @@ void refuse_the_others(const options::OptionValues& values)
 
 RenderOptions render_options(const options::OptionValues& values)
 {
-    refuse_the_others(values);
+    refuse_options_of_other_renderer(values);
     RenderOptions options = options::read_render_options(values);
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
                                                   static_cast<std::uint64_t>(values.integer("seed"))};
     if (values.given("indirect") && values.flag("reference"))
-        throw UsageError("--reference is instead of --indirect: one of them");
+        throw UsageError("--reference and --indirect exclude each other");
     for (const char* name : {"spp", "bounces", "seed"})
         if (values.given(name) && !values.flag("reference"))
-            throw UsageError(fmt::format("--{} belongs to --reference", name));
+            throw UsageError(fmt::format("--{} needs --reference", name));
     std::string extension = std::filesystem::path(values.text("out")).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     options.layers = extension == ".exr";
@@ -61,7 +61,8 @@ RenderOptions render_options(const options::OptionValues& values)
 VideoJob video_job(const options::OptionValues& values, const Scene& scene)
 {
     VideoJob job;
-    if (!values.given("out")) throw UsageError("render needs -o OUT: .png, .exr, .mp4, or name-{frame:04}.png");
+    if (!values.given("out"))
+        throw UsageError("render needs -o OUT, the output file: .png, .exr, .mp4, or name-{frame:04}.png");
     job.out = values.text("out");
     if (values.given("frame") && values.given("frames")) throw UsageError("--frame and --frames exclude each other");
     if (values.given("frame")) job.frames = FrameRange{values.integer("frame"), values.integer("frame")};
@@ -77,8 +78,8 @@ VideoJob video_job(const options::OptionValues& values, const Scene& scene)
     return job;
 }
 
-// Where the parts of a rasterised frame's bounced light run; of a traced one all of them are the processor's.
-void say_where(const FrameCounters::Indirect& counters, const RenderOptions& options, Json& json)
+// Adds where each stage of a rasterised frame's indirect light runs. In a traced frame all of them run on the CPU.
+void add_locations(const FrameCounters::Indirect& counters, const RenderOptions& options, Json& json)
 {
     if (options.renderer != RenderMethod::raster || options.indirect == Indirect::off) return;
     const char* const gather = counters.gathered_by_vulkan ? "vulkan" : "cpu";
@@ -96,11 +97,11 @@ Json indirect_of(const FrameRecord& record, const RenderOptions& options)
     const FrameCounters::Indirect& counters = record.counters.indirect;
     Json json = {{"clusters", counters.clusters}, {"rays", counters.rays}};
     if (options.reference) json["noise"] = record.noise;
-    say_where(counters, options, json);
+    add_locations(counters, options, json);
     return json;
 }
 
-// Of a frame that an earlier run made, nobody knows any more what it took.
+// A frame that an earlier run wrote has no times or counters.
 Json kept_frame_of(const FrameRecord& record)
 {
     return {{"frame", record.frame},
@@ -141,7 +142,7 @@ Json frame_of(const FrameRecord& record, const RenderOptions& options)
     return frame;
 }
 
-// A renderer by Vulkan that had no frame to render has met no device.
+// The Vulkan renderer opens no device if there is no frame to render.
 Json device_of(const std::string& device, const RenderOptions& options)
 {
     if (options.renderer == RenderMethod::trace) return gnomon::processor_name();
@@ -176,7 +177,7 @@ std::string summary_of(const VideoResult& result, double seconds)
     std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
                                      result.size.height, duration_text(seconds));
     if (result.files.empty()) return fmt::format("nothing to do ({})", frames);
-    // Of the noisiest frame.
+    // State the noise of the noisiest frame.
     double noise = 0;
     for (const FrameRecord& record : result.frames) noise = std::max(noise, record.noise);
     if (noise > 0) frames += fmt::format(", noise {:.2f} %", 100 * noise);
@@ -184,35 +185,35 @@ std::string summary_of(const VideoResult& result, double seconds)
     return fmt::format("{} ... {} ({})", result.files.front().string(), result.files.back().string(), frames);
 }
 
-// What the published method answers is no proof, and depends on where it began.
-void warn_of_guesses(const options::OptionValues& values, Output& output)
+// Warns that results of the published method are unproven and depend on the first frame rendered.
+void warn_about_history(const options::OptionValues& values, Output& output)
 {
     const bool parts = values.given("chunk") || values.given("resume");
     if (values.text("shadow-culling") != "paper") {
         const std::string overlay = values.text("overlay");
         if (parts && (overlay == "shadow-states" || overlay == "redrawn"))
             output.warn(
-                fmt::format("--overlay {} shows what earlier frames left: with --chunk or --resume, images can "
+                fmt::format("--overlay {} shows the state left by earlier frames: with --chunk or --resume, images can "
                             "differ from those of one run over all frames",
                             overlay));
         return;
     }
     if (!values.given("overlay"))
-        output.warn("--shadow-culling paper guesses: images can be wrong; --overlay shadow-states shows where");
+        output.warn("--shadow-culling paper is approximate: shadows can be wrong; --overlay shadow-states shows where");
     if (parts)
         output.warn(
-            "--shadow-culling paper remembers earlier frames: with --chunk or --resume, images can differ from those "
-            "of one run over all frames; --warm-up N renders the N frames before unseen");
+            "--shadow-culling paper depends on earlier frames: with --chunk or --resume, images can differ from those "
+            "of one run over all frames; --warm-up N first renders the N frames before without writing them");
 }
 
 std::string wrong_text(const VideoResult& result)
 {
-    std::uint64_t wrong = 0, asked = 0;
+    std::uint64_t wrong = 0, tested = 0;
     for (const FrameRecord& record : result.frames) {
         wrong += record.counters.shadow.rays_wrong.value_or(0);
-        if (record.counters.shadow.rays_wrong) asked += record.counters.shadow.rays;
+        if (record.counters.shadow.rays_wrong) tested += record.counters.shadow.rays;
     }
-    return fmt::format("{} of {} shadow results differ from a trace of every ray", wrong, asked);
+    return fmt::format("{} of {} shadow results differ from tracing every ray", wrong, tested);
 }
 }   // namespace
 
@@ -221,7 +222,7 @@ int run_render(const CommandLine& line, Output& output)
     const auto start = std::chrono::steady_clock::now();
     const options::OptionValues& values = line.values;
     const Progress progress = output.progress();
-    Renderer renderer(render_options(values));   // refuses options before the scene is loaded
+    Renderer renderer(render_options(values));   // throws on invalid options before the scene is loaded
     Scene scene = load_scene(line, progress);
     if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
 
@@ -229,13 +230,13 @@ int run_render(const CommandLine& line, Output& output)
         render_video(scene, renderer, video_job(values, scene), progress, [&](const FrameRecord& r) {
             if (values.flag("reference") && !r.kept)
                 output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
-            output.detail(r.kept ? fmt::format("frame {}: kept", r.frame)
+            output.detail(r.kept ? fmt::format("frame {}: kept from an earlier run", r.frame)
                                  : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted",
                                                r.frame, r.milliseconds, r.counters.shadow.rays,
                                                r.counters.reflection_rays, r.counters.refraction_rays));
         });
     for (const std::string& warning : scene.info().warnings) output.warn(warning);
-    warn_of_guesses(values, output);
+    warn_about_history(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
     if (renderer.options().overlay == Overlay::shadow_states) output.say(wrong_text(result));
     output.say(summary_of(result, span.count()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnomon view.
+// gnomon view: opens the viewer and reports its summary.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ int run_view(const CommandLine& line, Output& output)
 {
 #ifdef GNOMON_VIEWER
     viewer::ViewSettings settings(line.values);
-    settings.render_options();   // refuses what excludes each other before a window is there
+    settings.render_options();   // throws on options that exclude each other, before a window opens
     viewer::Viewer viewer(std::move(settings), line.positionals.at(0), line.values.integer("threads"));
     const viewer::ViewSummary summary = viewer.run(interrupted);
     for (const std::string& file : summary.files) output.say(file);
@@ -39,7 +39,8 @@ int run_view(const CommandLine& line, Output& output)
     return 0;
 #else
     (void)line, (void)output;
-    throw MissingError("this program was built without a window (needs GLFW, Dear ImGui and OpenGL)");
+    throw MissingError(
+        "this program was built without the viewer; install GLFW, Dear ImGui and OpenGL and build it again");
 #endif
 }
 

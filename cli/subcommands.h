@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// One function a subcommand. Each returns an exit code or throws one of gnomon's errors.
+// One function per subcommand. Each returns an exit code or throws one of gnomon's errors.
 
 #include "cli/command_line.h"
 #include "cli/output.h"
@@ -19,7 +19,8 @@ int run_bench_all(const CommandLine& line, Output& output);
 int run_bench_shadow_textures(const CommandLine& line, Output& output);
 int run_bench_indirect(const CommandLine& line, Output& output);
 
-/// Loads the scene that a subcommand names first, and applies --fps, --light and --lights where it has them.
+/// Loads the scene named by the first positional argument and applies --fps, --light, --lights and --environment where
+/// the subcommand has them.
 Scene load_scene(const CommandLine& line, const Progress& progress);
 
 }   // namespace gnomon::cli

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# Makes a C++ source of a text file: cmake -DINPUT=page.css -DOUTPUT=page_css.cpp -DNAME=k_page_css -P EmbedText.cmake
+# Converts a text file to C++: cmake -DINPUT=page.css -DOUTPUT=page_css.cpp -DNAME=k_page_css -P EmbedText.cmake
 #
-# The text becomes raw string literals of a size that every compiler takes, as
-# `extern const std::string_view gnomon::bench::NAME`. It must not hold the closing word of the literal.
+# The output defines `extern const std::string_view gnomon::bench::NAME` by raw string literals of a length that every
+# compiler accepts. The text must not contain the delimiter that ends the literal.
 file(READ "${INPUT}" text)
 string(FIND "${text}" ")embedded\"" found)
 if(NOT found EQUAL -1)
-    message(FATAL_ERROR "${INPUT} holds the word that ends the literal")
+    message(FATAL_ERROR "${INPUT} contains )embedded\", which ends the raw string literal")
 endif()
 string(LENGTH "${text}" length)
 set(piece 15000)
-set(source "// Made from a text file by EmbedText.cmake.\n#include <string_view>\n\nnamespace gnomon::bench {\n\n")
+set(source "// Generated from a text file by EmbedText.cmake.\n#include <string_view>\n\nnamespace gnomon::bench {\n\n")
 string(APPEND source "namespace {\nconstexpr char k_text[] =\n")
 set(at 0)
 while(at LESS length)

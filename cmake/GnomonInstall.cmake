@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` puts in place: the program, its manual and completions, and the library as a CMake package.
+# Installs the program, its manual page and completions, and the library as a CMake package.
 #
-# All rooms together are one shared library, so that who uses it needs the public headers and nothing that we are
-# built on.
+# The library is one shared library, so that its users need only the public headers and none of its dependencies.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -10,7 +9,7 @@ add_library(gnomon_shared SHARED $<TARGET_OBJECTS:gnomon_api> $<TARGET_OBJECTS:g
 add_library(gnomon::gnomon ALIAS gnomon_shared)
 set_target_properties(gnomon_shared PROPERTIES OUTPUT_NAME gnomon EXPORT_NAME gnomon VERSION "${PROJECT_VERSION}"
     SOVERSION "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
-target_link_libraries(gnomon_shared PRIVATE gnomon_video)   # what its objects need; the rest stays out
+target_link_libraries(gnomon_shared PRIVATE gnomon_video)   # the dependencies of its objects; private, so that users do not need them
 target_include_directories(gnomon_shared INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 target_compile_features(gnomon_shared INTERFACE cxx_std_20)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What every target of ours has in common, and gnomon_library(): one static library a folder of src/.
+# Defines the compiler flags of all targets, and functions that make a static library of a folder and compile shaders.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -14,15 +14,15 @@ if(GNOMON_CCACHE)
     set(CMAKE_CXX_COMPILER_LAUNCHER "${GNOMON_CCACHE}")
 endif()
 
-# Flags are in one interface target. Never -ffast-math: results are compared to the bit. No contraction to fused
-# multiply-add either: whether it happens would depend on the compiler's mood, and with it the last bit.
+# All flags are in one interface target. Do not use -ffast-math, because results are compared to the bit. Contraction to
+# fused multiply-add is off, because the compiler would decide where it happens and so change the last bit.
 add_library(gnomon_flags INTERFACE)
 target_include_directories(gnomon_flags INTERFACE
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>" "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>")
 target_compile_options(gnomon_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off
     $<$<BOOL:${GNOMON_WERROR}>:-Werror>)
-# SSE4.2 is in every x86-64 processor since 2009, and rounding is one instruction there instead of a call. What needs more
-# (Embree, vectorised loops) chooses at run time.
+# Every x86-64 processor since 2009 has SSE4.2, which rounds with one instruction instead of a call. Code that uses later
+# instruction sets (Embree, vectorised loops) selects them at run time.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     set(GNOMON_ARCH "x86-64-v2" CACHE STRING "Instruction set to compile for, as -march takes it")
     target_compile_options(gnomon_flags INTERFACE -march=${GNOMON_ARCH})
@@ -31,16 +31,16 @@ if(GNOMON_SANITIZE)
     target_compile_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer
         -fno-sanitize-recover=all)
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-        # gcc warns of what its own instrumentation makes of the standard library.
+        # Disable warnings that gcc gives for the standard library when it is instrumented.
         target_compile_options(gnomon_flags INTERFACE
             -Wno-stringop-overflow -Wno-array-bounds -Wno-maybe-uninitialized)
     endif()
     target_link_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE})
 endif()
 
-# gnomon_library(NAME [FOLDER f] [SHADERS] [LINK targets...] [PRIVATE targets...]): all .cpp files of src/NAME, or of
-# src/FOLDER, and of the folders in it, but for vulkan/, which is a target of its own; shaders of the folder itself with
-# SHADERS; public and private needs.
+# gnomon_library(NAME [FOLDER f] [SHADERS] [LINK targets...] [PRIVATE targets...]): the static library gnomon_NAME of all
+# .cpp files in src/NAME, or src/FOLDER, and its subfolders except vulkan/, which is a separate target. SHADERS adds the
+# shaders of the folder itself. LINK and PRIVATE list public and private dependencies.
 function(gnomon_library name)
     cmake_parse_arguments(ARG "SHADERS" "FOLDER" "LINK;PRIVATE" ${ARGN})
     if(NOT ARG_FOLDER)
@@ -57,8 +57,8 @@ function(gnomon_library name)
     endif()
 endfunction()
 
-# gnomon_program_library(NAME [LINK targets...] [PRIVATE targets...]): the same of the folder NAME beside src/, whose
-# programs' own sources (main.cpp, NAME_main.cpp) are left out; its headers go by "NAME/file.h".
+# gnomon_program_library(NAME [LINK targets...] [PRIVATE targets...]): the same for the folder NAME beside src/, without
+# its programs' main files (main.cpp, *_main.cpp). Headers are included as "NAME/file.h".
 function(gnomon_program_library name)
     cmake_parse_arguments(ARG "" "" "LINK;PRIVATE" ${ARGN})
     set(from "${PROJECT_SOURCE_DIR}/${name}")
@@ -69,9 +69,9 @@ function(gnomon_program_library name)
     target_link_libraries(gnomon_${name} PUBLIC gnomon_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
-# gnomon_shaders(TARGET FOLDER): every shader of FOLDER (src/ROOM, say) as SPIR-V words, to be included as
-# "ROOM/NAME.STAGE.inc". The target environment is Vulkan 1.2's: 1.3's would put work group sizes where reflection
-# cannot read them. Not optimised here: that would take the names that bindings go by, and drivers do it anyway.
+# gnomon_shaders(TARGET FOLDER): compiles every shader in FOLDER (src/ROOM or tests/ROOM) to SPIR-V words that are
+# included as "ROOM/NAME.STAGE.inc". The target environment is Vulkan 1.2, because with 1.3 reflection cannot read work
+# group sizes. Shaders are not optimised here, because that removes the names used to bind resources; drivers optimise.
 function(gnomon_shaders target folder)
     string(REGEX REPLACE "^(src|tests)/" "" room "${folder}")
     set(from "${PROJECT_SOURCE_DIR}/${folder}")

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Puts a model into a box like that of builtin:cornell, for bench indirect: the "Buddha in the box" of Ki and Oh (2007).
+"""Writes a glTF scene with a model in a Cornell box, for bench indirect: the "Buddha in the box" of Ki and Oh (2007).
 
     tools/buddha_box.py $GNOMON_SCENES/stanford/buddha_50k_decimated.obj buddha.glb
 
-The model (OBJ; positions and faces are read, nothing else) stands on the floor in the place of the two blocks, 1.3 high;
-a ball runs past in front of it, 40 frames of 24 a second; a spot light and a camera where the built-in box has them.
+The model is an OBJ file, of which only positions and faces are read. It is scaled to a height of 1.3 and stands on the
+floor in place of the two blocks of builtin:cornell. A ball moves past in front of it for 40 frames at 24 frames per
+second. The spot light and the camera are those of builtin:cornell.
 """
 
 import array
@@ -14,7 +15,7 @@ import math
 import struct
 import sys
 
-HEIGHT = 1.3                      # of the model
+HEIGHT = 1.3   # of the model
 FRAMES, RATE = 40, 24
 BALL, BALL_START, BALL_STEP = 0.12, (-0.6, 0.1, 0.62), (0.03, -0.012, 0.0)
 WHITE, RED, GREEN, BLUE, CLAY = (0.75,) * 3, (0.75, 0.1, 0.1), (0.1, 0.75, 0.1), (0.3, 0.3, 0.8), (0.72, 0.65, 0.5)
@@ -22,6 +23,7 @@ LIGHT, TOWARD, CONE, CANDELA = (0.6, 0.8, 0.9), (-1.1, -1.0, -1.1), 0.7, 8
 
 
 def read_obj(path):
+    """Returns positions and triangles; polygons are split into fans."""
     points, triangles = [], []
     with open(path, encoding="utf-8", errors="replace") as lines:
         for line in lines:
@@ -38,7 +40,7 @@ def read_obj(path):
 
 
 def normals_of(points, triangles):
-    """Means over the triangles around, weighed by area."""
+    """Returns vertex normals: means over the adjacent triangles, weighted by area."""
     sums = [[0.0, 0.0, 0.0] for _ in points]
     for a, b, c in triangles:
         u = [points[b][i] - points[a][i] for i in range(3)]
@@ -55,6 +57,7 @@ def normals_of(points, triangles):
 
 
 def box(low, high):
+    """Returns points, normals and triangles of an axis-aligned box."""
     points, normals, triangles = [], [], []
     for axis in range(3):
         for side in (0, 1):
@@ -72,6 +75,7 @@ def box(low, high):
 
 
 def ball(radius, rings=24, segments=48):
+    """Returns points, normals and triangles of a sphere around the origin."""
     points, normals, triangles = [], [], []
     for r in range(rings + 1):
         for s in range(segments + 1):
@@ -91,12 +95,15 @@ def ball(radius, rings=24, segments=48):
 
 
 class File:
+    """A glTF file that is built in memory."""
+
     def __init__(self):
         self.data = bytearray()
         self.document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [],
                          "materials": [], "accessors": [], "bufferViews": []}
 
     def accessor(self, rows, kind, code, component):
+        """Appends values to the buffer and returns the index of their accessor."""
         flat = [x for row in rows for x in (row if isinstance(row, tuple) else (row,))]
         values = array.array(code, flat)
         if sys.byteorder == "big":
@@ -116,11 +123,13 @@ class File:
         return len(self.document["accessors"]) - 1
 
     def node(self, node):
+        """Adds a root node and returns its index."""
         self.document["nodes"].append(node)
         self.document["scenes"][0]["nodes"].append(len(self.document["nodes"]) - 1)
         return len(self.document["nodes"]) - 1
 
     def mesh(self, name, shape, color, **place):
+        """Adds a mesh with a diffuse material as a node and returns the node's index."""
         points, normals, triangles = shape
         d = self.document
         d["materials"].append({"name": name, "pbrMetallicRoughness": {
@@ -132,6 +141,7 @@ class File:
         return self.node({"name": name, "mesh": len(d["meshes"]) - 1, **place})
 
     def write(self, path):
+        """Writes the file as binary glTF."""
         while len(self.data) % 4:
             self.data.append(0)
         self.document["buffers"] = [{"byteLength": len(self.data)}]
@@ -144,7 +154,7 @@ class File:
 
 
 def turn_to(direction):
-    """The quaternion that takes -Z, where lights look, to a direction."""
+    """Returns the quaternion that rotates -Z, the direction of a light, to a direction."""
     length = math.sqrt(sum(x * x for x in direction))
     x, y, z = (c / length for c in direction)
     q = (y, -x, 0.0, 1 - z)   # (0, 0, -1) x direction, 1 + their dot product
@@ -155,12 +165,16 @@ def turn_to(direction):
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
+
+    # Scale the model and place it on the floor.
     points, triangles = read_obj(sys.argv[1])
     low = [min(p[i] for p in points) for i in range(3)]
     high = [max(p[i] for p in points) for i in range(3)]
     scale = HEIGHT / (high[1] - low[1])
     points = [(scale * (p[0] - (low[0] + high[0]) / 2), scale * (p[1] - low[1]) - 1,
                scale * (p[2] - (low[2] + high[2]) / 2) - 0.2) for p in points]
+
+    # Add the walls, the model and the moving ball.
     file = File()
     for name, wall_low, wall_high, color in (
             ("floor", (-1.1, -1.1, -1.1), (1.1, -1.0, 1.0), WHITE), ("ceiling", (-1.1, 1.0, -1.1), (1.1, 1.1, 1.0), WHITE),
@@ -168,13 +182,15 @@ def main():
             ("right", (1.0, -1.0, -1.1), (1.1, 1.0, 1.0), GREEN)):
         file.mesh(name, box(wall_low, wall_high), color)
     file.mesh("model", (points, normals_of(points, triangles), triangles), CLAY)
-    dynamic_object = file.mesh("ball", ball(BALL), BLUE, translation=list(BALL_START))
+    ball_node = file.mesh("ball", ball(BALL), BLUE, translation=list(BALL_START))
     times = [0.0, (FRAMES - 1) / RATE]
     end = tuple(a + (FRAMES - 1) * b for a, b in zip(BALL_START, BALL_STEP))
     file.document["animations"] = [{
         "samplers": [{"input": file.accessor(times, "SCALAR", "f", 5126),
                       "output": file.accessor([BALL_START, end], "VEC3", "f", 5126)}],
-        "channels": [{"sampler": 0, "target": {"node": dynamic_object, "path": "translation"}}]}]
+        "channels": [{"sampler": 0, "target": {"node": ball_node, "path": "translation"}}]}]
+
+    # Add the camera and the light.
     file.document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.62, "aspectRatio": 1.0, "znear": 0.01}}]
     file.node({"camera": 0, "translation": [0.0, 0.0, 3.6]})
     file.document["extensionsUsed"] = ["KHR_lights_punctual"]

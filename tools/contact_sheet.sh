@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What `gnomon render FILE -o image.png` makes of every scene there is, with no other option: for looking at.
+# Renders every available scene with `gnomon render FILE -o image.png` and no other option, for visual inspection.
 #
 #     tools/contact_sheet.sh DIR [PROGRAM]
 #
-# Writes DIR/*.png, one a scene, named after it, and DIR/sheet.png with all of them in the order of DIR/sheet.txt. The
-# scenes are the built-in ones and those under GNOMON_SCENES (default ../shared/scenes), broken files left out, and parts
-# of scenes that have neither light nor camera. Needs ffmpeg. Exits with 1 if an image did not come.
+# Writes one DIR/*.png per scene, named after it, and DIR/sheet.png with all of them in the order of DIR/sheet.txt. The
+# scenes are the built-in ones and those in GNOMON_SCENES (default ../shared/scenes) except broken files; some are parts
+# of scenes without light and camera. Needs ffmpeg. Exits with 1 if a scene could not be rendered.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 [[ $# -ge 1 ]] || { sed -n '3,9s/^# \{0,1\}//p' "$0"; exit 2; }
@@ -36,12 +36,12 @@ for scene in "${list[@]}"; do
         echo "$name" >>"$out/sheet.txt"
         inputs+=(-i "$out/$name.png")
     else
-        echo "no image of $scene" >&2
+        echo "$scene could not be rendered" >&2
         failed=1
     fi
 done
 
-# Four in a row, each 480 x 270 with a dark border.
+# Arrange the images in rows of four, each 480 x 270 with a dark border.
 count=$((${#inputs[@]} / 2)) filter='' layout=''
 [[ $count -gt 1 ]] || exit 1
 for ((i = 0; i < count; ++i)); do

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the images of README.md, docs/guide and docs/papers.
+# Renders the images of README.md, docs/guide and docs/papers.
 #
 #     tools/guide_images.sh [PROGRAM [FOLDER]]
 #
-# PROGRAM: build/release/gnomon; FOLDER: docs/images. The one of what was redrawn needs Vulkan; the viewer's, Xvfb and
-# xdotool, and a machine that does nothing else meanwhile, since it shows how long a frame takes.
+# The defaults are build/release/gnomon and docs/images. tour-redrawn.png needs Vulkan. viewer.png needs Xvfb, xdotool
+# and an otherwise idle machine, because it shows frame times.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=${1:-$here/build/release/gnomon}
@@ -20,7 +20,7 @@ box=(builtin:cornell --frame 20 --size 320x320)
 states=(builtin:kinetic --frame 60 --size 640x360 --overlay shadow-states --overlay-light 0 --quiet)
 "$program" render "${states[@]}" -o "$out/shadow-states.png"
 "$program" render "${states[@]}" --shadow-culling paper -o "$out/shadow-states-paper.png"
-# The clip has played, so that times and shares are those of frames that remember; the ball is picked.
+# Play the clip first, so that the counters are those of frames with filled caches, and pick the ball.
 printf '%s\n' 'sleep 3' 'key space' 'sleep 6' 'key space' 'key Home' 'sleep 3' 'mousemove 410 300' 'click 1' 'sleep 3' \
     'mousemove 960 600' 'sleep 1' 'shot viewer.png' 'key Escape' |
     GNOMON_SCREEN=1024x640 "$here/tests/cli/drive_window.sh" "$out" "$(realpath "$program")" view builtin:cornell \

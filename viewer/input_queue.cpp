@@ -14,7 +14,7 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr int k_first_named_key = 256;   // GLFW's codes below are keys that type something
+constexpr int k_first_named_key = 256;   // GLFW's codes below this one are keys that type a character
 
 bool modifier(int key)
 {
@@ -64,13 +64,14 @@ InputQueue::~InputQueue()
     current = nullptr;
 }
 
-// A key that does something instead of typing: Return, Backspace, Control with a letter; outside text fields, any.
+// Whether the event is a command key: Return, Backspace, Control with a letter; outside text fields, any key.
 bool InputQueue::acts(const Event& event)
 {
     if (event.kind != Event::Kind::key || event.action == GLFW_RELEASE || modifier(event.code)) return false;
     return event.code >= k_first_named_key || (event.mods & GLFW_MOD_CONTROL) || !ImGui::GetIO().WantTextInput;
 }
 
+// Whether the frame may take the event in addition to those it has taken.
 bool InputQueue::fits(const Event& event, const Taken& taken) const
 {
     switch (event.kind) {
@@ -83,9 +84,9 @@ bool InputQueue::fits(const Event& event, const Taken& taken) const
             return !taken.button;
         case Event::Kind::key:
             if (event.action == GLFW_REPEAT) return !taken.button;   // Dear ImGui repeats by itself
-            // Shift belongs to the Home that it is held down for.
+            // Keep a modifier for the command key that it is held down for.
             if (taken.button || ((acts(event) || modifier(event.code)) && taken.command)) return false;
-            // A letter of a text may come twice.
+            // Accept a letter twice while text is typed.
             return !taken.keys.contains(event.code) ||
                    (event.code < k_first_named_key && ImGui::GetIO().WantTextInput && !taken.command);
         case Event::Kind::text:

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Input events in their order, however slow the window's frames are. GLFW says where the mouse is and which keys are
-// down *now*: a press and its release between two frames leave no trace, and a click belongs to wherever the mouse went
-// since. So events are queued, and a frame takes as many as cannot hide one another (the rest wait for the next one).
+// Queues input events and passes them to Dear ImGui in order, however slow the window's frames are.
 //
-// What a frame may see together: movements; one change of a button, of a key; text; a key that acts after the text
-// before it. Not: anything after a click, since the click may open what the next event is meant for.
+// GLFW reports only the current position of the mouse and the current state of the keys. A press and release between
+// two frames would be lost, and a click would be assigned to the latest mouse position. Therefore events are queued,
+// and each frame takes as many as do not hide one another; the others wait for the next frame.
+//
+// One frame may take several movements, one change of a button, one change of each key, and text followed by a command
+// key. Nothing follows a click in the same frame, because the click may open the widget that the next event is for.
 
 #include <deque>
 #include <functional>
@@ -17,24 +19,25 @@ namespace gnomon::viewer {
 
 class InputQueue {
  public:
-    /// Takes the place of the window's callbacks for input; Dear ImGui's are called from here.
-    /// @param on_key  called for every key pressed or repeated that no text field takes
+    /// Replaces the window's input callbacks and calls those of Dear ImGui itself.
+    /// @param on_key  called for every key pressed or repeated while no text field has the focus
     InputQueue(GLFWwindow* window, std::function<void(int key)> on_key);
     ~InputQueue();
     InputQueue(const InputQueue&) = delete;
     InputQueue& operator=(const InputQueue&) = delete;
 
-    /// After ImGui_ImplGlfw_NewFrame, before ImGui::NewFrame: gives Dear ImGui this frame's share.
+    /// Passes this frame's events to Dear ImGui. Call it between ImGui_ImplGlfw_NewFrame and ImGui::NewFrame.
     void feed();
     bool empty() const { return events_.empty(); }
 
  private:
     struct Event {
         enum class Kind { move, leave, button, wheel, key, text } kind;
-        int code = 0, scancode = 0, action = 0, mods = 0;   // button or key, as GLFW names them; text: a character
+        int code = 0, scancode = 0, action = 0,
+            mods = 0;   // GLFW's codes of a button or key; for text, `code` is the character
         double x = 0, y = 0;
     };
-    // What this frame has taken so far.
+    // The kinds of events that this frame has taken so far.
     struct Taken {
         std::set<int> keys;
         bool button = false, wheel = false, command = false;
@@ -43,7 +46,7 @@ class InputQueue {
     void take(const Event& event, Taken& taken);
     static bool acts(const Event& event);
 
-    static InputQueue* current;   // GLFW's callbacks carry no data of ours but the window's pointer, which is taken
+    static InputQueue* current;   // for GLFW's callbacks; the window's user pointer belongs to the viewer
     GLFWwindow* window_;
     std::function<void(int)> on_key_;
     std::deque<Event> events_;

@@ -35,7 +35,7 @@ glm::vec3 OrbitCamera::right() const
 
 void OrbitCamera::orbit(float right, float up)
 {
-    // The scene follows the hand: the eye goes the other way.
+    // The scene follows the mouse, so the eye moves the other way.
     yaw_ -= right;
     pitch_ = std::clamp(pitch_ - up, -k_steepest, k_steepest);
 }

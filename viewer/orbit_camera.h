@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The viewer's own eye: it circles a point, moves with it, comes nearer, or flies. World up is +Y.
+// The viewer's interactive camera: it orbits a pivot, pans with it, zooms towards it, or flies. World up is +Y.
 
 #include "scene/view.h"
 
@@ -8,20 +8,20 @@ namespace gnomon::viewer {
 
 class OrbitCamera {
  public:
-    /// Takes over from a view, turning around the point `distance` ahead of it.
+    /// Starts from a view; the pivot is the point `distance` ahead of it.
     void follow(const scene::View& view, float distance);
 
-    /// Around the pivot, radians: to the right and upwards. Stops short of straight up and down.
+    /// Turns around the pivot by angles in radians, to the right and upwards, stopping short of straight up and down.
     void orbit(float right, float up);
-    /// Looks around from where the eye is, radians.
+    /// Turns around the eye by angles in radians.
     void look(float right, float up);
-    /// Across the view, as shares of its height at the pivot.
+    /// Moves eye and pivot across the view, in fractions of the view's height at the pivot.
     void pan(float right, float up);
-    /// @param factor  of the distance to the pivot; above 1 backs away
+    /// Multiplies the distance to the pivot by `factor`; above 1 moves away.
     void zoom(float factor);
-    /// Along the view, to its right and straight up, in scene units.
+    /// Moves along the view direction, to the right and straight up, in scene units.
     void fly(float forward, float right, float up);
-    /// The pivot becomes that point; the eye stays, the view turns towards it.
+    /// Makes `point` the pivot and turns the view towards it; the eye stays.
     void aim(const glm::vec3& point);
 
     scene::View view(Size size) const;
@@ -33,9 +33,10 @@ class OrbitCamera {
     glm::vec3 right() const;
 
     glm::vec3 pivot_{0};
-    float yaw_ = 0, pitch_ = 0;   // radians; 0: towards -Z, level
+    float yaw_ = 0, pitch_ = 0;   // radians; at 0 the view is level and towards -Z
     float distance_ = 1;
-    float half_height_ = 0.4f;   // tangent of half the vertical field of view; of an orthographic view, at distance 1
+    float half_height_ =
+        0.4f;   // tangent of half the vertical field of view; if orthographic, half height per distance
     bool orthographic_ = false;
     float near_ = 0.01f, far_ = k_infinity;
 };

@@ -12,11 +12,11 @@ namespace gnomon::viewer {
 
 namespace {
 
-// Of the reports' charts.
+// The colours of the reports' charts.
 constexpr ImU32 k_stage_colors[ViewTimes::k_stages] = {IM_COL32(229, 159, 53, 255), IM_COL32(94, 167, 107, 255),
                                                        IM_COL32(66, 133, 201, 255), IM_COL32(171, 120, 184, 255)};
 
-// Takes effect on the scene, not on a frame of it.
+// Whether the option changes the scene, which then has to be loaded again, and not just a frame of it.
 bool of_scene(std::string_view name)
 {
     return name == "fps" || name == "lights" || name == "light" || name == "environment";
@@ -60,10 +60,14 @@ void TimeGraph::add(const ViewTimes& times)
 void TimeGraph::draw() const
 {
     if (count_ == 0) return;
+
+    // State the time of the latest frame.
     const ViewTimes& last = times_[(next_ + k_length - 1) % k_length];
     double most = 1;
     for (std::size_t i = 0; i < count_; ++i) most = std::max(most, times_[i].total());
-    line(fmt::format("{:.1f} ms a frame ({:.1f} a second)", last.total(), 1000 / std::max(last.total(), 1e-3)));
+    line(fmt::format("{:.1f} ms per frame ({:.1f} per second)", last.total(), 1000 / std::max(last.total(), 1e-3)));
+
+    // Draw one stacked bar per frame, scaled to the slowest.
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = 4 * ImGui::GetFontSize();
     ImDrawList* const draw = ImGui::GetWindowDrawList();
@@ -81,6 +85,8 @@ void TimeGraph::draw() const
     }
     draw->AddText({corner.x + 3, corner.y + 1}, IM_COL32(200, 200, 200, 255), fmt::format("{:.0f} ms", most).c_str());
     ImGui::Dummy({width, height});
+
+    // List the stages of the latest frame.
     for (int stage = 0; stage < ViewTimes::k_stages; ++stage) {
         if (stage % 2 == 1) ImGui::SameLine(ImGui::GetFontSize() * 10);
         ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(k_stage_colors[stage]), "%s %.1f ms", ViewTimes::name(stage),
@@ -117,10 +123,10 @@ double Playback::time(const Scene& scene) const
     return here + (frame - whole) * (scene.time_of(whole + 1) - here);
 }
 
-HandMoved* HandList::find(scene::NodeId node)
+HandMoved* OverrideList::find(scene::NodeId node)
 {
-    const auto found = std::find_if(hands.begin(), hands.end(), [&](const HandMoved& h) { return h.node == node; });
-    return found == hands.end() ? nullptr : &*found;
+    const auto found = std::find_if(list.begin(), list.end(), [&](const HandMoved& h) { return h.node == node; });
+    return found == list.end() ? nullptr : &*found;
 }
 
 void Panel::option(ViewSettings& settings, const options::Option& option, PanelEvents& events)
@@ -148,19 +154,19 @@ void Panel::option(ViewSettings& settings, const options::Option& option, PanelE
             ImGui::EndCombo();
         }
     } else {
-        // Typed text takes effect with Enter.
-        auto under_way = std::find_if(typed_.begin(), typed_.end(), [&](const auto& t) { return t.first == name; });
-        if (under_way == typed_.end()) under_way = typed_.insert(typed_.end(), {name, current});
+        // Keep text while it is typed; it takes effect with Enter.
+        auto edited = std::find_if(typed_.begin(), typed_.end(), [&](const auto& t) { return t.first == name; });
+        if (edited == typed_.end()) edited = typed_.insert(typed_.end(), {name, current});
         std::array<char, 256> text{};
-        std::strncpy(text.data(), under_way->second.c_str(), text.size() - 1);
+        std::strncpy(text.data(), edited->second.c_str(), text.size() - 1);
         const std::string hint(option.argument);
         if (ImGui::InputTextWithHint(name.c_str(), hint.c_str(), text.data(), text.size(),
                                      ImGuiInputTextFlags_EnterReturnsTrue))
             set(text.data());
         if (ImGui::IsItemActive())
-            under_way->second = text.data();
+            edited->second = text.data();
         else
-            under_way->second = settings.values().text(name);
+            edited->second = settings.values().text(name);
     }
     tooltip(option.help);
     ImGui::PopItemWidth();
@@ -184,7 +190,7 @@ void Panel::options(ViewSettings& settings, PanelEvents& events)
 void Panel::player(Playback& playback, const Scene& scene) const
 {
     if (playback.frames <= 1) {
-        line("stands still: one frame");
+        line("static scene: one frame");
         return;
     }
     if (ImGui::Button(playback.playing ? "Pause" : "Play")) playback.playing = !playback.playing;
@@ -210,39 +216,39 @@ void Panel::player(Playback& playback, const Scene& scene) const
 void Panel::counters(const ViewImage& image) const
 {
     const FrameCounters::Shadow& shadow = image.counters.shadow;
-    const auto share = [](std::uint64_t part, std::uint64_t of) {
+    const auto percent = [](std::uint64_t part, std::uint64_t of) {
         return of ? 100 * static_cast<double>(part) / static_cast<double>(of) : 0.0;
     };
-    line(fmt::format("{} shadow rays asked for", shadow.rays));
-    line(fmt::format("  {:.1f} % answered without a ray", share(shadow.rays_skipped, shadow.rays)));
-    line(fmt::format("  {:.1f} % against dynamic objects alone", share(shadow.rays_dynamic_only, shadow.rays)));
+    line(fmt::format("{} shadow rays", shadow.rays));
+    line(fmt::format("  {:.1f} % culled", percent(shadow.rays_skipped, shadow.rays)));
+    line(fmt::format("  {:.1f} % traced against dynamic objects only", percent(shadow.rays_dynamic_only, shadow.rays)));
     line(fmt::format("{} rays for indirect light", image.counters.indirect.rays));
-    line(fmt::format("{:.1f} MB remembered", static_cast<double>(image.remembered_bytes) / 1e6));
+    line(fmt::format("{:.1f} MB of caches", static_cast<double>(image.remembered_bytes) / 1e6));
     line(fmt::format("{} x {} pixels", image.eye.size.width, image.eye.size.height));
 }
 
-void Panel::object(HandList& hands, const ViewImage& image)
+void Panel::object(OverrideList& overrides, const ViewImage& image)
 {
     if (!picked || picked->object == scene::none) {
         line("click on an object to pick it");
         return;
     }
-    line(fmt::format("{} (number {}): {}", picked->name.empty() ? "without a name" : picked->name, picked->object,
+    line(fmt::format("{} (object {}): {}", picked->name.empty() ? "unnamed" : picked->name, picked->object,
                      picked->mobility));
-    HandMoved* hand = hands.find(picked->node);
-    bool held = hand != nullptr;
+    HandMoved* applied = overrides.find(picked->node);
+    bool held = applied != nullptr;
     if (ImGui::Checkbox("freeze", &held)) {
         if (held) {
-            hands.hands.push_back({picked->node, true, glm::vec3(0)});
+            overrides.list.push_back({picked->node, true, glm::vec3(0)});
             frozen.insert(picked->name);
         } else
-            std::erase_if(hands.hands, [&](const HandMoved& h) { return h.node == picked->node; });
+            std::erase_if(overrides.list, [&](const HandMoved& h) { return h.node == picked->node; });
     }
-    tooltip("keeps it where it is now, whatever its track says; then it can be moved by hand");
-    hand = hands.find(picked->node);
-    if (!hand) return;
+    tooltip("keeps the object where it is now and ignores its animation, so that it can be moved");
+    applied = overrides.find(picked->node);
+    if (!applied) return;
     const float step = 0.002f * glm::length(image.eye.eye - picked->position);
-    if (ImGui::DragFloat3("move", &hand->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
+    if (ImGui::DragFloat3("move", &applied->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
 }
 
 void Panel::keys()
@@ -252,50 +258,50 @@ void Panel::keys()
                             {0.5f, 0.5f});
     ImGui::Begin("Keys", &help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
     static constexpr const char* k_keys[][2] = {
-        {"left drag", "turn around the scene"},
+        {"left drag", "orbit around the pivot"},
         {"right drag", "look around"},
-        {"middle or shift drag", "move sideways"},
-        {"wheel", "nearer, farther"},
+        {"middle or shift drag", "pan"},
+        {"wheel", "zoom"},
         {"W A S D, E Q", "fly, up and down; with shift, four times as fast"},
         {"click", "pick an object"},
         {"F", "aim at the picked object"},
-        {"C", "the scene's own camera"},
-        {"space", "play, pause"},
-        {"left, right", "a frame back, on"},
-        {"Home, End", "the first frame, the last"},
-        {"O", "overlay of shadow states, or of what was redrawn"},
-        {"Tab", "panel"},
-        {"P", "screenshot"},
-        {"R", "record"},
-        {"H", "this help"},
-        {"Escape", "leave"},
+        {"C", "use the scene's camera"},
+        {"space", "play or pause"},
+        {"left, right", "step one frame back or forward"},
+        {"Home, End", "go to the first or last frame"},
+        {"O", "show or hide the overlay: shadow states, or redrawn areas"},
+        {"Tab", "show or hide the panel"},
+        {"P", "save a screenshot"},
+        {"R", "start or stop recording"},
+        {"H", "show or hide this help"},
+        {"Escape", "quit"},
     };
-    for (const auto& [key, what] : k_keys) {
+    for (const auto& [key, action] : k_keys) {
         ImGui::TextUnformatted(key);
         ImGui::SameLine(ImGui::GetFontSize() * 12);
-        ImGui::TextUnformatted(what);
+        ImGui::TextUnformatted(action);
     }
-    line("Drop a scene file on the window to open it. A file that changes is read again.");
+    line("Drop a scene file on the window to open it. A file is loaded again when it changes.");
     ImGui::End();
 }
 
-// What an overlay's colours say. Shadow states have theirs in the image.
+// Explains the colours of an overlay. The overlay of shadow states has a legend in the image.
 void Panel::legend(const std::string& overlay)
 {
     struct Entry {
         ImU32 color;
-        const char* what;
+        const char* text;
     };
     std::vector<Entry> entries;
     if (overlay == "redrawn")
-        entries = {{IM_COL32(255, 89, 63, 255), "moves: drawn in every frame, on top of what stands still"},
-                   {IM_COL32(108, 231, 124, 255), "came to rest: drawn once more, to stay"},
-                   {IM_COL32(255, 210, 63, 255), "repaired: drawn again where something left it, or its light changed"},
-                   {IM_COL32(150, 150, 150, 255), "kept: its depths were not touched"}};
+        entries = {{IM_COL32(255, 89, 63, 255), "dynamic: drawn in every frame over the static objects"},
+                   {IM_COL32(108, 231, 124, 255), "came to rest: drawn once and then kept"},
+                   {IM_COL32(255, 210, 63, 255), "repaired: redrawn where an object moved away or the light changed"},
+                   {IM_COL32(150, 150, 150, 255), "kept: depths unchanged"}};
     else if (overlay == "clusters")
-        entries = {{IM_COL32(235, 110, 80, 255), "each colour one cluster, lit: a node of the light's tree"},
-                   {IM_COL32(140, 65, 48, 255), "the darker, the smaller it is"},
-                   {IM_COL32(64, 64, 64, 255), "in no cluster: the light does not see it"}};
+        entries = {{IM_COL32(235, 110, 80, 255), "lit surfaces: one colour per cluster, a node of the light tree"},
+                   {IM_COL32(140, 65, 48, 255), "darker colours: smaller clusters"},
+                   {IM_COL32(64, 64, 64, 255), "in no cluster: not visible from the light"}};
     if (entries.empty()) return;
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({display.x - 8, display.y - 8}, ImGuiCond_Always, {1, 1});
@@ -306,17 +312,19 @@ void Panel::legend(const std::string& overlay)
         ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + side, at.y + side}, entry.color);
         ImGui::Dummy({side, side});
         ImGui::SameLine();
-        ImGui::TextUnformatted(entry.what);
+        ImGui::TextUnformatted(entry.text);
     }
     ImGui::End();
 }
 
-PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& hands, const Scene* scene,
+PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList& overrides, const Scene* scene,
                         const ViewImage* image, const LoadState& load, bool own_camera, bool recording)
 {
     PanelEvents events;
     keys();
     legend(settings.values().text("overlay"));
+
+    // Show the progress of loading at the bottom and the latest error or message at the top.
     if (load.loading) {
         ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always,
                                 {0.5f, 1});
@@ -326,16 +334,18 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& ha
         ImGui::End();
     }
     const std::string& error = load.error.empty() ? load.frame_error : load.error;
-    const std::string& trouble = error.empty() ? message : error;
-    if (!trouble.empty()) {
+    const std::string& notice = error.empty() ? message : error;
+    if (!notice.empty()) {
         ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, 10}, ImGuiCond_Always, {0.5f, 0});
         ImGui::Begin("##message", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
         ImGui::PushTextWrapPos(ImGui::GetFontSize() * 40);
-        line(trouble);
+        line(notice);
         ImGui::PopTextWrapPos();
         ImGui::End();
     }
     if (!shown) return events;
+
+    // Draw the panel itself.
     ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSize({ImGui::GetFontSize() * 22, ImGui::GetIO().DisplaySize.y - 16}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowBgAlpha(0.85f);
@@ -353,7 +363,7 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, HandList& ha
         ImGui::Separator();
         counters(*image);
         ImGui::Separator();
-        object(hands, *image);
+        object(overrides, *image);
     }
     ImGui::Separator();
     options(settings, events);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The viewer's panels: every option of the table as a widget, times by stage, what was remembered, the picked object,
-// the keys.
+// The viewer's panel: a widget for every option of the table, frame times by stage, counters, the picked object and the
+// list of keys.
 
 #include <array>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace gnomon::viewer {
 
-/// The last frames' times by stage, as stacked bars.
+/// Draws the times of the latest frames as stacked bars, one colour per stage.
 class TimeGraph {
  public:
     void add(const ViewTimes& times);
@@ -25,10 +25,10 @@ class TimeGraph {
     std::size_t next_ = 0, count_ = 0;
 };
 
-/// The clip's clock.
+/// The position in the animation, and whether and how fast it plays.
 struct Playback {
     bool playing = true;
-    double frame = 1;   // a fraction says how far to the next
+    double frame = 1;   // from 1; a fractional part lies between two frames
     float speed = 1;
     int frames = 1;
     double fps = 24;
@@ -41,42 +41,43 @@ struct Playback {
 };
 
 struct PanelEvents {
-    bool options_changed = false;   // of a frame
-    bool scene_changed = false;     // of the scene's recipe
+    bool options_changed = false;   // options of the frame; render again
+    bool scene_changed = false;     // options of the scene; load it again
     bool screenshot = false;
-    bool record = false;         // toggled
-    bool scene_camera = false;   // back to it
+    bool record = false;         // start or stop recording
+    bool scene_camera = false;   // return to the scene's camera
 };
 
-struct HandList {
-    std::vector<HandMoved> hands;
+/// The user overrides: objects that the user froze or moved.
+struct OverrideList {
+    std::vector<HandMoved> list;
     HandMoved* find(scene::NodeId node);
 };
 
 class Panel {
  public:
-    /// Draws everything for one frame of the window.
-    PanelEvents draw(ViewSettings& settings, Playback& playback, HandList& hands, const Scene* scene,
+    /// Draws all panels for one frame of the window and returns what the user did.
+    PanelEvents draw(ViewSettings& settings, Playback& playback, OverrideList& overrides, const Scene* scene,
                      const ViewImage* image, const LoadState& load, bool own_camera, bool recording);
     void add(const ViewTimes& times) { graph_.add(times); }
 
     bool shown = true, help = false;
     std::optional<Picked> picked;
-    std::string message;                   // what went wrong last, or was done
-    std::set<std::string> options_set;     // by hand, at least once
-    std::set<std::string> frozen, moved;   // objects, by hand, at least once
+    std::string message;                   // the latest error or confirmation
+    std::set<std::string> options_set;     // options that the user has set at least once
+    std::set<std::string> frozen, moved;   // objects that the user has frozen or moved at least once
 
  private:
     void options(ViewSettings& settings, PanelEvents& events);
     void option(ViewSettings& settings, const options::Option& option, PanelEvents& events);
     void player(Playback& playback, const Scene& scene) const;
     void counters(const ViewImage& image) const;
-    void object(HandList& hands, const ViewImage& image);
+    void object(OverrideList& overrides, const ViewImage& image);
     void keys();
     static void legend(const std::string& overlay);
 
     TimeGraph graph_;
-    std::vector<std::pair<std::string, std::string>> typed_;   // text under way, by option
+    std::vector<std::pair<std::string, std::string>> typed_;   // option and its text while it is edited
 };
 
 }   // namespace gnomon::viewer

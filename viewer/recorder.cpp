@@ -13,7 +13,7 @@
 
 namespace gnomon::viewer {
 
-// Goes with the last job that needs it, however that ends.
+// A temporary folder for the frames of a recording, removed with the last job that uses it.
 struct Recorder::FramesFolder {
     explicit FramesFolder(std::filesystem::path at) : path(std::move(at)) {}
     ~FramesFolder()
@@ -32,7 +32,7 @@ Recorder::~Recorder()
 {
     try {
         finish();
-    } catch (const std::exception&) {   // said by whoever called finish()
+    } catch (const std::exception&) {   // a destructor must not throw; callers of finish() get the error
     }
 }
 
@@ -55,7 +55,7 @@ std::string Recorder::save(const Image8& image)
 
 std::string Recorder::start(double fps)
 {
-    if (!video::have_ffmpeg()) return "recording needs the program ffmpeg";
+    if (!video::have_ffmpeg()) return "recording needs ffmpeg; install it so that it is found in PATH";
     const auto path = std::filesystem::temp_directory_path() / fmt::format("gnomon-{}-{}", ::getpid(), taken_.size());
     std::error_code error;
     std::filesystem::create_directories(path, error);
@@ -109,16 +109,16 @@ void Recorder::work(const std::stop_token& stop)
         jobs_.pop_front();
         working_ = true;
         lock.unlock();
-        std::exception_ptr trouble;
+        std::exception_ptr error;
         try {
             job();
         } catch (...) {
-            trouble = std::current_exception();
+            error = std::current_exception();
         }
-        job = nullptr;   // a folder goes with it
+        job = nullptr;   // may remove the folder of frames
         lock.lock();
         working_ = false;
-        if (trouble && !trouble_) trouble_ = trouble;
+        if (error && !error_) error_ = error;
         changed_.notify_all();
     }
 }
@@ -127,7 +127,7 @@ void Recorder::finish()
 {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return jobs_.empty() && !working_; });
-    if (trouble_) std::rethrow_exception(std::exchange(trouble_, nullptr));
+    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
 
 }   // namespace gnomon::viewer

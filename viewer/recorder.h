@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Screenshots and recordings of the viewer: gnomon-0001.png, gnomon-0002.mp4, ... in the current folder, never over a
-// file that is there. Written by a thread of its own.
+// Writes the viewer's screenshots and recordings: gnomon-0001.png, gnomon-0002.mp4, ... in the current folder. It never
+// overwrites a file. A background thread does the writing.
 
 #include <condition_variable>
 #include <deque>
@@ -22,19 +22,19 @@ class Recorder {
     Recorder();
     ~Recorder();
 
-    /// @return the file that will be written
+    /// Queues a screenshot. @return the name of the file that will be written
     std::string save(const Image8& image);
 
     bool recording() const { return recording_; }
-    /// @return why it cannot; else empty
+    /// Starts a recording. @return empty, or the reason why recording is not possible
     std::string start(double fps);
-    /// @return false if it is not of the first one's size; then it is left out
+    /// Adds a frame to the recording. @return false, without adding it, if its size differs from the first frame's
     bool add(const Image8& image);
-    /// So many images wait to be written that the next had better come later: each holds its memory until then.
+    /// Whether so many images wait to be written that adding more should be delayed, because each occupies memory.
     bool behind() const;
-    /// @return the video that will be written; empty if there was no image
+    /// Ends the recording. @return the name of the video that will be written; empty if it has no frames
     std::string stop();
-    /// Waits until all is written. @throws what went wrong first
+    /// Waits until everything is written. @throws the first error of the background thread
     void finish();
 
  private:
@@ -47,16 +47,16 @@ class Recorder {
     bool recording_ = false;
     double fps_ = 24;
     int width_ = 0, height_ = 0;
-    std::shared_ptr<const FramesFolder> folder_;   // of the recording under way
+    std::shared_ptr<const FramesFolder> folder_;   // of the current recording
     std::vector<std::filesystem::path> frames_;
-    std::vector<std::string> taken_;   // names given away, perhaps not written yet
+    std::vector<std::string> taken_;   // file names in use, including those not written yet
 
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;
     std::deque<std::function<void()>> jobs_;
     bool working_ = false;
-    std::exception_ptr trouble_;
-    std::jthread thread_;   // last
+    std::exception_ptr error_;
+    std::jthread thread_;   // last, so that it stops before the other members are destroyed
 };
 
 }   // namespace gnomon::viewer

@@ -8,12 +8,13 @@ namespace gnomon::viewer {
 
 namespace {
 
+// The options of a frame; throws if the overlay of redrawn areas has no light views to show.
 RenderOptions shown_options(const options::OptionValues& values)
 {
     RenderOptions options = options::read_render_options(values);
     if (options.overlay == Overlay::redrawn &&
         (options.renderer == RenderMethod::trace || options.shadow_textures == ShadowTextures::off))
-        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
+        throw UsageError("--overlay redrawn shows light views: it needs --renderer raster, with shadow textures");
     return options;
 }
 
@@ -40,10 +41,10 @@ RenderOptions ViewSettings::render_options() const
     return shown_options(values_);
 }
 
-SceneRecipe ViewSettings::recipe(const std::string& what) const
+SceneRecipe ViewSettings::recipe(const std::string& scene) const
 {
     SceneRecipe recipe;
-    recipe.what = what;
+    recipe.what = scene;
     if (values_.given("fps")) recipe.fps = values_.number("fps");
     if (values_.given("lights")) recipe.lights = values_.integer("lights");
     if (values_.given("light")) recipe.light_specs = values_.all("light");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The options of `view`, live: values of the option table that the panel may change at any time, and what they mean for
-// the next frame.
+// The options of `gnomon view`, which the panel may change at any time, converted to the options of the next frame.
 
 #include "options/option_values.h"
 #include "viewer/session.h"
@@ -13,13 +12,14 @@ class ViewSettings {
     explicit ViewSettings(options::OptionValues values) : values_(std::move(values)) {}
 
     const options::OptionValues& values() const { return values_; }
-    /// As on the command line; an empty text takes the option back to its default.
-    /// @return what is wrong with it, and then nothing changed; else empty
+    /// Sets an option to a value as on the command line; an empty text restores its default.
+    /// @return empty, or an error message; then nothing is changed
     std::string set(const options::Option& option, const std::string& text);
 
-    /// @throws UsageError  for options that exclude each other
+    /// @throws UsageError  if options exclude each other
     RenderOptions render_options() const;
-    SceneRecipe recipe(const std::string& what) const;
+    /// How to load `scene`, a file or a built-in scene, with the options of the scene.
+    SceneRecipe recipe(const std::string& scene) const;
 
  private:
     options::OptionValues values_;

@@ -27,12 +27,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr Size k_first_size{1280, 720};
-constexpr double k_idle_seconds = 1.0 / 60;          // between looks at the input while nothing happens
-constexpr double k_look_seconds = 0.5;               // between looks at the scene's file
-constexpr double k_slow_ms = 150, k_quick_ms = 40;   // of an image in motion: fewer pixels, more
-constexpr int k_smallest_scale = 4;
-constexpr float k_click_pixels = 4;   // a drag shorter than this is a click
-constexpr float k_wheel = 0.9f;       // of the distance, a notch
+constexpr double k_idle_seconds = 1.0 / 60;          // between checks of the input while nothing happens
+constexpr double k_look_seconds = 0.5;               // between checks whether the scene's file changed
+constexpr double k_slow_ms = 150, k_quick_ms = 40;   // slower images in motion get fewer pixels, faster ones more
+constexpr int k_smallest_scale = 4;                  // every fourth pixel in x and y
+constexpr float k_click_pixels = 4;                  // a drag shorter than this is a click
+constexpr float k_wheel = 0.9f;                      // a notch of the wheel multiplies the distance by this
 
 double seconds_since(Clock::time_point start)
 {
@@ -48,12 +48,12 @@ std::filesystem::file_time_type changed_at(const std::string& file)
 
 }   // namespace
 
-// GLFW's window with its context and ImGui's; all of it goes with it.
+// Owns GLFW's window, its OpenGL context and ImGui's context.
 class GlWindow {
  public:
     GlWindow(Size size, const std::string& title)
     {
-        if (!glfwInit()) throw MissingError(fmt::format("no window can be opened: {}", error()));
+        if (!glfwInit()) throw MissingError(fmt::format("cannot open a window: {}", error()));
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
         glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -62,7 +62,7 @@ class GlWindow {
         if (!handle) {
             const std::string why = error();
             glfwTerminate();
-            throw MissingError(fmt::format("no window can be opened: {}", why));
+            throw MissingError(fmt::format("cannot open a window: {}", why));
         }
         glfwMakeContextCurrent(handle);
         glfwSwapInterval(1);
@@ -72,7 +72,7 @@ class GlWindow {
         ImGui::StyleColorsDark();
         ImGui::GetStyle().WindowRounding = 4;
     }
-    // Input reaches it through InputQueue.
+    // Starts Dear ImGui without its input callbacks, because InputQueue provides the input.
     void start_ui()
     {
         float scale = 1, unused = 1;
@@ -147,26 +147,27 @@ struct Viewer::Impl {
     std::optional<InputQueue> input;
     Panel panel;
     Playback playback;
-    HandList hands;
+    OverrideList overrides;
     OrbitCamera camera;
     Recorder recorder;
-    bool own_camera = false;   // the viewer's, not the scene's
+    bool own_camera = false;   // the interactive camera is in use, not the scene's
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const ViewImage> image;
     std::optional<glm::vec2> pick;
     ViewSummary summary;
     std::vector<double> image_ms;
 
-    // Of the last request, to see whether anything changed.
-    double asked_time = -1;
-    Size asked_size{};
-    int scale = k_smallest_scale;   // of the image: every scale-th pixel a side; the first comes soon
-    int asked_scale = 1;
+    // The last request, to detect changes.
+    double requested_time = -1;
+    Size requested_size{};
+    int scale =
+        k_smallest_scale;   // every scale-th pixel in x and y; coarse at first, so that the first image is quick
+    int requested_scale = 1;
     bool wants_screenshot = false;
-    std::uint64_t shot_request = 0, video_request = 0;   // that were asked for a screenshot, for the video's next frame
-    Size video_size{};                                   // the window's when the recording began
+    std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
+    Size video_size{};                                   // the window's size when the recording began
     bool dirty = true;
-    std::vector<HandMoved> asked_hands;
+    std::vector<HandMoved> requested_overrides;
 
     glm::vec2 pressed_at{0};
     int pressed = -1;
@@ -178,7 +179,7 @@ struct Viewer::Impl {
     {
         if (file != what)
             settings.set(*options::find_option(options::Subcommand::view, "camera"),
-                         "");   // another scene has other ones
+                         "");   // the camera's name belongs to the previous scene
         what = file;
         file_time = changed_at(what);
         session.load(settings.recipe(what));
@@ -196,32 +197,34 @@ struct Viewer::Impl {
     void screenshot();
     void toggle_recording();
     void end_recording(const std::string& why);
-    void look_at_trouble(const LoadState& load);
+    void handle_failed_frame(const LoadState& load);
     struct Placed {
-        glm::vec2 corner;   // of the image in the window
-        float factor = 1;   // from its pixels to the window's
+        glm::vec2 corner;   // top left corner of the image in the window
+        float factor = 1;   // window pixels per image pixel
     };
     Placed placed() const;
     std::optional<glm::vec2> image_place(const glm::vec2& at) const;
 };
 
+// Switches to a scene that the session has loaded.
 void Viewer::Impl::take_scene()
 {
     const auto now = session.scene();
     if (now == scene) return;
-    if (scene && recorder.recording()) end_recording("another scene is there");   // no video is of two
+    if (scene && recorder.recording()) end_recording("another scene was loaded");   // a video shows one scene
     scene = now;
     playback.frames = scene->frame_count();
     playback.fps = scene->fps();
     playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
-    hands.hands.clear();
-    shot_request = video_request = 0;   // they ask anew
+    overrides.list.clear();
+    shot_request = video_request = 0;   // request them again with the new scene
     panel.picked.reset();
     pick.reset();
     own_camera = false;
     dirty = true;
 }
 
+// Shows the session's latest image, and saves it if a screenshot or the recording was waiting for it.
 void Viewer::Impl::take_image()
 {
     const auto next = session.image(image ? image->number : 0);
@@ -232,26 +235,27 @@ void Viewer::Impl::take_image()
     image_ms.push_back(image->times.total());
     ++summary.images;
     if (image->picked && image->scene == scene) panel.picked = image->picked;
-    // Fewer pixels while images in motion are slow.
+    // Adapt the number of pixels to the speed.
     const double full = image->times.total();
     if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
     if (full < k_quick_ms && scale > 1) scale /= 2;
+    // Save the image if it is the requested screenshot or the next frame of the recording.
     const bool finished = image->complete && image->scene == scene;
     if (wants_screenshot && finished && image->request == shot_request) {
         wants_screenshot = false;
         const std::string file = recorder.save(image->image);
         summary.files.push_back(file);
-        panel.message = fmt::format("written: {}", file);
+        panel.message = fmt::format("saved {}", file);
     }
     if (recorder.recording() && finished && image->request == video_request) {
         video_request = 0;
-        if (!recorder.add(image->image)) return end_recording("the image has another size");
+        if (!recorder.add(image->image)) return end_recording("the size of the image changed");
         playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
         dirty = true;
     }
 }
 
-// The viewer's own camera begins where the scene's is.
+// Switches to the interactive camera, which starts at the scene's camera.
 void Viewer::Impl::take_camera()
 {
     if (own_camera || !image || image->scene != scene) return;
@@ -265,6 +269,7 @@ void Viewer::Impl::take_camera()
 
 void Viewer::Impl::follow_mouse()
 {
+    // Zoom with the wheel; note where a button went down.
     const ImGuiIO& io = ImGui::GetIO();
     const glm::vec2 at(io.MousePos.x, io.MousePos.y);
     if (!io.WantCaptureMouse && scene) {
@@ -277,6 +282,8 @@ void Viewer::Impl::follow_mouse()
         }
     }
     if (pressed < 0) return;
+
+    // Pick an object at a click.
     if (!ImGui::IsMouseDown(pressed)) {
         if (pressed == 0 && !dragged && image) {
             pick = image_place(at);
@@ -285,12 +292,14 @@ void Viewer::Impl::follow_mouse()
         pressed = -1;
         return;
     }
+
+    // Move the camera with a drag.
     if (glm::length(at - pressed_at) > k_click_pixels) dragged = true;
     if (!dragged || (io.MouseDelta.x == 0 && io.MouseDelta.y == 0)) return;
     take_camera();
     if (!own_camera) return;
     const float across = io.MouseDelta.x / io.DisplaySize.y, down = io.MouseDelta.y / io.DisplaySize.y;
-    constexpr float k_turn = 4;   // radians a window's height
+    constexpr float k_turn = 4;   // radians per height of the window
     if (pressed == 1)
         camera.look(0.5f * k_turn * across, -0.5f * k_turn * down);
     else if (pressed == 2 || io.KeyShift)
@@ -320,7 +329,7 @@ void Viewer::Impl::key(int which)
     const options::Option* const overlay = options::find_option(options::Subcommand::view, "overlay");
     switch (which) {
         case GLFW_KEY_ESCAPE:
-            // An open list is left before the window is.
+            // Close an open list first, then the window.
             if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup))
                 ImGui::SetWindowFocus(nullptr);
             else
@@ -375,46 +384,53 @@ void Viewer::Impl::key(int which)
     }
 }
 
+// Requests the next image from the session if anything changed, or a sharper one if nothing did.
 void Viewer::Impl::ask()
 {
     if (!scene) return;
-    // A video has whole frames of one size, whatever becomes of the slider and the window.
+    // Record whole frames of one size, whatever the user does with the slider and the window.
     if (recorder.recording()) playback.frame = std::floor(playback.frame);
     const Size size = recorder.recording() ? video_size : window.framebuffer();
     if (size.width < 1 || size.height < 1) return;   // iconified
     const double time = playback.time(*scene);
-    const bool moved = dirty || time != asked_time || !(size == asked_size) || hands.hands != asked_hands;
-    const bool sharper = !moved && asked_scale > 1;
+    const bool moved =
+        dirty || time != requested_time || !(size == requested_size) || overrides.list != requested_overrides;
+    const bool sharper = !moved && requested_scale > 1;
     const bool whole = recorder.recording() || wants_screenshot;
     if (!moved && !sharper) return;
-    // One request at a time: a frame that was begun is finished, since it teaches the next.
+    // Send one request at a time and let each finish, because every frame fills caches for the next.
     if (session.busy()) return;
-    // Images come faster than they are written: the video waits, and memory does not fill with them.
+    // Delay the recording while images are rendered faster than written, so that they do not fill the memory.
     if (recorder.recording() && recorder.behind()) return;
+
+    // Describe the frame.
     ViewRequest request;
     request.scene = scene;
     request.options = settings.render_options();
     request.time = time;
     request.camera = request.options.camera;
-    request.hands = hands.hands;
+    request.hands = overrides.list;
     if (request.options.turntable_seconds > 0)
         request.turn = 2 * k_pi * (playback.frame - 1) / playback.fps / request.options.turntable_seconds;
     request.whole = whole;
-    asked_scale = whole ? 1 : sharper ? asked_scale / 2 : scale;
-    request.size = {std::max(size.width / asked_scale, 16), std::max(size.height / asked_scale, 16)};
+    requested_scale = whole ? 1 : sharper ? requested_scale / 2 : scale;
+    request.size = {std::max(size.width / requested_scale, 16), std::max(size.height / requested_scale, 16)};
     if (own_camera) request.eye = camera.view(request.size);
     if (pick) request.pick = *pick * glm::vec2(request.size.width, request.size.height);
     pick.reset();
-    asked_time = time;
-    asked_size = size;
-    asked_hands = hands.hands;
+
+    // Remember the request, and send it.
+    requested_time = time;
+    requested_size = size;
+    requested_overrides = overrides.list;
     dirty = false;
     const std::uint64_t number = session.ask(std::move(request));
     if (wants_screenshot) shot_request = number;
     if (recorder.recording()) video_request = number;
 }
 
-// As large as the window allows. Overlays have a legend, and a video keeps its size: another shape than the window's.
+// Centres the image in the window, as large as possible. Its shape may differ from the window's because an overlay has
+// a legend and a video keeps its size.
 Viewer::Impl::Placed Viewer::Impl::placed() const
 {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
@@ -423,14 +439,15 @@ Viewer::Impl::Placed Viewer::Impl::placed() const
     return {(glm::vec2(display.x, display.y) - factor * size) / 2.0f, factor};
 }
 
-// Shares of the view's width and height, from where the mouse is; none beside it, as on a legend.
+// Converts a position in the window to fractions of the view's width and height; none outside the view, such as on a
+// legend.
 std::optional<glm::vec2> Viewer::Impl::image_place(const glm::vec2& at) const
 {
     const Placed place = placed();
-    const glm::vec2 share = ((at - place.corner) / place.factor - glm::vec2(image->corner)) /
-                            glm::vec2(image->eye.size.width, image->eye.size.height);
-    if (!(share.x >= 0 && share.y >= 0 && share.x < 1 && share.y < 1)) return std::nullopt;
-    return glm::min(share, glm::vec2(0.9999f));
+    const glm::vec2 fraction = ((at - place.corner) / place.factor - glm::vec2(image->corner)) /
+                               glm::vec2(image->eye.size.width, image->eye.size.height);
+    if (!(fraction.x >= 0 && fraction.y >= 0 && fraction.x < 1 && fraction.y < 1)) return std::nullopt;
+    return glm::min(fraction, glm::vec2(0.9999f));
 }
 
 void Viewer::Impl::draw_image() const
@@ -441,6 +458,7 @@ void Viewer::Impl::draw_image() const
     ImGui::GetBackgroundDrawList()->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
 }
 
+// Loads the scene's file again when it has changed.
 void Viewer::Impl::look_at_file()
 {
     if (seconds_since(looked) < k_look_seconds || what.starts_with("builtin:")) return;
@@ -460,20 +478,20 @@ void Viewer::Impl::screenshot()
 void Viewer::Impl::toggle_recording()
 {
     if (recorder.recording()) return end_recording({});
-    if (!scene) {   // whose rate a video has
-        panel.message = "nothing to record yet";
+    if (!scene) {   // the scene determines the frame rate
+        panel.message = "the scene is still loading; record when it is shown";
         return;
     }
     panel.message = recorder.start(playback.fps);
     if (!panel.message.empty()) return;
-    panel.message = "recording: every frame, at its own time";
+    panel.message = "recording every frame of the clip; press R to stop";
     video_size = window.framebuffer();
-    video_request = 0;   // what was asked before is not part of it
+    video_request = 0;   // ignore images that were requested before
     playback.playing = false;
     dirty = true;
 }
 
-/// @param why  empty: it was wanted
+/// @param why  the reason; empty if the user stopped the recording
 void Viewer::Impl::end_recording(const std::string& why)
 {
     const std::string file = recorder.stop();
@@ -482,16 +500,16 @@ void Viewer::Impl::end_recording(const std::string& why)
     if (!why.empty()) panel.message = fmt::format("recording ended: {}; {}", why, panel.message);
 }
 
-// A frame that failed is not asked for again.
-void Viewer::Impl::look_at_trouble(const LoadState& load)
+// Ends the recording or cancels the screenshot whose frame failed.
+void Viewer::Impl::handle_failed_frame(const LoadState& load)
 {
     if (load.failed == 0) return;
     if (recorder.recording() && load.failed == video_request) end_recording("a frame failed");
     if (load.failed == shot_request) wants_screenshot = false;
 }
 
-Viewer::Viewer(ViewSettings settings, std::string what, int threads)
-    : impl_(std::make_unique<Impl>(std::move(settings), std::move(what), threads))
+Viewer::Viewer(ViewSettings settings, std::string scene, int threads)
+    : impl_(std::make_unique<Impl>(std::move(settings), std::move(scene), threads))
 {
     Impl& in = *impl_;
     glfwSetWindowUserPointer(in.window.handle, &in);
@@ -509,7 +527,10 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
     Impl& in = *impl_;
     in.open(in.what);
     Clock::time_point last = Clock::now();
+
+    // One frame of the window.
     while (!glfwWindowShouldClose(in.window.handle) && !stopped()) {
+        // Wait for input while nothing plays or loads.
         const bool calm =
             !in.playback.playing && !in.session.busy() && !in.session.load_state().loading && in.input->empty();
         if (calm)
@@ -520,13 +541,16 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         const double seconds = std::chrono::duration<double>(start - last).count();
         last = start;
 
+        // Take what the session has finished: a scene, an image, an error.
         in.look_at_file();
         const LoadState load = in.session.load_state();
-        if (!in.image && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to look at
+        if (!in.image && load.trouble) std::rethrow_exception(load.trouble);   // there is nothing to show
         in.take_scene();
         in.take_image();
-        in.look_at_trouble(load);
+        in.handle_failed_frame(load);
         if (!in.recorder.recording()) in.playback.advance(seconds);
+
+        // Handle the input, draw image and panel, and request the next image.
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         in.input->feed();
@@ -534,7 +558,7 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         in.follow_mouse();
         in.fly(seconds);
         in.draw_image();
-        const PanelEvents events = in.panel.draw(in.settings, in.playback, in.hands, in.scene.get(), in.image.get(),
+        const PanelEvents events = in.panel.draw(in.settings, in.playback, in.overrides, in.scene.get(), in.image.get(),
                                                  load, in.own_camera, in.recorder.recording());
         if (events.options_changed) in.dirty = true;
         if (events.scene_changed) in.session.load(in.settings.recipe(in.what));
@@ -543,18 +567,21 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         if (events.scene_camera) in.own_camera = false, in.dirty = true;
         in.ask();
 
+        // Present the frame. Its time ends before the swap, which may wait for the screen.
         ImGui::Render();
         const Size size = in.window.framebuffer();
         glViewport(0, 0, size.width, size.height);
         glClearColor(0.08f, 0.08f, 0.09f, 1);
         glClear(GL_COLOR_BUFFER_BIT);
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-        // Presenting may wait for the screen: that is no work.
         in.summary.longest_ms = std::max(in.summary.longest_ms, 1000 * seconds_since(start));
         ++in.summary.window_frames;
         glfwSwapBuffers(in.window.handle);
-        if (seconds_since(start) < 0.002) glfwWaitEventsTimeout(k_idle_seconds / 2);   // a screen that does not wait
+        if (seconds_since(start) < 0.002)
+            glfwWaitEventsTimeout(k_idle_seconds / 2);   // the swap does not wait on every screen
     }
+
+    // Finish the recording, and summarise.
     if (in.recorder.recording()) in.end_recording({});
     in.recorder.finish();
     in.summary.options_set = in.panel.options_set;

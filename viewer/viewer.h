@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The window: GLFW and Dear ImGui on OpenGL 3, which any machine has, if only in software. Images come from a
-// ViewSession; this thread draws the latest and never waits for one.
+// Runs the viewer's window with GLFW and Dear ImGui on OpenGL 3, which every machine has, at least in software. A
+// ViewSession renders the images in the background; the window's thread draws the latest one and never waits.
 
 #include <functional>
 #include <memory>
@@ -15,19 +15,21 @@ namespace gnomon::viewer {
 
 struct ViewSummary {
     std::uint64_t window_frames = 0, images = 0, loads = 0;
-    double longest_ms = 0;   // of a window frame, waiting left out
+    double longest_ms = 0;   // longest frame of the window, without waiting for the screen
     double median_image_ms = 0;
-    std::vector<std::string> files;        // written
-    std::set<std::string> options_set;     // in the panel
-    std::set<std::string> frozen, moved;   // objects, by hand
+    std::vector<std::string> files;        // files written
+    std::set<std::string> options_set;     // options set in the panel
+    std::set<std::string> frozen, moved;   // objects that the user froze or moved
 };
 
 class Viewer {
  public:
-    /// @throws MissingError  no display, or no OpenGL 3
-    Viewer(ViewSettings settings, std::string what, int threads);
+    /// @param scene  a file or a built-in scene
+    /// @throws MissingError  if there is no display or no OpenGL 3
+    Viewer(ViewSettings settings, std::string scene, int threads);
     ~Viewer();
-    /// Until the window is closed, Escape is pressed, or `stopped` returns true; it is called once a window frame.
+    /// Runs until the window is closed, Escape is pressed, or `stopped`, which is called in every frame of the window,
+    /// returns true.
     ViewSummary run(const std::function<bool()>& stopped);
 
  private:

@@ -32,7 +32,7 @@ void PointTracer::trace(const scene::SceneState& state, const ray::RayScene& ray
     }
 }
 
-// 4 x 2 blocks, row by row: coherent packets.
+// Queues the primary rays in blocks of 4 x 2 pixels, so that packets are coherent.
 void PointTracer::queue_primary(const scene::View& view, int x0, int y0)
 {
     queue_.clear();
@@ -52,6 +52,7 @@ void PointTracer::queue_primary(const scene::View& view, int x0, int y0)
     }
 }
 
+// Traces the queued rays and computes the surface points that they hit.
 void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& rays, bool primary, BenchPoints& out)
 {
     shaded_.clear();
@@ -61,11 +62,11 @@ void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& ra
     for (std::size_t i = 0; i < queue_.size(); ++i) {
         if (hits_.object[i] == scene::none) continue;
         Continued& here = shaded_.emplace_back();
-        here.share = paths_[i].share;
+        here.throughput = paths_[i].throughput;
         shading::SurfacePoint& s = here.surface;
         shading::surface_at(state.scene(), rays.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i],
                             hits_.t[i], queue_.direction(i), paths_[i].cone, s);
-        // An unlit surface faces no light.
+        // Give an unlit surface no normal, so that it faces no light.
         const bool lit = s.model != scene::ShadingModel::unlit;
         out.points.push_back({s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0),
                               hits_.object[i], hits_.triangle[i], hits_.u[i], hits_.v[i], s.winding_front});
@@ -76,15 +77,15 @@ void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& ra
     }
 }
 
-// The rays that go on from the points just shaded, reflected ones first.
+// Queues the rays that continue from the latest points, reflected rays first.
 void PointTracer::queue_continuations()
 {
     const float min_throughput = trace::TracedOptions{}.min_throughput;
     queue_.clear();
     paths_.clear();
-    const auto push = [&](const Continued& from, const glm::vec3& share, float side, const glm::vec3& direction) {
+    const auto push = [&](const Continued& from, const glm::vec3& weight, float side, const glm::vec3& direction) {
         const shading::SurfacePoint& s = from.surface;
-        const glm::vec3 total = from.share * share;
+        const glm::vec3 total = from.throughput * weight;
         if (std::max({total.x, total.y, total.z}) < min_throughput) return;
         queue_.push(s.position + side * (s.offset * s.geometric_normal), 0, direction, k_infinity);
         paths_.push_back({total, s.cone});

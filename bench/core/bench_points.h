@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The shading points of one tile, for benches that measure shadow passes by themselves: primary hits, and with a depth
-// above 0 the hits of the reflected and refracted rays that the traced frame would trace from there.
+// Finds the shading points of one tile, for benches that measure the shadow pass alone: the primary hits and, up to a
+// given depth, the hits of the reflected and refracted rays that the traced frame would trace from them.
 //
-// The rays are the traced frame's to the bit (a test holds them to its log); their order is not. Primary hits come
-// first. Costs what the frame without its lights costs; never part of a measured time.
+// The rays equal those of the traced frame to the bit, in another order (a test compares them with the frame's log).
+// Primary hits come first. Cost: that of a traced frame without its lights; it is never part of a measured time.
 
 #include <cstdint>
 #include <vector>
@@ -15,7 +15,7 @@
 
 namespace gnomon::bench {
 
-/// A primary hit, for who looks on.
+/// The primary hit of a pixel.
 struct SeenPixel {
     int x = 0, y = 0;
     scene::ObjectId object = scene::none;
@@ -25,31 +25,31 @@ struct SeenPixel {
 
 struct BenchPoints {
     std::vector<shadow_culling::ShadowPoint> points;   // primary hits, then those of reflected and refracted rays
-    std::size_t primary = 0;                           // so many of them
-    std::vector<SeenPixel> pixels;                     // of the primary ones
-    std::vector<glm::vec3> diffuse;                    // reflectance, of the primary ones
+    std::size_t primary = 0;                           // number of primary hits
+    std::vector<SeenPixel> pixels;                     // by primary hit
+    std::vector<glm::vec3> diffuse;                    // diffuse reflectance, by primary hit
     std::uint64_t reflected_rays = 0, refracted_rays = 0;
 };
 
-/// One a thread, reused from tile to tile.
+/// Use one per thread; it is reused from tile to tile.
 class PointTracer {
  public:
-    static constexpr int k_tile = 32;   // pixels a side
+    static constexpr int k_tile = 32;   // width and height in pixels
 
     /// Replaces `out` by the points of the tile with its top left corner at (x0, y0).
-    /// @param max_depth  reflections and refractions in a row
-    /// @param rays_log   optional: every ray traced is added
+    /// @param max_depth  largest number of reflections and refractions in a path
+    /// @param rays_log   optional; receives every ray traced
     void trace(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view, int x0, int y0,
                int max_depth, BenchPoints& out, ray::RayQueue* rays_log = nullptr);
 
  private:
     struct Path {
-        glm::vec3 share;
+        glm::vec3 throughput;
         shading::RayCone cone;
     };
     struct Continued {
         shading::SurfacePoint surface;
-        glm::vec3 share;
+        glm::vec3 throughput;
     };
     void queue_primary(const scene::View& view, int x0, int y0);
     void follow(const scene::SceneState& state, const ray::RayScene& rays, bool primary, BenchPoints& out);
@@ -60,7 +60,7 @@ class PointTracer {
     std::vector<std::pair<int, int>> pixels_;
     ray::Hits hits_;
     std::vector<Continued> shaded_;
-    std::uint64_t reflected_ = 0, refracted_ = 0;   // rays in the queue
+    std::uint64_t reflected_ = 0, refracted_ = 0;   // numbers of such rays in the queue
 };
 
 }   // namespace gnomon::bench

@@ -7,7 +7,7 @@ namespace gnomon::bench {
 
 namespace {
 
-// A circle in the parent's space, run all the time.
+// Moves along a circle in the parent's space for the whole clip.
 class CircleTrack : public scene::TransformTrack {
  public:
     CircleTrack(const glm::dvec3& across, const glm::dvec3& along, double turn, double speed, scene::Interval clip)
@@ -28,12 +28,13 @@ class CircleTrack : public scene::TransformTrack {
     scene::Interval clip_;
 };
 
-// A child of `parent` in a finished scene.
+// Adds a child of `parent` to a finished scene.
 scene::NodeId add_child(scene::Scene& scene, scene::NodeId parent)
 {
     const scene::NodeId node = scene.add_node("moving light", parent);
     const auto end = static_cast<std::ptrdiff_t>(scene.child_begin[parent + 1]);
-    scene.child_list.insert(scene.child_list.begin() + end, node);   // the largest index: they still ascend
+    scene.child_list.insert(scene.child_list.begin() + end,
+                            node);   // its index is the largest, so the list stays sorted
     for (std::size_t n = parent + 1; n < scene.child_begin.size(); ++n) ++scene.child_begin[n];
     scene.child_begin.push_back(scene.child_begin.back());
     return node;
@@ -50,7 +51,7 @@ std::shared_ptr<const scene::Scene> with_moving_lights(const std::shared_ptr<con
     const double radius = options.radius * (box.empty() ? 1 : glm::length(glm::dvec3(box.high - box.low)));
     const double frame = timeline.frames > 1 ? (timeline.end - timeline.start) / (timeline.frames - 1) : 1;
     for (scene::Light& light : changed->lights) {
-        // The circle is as large in the world whatever the node's scale.
+        // Undo the node's scale, so that the circle has the same radius in world space for every light.
         const glm::dmat3 to_node = glm::inverse(glm::dmat3(changed->world_matrix(light.node, timeline.start)));
         const scene::NodeId node = add_child(*changed, light.node);
         changed->nodes[node].transform = std::make_shared<CircleTrack>(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The same scene with lights that never stand still: what a method that remembers costs when it cannot help.
+// Makes every light of a scene move in every frame, to measure what caches cost when they cannot be reused.
 
 #include <memory>
 
@@ -9,13 +9,13 @@
 namespace gnomon::bench {
 
 struct MovingLightsOptions {
-    double radius = 1e-3;   // of every light's circle, in diagonals of the scene's bounds
-    double turn = 1e-2;     // radians by which directions swing
-    double step = 0.7;      // radians along the circle from frame to frame
+    double radius = 1e-3;   // radius of each light's circle, in diagonals of the scene's bounds
+    double turn = 1e-2;     // amplitude by which directions swing, in radians
+    double step = 0.7;      // angle along the circle from frame to frame, in radians
 };
 
-/// A copy in which every light runs a small circle around its place, and swings, with a step in every frame. Its own
-/// movement and visibility stay; nothing else moves.
+/// Returns a copy of the scene in which every light moves along a small circle around its position and swings its
+/// direction in every frame. Animation and visibility of the light are kept; everything else is unchanged.
 std::shared_ptr<const scene::Scene> with_moving_lights(const std::shared_ptr<const scene::Scene>& scene,
                                                        const MovingLightsOptions& options = {});
 

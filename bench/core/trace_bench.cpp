@@ -41,13 +41,13 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
     traced.max_depth = options.max_depth;
     shading::FrameBuffers buffers;
 
-    // Record the frame's rays once.
+    // Record the rays of the frame once.
     Tasks one(1), many(options.threads);
     trace::TraceLog log;
     trace::trace_frame(state, rays_of_scene, view, traced, one, buffers, nullptr, &log);
     result.rays = log.rays();
 
-    // Time frame and bare loop in turn, so that a drift of the machine's speed meets both.
+    // Time the frame and the bare loop alternately, so that changes in the machine's speed affect both.
     std::vector<double> frame, single, bare, ratios;
     std::uint64_t sink = 0;
     for (int i = 0; i < options.repeats; ++i) {
@@ -64,7 +64,7 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
     result.bare_ms = median(bare);
     result.ratio = median(ratios);
 
-    // Step through a few frames to time the update.
+    // Time the update on a few steps to the next frame.
     if (timeline.frames > 1) {
         ray::RayScene moving(state);
         std::vector<double> updates;

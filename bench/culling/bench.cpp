@@ -31,15 +31,16 @@ double wall_ms()
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// The number of a method's results that differ from tracing every ray.
 std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, std::vector<std::uint8_t> CullingTile::*method)
 {
     std::uint64_t wrong = 0;
     for (const CullingTile& tile : tiles)
-        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.asked[i] && tile.off[i] != (tile.*method)[i];
+        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.facing[i] && tile.off[i] != (tile.*method)[i];
     return wrong;
 }
 
-// One run over the frames: every method with a memory of its own, empty at first.
+// One run over the frames. Every method starts with empty caches of its own.
 class Run {
  public:
     Run(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options)
@@ -69,10 +70,13 @@ class Run {
 
     CullingFrame measure(int frame)
     {
+        // Advance the scene and find the shading points.
         state_.advance(scene_.timeline.time_of(frame));
         rays_.update(state_);
         view_ = scene::make_view(state_, options_.camera, options_.size);
         find_points();
+
+        // Run all methods on the same points, then count their rays' work on the kd-tree.
         CullingFrame record;
         record.frame = frame;
         trace_every_ray(record);
@@ -85,9 +89,10 @@ class Run {
         return record;
     }
 
-    /// Of the frame measured last.
+    /// Images of the latest frame.
     WrongImages images(const CullingFrame& record) const { return wrong_images(state_, options_.size, tiles_, record); }
 
+    /// Fills in the memory used.
     void sizes(CullingBenchResult& result) const
     {
         if (paper_) result.paper_bytes = paper_->culling().bytes();
@@ -103,11 +108,12 @@ class Run {
  private:
     struct Worker {
         ray::RayQueue queue;
-        std::vector<std::uint32_t> whose;   // by ray
+        std::vector<std::uint32_t> whose;   // index of the point, by ray
         std::vector<std::uint8_t> answers;
         std::uint64_t rays = 0;
     };
 
+    // Traces the paths of all tiles and resets the results of all methods.
     void find_points()
     {
         if (paper_) paper_->clear_image(options_.size);
@@ -119,7 +125,7 @@ class Run {
             for (const SeenPixel& p : tile.pixels)
                 if (paper_) paper_->set_pixel(p.x, p.y, p.object, p.triangle, p.origin, p.direction);
             const std::size_t pairs = tile.points.size() * scene_.lights.size();
-            tile.asked.assign(pairs, 0);
+            tile.facing.assign(pairs, 0);
             tile.off.assign(pairs, 1);
             tile.paper.assign(paper_ ? pairs : 0, 1);
             tile.certified.assign(culling_ ? pairs : 0, 1);
@@ -128,7 +134,7 @@ class Run {
         });
     }
 
-    // The points of a tile that face a light, as rays.
+    // Queues a shadow ray for each point of a tile that faces a light.
     void queue_facing(CullingTile& tile, std::size_t l, Worker& worker) const
     {
         const scene::Light& light = scene_.lights[l];
@@ -139,17 +145,17 @@ class Run {
         for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
             const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
             if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
-            // Outside a spot's cone nothing is asked.
+            // Skip points outside the cone of a spot light.
             if (light.type == scene::LightType::spot &&
                 scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
                 continue;
             worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray_end_);
             worker.whose.push_back(p);
-            tile.asked[l * tile.points.size() + p] = 1;
+            tile.facing[l * tile.points.size() + p] = 1;
         }
     }
 
-    // Off: every facing pair is a ray.
+    // Off: traces a ray for every facing pair.
     void trace_every_ray(CullingFrame& record)
     {
         const double cpu = cpu_ms(), wall = wall_ms();
@@ -174,7 +180,7 @@ class Run {
         }
     }
 
-    // Paper: what Table 2 leaves to trace, the occlusion test, and the merge.
+    // Paper: traces the rays that Table 2 requires, runs the occlusion test, and merges the results.
     void follow_paper(CullingFrame& record)
     {
         const double cpu = cpu_ms(), wall = wall_ms();
@@ -195,7 +201,7 @@ class Run {
         record.paper.wrong = wrong_of(tiles_, &CullingTile::paper);
     }
 
-    // Certified: look-ups, what rays are left, and the judging of what they saw.
+    // Certified: looks up certificates, traces the remaining rays, and proves new certificates from them.
     void follow_certified(CullingFrame& record)
     {
         const double cpu = cpu_ms(), wall = wall_ms();
@@ -251,6 +257,7 @@ CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scen
                                  const Progress& progress, const std::function<void(const CullingFrame&)>& on_frame)
 {
     CullingBenchResult result;
+    // Measure every run; the first also gives images and memory sizes.
     std::vector<std::vector<CullingFrame>> runs(static_cast<std::size_t>(options.repeat));
     const double steps = static_cast<double>(options.repeat) * options.frames.count();
     double done = 0;

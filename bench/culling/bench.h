@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What shadow culling saves: the shadow pass of every frame of a range, with every ray traced, with the
-// published culling and with certified culling, on the same hits.
+// Measures shadow culling: runs the shadow pass of every frame of a range with every ray traced, with the published
+// culling and with certified culling, on the same shading points.
 //
-// `off` traces every facing (point, light) pair in packets against one tree that holds everything. Times are process
-// CPU time of the whole pass, certificates included; Embree's builds are left out for both.
+// `off` traces every facing (point, light) pair in packets against one BVH of the whole scene. Times are process CPU
+// times of the whole pass, including certificates and excluding Embree's builds.
 
 #include <cstdint>
 #include <memory>
@@ -23,12 +23,12 @@ struct CullingBenchOptions {
     Size size{512, 512};
     scene::CameraId camera = 0;
     int threads = 1;
-    int max_depth = 0;   // reflections and refractions in a row whose hits ask for shadows, too
-    int repeat = 1;      // runs; times are their medians
+    int max_depth = 0;   // largest number of reflections and refractions in a path; 0: primary hits only
+    int repeat = 1;      // runs; times are medians over them
     double pixels_per_part = 8;
-    bool paper = true, certified = true;   // methods to run beside `off`
-    bool counts = true;                    // nodes and triangle tests on the counting kd-tree; slow, outside all times
-    bool images = false;                   // of the frame in which the published method has most wrong
+    bool paper = true, certified = true;   // methods to run in addition to `off`
+    bool counts = true;                    // count nodes and triangle tests on the kd-tree; slow, excluded from times
+    bool images = false;                   // keep images of the frame with the most wrong results
     shadow_culling::PaperOptions paper_options;
 };
 
@@ -38,7 +38,7 @@ struct CullingFrame {
         std::uint64_t rays = 0, nodes = 0, tests = 0;
         double ms = 0, wall_ms = 0;
     } off;
-    // Wrong: (point, light) results that differ from `off`.
+    // `wrong` counts (point, light) results that differ from `off`.
     struct Paper {
         std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, nodes = 0, tests = 0, extra_tests = 0, wrong = 0;
         double extra_tests_per_pixel = 0;
@@ -48,11 +48,11 @@ struct CullingFrame {
         std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, partial = 0, certificates = 0, certified = 0, nodes = 0,
                       tests = 0, wrong = 0;
         double ms = 0, wall_ms = 0;
-        double judge_ms = 0;   // wall, of wall_ms
+        double judge_ms = 0;   // wall time for proving certificates, included in wall_ms
     } certified;
 };
 
-/// The frame with most wrong results of the published method; see culling_images.h.
+/// The frame with the most wrong results of the published method; see bench/culling/images.h.
 struct WrongImages {
     int frame = 0;
     std::uint64_t wrong = 0;
@@ -61,15 +61,15 @@ struct WrongImages {
 
 struct CullingBenchResult {
     std::vector<CullingFrame> frames;
-    double speedup_mean = 0, speedup_steady = 0;           // off / certified: of sums; over the second half
-    double first_frame_ratio = 0, worst_frame_ratio = 0;   // certified / off, wall time
-    double later_frames_ratio = 0;                         // certified / off, of sums, from the second frame on
-    double paper_extra_tests_per_pixel = 0, paper_wrong_mean = 0;   // a frame
+    double speedup_mean = 0, speedup_steady = 0;           // off / certified of summed times: all frames; second half
+    double first_frame_ratio = 0, worst_frame_ratio = 0;   // certified / off of wall times; worst: from the second on
+    double later_frames_ratio = 0;                         // certified / off of summed times, from the second frame on
+    double paper_extra_tests_per_pixel = 0, paper_wrong_mean = 0;   // means per frame
     std::uint64_t wrong_total = 0, bytes = 0, mask_bytes = 0, visible_triangles = 0;
-    std::uint64_t most_evidence_bytes = 0;   // at once, until it was judged
+    std::uint64_t most_evidence_bytes = 0;   // peak size of the evidence that waits for proof
     std::uint64_t paper_bytes = 0;
-    double bytes_per_triangle_light = 0;   // per visible triangle and light, of certified
-    // Percent of `off`, from the counts. Mean and best: over the frames' percentages; of totals: of the frames' sums.
+    double bytes_per_triangle_light = 0;   // of certified culling, per visible triangle and light
+    // Percent saved of the counts of `off`. Mean and best are over the frames' percentages, of_totals over their sums.
     struct Saved {
         double nodes_mean = 0, nodes_best = 0, tests_mean = 0, tests_best = 0;
         double nodes_of_totals = 0, tests_of_totals = 0;
@@ -78,8 +78,8 @@ struct CullingBenchResult {
     std::optional<WrongImages> images;
 };
 
-/// @param progress  asked before every frame
-/// @param on_frame  told every frame of the first run
+/// @param progress  called before every frame
+/// @param on_frame  called after every frame of the first run
 /// @throws InterruptedError  progress returned false
 /// @throws InternalError     counts differ between two runs
 CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,

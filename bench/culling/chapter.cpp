@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chapter of Nah, Park and Han (2009): their Table 4, Figures 7 and 8, later frames in which things move, and what
-// certified culling does there.
+// The chapter on Nah, Park and Han (2009): their Table 4 and Figures 7 and 8, later frames in which objects move, and
+// certified culling on the same frames.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr int k_paper_depth = 10;            // of reflections [3.1]
+constexpr int k_paper_depth = 10;            // depth of reflections [3.1]
 constexpr int k_paper_frames_kitchen = 22;   // [Table 4]
 constexpr int k_paper_frames_robots = 52;
 constexpr int k_timed_lights = 4;
@@ -26,12 +26,12 @@ constexpr int k_timed_lights = 4;
 struct Wanted {
     std::string scene;
     FrameRange frames;
-    bool timed = false;   // certified against off alone, primary hits, no counts; else everything, as the paper did
-    bool brief = false;
+    bool timed = false;   // time certified culling on primary hits, without counts; else count all, as the paper did
+    bool brief = false;   // show only savings and wrong results
     double weight = 1;
 };
 
-// Kitchen's objects rest before frame 121, so later windows stand beside the first.
+// Later windows are measured, too, because the objects of Kitchen are at rest before frame 121.
 std::vector<Wanted> wanted_windows(const BenchSettings& s)
 {
     std::vector<Wanted> wanted;
@@ -68,7 +68,7 @@ class CullingChapter : public BenchChapter {
     {
         std::vector<BenchPart> parts;
         for (const Wanted& wanted : wanted_windows(settings_)) {
-            const CullingWindow window = asked(wanted);
+            const CullingWindow window = window_of(wanted);
             parts.push_back(
                 {fmt::format("{} culling: {}", wanted.timed ? "certified" : "published and certified", name_of(window)),
                  wanted.weight, [this, wanted](const Progress& progress) { measure(wanted, progress); }});
@@ -90,20 +90,19 @@ class CullingChapter : public BenchChapter {
             const auto number = [](double value) { return fmt::format("{:.1f} %", value); };
             const bool same = printed && w.options.frames == FrameRange{1, printed->frames};
             if (printed && !same) continue;
-            row("steps of shadow rays saved", printed ? number(printed->nodes_mean) : "not in the paper",
+            row("traversal steps of shadow rays saved", printed ? number(printed->nodes_mean) : "not in the paper",
                 w.result.paper_saved.nodes_mean, w.result.certified_saved.nodes_mean, "{:.1f} %");
             row("triangle tests saved", printed ? number(printed->tests_mean) : "not in the paper",
                 w.result.paper_saved.tests_mean, w.result.certified_saved.tests_mean, "{:.1f} %");
-            row("wrong results a frame", "none", w.result.paper_wrong_mean,
+            row("wrong results per frame", "not given", w.result.paper_wrong_mean,
                 static_cast<double>(w.result.wrong_total) / static_cast<double>(w.result.frames.size()), "{:.1f}");
         }
         for (const CullingWindow& w : timed_)
-            rows.push_back(
-                {{fmt::format("{}, {} lights: shadow pass, times as fast as tracing every ray", name_of(w), w.lights),
-                  "none", "",
-                  fmt::format("{:.2f} x, {:.2f} x over the second half", w.result.speedup_mean,
-                              w.result.speedup_steady)},
-                 false});
+            rows.push_back({{fmt::format("{}, {} lights: speed-up of the shadow pass", name_of(w), w.lights),
+                             "not in the paper", "",
+                             fmt::format("{:.2f} x, {:.2f} x over the second half", w.result.speedup_mean,
+                                         w.result.speedup_steady)},
+                            false});
         return rows;
     }
 
@@ -113,7 +112,7 @@ class CullingChapter : public BenchChapter {
         if (!all.empty()) {
             page.section("Shadow culling for interactive ray tracing (Nah, Park and Han 2009): Table 4",
                          settings_.command);
-            page.text("The sections below give the commands that measure each window by itself.");
+            page.text("The sections below give the command that measures each window separately.");
             page.table(table_of_savings(all));
             if (!timed_.empty()) page.table(table_of_speed(timed_));
         }
@@ -138,14 +137,14 @@ class CullingChapter : public BenchChapter {
     }
 
  private:
-    // What a window is to measure, and the command that measures the same.
-    CullingWindow asked(const Wanted& wanted) const
+    // The options of a window, and the command line that measures the same.
+    CullingWindow window_of(const Wanted& wanted) const
     {
         CullingWindow w;
         w.scene = wanted.scene;
         w.options.frames = wanted.frames;
-        w.options.size =
-            wanted.timed ? Size{512, 512} : settings_.size();   // small images time little else than starts
+        w.options.size = wanted.timed ? Size{512, 512}
+                                      : settings_.size();   // small images would time little but the start of the pass
         w.options.threads = 1;
         w.options.max_depth = wanted.timed ? 0 : k_paper_depth;
         w.options.counts = w.options.paper = w.options.images = !wanted.timed;
@@ -163,7 +162,7 @@ class CullingChapter : public BenchChapter {
             loaded_name_ = wanted.scene;
         }
         const Scene scene = wanted.timed ? loaded_->with_lights(k_timed_lights) : *loaded_;
-        CullingWindow window = asked(wanted);
+        CullingWindow window = window_of(wanted);
         window.lights = scene.inside()->lights.size();
         window.result = bench_culling(scene.inside(), window.options, progress);
         if (wanted.timed) {
@@ -174,7 +173,7 @@ class CullingChapter : public BenchChapter {
         }
     }
 
-    // The windows with counts; those that begin as the paper's and go on also as far as the paper's go.
+    // The windows with counts. A window that begins with the paper's frames and is longer is also shortened to them.
     std::vector<CullingWindow> summed() const
     {
         std::vector<CullingWindow> all;

@@ -14,6 +14,8 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
         sum.nodes += part.nodes;
         sum.tests += part.tests;
     };
+
+    // Count for each tile.
     std::vector<Sums> sums(tiles.size());
     tasks.for_each(tiles.size(), [&](std::size_t t, int) {
         const CullingTile& tile = tiles[t];
@@ -23,7 +25,7 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
             const float end = directional ? k_infinity : ray_end;
             for (std::size_t p = 0; p < tile.points.size(); ++p) {
                 const std::size_t at_point = l * tile.points.size() + p;
-                if (!tile.asked[at_point]) continue;
+                if (!tile.facing[at_point]) continue;
                 const auto& point = tile.points[p];
                 const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
                 ray::KdCounts all, dynamic_objects;
@@ -37,6 +39,8 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
             }
         }
     });
+
+    // Sum over the tiles.
     for (const Sums& s : sums) {
         record.off.nodes += s.off.nodes, record.off.tests += s.off.tests;
         record.paper.nodes += s.paper.nodes, record.paper.tests += s.paper.tests;

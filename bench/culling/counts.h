@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What bench culling notes of each tile, and what its rays cost on the counting kd-tree.
+// Counts the kd-tree nodes and triangle tests of the shadow rays that each method of bench culling traces.
 
 #include <vector>
 
@@ -11,16 +11,17 @@
 
 namespace gnomon::bench {
 
-/// The points of one tile, and by [light][point] what each method said and did about them.
+/// The points of one tile, and by [light][point] the results and rays of each method.
 struct CullingTile : BenchPoints {
-    std::vector<std::uint8_t> asked;                   // 1 where the light shines on the surface
-    std::vector<std::uint8_t> off, paper, certified;   // 1 occluded or behind
+    std::vector<std::uint8_t> facing;                  // 1 where the surface faces the light, within its cone
+    std::vector<std::uint8_t> off, paper, certified;   // 1 where occluded or facing away
     std::vector<std::uint8_t> paper_rays,
-        certified_rays;   // 1 a ray against everything, 2 against dynamic objects alone
+        certified_rays;   // 1: a ray against everything; 2: against dynamic objects only
 };
 
-/// Walks the counting kd-tree with every ray that each method traced, and fills in nodes and tests of the record.
-/// @param ray_end  of shadow rays, as a fraction of the way to a lamp
+/// Traverses the counting kd-tree with every ray that each method traced, and fills in `nodes` and `tests` of the
+/// record.
+/// @param ray_end  end of a shadow ray, as a fraction of the distance to the light
 void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state, float ray_end,
                      const std::vector<CullingTile>& tiles, Tasks& tasks, CullingFrame& record);
 

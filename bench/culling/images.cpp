@@ -8,9 +8,9 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr float k_ambient = 0.06f;       // of the brightest pixels, so that shadows show what lies in them
-constexpr double k_white_share = 0.02;   // of the pixels may be overexposed
-constexpr float k_faded = 0.35f;         // of the light, where nothing is wrong
+constexpr float k_ambient = 0.06f;                // of the brightest pixels, so that objects in shadows are visible
+constexpr double k_overexposed_fraction = 0.02;   // of the pixels may be overexposed
+constexpr float k_faded = 0.35f;                  // of the light, where no result is wrong
 constexpr std::uint8_t k_wrong_color[3] = {255, 32, 64};
 
 float luminance(const glm::vec3& c)
@@ -36,7 +36,7 @@ WrongImages wrong_images(const scene::SceneState& state, Size size, const std::v
         bool wrong;
     };
 
-    // Light every primary hit as both methods say.
+    // Light every primary hit with the results of both methods.
     std::vector<std::vector<Pixel>> lit(tiles.size());
     std::vector<float> brightness;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -45,7 +45,7 @@ WrongImages wrong_images(const scene::SceneState& state, Size size, const std::v
             Pixel pixel{};
             for (std::size_t l = 0; l < scene.lights.size(); ++l) {
                 const std::size_t at = l * tile.points.size() + p;
-                if (!tile.asked[at]) continue;
+                if (!tile.facing[at]) continue;
                 const scene::LightSample light = scene::illuminate(
                     scene.lights[l], state.light(static_cast<scene::LightId>(l)), tile.points[p].origin);
                 const glm::vec3 radiance = tile.diffuse[p] * light.irradiance *
@@ -59,14 +59,16 @@ WrongImages wrong_images(const scene::SceneState& state, Size size, const std::v
         }
     }
 
-    // Expose for all but the brightest.
+    // Expose for all but the brightest pixels.
     float white = 1;
     if (!brightness.empty()) {
-        const auto rank = static_cast<std::ptrdiff_t>((1 - k_white_share) * static_cast<double>(brightness.size() - 1));
+        const auto rank =
+            static_cast<std::ptrdiff_t>((1 - k_overexposed_fraction) * static_cast<double>(brightness.size() - 1));
         std::nth_element(brightness.begin(), brightness.begin() + rank, brightness.end());
         if (const float at_rank = brightness[static_cast<std::size_t>(rank)]; at_rank > 0) white = at_rank;
     }
 
+    // Fill in the three images.
     WrongImages images{frame.frame, frame.paper.wrong, Image8(size.width, size.height, 3),
                        Image8(size.width, size.height, 3), Image8(size.width, size.height, 3)};
     for (std::size_t t = 0; t < tiles.size(); ++t)

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Images of what a method that guesses got wrong: primary hits in their lights' light, as traced and as remembered.
+// Images of wrong shadows: the primary hits in direct light with every ray traced and with the published method.
 
 #include "base/image.h"
 #include "bench/culling/counts.h"
 
 namespace gnomon::bench {
 
-/// The frame's direct light without reflections, every ray traced and by the published method; and the former faded,
-/// with every pixel red where a light's result differs. All in sRGB, equally exposed.
+/// Renders the frame's direct light without reflections, with every ray traced and with the published method. In the
+/// third image every pixel in which the result of a light differs is red and the others are faded. All are in sRGB with
+/// the same exposure.
 WrongImages wrong_images(const scene::SceneState& state, Size size, const std::vector<CullingTile>& tiles,
                          const CullingFrame& frame);
 

@@ -64,7 +64,7 @@ nlohmann::ordered_json summary_of(const CullingBenchResult& result, const Cullin
                                 {"most_evidence_bytes", result.most_evidence_bytes},
                                 {"visible_triangles", result.visible_triangles},
                                 {"bytes_per_triangle_light", result.bytes_per_triangle_light}};
-        // Of the frames after the first: a single one has none.
+        // The ratio is over the frames after the first, so a single frame has none.
         if (result.frames.size() > 1) summary["certified"]["worst_frame_ratio"] = result.worst_frame_ratio;
         if (moving_lights) summary["certified"]["moving_lights_ratio"] = result.later_frames_ratio;
         const CullingBenchResult::Saved& s = result.certified_saved;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The document of bench culling: every frame, and a summary. Its keys are a contract; tests/cli/json_test.cpp holds it.
+// The JSON document of bench culling: every frame, and a summary. Its keys are stable; tests/cli/json_test.cpp checks
+// them.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -8,7 +9,7 @@
 
 namespace gnomon::bench {
 
-/// {"frames": [...], "summary": {...}}: of the methods that were run, with what was counted.
+/// Returns {"frames": [...], "summary": {...}} with the methods that were run and the counts if they were taken.
 nlohmann::ordered_json culling_json(const CullingWindow& window);
 
 }   // namespace gnomon::bench

@@ -37,21 +37,23 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
         const scene::LightState& at = state_->light(static_cast<scene::LightId>(l));
         const bool directional = scene.lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
 
-        // Ask about every point that faces the light.
-        w.asked.clear();
+        // Queue a ray for every point that faces the light.
+        w.queue.clear();
         w.point.clear();
         w.origins.clear();
         for (std::uint32_t p = 0; p < points.size(); ++p) {
             const ShadowPoint& point = points[p];
             const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
             if (!(glm::dot(d, point.normal) > 0)) continue;
-            w.asked.push(point.origin, 0, d, directional ? k_infinity : ray_end_);
+            w.queue.push(point.origin, 0, d, directional ? k_infinity : ray_end_);
             w.point.push_back(p);
             w.origins.push_back(culling_.primitive(point.object, point.triangle));
         }
+
+        // Test the rays, and store the results by point.
         w.hit.resize(w.point.size());
         w.traced.resize(w.point.size());
-        w.tracer.answer(culling_, *rays_, l, w.asked, w.origins, w.hit.data(), w.traced.data());
+        w.tracer.answer(culling_, *rays_, l, w.queue, w.origins, w.hit.data(), w.traced.data());
         for (std::size_t i = 0; i < w.point.size(); ++i) {
             occluded[w.point[i]] = w.hit[i];
             if (rays && w.traced[i]) rays[w.point[i]] = w.traced[i];

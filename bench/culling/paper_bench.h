@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The shadow pass of one frame with the published shadow culling, for bench culling: hits of any kind and depth, and
-// the image of the primary ones for the occlusion test.
+// Runs the shadow pass of one frame with the published shadow culling, for bench culling: on hits of any depth, with
+// the image of the primary hits for the occlusion test.
 
 #include <span>
 #include <vector>
@@ -16,9 +16,9 @@ class PaperBench {
     PaperBench(const scene::SceneState& state, const ray::RayScene& rays, int threads,
                const shadow_culling::PaperOptions& options, float ray_end);
 
-    /// Before a frame's primary hits: empties the image.
+    /// Empties the image. Call it before set_pixel() in every frame.
     void clear_image(Size size);
-    /// One pixel's primary hit; from any thread.
+    /// Stores the primary hit of a pixel; from any thread.
     void set_pixel(int x, int y, scene::ObjectId object, std::uint32_t triangle, const glm::vec3& origin,
                    const glm::vec3& direction)
     {
@@ -27,11 +27,10 @@ class PaperBench {
     }
 
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays);
-    /// All lights for a batch of points; from worker `worker`.
-    /// @param occluded  [light][point]: 1 where something that blocks light lies between; left alone where the light is
-    ///                 behind the surface
-    /// @param rays     optional, [light][point]: 1 where a ray was traced against everything, 2 against dynamic objects
-    /// alone
+    /// Computes the shadows of all lights for a batch of points; from worker `worker`.
+    /// @param occluded  [light][point]: 1 where an opaque object lies between; unchanged where the surface faces away
+    /// @param rays      optional, [light][point]: 1 where a ray was traced against everything, 2 where one was traced
+    ///                  against dynamic objects only
     void shadow(int worker, std::span<const shadow_culling::ShadowPoint> points, std::uint8_t* occluded,
                 std::uint8_t* rays = nullptr);
     void end_frame();
@@ -45,8 +44,8 @@ class PaperBench {
  private:
     struct Worker {
         shadow_culling::PaperTracer tracer;
-        ray::RayQueue asked;
-        std::vector<std::uint32_t> point;   // by ray of `asked`
+        ray::RayQueue queue;
+        std::vector<std::uint32_t> point;   // by ray of `queue`
         std::vector<shadow_culling::PrimitiveId> origins;
         std::vector<std::uint8_t> hit, traced;
     };

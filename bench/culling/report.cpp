@@ -16,7 +16,7 @@ namespace {
 
 using Style = ChartSeries::Style;
 
-// One figure of every frame as a line.
+// A line chart series of one value per frame.
 template <class Value>
 ChartSeries line(const CullingBenchResult& result, const std::string& name, const std::string& color, Value value,
                  Style style = Style::line)
@@ -37,7 +37,7 @@ double ratio(double a, double b)
     return b > 0 ? a / b : 0;
 }
 
-// A printed mean as a line through the chart; a printed best as a mark at its frame, where that frame is shown.
+// A printed mean, as a dashed line through the chart.
 ChartSeries printed_mean(const CullingBenchResult& result, const std::string& name, double value,
                          const std::string& color)
 {
@@ -45,6 +45,7 @@ ChartSeries printed_mean(const CullingBenchResult& result, const std::string& na
         result, name, color, [&](const CullingFrame&) { return value; }, Style::dashed);
 }
 
+// Marks a printed best value at its frame, if that frame is shown.
 void add_printed_best(Chart& chart, const CullingBenchResult& result, const std::string& name, int frame, double value,
                       const std::string& color)
 {
@@ -67,15 +68,15 @@ class Section {
     {
         page_.section(fmt::format("Shadow culling: {}", name_of(window_)), window_.command);
         page_.text(fmt::format(
-            "{} x {} pixels, {} light{}, {}; {} thread{}{}. Of every method the whole shadow pass is counted and timed "
-            "on the same points: off traces every ray in packets through one tree; published is the method of Nah, "
-            "Park and Han (2009); certified is Gnomon's own.{}",
+            "{} x {} pixels, {} light{}, {}; {} thread{}{}. Every method computes the whole shadow pass for the same "
+            "points: 'every ray' traces every shadow ray in packets through one BVH, 'published' is the method of "
+            "Nah, Park and Han (2009), and 'certified' is Gnomon's method.{}",
             options_.size.width, options_.size.height, window_.lights, window_.lights == 1 ? "" : "s",
-            options_.max_depth == 0 ? "primary hits alone"
+            options_.max_depth == 0 ? "primary hits only"
                                     : fmt::format("hits to reflection depth {}", options_.max_depth),
             options_.threads, options_.threads == 1 ? "" : "s",
             options_.repeat > 1 ? fmt::format("; times are medians of {} runs", options_.repeat) : "",
-            window_.moving_lights ? " Every light moves in every frame, so nothing can be remembered." : ""));
+            window_.moving_lights ? " Every light moves in every frame, so no result can be reused." : ""));
         const bool all = charts != CullingCharts::brief;
         if (options_.counts) {
             if (charts == CullingCharts::all) page_.table(table_of_savings({&window_, 1}));
@@ -88,41 +89,47 @@ class Section {
     }
 
  private:
-    // Figures 7 and 8: counts of every frame.
+    // Redraws Figures 7 and 8: the counts of every frame.
     void figure_of_the_paper()
     {
         const std::string figure = printed_ ? printed_->figure : "Figures 7 and 8";
         const auto off_color = k_color_off;
         Chart nodes{
-            fmt::format("{}: traversal steps of shadow rays", figure), "frame", "steps a frame", {}, {}, {}, {}, {}};
+            fmt::format("{}: traversal steps of shadow rays", figure), "frame", "steps per frame", {}, {}, {}, {}, {}};
         nodes.series.push_back(line(result_, "every ray", off_color, [](auto& f) { return f.off.nodes; }));
         nodes.series.push_back(line(result_, "published", k_color_paper, [](auto& f) { return f.paper.nodes; }));
         if (options_.certified)
             nodes.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.nodes; }));
         page_.chart(nodes,
-                    fmt::format("{} of the paper, redrawn: nodes of the kd-tree that shadow rays visit.", figure));
+                    fmt::format("{} of the paper, measured here: kd-tree nodes visited by shadow rays.", figure));
 
         Chart tests{
-            fmt::format("{}: triangle tests of shadow rays", figure), "frame", "tests a frame", {}, {}, {}, {}, {}};
+            fmt::format("{}: triangle tests of shadow rays", figure), "frame", "tests per frame", {}, {}, {}, {}, {}};
         tests.series.push_back(line(result_, "every ray", off_color, [](auto& f) { return f.off.tests; }));
         tests.series.push_back(line(result_, "published", k_color_paper, [](auto& f) { return f.paper.tests; }));
         tests.series.push_back(line(result_, "extra tests of the occlusion test", k_color_second,
                                     [](auto& f) { return f.paper.extra_tests; }));
         if (options_.certified)
             tests.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.tests; }));
-        page_.chart(tests, fmt::format("{} of the paper, redrawn: triangles that shadow rays are tested against, and "
-                                       "those that the published method tests besides to find occlusion.",
+        page_.chart(tests, fmt::format("{} of the paper, measured here: triangle tests of shadow rays, and the extra "
+                                       "tests of the published method's occlusion test.",
                                        figure));
 
-        Chart saved{fmt::format("{}: saved by the published method", figure), "frame", "% saved", {}, {}, {}, {}, {}};
-        saved.series.push_back(line(result_, "steps, ours", k_color_ours,
+        Chart saved{fmt::format("{}: savings of the published method", figure), "frame", "% saved", {}, {}, {}, {}, {}};
+        saved.series.push_back(line(result_, "steps, measured", k_color_ours,
                                     [](auto& f) { return 100 - percent(f.paper.nodes, f.off.nodes); }));
-        saved.series.push_back(line(result_, "tests, ours", k_color_paper,
+        saved.series.push_back(line(result_, "tests, measured", k_color_paper,
                                     [](auto& f) { return 100 - percent(f.paper.tests, f.off.tests); }));
-        Chart extra{
-            fmt::format("{}: extra tests of the occlusion test", figure), "frame", "tests a pixel", {}, {}, {}, {}, {}};
+        Chart extra{fmt::format("{}: extra tests of the occlusion test", figure),
+                    "frame",
+                    "tests per pixel",
+                    {},
+                    {},
+                    {},
+                    {},
+                    {}};
         extra.series.push_back(
-            line(result_, "ours", k_color_paper, [](auto& f) { return f.paper.extra_tests_per_pixel; }));
+            line(result_, "measured", k_color_paper, [](auto& f) { return f.paper.extra_tests_per_pixel; }));
         if (printed_) {
             saved.series.push_back(printed_mean(result_, "steps, printed mean", printed_->nodes_mean, k_color_ours));
             saved.series.push_back(printed_mean(result_, "tests, printed mean", printed_->tests_mean, k_color_paper));
@@ -133,12 +140,12 @@ class Section {
             extra.series.push_back(
                 printed_mean(result_, "printed mean", printed_->extra_tests_per_pixel, k_color_printed));
         }
-        page_.chart(saved, printed_ ? fmt::format("What the two charts above save, in percent, beside what the paper "
-                                                  "prints of its {}: means as dashed lines, the best frames as marks "
-                                                  "where their numbers fall into the range.",
+        page_.chart(saved, printed_ ? fmt::format("Traversal steps and triangle tests saved by the published method, "
+                                                  "in percent. Dashed lines are the means that the paper prints for "
+                                                  "{}; marks are its best frames, where they lie in this range.",
                                                   figure)
-                                    : "What the two charts above save, in percent.");
-        page_.chart(extra, "Triangle tests that the published method adds, by pixel of the image.");
+                                    : "Traversal steps and triangle tests saved by the published method, in percent.");
+        page_.chart(extra, "Extra triangle tests of the published method, per pixel of the image.");
     }
 
     void savings()
@@ -154,7 +161,9 @@ class Section {
             saved.series.push_back(line(result_, "tests, published", k_color_second,
                                         [](auto& f) { return 100 - percent(f.paper.tests, f.off.tests); }));
         }
-        page_.chart(saved, "Traversal steps and triangle tests spared by certified culling, by the published method.");
+        page_.chart(saved,
+                    "Traversal steps and triangle tests saved by certified culling and by the published method, in "
+                    "percent.");
     }
 
     void certified()
@@ -163,18 +172,19 @@ class Section {
         page_.table(table_of_speed({&window_, 1}));
         if (window_.moving_lights)
             page_.text(
-                fmt::format("With every light moving, certified culling takes {:.3f} times the time of tracing "
-                            "every ray, from the second frame on.",
+                fmt::format("While every light moves, certified culling takes {:.3f} times the time of tracing every "
+                            "ray, from the second frame on.",
                             r.later_frames_ratio));
 
-        Chart times{"Time of the shadow pass", "frame", "CPU ms a frame", {}, {}, {}, {}, {}};
+        Chart times{"Time of the shadow pass", "frame", "CPU ms per frame", {}, {}, {}, {}, {}};
         times.series.push_back(line(r, "every ray", k_color_off, [](auto& f) { return f.off.ms; }));
         if (options_.paper)
             times.series.push_back(line(r, "published", k_color_paper, [](auto& f) { return f.paper.ms; }));
         times.series.push_back(line(r, "certified", k_color_ours, [](auto& f) { return f.certified.ms; }));
-        page_.chart(times, "Process CPU time of the whole shadow pass, what each method keeps up and proves included.");
+        page_.chart(times,
+                    "Process CPU time of the whole shadow pass, including each method's bookkeeping and proofs.");
 
-        Chart speed{"Times as fast as tracing every ray", "frame", "times", {}, {}, {}, {}, {}};
+        Chart speed{"Speed-up over tracing every ray", "frame", "speed-up", {}, {}, {}, {}, {}};
         speed.series.push_back(
             line(r, "certified", k_color_ours, [](auto& f) { return ratio(f.off.ms, f.certified.ms); }));
         if (options_.paper)
@@ -182,38 +192,40 @@ class Section {
                 line(r, "published", k_color_paper, [](auto& f) { return ratio(f.off.ms, f.paper.ms); }));
         speed.series.push_back(line(
             r, "every ray", k_color_off, [](auto&) { return 1; }, Style::dashed));
-        page_.chart(speed, "Speed-up of the shadow pass, frame by frame.");
+        page_.chart(speed, "Speed-up of the shadow pass over tracing every ray, frame by frame.");
 
         Chart rays{"Shadow rays by class, certified", "frame", "% of the rays", {}, true, {}, {}, 100.0};
         rays.series.push_back(
-            line(r, "no ray", k_color_ours, [](auto& f) { return percent(f.certified.skipped, f.certified.rays); }));
-        rays.series.push_back(line(r, "dynamic objects alone", k_color_third,
+            line(r, "culled", k_color_ours, [](auto& f) { return percent(f.certified.skipped, f.certified.rays); }));
+        rays.series.push_back(line(r, "dynamic objects only", k_color_third,
                                    [](auto& f) { return percent(f.certified.dynamic_only, f.certified.rays); }));
         rays.series.push_back(line(r, "traced: known to be partial", k_color_second,
                                    [](auto& f) { return percent(f.certified.partial, f.certified.rays); }));
-        rays.series.push_back(line(r, "traced: not known", k_color_off, [](auto& f) {
+        rays.series.push_back(line(r, "traced: state not known", k_color_off, [](auto& f) {
             const std::uint64_t known = f.certified.skipped + f.certified.dynamic_only + f.certified.partial;
             return percent(f.certified.rays - std::min(known, f.certified.rays), f.certified.rays);
         }));
-        page_.chart(rays, "What certified culling does about each shadow ray that off traces.");
+        page_.chart(rays,
+                    "How certified culling treats each shadow ray: culled, traced against dynamic objects only, or "
+                    "traced against everything.");
 
-        Chart proofs{"Certificates", "frame", "a frame", {}, {}, {}, {}, {}};
+        Chart proofs{"Certificates", "frame", "per frame", {}, {}, {}, {}, {}};
         proofs.series.push_back(line(r, "tried", k_color_second, [](auto& f) { return f.certified.certificates; }));
-        proofs.series.push_back(line(r, "that held", k_color_ours, [](auto& f) { return f.certified.certified; }));
-        page_.chart(proofs, "Proofs tried at the end of each frame, and how many held.");
+        proofs.series.push_back(line(r, "proven", k_color_ours, [](auto& f) { return f.certified.certified; }));
+        page_.chart(proofs, "Proofs tried at the end of each frame, and those that succeeded.");
     }
 
     void rays_of_paper()
     {
         Chart rays{"Shadow rays by class, published", "frame", "% of the rays", {}, true, {}, {}, 100.0};
         rays.series.push_back(
-            line(result_, "no ray", k_color_ours, [](auto& f) { return percent(f.paper.skipped, f.paper.rays); }));
-        rays.series.push_back(line(result_, "dynamic objects alone", k_color_third,
+            line(result_, "culled", k_color_ours, [](auto& f) { return percent(f.paper.skipped, f.paper.rays); }));
+        rays.series.push_back(line(result_, "dynamic objects only", k_color_third,
                                    [](auto& f) { return percent(f.paper.dynamic_only, f.paper.rays); }));
         rays.series.push_back(line(result_, "traced", k_color_off, [](auto& f) {
             return percent(f.paper.rays - f.paper.skipped - f.paper.dynamic_only, f.paper.rays);
         }));
-        page_.chart(rays, "What the published method does about each shadow ray.");
+        page_.chart(rays, "How the published method treats each shadow ray.");
     }
 
     void wrong()
@@ -222,12 +234,12 @@ class Section {
         chart.series.push_back(line(result_, "published", k_color_paper, [](auto& f) { return f.paper.wrong; }));
         if (options_.certified)
             chart.series.push_back(line(result_, "certified", k_color_ours, [](auto& f) { return f.certified.wrong; }));
-        page_.chart(chart, "Results of a shading point and a light that differ from tracing every ray.");
+        page_.chart(chart, "Results of a shading point and a light that differ from those of tracing every ray.");
         if (!result_.images) return;
         const WrongImages& p = *result_.images;
-        page_.comparison({fmt::format("The frame with most wrong results, {}: direct light at the primary hits, every "
-                                      "ray traced against the published method. {} results are wrong; the difference "
-                                      "shows those at primary hits in red.",
+        page_.comparison({fmt::format("Frame {}, which has the most wrong results: direct light at the primary hits, "
+                                      "with every ray traced and with the published method. {} results are wrong; the "
+                                      "difference image shows those at primary hits in red.",
                                       p.frame, p.wrong),
                           "every ray", "published", p.off, p.paper, p.difference});
     }

@@ -36,7 +36,7 @@ auto counts_of(const CullingFrame& f)
                       f.certified.wrong};
 }
 
-// The middle value; between the two middle ones of an even number.
+// The middle value, or the mean of the two middle values.
 double median(std::vector<double> values)
 {
     const std::size_t middle = values.size() / 2;
@@ -49,7 +49,7 @@ double percent_saved(std::uint64_t with, std::uint64_t without)
     return without > 0 ? 100.0 - 100.0 * static_cast<double>(with) / static_cast<double>(without) : 0.0;
 }
 
-// Percent of what every ray would have cost.
+// The counts that a method saves, in percent of those of tracing every ray.
 template <class Method>
 CullingBenchResult::Saved saved(const std::vector<CullingFrame>& frames, Method CullingFrame::*method)
 {
@@ -73,7 +73,7 @@ CullingBenchResult::Saved saved(const std::vector<CullingFrame>& frames, Method 
     return result;
 }
 
-// Sum over frames [first, end) of off / certified.
+// The ratio off / certified of the times summed over frames [first, end).
 double speedup(const std::vector<CullingFrame>& frames, std::size_t first)
 {
     double off = 0, certified = 0;
@@ -94,7 +94,7 @@ std::vector<CullingFrame> medians_of(std::span<const std::vector<CullingFrame>> 
         for (const std::vector<CullingFrame>& run : runs) {
             GNOMON_CHECK_EQ(run.size(), frames.size());
             if (counts_of(run[f]) != counts_of(frames[f]))
-                throw InternalError(fmt::format("counts of frame {} differ between two runs", frames[f].frame));
+                throw InternalError(fmt::format("the counts of frame {} differ between two runs", frames[f].frame));
         }
         const auto take = [&](auto member) {
             std::vector<double> values;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// From the frames of one or several runs of bench culling to its figures.
+// Computes the summary of bench culling from the frames of one or several runs.
 
 #include <span>
 
@@ -8,12 +8,11 @@
 
 namespace gnomon::bench {
 
-/// Medians of the times, frame by frame, of runs over the same frames.
-/// @throws InternalError  if a count differs between two runs: they see the same scene and remember nothing
-///         from each other
+/// Medians of the times, frame by frame, over several runs of the same frames.
+/// @throws InternalError  if a count differs between two runs, which must be equal because runs are independent
 std::vector<CullingFrame> medians_of(std::span<const std::vector<CullingFrame>> runs);
 
-/// Fills in all of the result that follows from its frames.
+/// Fills in all values of the result that follow from its frames.
 void summarise(const CullingBenchOptions& options, CullingBenchResult& result);
 
 }   // namespace gnomon::bench

@@ -32,7 +32,8 @@ void add_saved(ReportTable& table, const std::string& name, const CullingBenchRe
                            number(s.tests_mean, 1), best(s.tests_best, s.tests_best_frame), extra, wrong},
                           false});
     table.rows.push_back(
-        {{"of totals", number(s.nodes_of_totals, 1), "", number(s.tests_of_totals, 1), "", "", ""}, false});
+        {{"of the sums over all frames", number(s.nodes_of_totals, 1), "", number(s.tests_of_totals, 1), "", "", ""},
+         false});
 }
 
 }   // namespace
@@ -50,18 +51,18 @@ ReportTable table_of_savings(std::span<const CullingWindow> windows)
 {
     ReportTable table;
     table.caption =
-        "Table 4 of the paper, printed values in colour, and ours: percent of the kd-tree's traversal steps and of the "
-        "triangle tests that shadow rays are spared. It does not say whether its means are of the frames' percentages "
-        "or of totals, so both are given, nor which frames it took of its scenes, nor how many lights were lit.";
+        "Table 4 of the paper: percent of the shadow rays' kd-tree traversal steps and triangle tests that are saved. "
+        "Printed values are coloured. The paper does not state whether its means are of the frames' percentages or of "
+        "sums over frames, so both are given; nor does it state the frames and the number of lights.";
     table.columns = {"",
                      "steps saved, mean %",
                      "best %",
                      "tests saved, mean %",
                      "best %",
-                     "extra tests a pixel",
-                     "wrong results a frame"};
+                     "extra tests per pixel",
+                     "wrong results per frame"};
     for (const PrintedCulling& p : k_printed)
-        table.rows.push_back({{fmt::format("{}, {} frames, as printed", p.scene, p.frames), number(p.nodes_mean, 1),
+        table.rows.push_back({{fmt::format("{}, {} frames, printed", p.scene, p.frames), number(p.nodes_mean, 1),
                                best(p.nodes_best, p.nodes_best_frame), number(p.tests_mean, 1),
                                best(p.tests_best, p.tests_best_frame), number(p.extra_tests_per_pixel, 3), "not given"},
                               true});
@@ -82,17 +83,18 @@ ReportTable table_of_speed(std::span<const CullingWindow> windows)
 {
     ReportTable table;
     table.caption =
-        "Certified culling against every ray traced. Speed-ups are of sums of process CPU time, certificates included; "
-        "the worst frame is by wall time from the second frame on. Memory is by visible triangle and light.";
+        "Certified culling compared with tracing every ray. Speed-ups are ratios of summed process CPU times, "
+        "including "
+        "certificates. First and worst later frame are ratios of wall times.";
     table.columns = {"",
                      "speed-up",
                      "second half",
                      "first frame",
                      "worst later frame",
-                     "wrong",
+                     "wrong results",
                      "visible triangles",
                      "memory",
-                     "bytes a triangle and light"};
+                     "bytes per triangle and light"};
     for (const CullingWindow& w : windows) {
         if (!w.options.certified || w.result.frames.empty()) continue;
         const CullingBenchResult& r = w.result;

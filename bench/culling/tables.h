@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Tables of bench culling over any number of windows, beside what the paper prints [Nah 2009, Table 4 and 3.2].
+// Tables of bench culling over any number of windows, with the values that the paper prints [Nah 2009, Table 4
+// and 3.2].
 
 #include <span>
 #include <string>
@@ -12,21 +13,21 @@ namespace gnomon::bench {
 
 struct PrintedCulling {
     const char* scene;
-    const char* figure;   // its frames one by one
-    const char* file;     // how names of its files begin
+    const char* figure;   // the figure that shows every frame
+    const char* file;     // beginning of the name of its files
     int frames;
-    double nodes_mean, nodes_best, tests_mean, tests_best;   // per cent saved
+    double nodes_mean, nodes_best, tests_mean, tests_best;   // percent saved
     int nodes_best_frame, tests_best_frame;
     double extra_tests_per_pixel;
 };
 
-/// The printed values of this scene; nullptr if the paper does not have it.
+/// The printed values for a scene; nullptr if the scene is not in the paper.
 const PrintedCulling* printed_culling_of(const std::string& scene);
 
-/// Table 4: per cent saved, mean and best. Windows with counts alone.
+/// Table 4: percent saved, mean and best, for those windows that have counts.
 ReportTable table_of_savings(std::span<const CullingWindow> windows);
 
-/// How much faster than tracing every ray certified culling is. Windows with it alone.
+/// The speed-up of certified culling over tracing every ray, for those windows that measured it.
 ReportTable table_of_speed(std::span<const CullingWindow> windows);
 
 }   // namespace gnomon::bench

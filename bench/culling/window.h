@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// One run of bench culling: some frames of a scene, what was asked and what came out.
+// A range of frames of a scene that bench culling measures: its options and its results.
 
 #include <string>
 
@@ -20,9 +20,9 @@ struct CullingWindow {
 /// "kitchen.aff, frames 1 to 22"
 std::string name_of(const CullingWindow& window);
 
-/// The same window as it would be with its first frames alone: methods know nothing of what is to come. Memory stays
-/// that of the whole.
-/// @param frames  1 to all of the window's
+/// The same window restricted to its first frames. The results are those of a run over these frames, because methods
+/// do not depend on later frames; only the memory is that of the whole run.
+/// @param frames  1 to the number of frames in the window
 CullingWindow beginning_of(const CullingWindow& window, int frames);
 
 }   // namespace gnomon::bench

@@ -44,7 +44,7 @@ Times time_of(const Work& work)
     return {wall_ms() - wall, cpu_ms() - cpu};
 }
 
-// The same of one call of a method, or what the method says itself.
+// The time of one call of a method, or the time that the method measured itself.
 template <class Work>
 Times time_of(const IndirectMethod& method, IndirectTimes::Took IndirectTimes::*which, const Work& work)
 {
@@ -68,7 +68,7 @@ double change_of(const glm::vec3& v)
     return sum_of(glm::abs(v)) / 3;
 }
 
-// Light that is bounced once, and the sky's.
+// One-bounce light, and light from the sky.
 glm::vec3 light_of(const reference::IrradianceEstimate& e)
 {
     return e.indirect + e.surroundings;
@@ -76,19 +76,19 @@ glm::vec3 light_of(const reference::IrradianceEstimate& e)
 
 using Estimates = std::vector<reference::IrradianceEstimate>;
 
-// What a judged frame is measured by.
+// The reference values of a frame.
 struct Judged {
     int frame = 0;
     PointGrid grid;
     Estimates reference;
-    std::vector<glm::vec3> brute;   // whatever stands between
-    // Flicker: points of this frame that the next one shows; not of the clip's last frame.
+    std::vector<glm::vec3> brute;   // the sum over all texels, without visibility
+    // Flicker: points of this frame that the next frame shows, too; empty in the last frame of the range.
     std::vector<FixedPoint> fixed;
     std::vector<std::size_t> fixed_pixels;
-    std::vector<glm::vec3> change, other_change;   // of two references
+    std::vector<glm::vec3> change, other_change;   // to the next frame, in two independent references
 };
 
-// A scene on its way through the clip.
+// The scene at one frame, with its BVHs.
 struct World {
     World(const std::shared_ptr<const scene::Scene>& s, const IndirectBenchOptions& options, int frame)
         : scene(s), camera(options.camera), size(options.size), state(s, s->timeline.time_of(frame)), rays(state)
@@ -132,7 +132,7 @@ class Bench {
     }
 
  private:
-    // Frames spread over the range, each with one after it where there is more than one.
+    // Chooses frames spread over the range, each followed by another frame of it unless the range is a single frame.
     void choose_frames()
     {
         const FrameRange range = options_.frames;
@@ -145,6 +145,7 @@ class Bench {
         }
     }
 
+    // The reference at points, computed or read from the cache.
     Estimates reference(const World& world, std::span<const FixedPoint> points, std::uint64_t seed, int spp)
     {
         reference::ReferenceOptions options;
@@ -157,6 +158,7 @@ class Bench {
         });
     }
 
+    // Computes the references of all judged frames, and their noise.
     void make_references()
     {
         double sum = 0, error = 0;
@@ -184,6 +186,7 @@ class Bench {
         if (sum > 0) result_.reference_noise = std::sqrt(error / values) / result_.mean_irradiance;
     }
 
+    // Computes the reference at every pixel of a frame.
     void make_image(const World& world, const SeenImage& image, int frame)
     {
         IndirectImage& out = result_.image;
@@ -195,9 +198,10 @@ class Bench {
         for (std::size_t i = 0; i < light.size(); ++i) out.reference[all.pixels[i]] = light_of(light[i]);
     }
 
-    // How the light of fixed points changes from this frame to the next.
+    // Computes how the irradiance of fixed points changes from this frame to the next, in two references.
     void make_changes(Judged& j, World& world)
     {
+        // Choose the points of the coarser grid.
         const auto step = static_cast<std::size_t>(options_.flicker_grid);
         const auto width = static_cast<std::size_t>(options_.size.width);
         const std::size_t first = static_cast<std::size_t>(options_.grid / 2);
@@ -210,6 +214,8 @@ class Bench {
             points.push_back(j.grid.points[i]), pixels.push_back(j.grid.pixels[i]);
             own.push_back(j.reference[i]);
         }
+
+        // Evaluate both references in both frames, at the points visible in both.
         const Estimates other = reference(world, points, k_other_seed, options_.spp);
         world.go(j.frame + 1);
         find_again(*scene_, world.rays, world.view(), points, at);
@@ -222,8 +228,10 @@ class Bench {
         }
     }
 
+    // Runs one method over the range.
     IndirectRow measure(const IndirectMethodInfo& info)
     {
+        // Construct the method at the first frame.
         IndirectRow row;
         row.method = info.name;
         row.title = info.title;
@@ -240,7 +248,7 @@ class Bench {
         std::vector<double> walls;
         double square = 0, sum = 0, reference_sum = 0, flicker = 0, floor = 0, brute_square = 0, brute_sum = 0;
         std::size_t values = 0, flickering = 0;
-        const Judged* last = nullptr;   // judged in the frame before
+        const Judged* last = nullptr;   // reference values of the previous frame, if it has any
 
         for (int frame = range.first; frame <= range.last; ++frame) {
             if (progress_ && !progress_({info.name, static_cast<double>(frame - range.first) / range.count()}))
@@ -250,13 +258,13 @@ class Bench {
             see_image(world.state, world.rays, world.view(), method->grid_step(options_.size), tasks_, image);
             light.assign(image.points.size(), glm::vec3(0));
 
-            // The frame as it comes.
+            // Light the frame.
             const Times begun =
                 time_of(*method, &IndirectTimes::begun, [&] { method->begin_frame(world.state, world.rays, tasks_); });
             Times whole = begun;
             whole += time_of(*method, &IndirectTimes::lit, [&] { method->light(image, tasks_, light.data()); });
 
-            // Flicker from the frame before to this one.
+            // Measure flicker from the previous frame to this one.
             if (last && !last->fixed.empty()) {
                 std::vector<std::size_t> seen;
                 const auto again = find_again(*scene_, world.rays, world.view(), last->fixed, seen);
@@ -270,6 +278,8 @@ class Bench {
                 }
                 flickering += seen.size();
             }
+
+            // Record times and work. A static scene has only its first frame to measure.
             IndirectWork work;
             const Times ended = time_of([&] { work = method->end_frame(); });
             if (!method->own_times()) whole += ended;
@@ -278,7 +288,6 @@ class Bench {
                 whole += made;
                 row.ms_cold = whole.wall, row.cpu_ms_cold = whole.cpu, row.rays_cold = work.rays;
             }
-            // A still scene has nothing but its first frame to be measured by.
             const bool counts = !cold || range.count() == 1;
             if (counts) {
                 moving += whole, repair += begun, walls.push_back(whole.wall);
@@ -286,7 +295,7 @@ class Bench {
                 row.work.dirty_pixels += work.dirty_pixels, row.work.dirty_nodes += work.dirty_nodes;
             }
 
-            // Errors against the reference.
+            // Measure errors against the reference.
             last = nullptr;
             for (const Judged& j : judged_) {
                 if (j.frame != frame) continue;
@@ -306,7 +315,7 @@ class Bench {
             if (options_.images && frame == result_.image.frame) row.image = light;
             before = light;
 
-            // The same frame once more: nothing moved.
+            // Time the same frame once more, without motion.
             if (!counts) continue;
             world.go(frame);
             still +=
@@ -316,6 +325,7 @@ class Bench {
             if (!method->own_times()) still += still_ended;
         }
 
+        // Compute means over the frames, and errors over all points.
         const auto later = static_cast<double>(std::max(1, range.count() - 1));
         row.ms_static = still.wall / later, row.cpu_ms_static = still.cpu / later;
         row.ms_moving = moving.wall / later, row.cpu_ms_moving = moving.cpu / later;
@@ -338,6 +348,8 @@ class Bench {
             }
             if (options_.view_steps > 0 && info.walks) row.view_change = walk(*method, world, image, mean);
         }
+
+        // Time the construction in the last frame.
         std::unique_ptr<IndirectMethod> again;
         Times rebuilt = time_of([&] { again = info.make_for(world.state, world.rays, tasks_); });
         if (const IndirectTimes* own = again->own_times()) rebuilt = {own->made.wall, own->made.cpu};
@@ -345,9 +357,10 @@ class Bench {
         return row;
     }
 
-    // The scene stands still, the view walks: around the scene's centre, and towards what it shows in the middle.
+    // Measures how much irradiance changes while only the view moves, around the scene's centre and forward.
     Change walk(IndirectMethod& method, World& world, SeenImage& image, double mean)
     {
+        // Choose the points and find the largest distance seen.
         const scene::View start = world.view();
         see_image(world.state, world.rays, start, 0, tasks_, image);
         const PointGrid grid = grid_of(image, world.rays, options_.grid);
@@ -356,6 +369,7 @@ class Bench {
             if (seen.point.object != scene::none)
                 distance = std::max(distance, glm::length(seen.point.position - start.eye));
 
+        // Step along the camera path, and compare points that two successive views show.
         Change change;
         std::size_t count = 0;
         std::vector<glm::vec3> before(grid.points.size()), light(image.points.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chapter of Ki and Oh (2007): their Tables 1 to 3 and Figures 7 to 9 in the built-in box, with sparse receivers as
-// in the paper and with all, and what Gnomon's default does there.
+// The chapter on Ki and Oh (2007): their Tables 1 to 3 and Figures 7 to 9 in the built-in Cornell box, with sparse
+// receivers as in the paper and with receivers at all pixels, and Gnomon's default method there.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -50,7 +50,7 @@ class IndirectChapter : public BenchChapter {
         std::vector<BenchPart> parts;
         for (IndirectStudy& study : studies_) {
             const bool full = study.options.methods.front().settings.full;
-            parts.push_back({fmt::format("indirect light: {} receivers", full ? "all" : "sparse"),
+            parts.push_back({fmt::format("indirect light: {}", full ? "receivers at every pixel" : "sparse receivers"),
                              full                  ? 100.
                              : studies_.size() > 1 ? 50.
                                                    : 6.,
@@ -74,9 +74,10 @@ class IndirectChapter : public BenchChapter {
             const std::vector<Sampled> samples = sampled_rows(all, settings);
             if (!tree || !visible || samples.size() < 2 || !tree->nrmse_brute) continue;
             const SampledAt same = sampled_of_error(samples, *tree->nrmse_brute);
-            const std::string of = settings.full ? "every pixel" : "64 receivers a side";
+            const std::string of = settings.full ? "every pixel" : "64 receivers per side";
             rows.push_back(
-                {{fmt::format("Indirect light, {}: times as fast as sampling of the same quality, kept / not kept", of),
+                {{fmt::format("Indirect light, {}: speed-up over sampling of equal quality, buffers kept / not kept",
+                              of),
                   fmt::format("{:.1f} / {:.1f}", k_printed_clusters_rates.kept / k_printed_same_quality.rates.kept,
                               k_printed_clusters_rates.not_kept / k_printed_same_quality.rates.not_kept),
                   fmt::format("{}{:.1f} / {:.1f}", same.beyond, same.at.kept / tree->cpu_ms_static,
@@ -84,7 +85,7 @@ class IndirectChapter : public BenchChapter {
                   ""},
                  false});
             const auto error = [](const IndirectRow& r) {
-                return fmt::format("{:.3f} in {:.1f} ms of CPU", r.nrmse.value_or(0), r.cpu_ms_moving);
+                return fmt::format("{:.3f} in {:.1f} ms of CPU time", r.nrmse.value_or(0), r.cpu_ms_moving);
             };
             rows.push_back({{fmt::format("Indirect light, {}: error against a path-traced reference", of), "not given",
                              error(*tree), error(*visible)},

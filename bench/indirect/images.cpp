@@ -13,11 +13,11 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr int k_crops = 5;            // along the shorter side of an image
-constexpr int k_steps = 4;            // places that are tried, along the side of a crop
-constexpr double k_deviation = 0.2;   // of the screen's range: what the larger standard deviation becomes
-constexpr double k_smooth = 0.05;     // of the mean: what varies less by itself counts as smooth
-constexpr double k_least_lit = 0.9;   // share of a crop that is lit
+constexpr int k_crops = 5;            // the shorter side of the image has room for this many crops
+constexpr int k_steps = 4;            // positions tried per side of a crop
+constexpr double k_deviation = 0.2;   // target of the larger standard deviation, as a fraction of the screen's range
+constexpr double k_smooth = 0.05;     // least standard deviation assumed, as a fraction of the mean
+constexpr double k_least_lit = 0.9;   // least fraction of a crop that is lit
 
 double brightness(const glm::vec3& light)
 {
@@ -28,7 +28,7 @@ struct Spread {
     double mean = 0, deviation = 0, lit = 0;
 };
 
-// Of values in a square of the image; `lit` is the share that is not 0.
+// Statistics of the values in a square of the image; `lit` is the fraction that is not 0.
 template <class Value>
 Spread spread_in(int x0, int y0, int side, int width, const Value& value)
 {

@@ -15,9 +15,9 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr double k_widest = 2;   // disk: wherever its middle, it covers the light map
+constexpr double k_widest = 2;   // radius at which a disk covers the light map from any centre
 
-// Remembered visibility: points are handed over tile by tile, as the traced frame does.
+// The irradiance cache, which takes visibility into account. Points are passed tile by tile, as in the traced frame.
 class VisibleMethod final : public IndirectMethod {
  public:
     VisibleMethod(const IndirectSettings& settings, const scene::SceneState& state, const ray::RayScene& rays,
@@ -72,7 +72,7 @@ class VisibleMethod final : public IndirectMethod {
     std::vector<std::vector<glm::vec3>> light_;   // by thread
 };
 
-// Light maps without visibility: the quad-tree as published, and the sampling that it is compared with.
+// Light maps without visibility: the quad-tree as published, and the sampling with which the paper compares it.
 class MapMethod final : public IndirectMethod {
  public:
     MapMethod(const light_quadtree::MapLightOptions& options, const scene::SceneState& state, const ray::RayScene& rays,
@@ -153,17 +153,17 @@ std::unique_ptr<IndirectMethod> make_map_method(const IndirectMethodInfo& info,
     return std::make_unique<MapMethod>(options, state, rays, tasks);
 }
 
-// The table. A method with a number is asked for as NAME:NUMBER.
+// The table of methods. A method with a number is named NAME:NUMBER.
 struct Row {
     const char* name;
-    const char* form;    // after the name
-    const char* title;   // of the number and the radius
-    int least, most;     // number; 0, 0: none
+    const char* form;    // what follows the name
+    const char* title;   // format string for the number and the radius
+    int least, most;     // range of the number; 0, 0 if there is none
     bool has_radius, visible, walks;
     decltype(IndirectMethodInfo::make) make;
 };
 constexpr Row k_methods[] = {
-    {"visible", "", "remembered visibility", 0, 0, false, true, true,
+    {"visible", "", "cached visibility", 0, 0, false, true, true,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          return std::make_unique<VisibleMethod>(info.settings, state, rays, tasks);
@@ -188,6 +188,7 @@ constexpr Row k_methods[] = {
 
 IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectSettings& settings)
 {
+    // Find the name in the table, then parse the number and the radius that follow it.
     const std::size_t colon = name.find(':');
     std::string known;
     for (const Row& row : k_methods) {
@@ -204,15 +205,16 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
                 double& radius = info.settings.radius;
                 at = std::from_chars(at.ptr + 1, end, radius);
                 if (at.ec != std::errc() || at.ptr != end || !(radius > 0 && radius <= k_widest))
-                    throw UsageError(fmt::format("method '{}': its radius is above 0, up to {}", name, k_widest));
+                    throw UsageError(
+                        fmt::format("method '{}': the radius must be above 0 and at most {}", name, k_widest));
             }
             if (!right || at.ptr != end)
-                throw UsageError(fmt::format("method '{}': its number is {} to {}", name, row.least, row.most));
+                throw UsageError(fmt::format("method '{}': the number must be {} to {}", name, row.least, row.most));
         }
         info.title = fmt::format(fmt::runtime(row.title), info.number, info.settings.radius);
         return info;
     }
-    throw UsageError(fmt::format("no method '{}' to measure: expected {}", name, known));
+    throw UsageError(fmt::format("no method '{}': expected {}", name, known));
 }
 
 std::vector<glm::vec3> brute_irradiance(const scene::SceneState& state, const ray::RayScene& rays,

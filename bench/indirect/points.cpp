@@ -8,7 +8,7 @@ namespace gnomon::bench {
 
 namespace {
 
-// A point is seen if what a ray towards it meets is no further from it than this share of its distance.
+// A point is visible if the hit of a ray towards it is within this fraction of its distance.
 constexpr float k_same_place = 1e-3f;
 constexpr int k_rows_together = 16;
 
@@ -28,7 +28,7 @@ SeenPoint seen_point(const scene::Scene& scene, const ray::RayScene& rays, const
     return seen;
 }
 
-// Corners of a point's triangle and its world-winding normal, not of unit length.
+// The normal of a triangle by its winding in world space, not normalised.
 glm::vec3 winding_normal(const ray::RayScene& rays, scene::ObjectId object, std::uint32_t triangle)
 {
     glm::vec3 p[3];
@@ -41,6 +41,7 @@ glm::vec3 winding_normal(const ray::RayScene& rays, scene::ObjectId object, std:
 void see_image(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view, int grid_step,
                Tasks& tasks, SeenImage& out)
 {
+    // Trace the primary rays in bands of rows.
     out.size = view.size;
     out.view = view;
     out.grid = {};
@@ -68,6 +69,8 @@ void see_image(const scene::SceneState& state, const ray::RayScene& rays, const 
                     state.scene(), rays, view, {hits.t[i], hits.u[i], hits.v[i], hits.object[i], hits.triangle[i]},
                     queue.direction(i), {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
     });
+
+    // Collect the diffuse points of each tile.
     const int columns = (view.size.width + k_seen_tile - 1) / k_seen_tile;
     const int rows = (view.size.height + k_seen_tile - 1) / k_seen_tile;
     out.tiles.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
@@ -122,7 +125,7 @@ std::vector<SeenPoint> find_again(const scene::Scene& scene, const ray::RayScene
         const glm::vec3 at = (1 - point.u - point.v) * p[0] + point.u * p[1] + point.v * p[2];
         const glm::vec3 side = (point.front ? 1.0f : -1.0f) * winding_normal(rays, point.object, point.triangle);
 
-        // Where on the image is it?
+        // Project the point to the image.
         const float depth = glm::dot(at - view.eye, view.forward);
         if (!(depth > 0) && !view.orthographic) continue;
         const glm::vec3 from_axis = (at - view.eye) - depth * view.forward;
@@ -135,7 +138,7 @@ std::vector<SeenPoint> find_again(const scene::Scene& scene, const ray::RayScene
         if (!(place.x < static_cast<float>(view.size.width) && place.y < static_cast<float>(view.size.height)))
             continue;
 
-        // Does a ray there meet it, and from the same side?
+        // Trace a ray there; it must hit the point, from the same side.
         glm::vec3 origin, direction;
         float tnear, tfar;
         view.ray(place.x, place.y, origin, direction, tnear, tfar);
@@ -145,7 +148,7 @@ std::vector<SeenPoint> find_again(const scene::Scene& scene, const ray::RayScene
         const float distance = glm::dot(at - origin, direction);
         if (std::abs(hit.t - distance) > k_same_place * distance) continue;
 
-        // Its own place, not what rounding of the ray made of it.
+        // Use the exact position on the surface, which is free of the ray's rounding errors.
         hit.object = point.object, hit.triangle = point.triangle, hit.u = point.u, hit.v = point.v;
         hit.t = distance;
         result.push_back(seen_point(scene, rays, view, hit, direction, place));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What Ki and Oh (2007) print: frames a second at 512 x 512 on a Radeon X1900 GTX, buffers kept and not kept. Ratios
-// are what can be compared.
+// The values printed by Ki and Oh (2007): frames per second at 512 x 512 on a Radeon X1900 GTX, with buffers kept and
+// not kept. Only ratios can be compared with today's hardware.
 
 #include <array>
 
@@ -38,6 +38,6 @@ inline constexpr int k_printed_clusters = 147;
 inline constexpr PrintedRates k_printed_clusters_rates{204.70, 108.34};
 inline constexpr PrintedSampling k_printed_same_quality{2040, {26.58, 15.88}};
 inline constexpr PrintedSampling k_printed_same_speed{216, {203.91, 107.64}};
-inline constexpr double k_printed_photons_seconds = 62;   // photon mapping, in whose place the reference stands
+inline constexpr double k_printed_photons_seconds = 62;   // photon mapping, which our reference replaces
 
 }   // namespace gnomon::bench

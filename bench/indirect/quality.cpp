@@ -12,7 +12,7 @@ namespace {
 
 using Of = double Sampled::*;
 
-// `of` falls or rises along the list.
+// Interpolates the list where the member `of` has the wanted value. `of` must fall or rise along the list.
 SampledAt between(const std::vector<Sampled>& list, double wanted, Of of)
 {
     const bool rises = list.back().*of > list.front().*of;

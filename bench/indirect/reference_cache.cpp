@@ -14,7 +14,7 @@ namespace gnomon::bench {
 
 namespace {
 
-// Counts up when references of the same points come out otherwise.
+// Increase it when the reference computes other values for the same points.
 constexpr std::uint64_t k_version = 2;
 constexpr std::uint64_t k_magic = 0x31666572676e6f6dull;   // "mongref1"
 
@@ -56,7 +56,7 @@ ReferenceCache::ReferenceCache(const std::filesystem::path& folder, const scene:
     if (folder_.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
-    if (error) throw MissingError(fmt::format("{}: cannot be made: {}", folder_.string(), error.message()));
+    if (error) throw MissingError(fmt::format("cannot create the folder {}: {}", folder_.string(), error.message()));
 }
 
 std::vector<reference::IrradianceEstimate> ReferenceCache::irradiance(const scene::SceneState& state,
@@ -69,6 +69,7 @@ std::vector<reference::IrradianceEstimate> ReferenceCache::irradiance(const scen
     std::vector<reference::IrradiancePoint> places;
     for (const FixedPoint& point : points) places.push_back(place_of(scene, rays, point));
 
+    // Hash everything that the values depend on.
     Hash hash;
     hash.add(k_version), hash.add(scene_hash_);
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
@@ -83,6 +84,7 @@ std::vector<reference::IrradianceEstimate> ReferenceCache::irradiance(const scen
     for (const reference::IrradiancePoint& p : places)
         hash.add(p.position), hash.add(p.normal), hash.add(p.geometric_normal), hash.add(p.offset), hash.add(p.key);
 
+    // Read the file of that name, or compute the values and write it.
     const std::filesystem::path file = folder_ / fmt::format("{:016x}.reference", hash.value());
     std::vector<reference::IrradianceEstimate> result(points.size());
     if (!folder_.empty() && read_whole(file, result)) {

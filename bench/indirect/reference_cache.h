@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// References of bench indirect, kept in files: what took minutes is computed once.
+// Caches the references of bench indirect in files, because one takes minutes to compute.
 //
-// A file's name is a hash of all that its numbers depend on: the scene, the time, the points, the lights, the paths.
-// A file that is not whole, or not of this kind, is as good as none.
+// The name of a file is a hash of everything that its values depend on: the scene, the time, the points, the lights and
+// the number of paths. Files that are incomplete or of another kind are ignored.
 
 #include <filesystem>
 #include <span>
@@ -15,12 +15,12 @@ namespace gnomon::bench {
 
 class ReferenceCache {
  public:
-    /// @param folder  made if need be; empty: nothing is kept
-    /// @throws MissingError  it cannot be made
+    /// @param folder  created if necessary; empty: nothing is kept
+    /// @throws MissingError  if the folder cannot be created
     ReferenceCache(const std::filesystem::path& folder, const scene::Scene& scene);
 
-    /// Bounced irradiance at points, and its error.
-    /// @throws InterruptedError  progress returned false
+    /// Indirect irradiance at points, and its estimated error.
+    /// @throws InterruptedError  if progress returned false
     std::vector<reference::IrradianceEstimate> irradiance(const scene::SceneState& state, const ray::RayScene& rays,
                                                           std::span<const FixedPoint> points,
                                                           const reference::ReferenceOptions& options, Tasks& tasks,

@@ -16,8 +16,8 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr int k_crop_samples = 64;   // whose pattern chooses what crops show
-constexpr double k_grey = 0.1;       // of the mean: shown as so many grey levels
+constexpr int k_crop_samples = 64;   // the crop shows where sampling with this many samples has the strongest pattern
+constexpr double k_grey = 0.1;       // the caption states this fraction of the mean in grey levels
 
 using Row = IndirectRow;
 
@@ -36,7 +36,7 @@ std::string times_text(double kept, double not_kept)
     return fmt::format("{:.1f} / {:.1f}", kept, not_kept);
 }
 
-// Times and thresholds of one scene.
+// The section of one study.
 class Section {
  public:
     Section(ReportPage& page, const IndirectStudy& study)
@@ -48,22 +48,23 @@ class Section {
     {
         const IndirectBenchOptions& o = study_.options;
         page_.text(fmt::format(
-            "Frames {} to {}, {} x {} pixels, light maps of 512 x 512 texels; receivers: {}. Times are of process CPU "
-            "time over all threads, without the primary hits; {} The paper's are frames a second (Radeon X1900 GTX, "
-            "2006): its ratios can be compared, its figures not.",
+            "Frames {} to {}, {} x {} pixels, light maps of 512 x 512 texels; receivers: {}. Times are process CPU "
+            "times over all threads, without the primary hits; {} The paper prints frames per second on a Radeon X1900 "
+            "GTX of 2006, so only ratios can be compared.",
             o.frames.first, o.frames.last, o.size.width, o.size.height,
-            settings_.full ? "every pixel" : "64 along the longer side, the others interpolated where that is fair",
+            settings_.full ? "every pixel"
+                           : "64 along the longer side, interpolated between them where surfaces are similar",
             o.frames.count() > 1
-                ? "means from the second frame on. Kept: the frame once more as it was, the paper's 'buffers kept'; "
-                  "not "
-                  "kept: as the scene moves."
-                : "of a scene that stands still. Kept: the frame once more, the paper's 'buffers kept'; not kept: map, "
-                  "tree and light made for the first time."));
+                ? "means from the second frame on. Kept: the same frame lit again without motion, the paper's 'buffers "
+                  "kept'. Not kept: the scene moves."
+                : "the scene is static. Kept: the same frame lit again, the paper's 'buffers kept'. Not kept: map, "
+                  "tree and light are computed for the first time."));
         page_.text(fmt::format(
-            "Errors are root mean squares of irradiance over the mean. Against all texels: against the sum over all "
-            "lights of the light map, whatever stands between, which quad-tree and sampling approximate. Against the "
-            "reference: path-traced, {} paths a point, its own noise {:.4f}; it knows what stands between, so what "
-            "both leave out shows. The reference stands in the place of the paper's photon mapping ({} s there).",
+            "Errors are root mean square errors of irradiance divided by the mean. 'Against all texels' compares with "
+            "the sum over all texels of the light map without visibility, which quad-tree and sampling approximate. "
+            "'Against the reference' compares with path tracing ({} paths per point, noise {:.4f}), which takes "
+            "visibility into account and so shows the error of ignoring it. The paper uses photon mapping ({} s) as "
+            "its reference.",
             o.spp, result_.reference_noise, k_printed_photons_seconds));
         levels();
         thresholds();
@@ -80,18 +81,18 @@ class Section {
         return find_row(result_.rows, method, settings);
     }
 
-    // A line of a table: what, then a cell for each row.
+    // Adds a line to a table: a title, then a cell for each row of the results.
     template <class Cell>
-    static void add_line(ReportTable& table, const std::string& what, const std::vector<const Row*>& rows,
+    static void add_line(ReportTable& table, const std::string& title, const std::vector<const Row*>& rows,
                          const Cell& cell)
     {
-        ReportTable::Row line{{what}, false};
+        ReportTable::Row line{{title}, false};
         for (const Row* row : rows) line.cells.push_back(row ? cell(*row) : "-");
         table.rows.push_back(std::move(line));
     }
-    static void add_printed(ReportTable& table, const std::string& what, std::vector<std::string> cells)
+    static void add_printed(ReportTable& table, const std::string& title, std::vector<std::string> cells)
     {
-        cells.insert(cells.begin(), what);
+        cells.insert(cells.begin(), title);
         table.rows.push_back({std::move(cells), true});
     }
     static void add_errors(ReportTable& table, const std::vector<const Row*>& rows)
@@ -100,7 +101,7 @@ class Section {
                  [](const Row& r) { return optional_number(r.nrmse_brute, "{:.3f}"); });
         add_line(table, "error against the reference", rows,
                  [](const Row& r) { return optional_number(r.nrmse, "{:.3f}"); });
-        add_line(table, "light in all, of the reference's", rows,
+        add_line(table, "total light, relative to the reference", rows,
                  [](const Row& r) { return optional_number(r.energy_ratio, "{:.3f}"); });
     }
     static std::string kept_times(const Row& r) { return times_text(r.cpu_ms_static, r.cpu_ms_moving); }
@@ -109,8 +110,8 @@ class Section {
     {
         ReportTable table;
         table.caption =
-            "Table 1 of the paper (and Figure 7): limit levels, thresholds 0.05 and 0.9. Kept / not kept. A finer "
-            "limit costs time as it adds clusters, and comes nearer to the sum over all texels.";
+            "Table 1 of the paper (and Figure 7): limit levels, with thresholds 0.05 and 0.9. Times are kept / not "
+            "kept. A finer limit level adds clusters, which takes more time and reduces the error.";
         table.columns = {"", "level 6 (16 x 16)", "level 5 (32 x 32)", "level 4 (64 x 64)"};
         std::vector<const Row*> rows;
         std::vector<std::string> rates, ratios;
@@ -121,14 +122,14 @@ class Section {
             ratios.push_back(
                 fmt::format("{:.2f} / {:.2f}", first.kept / p.rates.kept, first.not_kept / p.rates.not_kept));
         }
-        add_printed(table, "printed: frames a second", rates);
-        add_printed(table, "printed: time, of level 6's", ratios);
-        add_line(table, "here: time, of level 6's", rows, [&](const Row& r) {
+        add_printed(table, "printed: frames per second", rates);
+        add_printed(table, "printed: time relative to level 6", ratios);
+        add_line(table, "measured: time relative to level 6", rows, [&](const Row& r) {
             return rows[0] ? fmt::format("{:.2f} / {:.2f}", r.cpu_ms_static / rows[0]->cpu_ms_static,
                                          r.cpu_ms_moving / rows[0]->cpu_ms_moving)
                            : "-";
         });
-        add_line(table, "here: ms", rows, kept_times);
+        add_line(table, "measured: ms", rows, kept_times);
         add_line(table, "clusters", rows, [](const Row& r) { return fmt::format("{}", r.work.clusters); });
         add_errors(table, rows);
         page_.table(table);
@@ -138,8 +139,8 @@ class Section {
     {
         ReportTable table;
         table.caption =
-            "Table 2 of the paper (and Figure 8): thresholds of depth and normal, limit level 5, kept. Looser "
-            "thresholds make fewer clusters of what is less alike. The paper's Buddha has 50,000 triangles.";
+            "Table 2 of the paper (and Figure 8): thresholds of depth and normal, with limit level 5; times are kept. "
+            "Looser thresholds give fewer and less uniform clusters. The paper's Buddha has 50,000 triangles.";
         table.columns = {"", "0.45, 0.3", "0.25, 0.6", "0.05, 0.9"};
         std::vector<const Row*> rows;
         std::vector<std::string> cornell, buddha, ratios, buddha_ratios;
@@ -152,14 +153,14 @@ class Section {
             buddha_ratios.push_back(fmt::format("{:.2f}", k_printed_thresholds.back().buddha / p.buddha));
         }
         const Row* const last = rows.back();
-        add_printed(table, "printed: frames a second, Cornell box", cornell);
-        add_printed(table, "printed: frames a second, Happy Buddha", buddha);
-        add_printed(table, "printed: time, of 0.05, 0.9's, Cornell box", ratios);
-        add_printed(table, "printed: time, of 0.05, 0.9's, Happy Buddha", buddha_ratios);
-        add_line(table, "here: time, of 0.05, 0.9's", rows, [&](const Row& r) {
+        add_printed(table, "printed: frames per second, Cornell box", cornell);
+        add_printed(table, "printed: frames per second, Happy Buddha", buddha);
+        add_printed(table, "printed: time relative to 0.05, 0.9, Cornell box", ratios);
+        add_printed(table, "printed: time relative to 0.05, 0.9, Happy Buddha", buddha_ratios);
+        add_line(table, "measured: time relative to 0.05, 0.9", rows, [&](const Row& r) {
             return last ? fmt::format("{:.2f}", r.cpu_ms_static / last->cpu_ms_static) : "-";
         });
-        add_line(table, "here: ms", rows, [](const Row& r) { return fmt::format("{:.1f}", r.cpu_ms_static); });
+        add_line(table, "measured: ms", rows, [](const Row& r) { return fmt::format("{:.1f}", r.cpu_ms_static); });
         add_line(table, "clusters", rows, [](const Row& r) { return fmt::format("{}", r.work.clusters); });
         add_errors(table, rows);
         page_.table(table);
@@ -169,9 +170,9 @@ class Section {
     {
         ReportTable table;
         table.caption = fmt::format(
-            "Table 3 of the paper (and Figure 9): the quad-tree against sampling the light map. Kept / not kept. The "
-            "paper does not say how wide its samples lie. Within {} of the map's side, as sampling was published in "
-            "2005, they miss most of a room's light; within {} they find it.",
+            "Table 3 of the paper (and Figure 9): the quad-tree compared with sampling the light map. Times are kept / "
+            "not kept. The paper does not state the radius of its samples. Within {} of the map's side, the radius "
+            "published with sampling in 2005, samples miss most of a room's light; within {} they cover it.",
             k_published_radius, k_wide_radius);
         table.columns = {"", "quad-tree, level 6", "level 5"};
         std::vector<const Row*> rows{find(quadtree_name(6)), find(quadtree_name(5))};
@@ -182,8 +183,8 @@ class Section {
                 rows.push_back(find(rsm_name(p.samples, radius)));
                 rates.push_back(rates_text(p.rates));
             }
-        add_printed(table, "printed: frames a second", rates);
-        add_line(table, "here: ms", rows, kept_times);
+        add_printed(table, "printed: frames per second", rates);
+        add_line(table, "measured: ms", rows, kept_times);
         add_errors(table, rows);
         add_line(table, "flicker, percent", rows,
                  [](const Row& r) { return r.flicker ? fmt::format("{:.2f}", 100 * *r.flicker) : "-"; });
@@ -194,6 +195,7 @@ class Section {
     {
         const std::vector<Sampled> samples = sampled_rows(result_.rows, settings_);
         if (samples.size() < 2) return;
+        // Chart time against error.
         Chart chart{"Time against error", "error against all texels", "ms, not kept", {}, {}, {}, {}, {}};
         chart.logarithmic = true;
         ChartSeries tree{"quad-tree, levels 4 to 6", {}, k_color_paper}, sampled{"sampling", {}, k_color_off};
@@ -205,22 +207,22 @@ class Section {
             std::sort(series->points.begin(), series->points.end());
             chart.series.push_back(*series);
         }
-        page_.chart(chart, fmt::format("What an error costs. Sampling: {} to {} samples within {} of the map's side.",
-                                       k_indirect_samples[0], samples.back().samples, k_wide_radius));
+        page_.chart(chart,
+                    fmt::format("Time against error. Sampling uses {} to {} samples within {} of the map's side.",
+                                k_indirect_samples[0], samples.back().samples, k_wide_radius));
 
+        // Compare at equal quality and at equal time.
         ReportTable table;
         table.caption =
-            "The paper's headline (Figure 9): sampling of the same quality, and at the same speed. Same quality: "
-            "samples "
-            "whose error against all texels is the quad-tree's, between two that were measured; < and >: beyond what "
-            "was "
-            "measured. The paper judged by eye.";
+            "The main result of the paper (Figure 9): sampling at the quad-tree's quality, and at its speed. The "
+            "number of samples with the quad-tree's error against all texels is interpolated between two measured "
+            "numbers; < and > mark values beyond the measured range. The paper compared quality visually.";
         table.columns = {"",
                          "clusters",
-                         "samples, same quality",
-                         "times as fast, kept / not kept",
-                         "samples, same time",
-                         "their error, the quad-tree's"};
+                         "samples at equal quality",
+                         "speed-up, kept / not kept",
+                         "samples at equal time",
+                         "error of these samples, of the quad-tree"};
         table.rows.push_back(
             {{"printed", fmt::format("{}", k_printed_clusters), fmt::format("{}", k_printed_same_quality.samples),
               times_text(k_printed_clusters_rates.kept / k_printed_same_quality.rates.kept,
@@ -233,7 +235,7 @@ class Section {
             const SampledAt good = sampled_of_error(samples, *r->nrmse_brute);
             const SampledAt fast = sampled_of_time(samples, r->cpu_ms_moving);
             table.rows.push_back(
-                {{fmt::format("here, limit level {}", level), fmt::format("{}", r->work.clusters),
+                {{fmt::format("measured, limit level {}", level), fmt::format("{}", r->work.clusters),
                   fmt::format("{}{:.0f}", good.beyond, good.at.samples),
                   good.beyond + times_text(good.at.kept / r->cpu_ms_static, good.at.not_kept / r->cpu_ms_moving),
                   fmt::format("{}{:.0f}", fast.beyond, fast.at.samples),
@@ -243,6 +245,7 @@ class Section {
         page_.table(table);
     }
 
+    // Compares images with the reference, and the quad-tree with sampling.
     void images()
     {
         Tasks tasks(study_.options.threads);
@@ -255,24 +258,24 @@ class Section {
         };
         const std::string at =
             fmt::format("Frame {}: direct light and one bounce, no reflections.", result_.image.frame);
-        show(find("visible"), at + " Gnomon's default.");
+        show(find("visible"), at + " Gnomon's default method.");
         for (const int level : k_indirect_levels)
-            show(find(quadtree_name(level)), fmt::format("{} In the manner of Figure 7: limit level {}.", at, level));
+            show(find(quadtree_name(level)), fmt::format("{} As in Figure 7: limit level {}.", at, level));
         IndirectSettings loose = settings_;
         loose.depth_threshold = k_printed_thresholds[0].depth, loose.normal_threshold = k_printed_thresholds[0].normal;
         if (const Row* tight = find(quadtree_name(5)))
-            show(find(quadtree_name(5), loose),
-                 at + " In the manner of Figure 8: loose thresholds (0.45, 0.3) and tight.", tight);
+            show(find(quadtree_name(5), loose), at + " As in Figure 8: loose thresholds (0.45, 0.3) and tight ones.",
+                 tight);
         if (const Row* tree = find(quadtree_name(6)); tree && tree->nrmse_brute) {
             const auto speed = [&](const Row& r) { return r.cpu_ms_moving / tree->cpu_ms_moving; };
             const auto error = [&](const Row& r) { return *r.nrmse_brute / *tree->nrmse_brute; };
-            show(nearest_sampling(speed), at + " In the manner of Figure 9: sampling at about the same speed.", tree);
-            show(nearest_sampling(error), at + " In the manner of Figure 9: sampling of about the same error.", tree);
+            show(nearest_sampling(speed), at + " As in Figure 9: sampling at about the same speed.", tree);
+            show(nearest_sampling(error), at + " As in Figure 9: sampling with about the same error.", tree);
         }
         crops();
     }
 
-    // The one whose ratio is nearest to 1; null if there is none.
+    // The row of sampling whose ratio is nearest to 1; null if there is none.
     template <class Ratio>
     const Row* nearest_sampling(const Ratio& ratio) const
     {
@@ -284,6 +287,7 @@ class Section {
         return nearest;
     }
 
+    // Shows crops with enhanced contrast.
     void crops()
     {
         const Row *smooth = find(quadtree_name(4)), *few = find(rsm_name(k_crop_samples, k_wide_radius));
@@ -298,9 +302,9 @@ class Section {
         for (const Row& row : result_.rows)
             if (!row.image.empty()) add(name_with_thresholds(row), row.image);
         page_.gallery(list,
-                      fmt::format("Irradiance of {} x {} pixels from ({}, {}), frame {}: the part of the image "
-                                  "in which few samples show the strongest pattern. Brightness around each one's "
-                                  "own mean: a tenth of it is {:.0f} levels of grey of 256.",
+                      fmt::format("Irradiance of {} x {} pixels from ({}, {}) in frame {}, where sampling with few "
+                                  "samples shows the strongest pattern. Contrast is enhanced around the mean of each "
+                                  "crop: a tenth of the mean is {:.0f} of 256 grey levels.",
                                   crop.side, crop.side, crop.x, crop.y, result_.image.frame, 255 * k_grey * crop.gain));
     }
 
@@ -316,22 +320,22 @@ class Section {
     {
         ReportTable table;
         table.caption =
-            "Every method. Repair: the light map and its tree follow what moved; rebuild: made anew. Dirty: texels and "
-            "nodes that changed in a frame. Flicker: how much more or less than the reference's the light of surface "
-            "points changes from frame to frame, in percent of the mean; in brackets the same figure between two "
-            "references, below which nothing can be told.";
+            "All methods. Repair updates the light map and its tree after motion; rebuild computes them from scratch. "
+            "Dirty counts texels and nodes that changed in a frame. Flicker is the difference between a point's change "
+            "of irradiance from frame to frame and the reference's, in percent of the mean; in parentheses the same "
+            "value between two references, the noise floor.";
         table.columns = {"method",
                          "lights",
-                         "error, reference",
-                         "error, all texels",
-                         "energy",
+                         "error against the reference",
+                         "error against all texels",
+                         "total light",
                          "flicker, %",
                          "not kept, ms",
                          "kept, ms",
                          "first frame, ms",
                          "repair, ms",
                          "rebuild, ms",
-                         "dirty",
+                         "dirty texels + nodes",
                          "MB"};
         for (const Row& r : result_.rows)
             table.rows.push_back(

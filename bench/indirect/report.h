@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// bench indirect as a section of a report: Tables 1 to 3 and Figures 7 to 9 of [Ki and Oh 2007] with its printed values
-// beside ours, and what the reference says of each.
+// Writes the results of bench indirect as a section of a report: Tables 1 to 3 and Figures 7 to 9 of [Ki and Oh 2007]
+// with printed values next to ours, and errors against the reference.
 
 #include "bench/indirect/bench.h"
 #include "bench/indirect/vulkan.h"
@@ -13,23 +13,23 @@ namespace gnomon::bench {
 
 struct IndirectStudy {
     std::string scene, command;
-    std::string device;                 // Vulkan's; empty: all on the processor
-    std::optional<LargeGather> large;   // on a Vulkan device, where every pixel gathers
+    std::string device;                 // the Vulkan device; empty if everything ran on the CPU
+    std::optional<LargeGather> large;   // measured on a Vulkan device with receivers at every pixel
     IndirectBenchOptions options;
     IndirectBenchResult result;
-    Frame direct;   // of the frame of which images are kept, with the layer `direct`; none: no images
+    Frame direct;   // direct light of the frame whose images are kept, with the layer `direct`; empty: no images
 };
 
-/// What the tables ask for: limit levels, thresholds, and samples in a disk as published and in one that covers the
-/// map.
+/// The methods in the tables: limit levels, thresholds, and numbers of samples in a disk of the published radius and in
+/// one that covers the map.
 std::vector<IndirectMethodInfo> indirect_methods_of_paper(const IndirectSettings& settings);
 
-/// What the lamps add without a bounce, in the frame that is shown, for IndirectStudy::direct.
+/// Renders the direct light of the frame whose images are kept, for IndirectStudy::direct.
 Frame direct_light(const Scene& scene, const IndirectStudy& study);
 
 void add_indirect_section(ReportPage& page, const IndirectStudy& study);
 
-/// The document of bench indirect.
+/// The JSON document of bench indirect.
 nlohmann::ordered_json indirect_json(const IndirectStudy& study);
 
 }   // namespace gnomon::bench

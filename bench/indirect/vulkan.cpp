@@ -18,7 +18,7 @@ namespace {
 using light_quadtree::GpuMapLight;
 using light_quadtree::MapSurfaces;
 
-constexpr std::size_t k_listed_a_row = 1024;   // of a list laid out as an image
+constexpr std::size_t k_listed_per_row = 1024;   // points per row of a list laid out as an image
 
 double cpu_ms()
 {
@@ -27,7 +27,7 @@ double cpu_ms()
     return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-// Positions and normals on the device, and what arrives there.
+// Positions and normals on the device, and their irradiance.
 struct Points {
     vk::Image position, normal, irradiance;
     vk::Buffer sent_position, sent_normal;
@@ -70,7 +70,7 @@ void surfaces_of(const SeenImage& image, std::vector<glm::vec4>& positions, std:
 {
     positions.clear(), normals.clear();
     for (const SeenPoint& seen : image.points) {
-        // Receivers of the grid are wanted on what does not scatter, too.
+        // Keep points that do not reflect diffusely, because they can be receivers of the grid.
         const bool there = seen.point.object != scene::none;
         positions.emplace_back(seen.point.position, there ? 1 : 0);
         normals.emplace_back(seen.point.normal, 0);
@@ -104,11 +104,13 @@ class VulkanMapMethod final : public IndirectMethod {
 
     void light(const SeenImage& image, Tasks&, glm::vec3* irradiance) override
     {
+        // Upload the surfaces.
         surfaces_of(image, positions_, normals_);
         points_.fit(device_, image.size);
         points_.send(commands_, positions_, normals_);
         const MapSurfaces surfaces = seen(image, points_);
-        // Buffers kept: receivers of the grid that stand where they stood.
+
+        // Keep the light of the grid if its receivers and the light map are unchanged.
         const auto same = [](const light_quadtree::MapReceiver& a, const light_quadtree::MapReceiver& b) {
             return a.position == b.position && a.normal == b.normal && a.width == b.width;
         };
@@ -117,6 +119,8 @@ class VulkanMapMethod final : public IndirectMethod {
                           std::equal(grid.begin(), grid.end(), grid_.begin(), grid_.end(), same);
         if (!kept) light_.record_grid(commands_, surfaces);
         grid_ = grid, grid_version_ = light_.map().version();
+
+        // Compute and read back the irradiance.
         light_.record_light(commands_, surfaces, points_.irradiance);
         times_.lit = submit();
         const vk::Buffer arrived = commands_.read_back(points_.irradiance);
@@ -128,15 +132,16 @@ class VulkanMapMethod final : public IndirectMethod {
     void sample(std::span<const SeenPoint> points, glm::vec3* irradiance) override
     {
         if (points.empty()) return;
-        const std::size_t rows = (points.size() + k_listed_a_row - 1) / k_listed_a_row;
-        positions_.assign(rows * k_listed_a_row, glm::vec4(0)), normals_.assign(rows * k_listed_a_row, glm::vec4(0));
+        const std::size_t rows = (points.size() + k_listed_per_row - 1) / k_listed_per_row;
+        positions_.assign(rows * k_listed_per_row, glm::vec4(0)),
+            normals_.assign(rows * k_listed_per_row, glm::vec4(0));
         for (std::size_t i = 0; i < points.size(); ++i) {
             const glm::ivec2 pixel(glm::floor(points[i].place));
             positions_[i] =
                 glm::vec4(points[i].point.position, static_cast<float>(pixel.y * eye_.size.width + pixel.x + 1));
             normals_[i] = glm::vec4(points[i].point.normal, 0);
         }
-        listed_.fit(device_, {static_cast<int>(k_listed_a_row), static_cast<int>(rows)});
+        listed_.fit(device_, {static_cast<int>(k_listed_per_row), static_cast<int>(rows)});
         listed_.send(commands_, positions_, normals_);
         MapSurfaces surfaces = eye_;
         surfaces.position = &listed_.position, surfaces.normal = &listed_.normal;
@@ -176,7 +181,7 @@ class VulkanMapMethod final : public IndirectMethod {
     GpuMapLight light_;
     IndirectTimes times_;
     Points points_, listed_;
-    MapSurfaces eye_{};   // of the last image
+    MapSurfaces eye_{};   // the latest image
     std::vector<glm::vec4> positions_, normals_;
     std::vector<light_quadtree::MapReceiver> grid_;
     std::uint32_t grid_version_ = 0;
@@ -195,6 +200,7 @@ LargeGather measure_large_gather(const scene::SceneState& state, const ray::RayS
                                  Tasks& tasks)
 {
     LargeGather result;
+    // Trace the image, and draw the light map with its repeated clusters.
     const std::shared_ptr<vk::Device> device = vk::Device::open();
     SeenImage image;
     see_image(state, rays, view, 0, tasks, image);
@@ -207,6 +213,8 @@ LargeGather measure_large_gather(const scene::SceneState& state, const ray::RayS
     vk::Commands commands(device);
     light.map().record(commands, scene, state);
     light.map().record_repeated(commands, static_cast<std::uint32_t>(result.clusters));
+
+    // Upload the surfaces, and time the gather.
     std::vector<glm::vec4> positions, normals;
     surfaces_of(image, positions, normals);
     Points points;
@@ -236,7 +244,7 @@ namespace gnomon::bench {
 namespace {
 [[noreturn]] void missing()
 {
-    throw MissingError("Vulkan: this program was built without it, and so without --renderer raster");
+    throw MissingError("this program was built without Vulkan, which --renderer raster needs");
 }
 }   // namespace
 

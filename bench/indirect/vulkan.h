@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Light maps on a Vulkan device as bench indirect measures them: the quad-tree and sampling, drawn, built and gathered
-// there. There whether Vulkan is built in or not.
+// Runs the quad-tree and sampling on a Vulkan device for bench indirect: draws the light maps, builds the trees and
+// gathers there. Without Vulkan, every function throws MissingError.
 //
-// Times are the device's, of light map, tree, cut and gather; surfaces are sent and light is read back outside of them.
+// Times are the device's, for light map, tree, cut and gather; they exclude uploading surfaces and reading back light.
 
 #include "bench/indirect/methods.h"
 
 namespace gnomon::bench {
 
-/// @throws MissingError  built without Vulkan, no suitable device, or too little memory
+/// @throws MissingError  if built without Vulkan, without a suitable device, or with too little memory
 std::unique_ptr<IndirectMethod> make_vulkan_map_method(const light_quadtree::MapLightOptions& options,
                                                        const scene::SceneState& state, const ray::RayScene& rays,
                                                        Tasks& tasks);
 
 inline constexpr Size k_large_gather_size{1920, 1080};
 
-/// The gather alone at every pixel of a large image.
+/// The time of the gather alone at every pixel of a large image.
 struct LargeGather {
     Size size;
     int clusters = 1024;
     double ms = 0;
 };
-/// The clusters are those of limit level 4, repeated up to that number.
+/// Measures it with the clusters of limit level 4, repeated up to LargeGather::clusters.
 /// @throws MissingError  as above
 LargeGather measure_large_gather(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                                  Tasks& tasks);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What every report page holds, made part of the program by CMake (see cmake/EmbedText.cmake).
+// The scripts and the style sheet of every report page, which CMake embeds in the program (cmake/EmbedText.cmake).
 
 #include <string_view>
 

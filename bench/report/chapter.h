@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// bench all: one chapter a paper, and one for the whole frame. A chapter measures part by part, then writes its
-// sections.
+// The chapters of bench all: one per paper and one for the whole frame. A chapter measures in several parts, then
+// writes its sections of the page.
 //
-// A bench that is new here brings a class that derives from BenchChapter, and a line in subcommand_bench_all.cpp.
+// To add a chapter, derive a class from BenchChapter and add it in subcommand_bench_all.cpp.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -17,18 +17,18 @@
 
 namespace gnomon::bench {
 
-/// Scenes of the papers where they are, else what stands in for them.
+/// The scenes of the papers, where available, and a substitute for them.
 struct BenchScenes {
-    std::string kitchen, robots;   // empty: not there
-    std::string stand_in;          // a built-in scene; used where the ones above are not there
+    std::string kitchen, robots;   // files; empty if not found
+    std::string stand_in;          // a built-in scene, used where those above are not found
 };
 
-/// Looks below the folder that GNOMON_SCENES names, else ../shared/scenes.
+/// Searches the folder given by GNOMON_SCENES, by default ../shared/scenes.
 BenchScenes find_bench_scenes();
 
 struct BenchSettings {
-    bool quick = false;    // smaller images, fewer frames: a look, not a measurement
-    int threads = 1;       // the most of a machine that is used
+    bool quick = false;    // smaller images and fewer frames, for a first impression
+    int threads = 1;       // largest number of threads used
     std::string command;   // the whole command line
     BenchScenes scenes;
     Size size() const { return quick ? Size{256, 256} : Size{512, 512}; }
@@ -36,20 +36,21 @@ struct BenchSettings {
 
 struct BenchPart {
     std::string name;
-    double weight = 1;   // of the whole time
-    /// @throws InterruptedError; MissingError if the machine lacks what it needs: the page then says so instead
+    double weight = 1;   // expected time, relative to the other parts
+    /// @throws InterruptedError; MissingError if the machine lacks something, which the page then reports
     std::function<void(const Progress&)> measure;
 };
 
 class BenchChapter {
  public:
     virtual ~BenchChapter() = default;
-    /// In the order in which they are called. They refer to this chapter.
+    /// The parts in the order in which they are measured. They hold references to this chapter.
     virtual std::vector<BenchPart> parts() = 0;
-    /// Rows of the table at the head of the page: what, printed, as published here, Gnomon's own.
+    /// Rows of the table at the top of the page: the quantity, its value printed in the paper, measured here with the
+    /// published method, and with Gnomon's method.
     virtual std::vector<ReportTable::Row> lead() const = 0;
     virtual void write(ReportPage& page) const = 0;
-    /// Its key in the document, and all that was measured.
+    /// The chapter's key in the JSON document, and everything measured.
     virtual std::string name() const = 0;
     virtual nlohmann::ordered_json json() const = 0;
 };

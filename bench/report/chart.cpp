@@ -10,7 +10,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double k_line_width = 2;
 constexpr double k_point_radius = 6;
-constexpr std::size_t k_few_points = 12;   // are marked, so that a single one shows
+constexpr std::size_t k_few_points = 12;   // up to this many points are marked, so that a single point is visible
 
 Json dataset(const ChartSeries& series, bool stacked, bool lowest)
 {
@@ -40,7 +40,7 @@ Json chart_js(const Chart& chart)
     for (const ChartSeries& series : chart.series) sets.push_back(dataset(series, chart.stacked, sets.empty()));
     const auto title = [](const std::string& text) { return Json{{"display", !text.empty()}, {"text", text}}; };
     Json x{{"type", "linear"}, {"title", title(chart.x_label)}};
-    // The axis ends where the data end.
+    // End the x axis where the data end.
     bool any = false;
     double low = 0, high = 0;
     for (const ChartSeries& series : chart.series)
@@ -54,7 +54,7 @@ Json chart_js(const Chart& chart)
            {"title", title(chart.y_label)},
            {"stacked", chart.stacked}};
     if (!chart.logarithmic) y["beginAtZero"] = true;
-    if (!chart.y_high) y["grace"] = "3%";   // so that a mark at the top is whole
+    if (!chart.y_high) y["grace"] = "3%";   // so that a mark at the top is not clipped
     if (chart.y_low) y["min"] = *chart.y_low;
     if (chart.y_high) y["max"] = *chart.y_high;
     return {{"type", "line"},

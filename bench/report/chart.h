@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A chart as data, and as Chart.js (3.9) wants it. What it looks like beyond that is report/page.js's to say.
+// Describes a line chart and converts it to the configuration of Chart.js 3.9. report/page.js sets fonts, legend and
+// tooltips.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -11,13 +12,13 @@
 
 namespace gnomon::bench {
 
-/// Colours of what returns from chart to chart: told apart by colour-blind eyes, too.
+/// Colours that mean the same in all charts; colour-blind readers can distinguish them.
 inline constexpr const char* k_color_off = "#6b7280";       // every ray traced: grey
-inline constexpr const char* k_color_paper = "#d55e00";     // as published: vermilion
-inline constexpr const char* k_color_ours = "#0072b2";      // our own: blue
+inline constexpr const char* k_color_paper = "#d55e00";     // the published method: vermilion
+inline constexpr const char* k_color_ours = "#0072b2";      // Gnomon's method: blue
 inline constexpr const char* k_color_printed = "#7b3294";   // values printed in a paper: purple
-inline constexpr const char* k_color_second = "#e69f00";    // more of the published method: orange
-inline constexpr const char* k_color_third = "#56b4e9";     // more of ours: sky blue
+inline constexpr const char* k_color_second = "#e69f00";    // a second series of the published method: orange
+inline constexpr const char* k_color_third = "#56b4e9";     // a second series of Gnomon's method: sky blue
 inline constexpr const char* k_color_fourth = "#009e73";    // green
 
 struct ChartSeries {
@@ -32,12 +33,12 @@ struct Chart {
     std::string title;
     std::string x_label, y_label;
     std::vector<ChartSeries> series;
-    bool stacked = false;       // series on top of each other, as areas
-    bool logarithmic = false;   // y; all values above 0
+    bool stacked = false;       // series stacked as areas
+    bool logarithmic = false;   // logarithmic y axis; all values must be above 0
     std::optional<double> y_low, y_high;
 };
 
-/// Chart.js's configuration of a line chart over numbers.
+/// The configuration of Chart.js for a line chart with a numeric x axis.
 nlohmann::ordered_json chart_js(const Chart& chart);
 
 }   // namespace gnomon::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chapter of the whole frame: its time with every shadow ray traced and with certified culling, with and without
-// indirect light, by stage; how much of the work was not done; and what the images have to do with each other.
+// The chapter on the whole frame: measures its time by stage with every shadow ray traced and with certified culling,
+// with and without indirect light; how much work caching saves; and how the images differ.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -15,10 +15,11 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr FrameRange k_kitchen_frames{121, 140};   // the car drives
+constexpr FrameRange k_kitchen_frames{121, 140};   // the car moves
 constexpr FrameRange k_stand_in_frames{1, 20};
 constexpr int k_quick_frames = 6;
 
+// A way to render: the options and what each frame took.
 struct Way {
     std::string name;
     ShadowCulling culling;
@@ -31,7 +32,7 @@ struct Way {
     WayWork work() const { return {full_name(), frames}; }
 };
 
-// What stays from frame to frame is there from the second frame on.
+// The median time from the second frame on, when caches are filled.
 double steady_ms(const Way& way)
 {
     return steady_median(way.work(), [](const FrameWork& frame) { return frame.ms; });
@@ -65,7 +66,7 @@ class FrameChapter : public BenchChapter {
     std::vector<ReportTable::Row> lead() const override
     {
         if (!measured_) return {};
-        return {{{"whole frame, one thread: times as fast with remembered shadows", "none", "",
+        return {{{"Whole frame, one thread: speed-up by certified shadow culling", "not in the paper", "",
                   fmt::format("{:.2f} x", steady_ms(ways_[0]) / steady_ms(ways_[1]))},
                  false}};
     }
@@ -73,23 +74,23 @@ class FrameChapter : public BenchChapter {
     void write(ReportPage& page) const override
     {
         if (!measured_) return;
+        // State the conditions and the times of all configurations.
         page.section("Whole frames", command());
         page.text(
-            fmt::format("{}, frames {} to {}, {} x {} pixels, reflections to depth 10. All ways take turns frame by "
-                        "frame; times are "
-                        "medians from the second frame on, when there is something to remember.",
+            fmt::format("{}, frames {} to {}, {} x {} pixels, reflections to depth 10. The configurations take turns, "
+                        "frame by frame. Times are medians from the second frame on, when the caches are filled.",
                         scene_name_, frames_.first, frames_.last, settings_.size().width, settings_.size().height));
         ReportTable table;
         table.caption =
-            "Time of whole frames, by wall clock, and the share of the work that was not done: shadow rays that memory "
-            "answered, those that were asked of what moves alone, and how many rays of bounced light fewer than in the "
-            "first frame, which had nothing to remember.";
+            "Wall-clock time of whole frames, and the work saved: the percentage of shadow rays that were culled, of "
+            "those that were traced against dynamic objects only, and of rays for indirect light saved in comparison "
+            "with the first frame, which starts with empty caches.";
         table.columns = {"",
                          "threads",
-                         "ms a frame",
-                         "shadow rays left out, %",
-                         "asked of dynamic objects alone, %",
-                         "rays of bounced light left out, %"};
+                         "ms per frame",
+                         "shadow rays culled, %",
+                         "traced against dynamic objects only, %",
+                         "indirect rays saved, %"};
         for (const Way& way : ways_) {
             const SavedWork saved = saved_of(way.work());
             table.rows.push_back(
@@ -99,6 +100,8 @@ class FrameChapter : public BenchChapter {
                  false});
         }
         page.table(table);
+
+        // Chart the times frame by frame, then stages and images.
         Chart chart{"Time of whole frames", "frame", "ms", {}, {}, {}, {}, {}};
         for (const Way& way : ways_) {
             ChartSeries series{way.full_name(),
@@ -109,7 +112,7 @@ class FrameChapter : public BenchChapter {
                 series.points.emplace_back(frames_.first + static_cast<double>(i), way.frames[i].ms);
             chart.series.push_back(std::move(series));
         }
-        page.chart(chart, "The same, frame by frame.");
+        page.chart(chart, "Time of whole frames, frame by frame.");
         write_stages(page);
         for (const ImageComparison& figure : figures_) page.comparison(figure);
         page.attach("frames.json", json());
@@ -134,16 +137,16 @@ class FrameChapter : public BenchChapter {
     }
 
  private:
-    // Where the time goes, and what of the work memory saves: of the last way, which has all of it.
+    // Writes times by stage, and the work saved in the last configuration, which includes indirect light.
     void write_stages(ReportPage& page) const
     {
         std::vector<WayWork> ways;
         for (const Way& way : ways_) ways.push_back(way.work());
         page.table(stage_table(ways));
         page.chart(stage_chart(ways.back(), frames_.first),
-                   "Where the time goes, from the second frame on; stages as the JSON of render names them.");
+                   "Time by stage from the second frame on. The stages have the names of the JSON of render.");
         page.chart(saved_chart(ways.back(), frames_.first),
-                   "The share of the work that was not done, from the second frame on.");
+                   "Percentage of the work saved by caching, from the second frame on.");
     }
 
     std::string command() const
@@ -157,6 +160,7 @@ class FrameChapter : public BenchChapter {
 
     void measure(const Progress& progress)
     {
+        // Create one renderer per configuration.
         const Scene scene = load(scene_name_);
         if (scene.frame_count() < frames_.last) frames_ = {1, scene.frame_count()};
         std::vector<Renderer> renderers;
@@ -166,6 +170,8 @@ class FrameChapter : public BenchChapter {
                                                  .shadow_culling = way.culling,
                                                  .indirect = way.indirect,
                                                  .threads = way.threads});
+
+        // Render every frame with all of them in turn; keep the images of the last frame.
         for (int frame = frames_.first; frame <= frames_.last; ++frame) {
             for (std::size_t i = 0; i < ways_.size(); ++i) {
                 const double done =
@@ -181,7 +187,7 @@ class FrameChapter : public BenchChapter {
         measured_ = true;
     }
 
-    // Of the last frame, all exposed as the last one.
+    // Compares the images of the last frame, all with the exposure of the last configuration.
     void make_figures()
     {
         const double exposure = last_.back().exposure;
@@ -193,10 +199,10 @@ class FrameChapter : public BenchChapter {
         Tasks tasks(settings_.threads);
         const std::string frame = fmt::format("Frame {}", frames_.last);
         figures_.push_back(compare_images(
-            frame + " with every shadow ray traced, and with shadows remembered since the first of these frames.",
+            frame + " with every shadow ray traced, and with shadows cached since the first of these frames.",
             ways_[0].name, images[0], ways_[1].name, images[1], tasks));
-        figures_.push_back(compare_images(frame + " without and with light of one bounce.", "direct light", images[1],
-                                          "indirect light, too", images.back(), tasks));
+        figures_.push_back(compare_images(frame + " without and with one-bounce indirect light.", "direct light",
+                                          images[1], "direct and indirect light", images.back(), tasks));
         last_.clear();
     }
 

@@ -33,7 +33,7 @@ ImageComparison compare_images(const std::string& caption, const std::string& le
     const ImageF a = linear_of(left), b = linear_of(right);
     const ImageF error = image::flip_ldr(a, b, tasks);
     const double different = image::pixels_different(a, b);
-    const std::string apart = different == 0 ? "Not a pixel differs."
+    const std::string apart = different == 0 ? "The images are identical."
                                              : fmt::format("{:.2f} % of the pixels differ; mean FLIP {:.4f}.",
                                                            100 * different, image::mean_of(error));
     return {caption + " " + apart, left_name, right_name, left, right, image::heat_map(error)};

@@ -36,7 +36,7 @@ std::string base64(const std::vector<std::uint8_t>& bytes)
     return text;
 }
 
-// JSON that may stand inside a script element: nothing in it can end the element.
+// JSON for a script element, escaped so that nothing in it can end the element.
 std::string script_json(const Json& json, int indent = -1)
 {
     std::string safe;
@@ -166,7 +166,7 @@ void ReportPage::comparison(const ImageComparison& images)
         html_text(images.left_name), html_text(images.right_name));
     if (!images.difference.empty())
         content += "<label><input type=\"checkbox\" class=\"show-difference\"> difference</label>";
-    body_ += figure("pictures", content + "</div>\n", images.caption, command_);
+    body_ += figure("images", content + "</div>\n", images.caption, command_);
 }
 
 void ReportPage::gallery(const std::vector<NamedImage>& images, const std::string& caption)
@@ -191,7 +191,7 @@ std::string ReportPage::html() const
 {
     std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
     page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
-    // No icon is asked for: the page fetches nothing at all.
+    // Give an empty icon, so that the browser requests none.
     page += "<link rel=\"icon\" href=\"data:,\">\n";
     page += fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", html_text(title_), k_page_css);
     page += fmt::format("<h1>{}</h1>\n<p class=\"machine\">{}</p>\n", html_text(title_), html_text(machine_));
@@ -210,6 +210,7 @@ std::string ReportPage::html() const
 
 ReportFile::ReportFile(const std::filesystem::path& folder) : path_(folder / "index.html")
 {
+    // Create the missing folders; remove them again if anything fails.
     namespace fs = std::filesystem;
     std::error_code error;
     std::vector<fs::path> missing;
@@ -225,7 +226,7 @@ ReportFile::ReportFile(const std::filesystem::path& folder) : path_(folder / "in
         if (!error) continue;
         const std::string why = error.message();
         undo();
-        throw MissingError(fmt::format("cannot make the folder {}: {}", folder.string(), why));
+        throw MissingError(fmt::format("cannot create the folder {}: {}", folder.string(), why));
     }
     try {
         file_ = std::make_unique<io::AtomicFile>(path_);
@@ -240,7 +241,7 @@ ReportFile::~ReportFile()
     const bool written = !file_;
     file_.reset();
     std::error_code ignored;
-    // Only what is empty goes: somebody else may have put something there.
+    // Remove only empty folders, because another program may have written to them.
     for (auto at = made_.rbegin(); !written && at != made_.rend(); ++at) std::filesystem::remove(*at, ignored);
 }
 

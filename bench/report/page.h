@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A page of measured results in one file: sections of text, tables, charts and compared images, with the machine and
-// the exact command under every figure, and the numbers attached. It needs nothing but a browser: script, style,
-// images and data are in it.
+// Builds a page of measured results as one HTML file: sections of text, tables, charts and image comparisons, with the
+// machine and the exact command below every figure, and the data attached. Scripts, style, images and data are embedded
+// in the file.
 //
-// The page is made in memory and written in one go: it is whole or not there.
+// The page is built in memory and written atomically, so the file is complete or absent.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -24,15 +24,15 @@ namespace gnomon::bench {
 
 struct ReportTable {
     struct Row {
-        std::vector<std::string> cells;   // as many as columns; the first is the row's head
-        bool printed = false;             // values from a paper, not ours: set apart
+        std::vector<std::string> cells;   // one per column; the first is the row's header
+        bool printed = false;             // values printed in a paper; shown in another colour
     };
     std::string caption;
     std::vector<std::string> columns;
     std::vector<Row> rows;
 };
 
-/// Two images of one size under a slider, and where they differ.
+/// Two images of the same size with a slider, and an image of their difference.
 struct ImageComparison {
     std::string caption;
     std::string left_name, right_name;
@@ -47,22 +47,22 @@ struct NamedImage {
 
 class ReportPage {
  public:
-    /// @param machine  what everything was measured on, in a line
+    /// @param machine  one line that describes the machine
     ReportPage(std::string title, std::string machine);
     ~ReportPage();
     ReportPage(ReportPage&&) noexcept;
 
-    /// Stands above all sections, whenever it is called. @param command  what measured it
+    /// Adds a table above all sections. @param command  the command that measured it
     void lead(const ReportTable& table, const std::string& command);
-    /// What follows was measured by this command. A page of several sections lists them above the first.
+    /// Begins a section, measured by `command`. A page of several sections begins with a list of them.
     void section(const std::string& title, const std::string& command);
     void text(const std::string& paragraph);
     void table(const ReportTable& table);
     void chart(const Chart& chart, const std::string& caption);
     void comparison(const ImageComparison& images);
-    /// Small images side by side.
+    /// Adds small images side by side.
     void gallery(const std::vector<NamedImage>& images, const std::string& caption);
-    /// Data to download. @param name  of the file it becomes
+    /// Adds data to download. @param name  the file name offered
     void attach(const std::string& name, const nlohmann::ordered_json& document);
 
     std::string html() const;
@@ -76,13 +76,13 @@ class ReportPage {
     int charts_ = 0, images_ = 0, attachments_ = 0;
 };
 
-/// `folder`/index.html, made sure of before the work and written after it.
+/// The file `folder`/index.html, opened before the measurement and written after it.
 class ReportFile {
  public:
-    /// Makes the folder, if need be.
-    /// @throws MissingError  the folder cannot be made or written
+    /// Creates the folder if necessary.
+    /// @throws MissingError  the folder cannot be created or written
     explicit ReportFile(const std::filesystem::path& folder);
-    /// Without write(), removes what it made.
+    /// Removes the folders that it created, unless write() was called.
     ~ReportFile();
 
     /// @throws MissingError
@@ -90,15 +90,15 @@ class ReportFile {
     const std::filesystem::path& path() const { return path_; }
 
  private:
-    std::vector<std::filesystem::path> made_;   // folders, outermost first
+    std::vector<std::filesystem::path> made_;   // folders created, outermost first
     std::filesystem::path path_;
     std::unique_ptr<io::AtomicFile> file_;
 };
 
-/// Processor, packet width and version, in a line. @param threads  that the bench used
+/// One line with processor, packet width and version. @param threads  number used by the bench
 std::string machine_line(int threads);
 
-/// Text as HTML shows it.
+/// Escapes text for HTML.
 std::string html_text(std::string_view text);
 
 }   // namespace gnomon::bench

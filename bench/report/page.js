@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wakes a report page: draws its charts, moves its sliders, fills its downloads. Everything it needs is in the page.
+// Script of a report page: draws the charts, connects the sliders and prepares the downloads. It loads nothing from
+// outside the page.
 'use strict';
 
-// 1234567 as 1.23 M: what an axis has room for.
+// Formats 1234567 as 1.23 M, which fits the labels of an axis.
 function short_number(value) {
   const steps = [[1e9, ' G'], [1e6, ' M'], [1e3, ' k']];
   for (const [size, unit] of steps)
@@ -11,7 +12,7 @@ function short_number(value) {
 }
 
 function draw_charts() {
-  Chart.defaults.animation = false;   // a page that is printed or photographed is whole at once
+  Chart.defaults.animation = false;   // so that charts are complete when the page is printed
   Chart.defaults.maintainAspectRatio = false;
   Chart.defaults.font.size = 13;
   Chart.defaults.color = '#1c2128';
@@ -27,7 +28,7 @@ function draw_charts() {
       if (axis.type === 'logarithmic') axis.ticks = {callback: value => /^[13]/.test(value.toExponential())
         ? short_number(value) : null};
     config.options.plugins.title.font = {size: 15};
-    // The legend shows what is drawn: lines, dashed where they are, marks; of areas their colour.
+    // Let the legend show lines and marks as they are drawn, and areas by their colour.
     const areas = config.options.scales.y.stacked;
     const shown = set => areas ? {} : {
       pointStyle: set.showLine ? 'line' : 'rectRot', lineDash: set.borderDash || [], lineWidth: 2};
@@ -44,7 +45,7 @@ function draw_charts() {
   }
 }
 
-function wake_comparisons() {
+function connect_sliders() {
   for (const figure of document.querySelectorAll('figure.images')) {
     const area = figure.querySelector('.compare');
     const range = figure.querySelector('input[type=range]');
@@ -59,7 +60,7 @@ function wake_comparisons() {
     };
     range.addEventListener('input', () => show(Number(range.value)));
     area.addEventListener('pointerdown', event => { area.setPointerCapture(event.pointerId); follow(event); });
-    area.addEventListener('dragstart', event => event.preventDefault());   // else the image itself is dragged away
+    area.addEventListener('dragstart', event => event.preventDefault());   // otherwise the browser drags the image
     area.addEventListener('pointermove', event => { if (event.buttons) follow(event); });
     const box = figure.querySelector('.show-difference');
     if (box) box.addEventListener('change', () => area.classList.toggle('different', box.checked));
@@ -74,5 +75,5 @@ function fill_downloads() {
 }
 
 draw_charts();
-wake_comparisons();
+connect_sliders();
 fill_downloads();

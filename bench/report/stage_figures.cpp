@@ -12,7 +12,7 @@ namespace gnomon::bench {
 namespace {
 using Json = nlohmann::ordered_json;
 
-// By stage; neighbours are told apart by lightness, too.
+// One colour per stage; neighbours differ in lightness, too.
 constexpr std::array<const char*, FrameTimes::k_stages> k_stage_colors{k_color_off,  k_color_printed, k_color_third,
                                                                        k_color_ours, k_color_second,  k_color_fourth,
                                                                        "#8fd19e",    "#cc79a7",       "#b0b0b0"};
@@ -34,7 +34,7 @@ double percent(std::uint64_t part, std::uint64_t whole)
     return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-// Frames that have something to remember; a single frame stands for itself.
+// The first frame with filled caches; the only frame if there is just one.
 std::size_t first_steady(const WayWork& way)
 {
     return way.frames.size() > 1 ? 1 : 0;
@@ -69,8 +69,9 @@ ReportTable stage_table(const std::vector<WayWork>& ways)
 {
     ReportTable table;
     table.caption =
-        "Time by stage in milliseconds, medians from the second frame on. A stage that threads share counts their time "
-        "divided by their number; what the whole frame has beyond its stages is waiting for each other.";
+        "Time by stage in milliseconds, medians from the second frame on. The time of a stage that runs on several "
+        "threads is the sum over the threads divided by their number. The rest of the whole frame is time in which "
+        "threads wait for each other.";
     table.columns = {""};
     for (const WayWork& way : ways) table.columns.push_back(way.name);
     const auto add = [&](const std::string& name, const std::function<double(const FrameWork&)>& value) {
@@ -97,15 +98,15 @@ Chart stage_chart(const WayWork& way, int first_frame)
 
 Chart saved_chart(const WayWork& way, int first_frame)
 {
-    Chart chart{"Work that was not done: " + way.name, "frame", "%", {}, {}, {}, 0.0, 100.0};
-    const auto add = [&](const char* name, const char* color, double SavedWork::*share) {
-        chart.series.push_back(series_of(way, first_frame, name, color, [&way, share](const FrameWork& frame) {
-            return saved_of(frame, way.frames.front()).*share;
+    Chart chart{"Work saved by caching: " + way.name, "frame", "%", {}, {}, {}, 0.0, 100.0};
+    const auto add = [&](const char* name, const char* color, double SavedWork::*percentage) {
+        chart.series.push_back(series_of(way, first_frame, name, color, [&way, percentage](const FrameWork& frame) {
+            return saved_of(frame, way.frames.front()).*percentage;
         }));
     };
-    add("shadow rays answered from memory", k_color_ours, &SavedWork::shadow_skipped);
-    add("shadow rays asked of the dynamic objects alone", k_color_third, &SavedWork::shadow_dynamic_only);
-    add("rays of bounced light less than in the first frame", k_color_fourth, &SavedWork::indirect);
+    add("shadow rays culled", k_color_ours, &SavedWork::shadow_skipped);
+    add("shadow rays traced against dynamic objects only", k_color_third, &SavedWork::shadow_dynamic_only);
+    add("indirect rays saved in comparison with the first frame", k_color_fourth, &SavedWork::indirect);
     return chart;
 }
 

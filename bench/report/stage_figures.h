@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where a frame's time goes, and how much of its work memory saves, as figures of a report and as data.
+// Tables, charts and JSON of the time that frames take by stage and of the work that caching saves.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,7 +14,7 @@
 
 namespace gnomon::bench {
 
-/// What one frame says of itself.
+/// Times and counters of one frame.
 struct FrameWork {
     double ms = 0;
     FrameTimes times;
@@ -23,33 +23,34 @@ struct FrameWork {
 };
 FrameWork work_of(const Frame& image);
 
-/// The frames of one way to render, the first of which had nothing to remember.
+/// The frames of one way to render. The first frame starts with empty caches.
 struct WayWork {
     std::string name;
     std::vector<FrameWork> frames;
 };
 
-/// Of the frames from the second on: those that had something to remember. A single frame stands for itself.
+/// The median from the second frame on, when caches are filled; of a single frame, its value.
 double steady_median(const WayWork& way, const std::function<double(const FrameWork&)>& value);
 
-/// A row a stage, a column a way: milliseconds, steady medians. Stages in which no way spent time are left out.
+/// A table of steady medians in milliseconds: one row per stage, one column per way. Stages without any time are
+/// omitted.
 ReportTable stage_table(const std::vector<WayWork>& ways);
-/// The stages of one way on top of each other, from the second frame on.
+/// The stages of one way, stacked, from the second frame on.
 Chart stage_chart(const WayWork& way, int first_frame);
-/// Per cent of the work that was not done, from the second frame on: shadow rays that memory answered, those that were
-/// asked of the dynamic objects alone, and rays of bounced light that the first frame cast and this one did not need.
+/// Percentage of work saved, from the second frame on: shadow rays culled, shadow rays traced against dynamic objects
+/// only, and rays for indirect light saved in comparison with the first frame.
 Chart saved_chart(const WayWork& way, int first_frame);
-/// The same shares over all frames from the second on.
+/// The same percentages, of one frame or over all frames from the second on.
 struct SavedWork {
-    double shadow_skipped = 0, shadow_dynamic_only = 0;   // per cent of the shadow rays that were asked for
-    double indirect = 0;                                  // per cent of the first frame's rays; 0 if it cast none
+    double shadow_skipped = 0, shadow_dynamic_only = 0;   // percent of all shadow rays
+    double indirect = 0;                                  // percent of the first frame's rays; 0 if it cast none
 };
 SavedWork saved_of(const WayWork& way);
 SavedWork saved_of(const FrameWork& frame, const FrameWork& first);
 
-/// Milliseconds by the stage's name.
+/// Milliseconds by name of the stage.
 nlohmann::ordered_json stages_json(const FrameTimes& times);
-/// By frame, with the names of `render --json`.
+/// An array with one object per frame, with the keys of `render --json`.
 nlohmann::ordered_json work_json(const std::vector<FrameWork>& frames, int first_frame);
 
 }   // namespace gnomon::bench

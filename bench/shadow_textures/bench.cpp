@@ -72,16 +72,16 @@ LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, Textur
 
 glm::mat4 clip_from_world(const scene::View& view)
 {
-    constexpr float k_near = 0.1f;   // the camera stands well away from everything
+    constexpr float k_near = 0.1f;   // the camera is farther than this from all objects
     const glm::vec3 right = view.right / glm::dot(view.right, view.right), down = -view.up / glm::dot(view.up, view.up);
     const auto row = [&](const glm::vec3& axis) { return glm::vec4(axis, -glm::dot(axis, view.eye)); };
     return glm::transpose(glm::mat4(row(right), row(down), glm::vec4(0, 0, 0, k_near), row(view.forward)));
 }
 
-// In the first frame everything is drawn, in the second those who move are found out.
+// Frames that are not measured: the first draws everything, and the second detects the dynamic objects.
 constexpr int k_warm_up = 2;
 
-// One method's everything: nothing is shared with the others but the motion.
+// One method with its own buffers and textures; only the motion is common to all methods.
 class Runner {
  public:
     Runner(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
@@ -98,7 +98,7 @@ class Runner {
     {
     }
 
-    /// @return ms
+    /// Draws the image. @return milliseconds
     double draw_image(const scene::SceneState& state, const scene::View& view)
     {
         double ignored = 0;
@@ -111,24 +111,26 @@ class Runner {
     void frame(const scene::SceneState& state, const scene::View& view, bool measured, bool with_image)
     {
         double cpu = 0;
-        // The light's depths and items.
+        // Update the light view's buffers.
         const double buffers = timed(cpu, [&] {
             views_.update(state);
             casters_.update(commands_, state);
             if (method_ != TextureMethod::per_caster) buffers_.record(commands_, views_, casters_);
         });
-        // The receivers' textures.
+        // Update the receivers' textures.
         const double textures = method_ == TextureMethod::items ? 0 : timed(cpu, [&] {
             if (method_ == TextureMethod::per_caster)
                 textures_.record_per_caster(commands_, views_, casters_, state);
             else if (method_ != TextureMethod::items)
                 textures_.record(commands_, views_, buffers_, casters_, state);
         });
-        // Distances within a receiver are compared, too, when it is looked up: not what this method pays for.
+        // Draw the depths that the look-up of a receiver compares, too, outside the method's time.
         if (method_ == TextureMethod::per_caster) {
             buffers_.record(commands_, views_, casters_);
             commands_.submit();
         }
+
+        // Draw the image, and record times and counters.
         const double image = with_image ? draw_image(state, view) : 0;
         if (!measured) return;
         buffers_ms_.push_back(buffers), textures_ms_.push_back(textures), shadow_ms_.push_back(buffers + textures);
@@ -157,7 +159,7 @@ class Runner {
         return row;
     }
 
-    /// Buffers and textures as they are, to be compared.
+    /// A copy of buffers and textures, to be compared.
     struct Contents {
         std::vector<vk::Buffer> layers;
         vk::Buffer words;
@@ -179,7 +181,7 @@ class Runner {
             const auto a = mine.layers[i].as<std::uint32_t>(), b = others.layers[i].as<std::uint32_t>();
             if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return false;
         }
-        if (method_ == TextureMethod::items) return true;   // and items say what textures would: a test of theirs
+        if (method_ == TextureMethod::items) return true;   // has no textures; a test compares items with textures
         const auto a = mine.words.as<std::uint32_t>(), b = others.words.as<std::uint32_t>();
         for (std::size_t v = 0; v < views_.views().size(); ++v)
             for (scene::ObjectId o = 0; o < views_.object_count(); ++o) {
@@ -206,7 +208,8 @@ class Runner {
     }
 
  private:
-    // @param cpu  what was not the device's is added to it
+    // Runs `body` and submits its commands. Returns milliseconds by the result's clock.
+    // @param cpu  increased by the thread's CPU time for `body`
     template <class Body>
     double timed(double& cpu, const Body& body)
     {
@@ -232,7 +235,7 @@ class Runner {
     double draws_ = 0, copies_ = 0, updated_ = 0, touched_ = 0;
 };
 
-// All methods in one scene.
+// All methods in one scene, with the same motion.
 class Setting {
  public:
     Setting(const std::shared_ptr<vk::Device>& device, const ShadowTexturesBenchOptions& options, int objects,
@@ -251,7 +254,7 @@ class Setting {
                 runner->frame(state_, view(), frame >= k_warm_up, !options_.dynamic_objects.has_value());
     }
 
-    /// Is everything as if it had been drawn anew?
+    /// Adds a row for each method, and compares its buffers and textures with those of a full redraw.
     void finish(ShadowTexturesBenchResult& result)
     {
         Runner full(device_, state_, options_, TextureMethod::depth);
@@ -297,15 +300,17 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     ShadowTexturesBenchResult result;
     result.device = device->info().name;
     result.clock = device->info().kind == "software" ? "process CPU" : "device";
-    const std::vector<double> shares = options.dynamic_objects ? std::vector<double>{0} : options.dynamic;
-    const auto total =
-        static_cast<double>(options.objects.size() * shares.size() * static_cast<unsigned>(options.frames + k_warm_up));
+    const std::vector<double> percents = options.dynamic_objects ? std::vector<double>{0} : options.dynamic;
+    const auto total = static_cast<double>(options.objects.size() * percents.size() *
+                                           static_cast<unsigned>(options.frames + k_warm_up));
     double done = 0;
     const auto before_frame = [&] {
         if (progress && !progress({"measuring", done++ / total})) throw InterruptedError("interrupted");
     };
     const int frames = k_warm_up + options.frames;
-    for (const double dynamic : shares) {
+
+    // Measure every setting.
+    for (const double dynamic : percents) {
         if (!options.dynamic_objects) {
             for (const int objects : options.objects) {
                 Setting setting(device, options, objects, dynamic);
@@ -314,7 +319,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
             }
             continue;
         }
-        // All crowds side by side, frame by frame: what else goes on in the machine meets all of them.
+        // Run all crowds frame by frame in turn, so that other load on the machine affects all of them.
         std::vector<std::unique_ptr<Setting>> crowds;
         for (const int objects : options.objects)
             crowds.push_back(std::make_unique<Setting>(device, options, objects, dynamic));
@@ -323,6 +328,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
         for (const auto& crowd : crowds) crowd->finish(result);
     }
 
+    // Fit the growth with the number of objects.
     for (const TextureMethod method : options.methods) {
         std::vector<std::pair<double, double>> points;
         for (const ShadowTexturesRow& row : result.rows)
@@ -339,7 +345,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
 
 ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions&, const Progress&)
 {
-    throw MissingError("this program was built without Vulkan");
+    throw MissingError("this program was built without Vulkan, which bench shadow-textures needs");
 }
 
 #endif

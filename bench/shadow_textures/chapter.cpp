@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chapter of Oh and Shin (2004): their Figures 7 and 8, and a few dynamic objects among ever more that stands
-// still.
+// The chapter on Oh and Shin (2004): their Figures 7 and 8, and a few dynamic objects among a growing number of static
+// ones.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr double k_shown_share = 10;   // percent: of which the paper gives a number
+constexpr double k_shown_percent = 10;   // of dynamic objects, for which the paper prints a number
 
 struct Experiment {
     std::string name;
@@ -28,7 +28,7 @@ struct Experiment {
             command += fmt::format(" --movers {}", *options.dynamic_objects);
         } else {
             command += " --dynamic";
-            for (const double share : options.dynamic) command += fmt::format(" {}", share);
+            for (const double percent : options.dynamic) command += fmt::format(" {}", percent);
         }
         command += fmt::format(" --vertices {} --size {}x{} --frames {} --method", options.vertices, options.size.width,
                                options.size.height, options.frames);
@@ -43,8 +43,8 @@ class ShadowTexturesChapter : public BenchChapter {
     {
         using enum TextureMethod;
         const bool quick = settings.quick;
-        // A software driver draws a few million triangles a second: fewer vertices than the paper's where all casters
-        // between are drawn for every receiver.
+        // Use fewer vertices than the paper where all casters are drawn for every receiver, because a software driver
+        // draws only a few million triangles per second.
         ShadowTexturesBenchOptions growth;
         growth.objects = quick ? std::vector<int>{25, 50, 100} : std::vector<int>{25, 50, 100, 200, 300};
         growth.vertices = quick ? 200 : 500;
@@ -53,19 +53,19 @@ class ShadowTexturesChapter : public BenchChapter {
         growth.methods = {per_caster, depth, coherent, items};
         experiments_.push_back({"shadow textures: Figure 7", growth, quick ? 6. : 60.});
 
-        ShadowTexturesBenchOptions shares;
-        shares.objects = {quick ? 100 : 300};
-        shares.dynamic = quick ? std::vector<double>{0, 10, 100} : std::vector<double>{0, 10, 25, 50, 75, 100};
-        shares.vertices = quick ? 500 : 2037;
-        shares.frames = 3;
-        shares.size = settings.size();
-        experiments_.push_back({"shadow textures: Figure 8", shares, quick ? 8. : 70.});
+        ShadowTexturesBenchOptions percents;
+        percents.objects = {quick ? 100 : 300};
+        percents.dynamic = quick ? std::vector<double>{0, 10, 100} : std::vector<double>{0, 10, 25, 50, 75, 100};
+        percents.vertices = quick ? 500 : 2037;
+        percents.frames = 3;
+        percents.size = settings.size();
+        experiments_.push_back({"shadow textures: Figure 8", percents, quick ? 8. : 70.});
 
         ShadowTexturesBenchOptions crowd;
         crowd.objects = quick ? std::vector<int>{110, 1010} : std::vector<int>{110, 1010, 10010, 100010};
         crowd.dynamic_objects = 10;
         crowd.frames = quick ? 5 : 15;
-        crowd.size = {16, 16};   // of the image, which is not what is measured here
+        crowd.size = {16, 16};   // of the image, which is not measured here
         crowd.methods = {coherent, items};
         experiments_.push_back({"shadow textures: a crowd", crowd, quick ? 3. : 50.});
     }
@@ -85,15 +85,15 @@ class ShadowTexturesChapter : public BenchChapter {
         std::vector<ReportTable::Row> rows;
         const Experiment& growth = experiments_[0];
         if (growth.result.exponents.size() == growth.options.methods.size())
-            rows.push_back({{"Shadow textures: power of the number of objects that the shadow pass grows with",
-                             "2 before, 1 with one depth buffer",
-                             fmt::format("{:.2f} before, {:.2f} with one depth buffer",
+            rows.push_back({{"Shadow textures: growth of the shadow pass, as a power of the number of objects",
+                             "2 per caster, 1 with one depth buffer",
+                             fmt::format("{:.2f} per caster, {:.2f} with one depth buffer",
                                          growth.result.exponents[0].second, growth.result.exponents[1].second),
                              ""},
                             false});
-        const ShadowTexturesRow *depth = at_shown_share(TextureMethod::depth),
-                                *coherent = at_shown_share(TextureMethod::coherent),
-                                *items = at_shown_share(TextureMethod::items);
+        const ShadowTexturesRow *depth = at_shown_percent(TextureMethod::depth),
+                                *coherent = at_shown_percent(TextureMethod::coherent),
+                                *items = at_shown_percent(TextureMethod::items);
         if (!depth || !coherent || !items) return rows;
         const auto saved = [&](const ShadowTexturesRow* row) {
             return fmt::format("{:.1f} %", 100 * (1 - row->frame_ms / depth->frame_ms));
@@ -101,10 +101,10 @@ class ShadowTexturesChapter : public BenchChapter {
         const auto times = [&](const ShadowTexturesRow* row) {
             return fmt::format("{:.1f} x", depth->shadow_ms / row->shadow_ms);
         };
-        rows.push_back({{"Shadow textures, 10 % dynamic: saved of the whole frame by coherence", "23.4 %",
+        rows.push_back({{"Shadow textures, 10 % dynamic objects: time of the whole frame saved by coherence", "23.4 %",
                          saved(coherent), saved(items)},
                         false});
-        rows.push_back({{"Shadow textures, 10 % dynamic: shadow pass, times as fast as without coherence", "not given",
+        rows.push_back({{"Shadow textures, 10 % dynamic objects: speed-up of the shadow pass by coherence", "not given",
                          times(coherent), times(items)},
                         false});
         return rows;
@@ -131,10 +131,10 @@ class ShadowTexturesChapter : public BenchChapter {
     }
 
  private:
-    const ShadowTexturesRow* at_shown_share(TextureMethod method) const
+    const ShadowTexturesRow* at_shown_percent(TextureMethod method) const
     {
         for (const ShadowTexturesRow& row : experiments_[1].result.rows)
-            if (row.method == method && row.dynamic_percent == k_shown_share) return &row;
+            if (row.method == method && row.dynamic_percent == k_shown_percent) return &row;
         return nullptr;
     }
 

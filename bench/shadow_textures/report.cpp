@@ -15,7 +15,7 @@ namespace {
 using Style = ChartSeries::Style;
 using Value = double ShadowTexturesRow::*;
 
-// Of the whole frame at 10 percent dynamic objects [Oh and Shin 2004, 4].
+// Percent of the whole frame's time saved at 10 percent dynamic objects [Oh and Shin 2004, 4].
 constexpr double k_printed_dynamic = 10, k_printed_saved = 23.4;
 
 const char* color_of(TextureMethod method)
@@ -42,15 +42,13 @@ class Section {
     void write()
     {
         page_.text(fmt::format(
-            "Spheres of {} vertices at random places with random motions; one spot light, its view {} x {} texels; the "
-            "image {} x {} pixels. Times are medians of {} frames after the first two (everything drawn, dynamic "
-            "objects "
-            "found out), of {}. Per-caster draws for every "
-            "receiver all casters between it and the light; depth draws one depth buffer and every receiver once; "
-            "coherent keeps both from frame to frame and touches what moved; items is coherent with one item buffer in "
-            "place "
-            "of all textures, as Gnomon's images have it. The image is the plainest: every sphere "
-            "drawn once, with its shadow texture.",
+            "The scene has spheres of {} vertices at random positions with random motions, and one spot light with a "
+            "view of {} x {} texels; the image has {} x {} pixels. Times are medians over {} frames by {}, after two "
+            "frames that draw everything and detect the dynamic objects. 'per-caster' draws, for every receiver, all "
+            "casters between it and the light. 'depth' draws one depth buffer and every receiver once. 'coherent' "
+            "keeps both from frame to frame and redraws only what changed. 'items' is coherent with one item buffer in "
+            "place of all textures, as in Gnomon's renderer. The image is simple: every sphere is drawn once with its "
+            "shadow texture.",
             options_.vertices, options_.view_size, options_.view_size, options_.size.width, options_.size.height,
             options_.frames, result_.clock == "device" ? "the device's timestamps" : "process CPU time"));
         if (options_.dynamic_objects)
@@ -63,7 +61,7 @@ class Section {
     }
 
  private:
-    bool first_share(const ShadowTexturesRow& row) const
+    bool has_first_percent(const ShadowTexturesRow& row) const
     {
         const int dynamic_objects = static_cast<int>(std::lround(row.objects * options_.dynamic.front() / 100));
         return row.dynamic_objects == dynamic_objects;
@@ -92,20 +90,23 @@ class Section {
         return chart;
     }
 
-    // Render time against the number of objects.
+    // Redraws Figure 7: render time against the number of objects.
     void figure_7()
     {
+        // Chart the whole frame.
         const auto by_objects = [](const ShadowTexturesRow& row) { return row.objects; };
-        const auto shown = [&](const ShadowTexturesRow& row) { return first_share(row); };
-        const std::string moving = fmt::format("{} % of the objects move.", options_.dynamic.front());
-        page_.chart(chart_of("Figure 7: the whole frame", "objects", "ms a frame", &ShadowTexturesRow::frame_ms,
+        const auto shown = [&](const ShadowTexturesRow& row) { return has_first_percent(row); };
+        const std::string moving = fmt::format("{} % of the objects are dynamic.", options_.dynamic.front());
+        page_.chart(chart_of("Figure 7: the whole frame", "objects", "ms per frame", &ShadowTexturesRow::frame_ms,
                              by_objects, shown),
-                    fmt::format("Figure 7 of the paper, redrawn: time of the whole frame. {}", moving));
+                    fmt::format("Figure 7 of the paper, measured here: time of the whole frame. {}", moving));
 
-        Chart shadows = chart_of("Figure 7: the shadow pass", "objects", "ms a frame", &ShadowTexturesRow::shadow_ms,
+        // Chart the shadow pass on a logarithmic scale.
+        Chart shadows = chart_of("Figure 7: the shadow pass", "objects", "ms per frame", &ShadowTexturesRow::shadow_ms,
                                  by_objects, shown);
         shadows.logarithmic = true;
-        // As the paper describes the curves, through our last points: quadratic before, linear with one depth buffer.
+        // Add the growth that the paper describes, scaled to our last points: quadratic for the previous method, linear
+        // with one depth buffer.
         const auto described = [&](TextureMethod method, const char* name, double power) {
             const auto ours = points(method, &ShadowTexturesRow::shadow_ms, by_objects, shown);
             if (ours.empty()) return;
@@ -116,33 +117,36 @@ class Section {
             shadows.series.push_back(std::move(series));
         };
         described(TextureMethod::per_caster, "quadratic, as the paper describes the previous method", 2);
-        described(TextureMethod::depth, "linear, as it describes one depth buffer", 1);
+        described(TextureMethod::depth, "linear, as the paper describes one depth buffer", 1);
         std::string exponents;
         for (const auto& [method, exponent] : result_.exponents)
             exponents += fmt::format("{}{} {:.2f}", exponents.empty() ? "" : ", ", name_of(method), exponent);
         page_.chart(
             shadows,
-            fmt::format("The shadow pass alone, and the growth that the paper describes (it prints no numbers), "
-                        "laid through our last points. Powers of the number of objects, by least squares: {}. {}",
+            fmt::format("The shadow pass alone, and the growth that the paper describes, scaled to the last measured "
+                        "points because the paper prints no numbers. Measured growth as a power of the number of "
+                        "objects, by least squares: {}. {}",
                         exponents, moving));
     }
 
-    // With and without coherence while the share of dynamic objects varies.
+    // Redraws Figure 8: render time with and without coherence against the percentage of dynamic objects.
     void figure_8()
     {
-        const auto by_share = [](const ShadowTexturesRow& row) { return row.dynamic_percent; };
+        // Chart the whole frame and the shadow pass.
+        const auto by_percent = [](const ShadowTexturesRow& row) { return row.dynamic_percent; };
         const auto shown = [&](const ShadowTexturesRow& row) { return most_objects(row); };
         const int objects = *std::max_element(options_.objects.begin(), options_.objects.end());
-        page_.chart(chart_of("Figure 8: the whole frame", "dynamic objects, %", "ms a frame",
-                             &ShadowTexturesRow::frame_ms, by_share, shown),
-                    fmt::format("Figure 8 of the paper, redrawn: time of the whole frame, {} objects.", objects));
-        page_.chart(chart_of("Figure 8: the shadow pass", "dynamic objects, %", "ms a frame",
-                             &ShadowTexturesRow::shadow_ms, by_share, shown),
-                    fmt::format("The shadow pass alone, {} objects.", objects));
+        page_.chart(chart_of("Figure 8: the whole frame", "dynamic objects, %", "ms per frame",
+                             &ShadowTexturesRow::frame_ms, by_percent, shown),
+                    fmt::format("Figure 8 of the paper, measured here: time of the whole frame, {} objects.", objects));
+        page_.chart(chart_of("Figure 8: the shadow pass", "dynamic objects, %", "ms per frame",
+                             &ShadowTexturesRow::shadow_ms, by_percent, shown),
+                    fmt::format("Time of the shadow pass alone, {} objects.", objects));
 
+        // Chart the time saved, with the value that the paper prints.
         const auto saved = [&](TextureMethod method, Value y) {
-            const auto depth = points(TextureMethod::depth, y, by_share, shown),
-                       coherent = points(method, y, by_share, shown);
+            const auto depth = points(TextureMethod::depth, y, by_percent, shown),
+                       coherent = points(method, y, by_percent, shown);
             std::vector<std::pair<double, double>> list;
             for (std::size_t i = 0; i < std::min(depth.size(), coherent.size()); ++i)
                 list.emplace_back(depth[i].first, 100 * (1 - coherent[i].second / depth[i].second));
@@ -150,7 +154,7 @@ class Section {
         };
         const auto frame = saved(TextureMethod::coherent, &ShadowTexturesRow::frame_ms);
         if (frame.empty()) return;
-        Chart chart{"Saved by coherence", "dynamic objects, %", "% of the time of depth", {}, {}, {}, {}, {}};
+        Chart chart{"Time saved by coherence", "dynamic objects, %", "% of the time of depth", {}, {}, {}, {}, {}};
         const auto add = [&](const char* name, TextureMethod method, Value y, const char* color) {
             if (auto list = saved(method, y); !list.empty())
                 chart.series.push_back({name, std::move(list), color, Style::line});
@@ -160,45 +164,51 @@ class Section {
         add("items, whole frame", TextureMethod::items, &ShadowTexturesRow::frame_ms, k_color_fourth);
         add("items, shadow pass", TextureMethod::items, &ShadowTexturesRow::shadow_ms, k_color_second);
         chart.series.push_back(
-            {"whole frame, as printed", {{k_printed_dynamic, k_printed_saved}}, k_color_printed, Style::points});
+            {"whole frame, printed", {{k_printed_dynamic, k_printed_saved}}, k_color_printed, Style::points});
         page_.chart(chart,
-                    fmt::format("What coherence saves; the paper prints {} % of the whole frame at {} % dynamic "
-                                "objects (Pentium IV 2.66 GHz, Radeon 9800 XT; objects, lights and resolution are "
-                                "not stated).",
+                    fmt::format("Time saved by coherence. The paper prints {} % of the whole frame at {} % dynamic "
+                                "objects, on a Pentium IV 2.66 GHz with a Radeon 9800 XT; it does not state the "
+                                "number of objects and lights or the resolution.",
                                 k_printed_saved, k_printed_dynamic));
     }
 
-    // A few dynamic objects, ever more that stands still beside them.
+    // Shows the cost of a few dynamic objects among a growing number of static ones.
     void crowd()
     {
         const auto by_objects = [](const ShadowTexturesRow& row) { return row.objects; };
         const auto all = [](const ShadowTexturesRow&) { return true; };
         Chart time =
-            chart_of("The shadow pass", "objects", "ms a frame", &ShadowTexturesRow::shadow_ms, by_objects, all);
+            chart_of("The shadow pass", "objects", "ms per frame", &ShadowTexturesRow::shadow_ms, by_objects, all);
         time.logarithmic = true;
-        page_.chart(time, fmt::format("{} objects move, among small ones that stand still, equally dense around them "
-                                      "whatever there is elsewhere.",
+        page_.chart(time, fmt::format("Time of the shadow pass with {} dynamic objects among small static ones. The "
+                                      "density around the dynamic objects is the same for every number of objects.",
                                       *options_.dynamic_objects));
-        Chart touched{"Objects looked at", "objects", "a frame", {}, {}, {}, {}, {}};
+        Chart touched{"Objects visited", "objects", "per frame", {}, {}, {}, {}, {}};
         for (const TextureMethod method : options_.methods)
             if (method == TextureMethod::coherent || method == TextureMethod::items)
                 touched.series.push_back({name_of(method), points(method, &ShadowTexturesRow::touched, by_objects, all),
                                           color_of(method), Style::line});
-        page_.chart(touched, "Objects and entries of the light-space index that planning a frame looks at.");
+        page_.chart(touched, "Objects and entries of the light-space index that are visited to plan a frame.");
     }
 
     void table()
     {
         ReportTable table;
         table.caption =
-            "Every setting. Shadow pass: the light view's buffers and the receivers' textures; the look-up of items "
-            "could "
-            "stand for the latter. CPU alone: planning and recording. Identical: to a full redraw, to the bit, after "
-            "the "
-            "last frame.";
-        table.columns = {"objects, moving, method", "shadow pass, ms",   "buffers",  "textures",
-                         "CPU alone, ms",           "whole frame, ms",   "draws",    "copies",
-                         "textures made",           "objects looked at", "identical"};
+            "All settings. The shadow pass consists of the light view's buffers and the receivers' textures, which "
+            "'items' does not need. Planning is the CPU time to plan and record the pass. Identical: after the last "
+            "frame, buffers and textures equal those of a full redraw to the bit.";
+        table.columns = {"objects, dynamic objects, method",
+                         "shadow pass, ms",
+                         "buffers, ms",
+                         "textures, ms",
+                         "planning, ms",
+                         "whole frame, ms",
+                         "draws",
+                         "copies",
+                         "textures drawn",
+                         "objects visited",
+                         "identical"};
         for (const ShadowTexturesRow& r : result_.rows)
             table.rows.push_back({{fmt::format("{}, {}, {}", r.objects, r.dynamic_objects, name_of(r.method)),
                                    fmt::format("{:.2f}", r.shadow_ms), fmt::format("{:.2f}", r.buffers_ms),

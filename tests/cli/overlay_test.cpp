@@ -130,7 +130,7 @@ TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
     };
     const Outcome whole = with({});
     ASSERT_EQ(whole.code, 0) << whole.err;
-    EXPECT_NE(whole.err.find("warning: --shadow-culling paper guesses"), std::string::npos) << whole.err;
+    EXPECT_NE(whole.err.find("warning: --shadow-culling paper is approximate"), std::string::npos) << whole.err;
     EXPECT_EQ(whole.err.find("--chunk"), std::string::npos) << whole.err;
     const std::string last = bytes_of(folder / "45.png");
 

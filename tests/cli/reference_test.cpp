@@ -71,7 +71,7 @@ TEST(ReferenceImage, OptionsThatContradictAreRefused)
     const ScratchFolder folder;
     expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
     for (const char* option : {"--spp", "--bounces", "--seed"})
-        expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "belongs to --reference");
+        expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "needs --reference");
     expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
 }
 
@@ -117,12 +117,12 @@ TEST(BenchIndirect, UnknownMethodsAreRefused)
     for (const char* method : {"guess", "visible:3", "quadtree", "rsm"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "no method");
     for (const char* method : {"quadtree:3", "quadtree:7", "quadtree:5:1", "rsm:0", "rsm:many", "rsm:64x"})
-        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its number is");
+        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "the number must be");
     for (const char* method : {"rsm:64:", "rsm:64:0", "rsm:64:nan", "rsm:64:9"})
-        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its radius is");
+        expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "the radius must be");
     // In a list, too, behind which the scene is still the scene.
     expect_failure(run({"bench", "indirect", "--method", "visible", "rsm", "builtin:cornell"}), 2, "no method 'rsm'");
-    expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2, "its number is");
+    expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2, "the number must be");
     expect_failure(run({"bench", "indirect", "--method", "visible", "more", "builtin:cornell"}), 2, "takes 1 argument");
 }
 

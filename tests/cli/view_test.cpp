@@ -214,7 +214,7 @@ TEST(View, ARecordingEndsWithItsScene)
 TEST(View, TroubleIsAnExitCodeAndOneLine)
 {
     expect_failure(run({"view", "builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,
-                   "no window can be opened");
+                   "cannot open a window");
     NEED_WINDOWS();
     const ScratchFolder folder;
     const Seen seen = drive(folder, "missing.gltf", "", "");
