@@ -67,7 +67,7 @@ TEST(CompareSubcommand, ThresholdsDecideTheExitCode)
     EXPECT_EQ(json.json().size(), 1u);
 }
 
-TEST(CompareSubcommand, WhatCannotBeComparedIsAnError)
+TEST(CompareSubcommand, RefusesImagesThatCannotBeCompared)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), wide = gray(folder, "wide.png", 100, 25);
@@ -79,7 +79,7 @@ TEST(CompareSubcommand, WhatCannotBeComparedIsAnError)
     expect_failure(run({"compare", a, a, "--heatmap", folder / "no" / "folder.png"}), 4, "folder.png");
 }
 
-TEST(CompareSubcommand, HeatMapIsAPng)
+TEST(CompareSubcommand, WritesHeatMapAsPng)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 0), b = gray(folder, "b.png", 255);
@@ -89,7 +89,7 @@ TEST(CompareSubcommand, HeatMapIsAPng)
     EXPECT_GT(heat.pixel(5, 5)[1], 230);
 }
 
-TEST(ExrOutput, HasAllLayersAndDoesNotDependOnThreads)
+TEST(ExrOutput, HasAllLayersAndSameBytesForAnyThreadCount)
 {
     const ScratchFolder folder;
     const std::vector<std::string> common{"render", "builtin:cornell", "--size", "64x48", "--quiet"};
@@ -122,7 +122,7 @@ TEST(ExrOutput, NumberedSetsResume)
     EXPECT_TRUE(bytes_of(folder / "f2.exr") == second);
 }
 
-TEST(ExrOutput, HasNoMoreLightsThanCanBeReadAgain)
+TEST(ExrOutput, RefusesMoreLightsThanTheReaderAccepts)
 {
     const ScratchFolder folder;
     std::string scene =

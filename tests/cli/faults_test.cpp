@@ -64,7 +64,7 @@ void expect_full_disk(const Outcome& outcome)
     expect_failure(outcome, 4, before ? "" : "No space left on device");
 }
 
-TEST(Faults, AFullDisk)
+TEST(Faults, FullDiskFailsTheVideoAndLeavesNoPartOfIt)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const SmallDisk disk;
@@ -92,7 +92,7 @@ TEST(Faults, AFullDisk)
     EXPECT_GT(made, 0);
 }
 
-TEST(Faults, AFullDiskForEverythingElseThatIsWritten)
+TEST(Faults, FullDiskFailsEveryOtherOutput)
 {
     const SmallDisk disk;
     if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
@@ -115,7 +115,7 @@ TEST(Faults, AFullDiskForEverythingElseThatIsWritten)
     }
 }
 
-TEST(Faults, AFileAtItsLimit)
+TEST(Faults, FileSizeLimitFailsTheVideoAndLeavesNoPartOfIt)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -135,7 +135,7 @@ TEST(Faults, AFileAtItsLimit)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(Faults, AFolderThatVanishes)
+TEST(Faults, VanishedFolderFailsTheRender)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -161,7 +161,7 @@ TEST(Faults, AFolderThatVanishes)
     EXPECT_FALSE(fs::exists(folder / "set"));
 }
 
-TEST(Faults, AnEncoderThatDies)
+TEST(Faults, DyingEncoderFailsTheVideo)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const std::string whole = undisturbed_video();
@@ -185,7 +185,7 @@ TEST(Faults, AnEncoderThatDies)
 }
 
 // The signal comes while the scene is made, rendered, or encoded: 130, one line, no file, no encoder left running.
-TEST(Faults, SignalsAtAnyTime)
+TEST(Faults, SignalAtAnyTimeEndsWithCode130AndNoOutput)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder programs;
@@ -221,7 +221,7 @@ TEST(Faults, SignalsAtAnyTime)
 }
 
 // From too little to start with to enough: an image, or one line and nothing.
-TEST(Faults, TooLittleMemory)
+TEST(Faults, TooLittleMemoryIsOneLineAndNoOutput)
 {
     if (k_sanitized) GTEST_SKIP() << "sanitizers take address space of their own";
     const ScratchFolder folder;

@@ -16,7 +16,7 @@ Outcome make(const std::string& out, const std::string& megabytes)
                 megabytes});
 }
 
-TEST(IndirectMemory, SameBytesWithTheLeast)
+TEST(IndirectMemory, SameBytesWithTheSmallestLimit)
 {
     const ScratchFolder folder;
     for (const char* megabytes : {"1", "64"}) {
@@ -28,7 +28,7 @@ TEST(IndirectMemory, SameBytesWithTheLeast)
             << frame;
 }
 
-TEST(IndirectMemory, OutOfRangeIsUsage)
+TEST(IndirectMemory, RefusesValuesOutOfRange)
 {
     const ScratchFolder folder;
     for (const char* megabytes : {"0", "65537", "-3", "many"}) {
@@ -40,7 +40,7 @@ TEST(IndirectMemory, OutOfRangeIsUsage)
 }
 
 // Large triangles around a small bright lamp: near light is remembered where it is seen, not on all there is.
-TEST(IndirectMemory, FollowsWhatIsSeen)
+TEST(IndirectMemory, GrowsWithVisibleSurfacesOnly)
 {
     if (k_sanitized) GTEST_SKIP() << "a sanitizer needs memory of its own";
     const ScratchFolder folder;

@@ -76,12 +76,12 @@ void kill_and_resume(int moments, unsigned seed)
     EXPECT_GT(killed, moments / 2);
 }
 
-TEST(Killed, ResumedVideosAreTheSame)
+TEST(KilledVideo, ResumesToTheSameBytes)
 {
     kill_and_resume(5, 1);
 }
 
-TEST(KilledFull, ResumedVideosAreTheSameAtFiftyMoments)
+TEST(KilledVideoFull, ResumesToTheSameBytesAtFiftyMoments)
 {
     kill_and_resume(50, 2);
 }

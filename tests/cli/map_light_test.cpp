@@ -17,7 +17,7 @@ void make(const std::string& out, const Words& more)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
 }
 
-TEST(MapLightFrames, SameBytesForAnyThreadsInPartsAndAlone)
+TEST(MapLightFrames, SameBytesForAnyThreadCountInChunksAndForSingleFrames)
 {
     for (const Words& method : {Words{"--indirect", "quadtree", "--receivers", "64"},
                                 Words{"--indirect", "quadtree", "--receivers", "full", "--indirect-level", "6"},

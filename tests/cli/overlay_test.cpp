@@ -27,7 +27,7 @@ std::size_t count_of(const std::filesystem::path& png, const frame::Rgb8& color)
     return count;
 }
 
-TEST(Overlay, OneImageShowsAMemoryThatIsThere)
+TEST(Overlay, SingleImageIsWarmedUp)
 {
     const ScratchFolder folder;
     const std::string out = folder / "states.png";
@@ -48,7 +48,7 @@ TEST(Overlay, OneImageShowsAMemoryThatIsThere)
     EXPECT_EQ(cold.json()["frames"][0]["shadow"]["rays_skipped"], 0);
 }
 
-TEST(Overlay, OneLightIsOnePanelWithItsLegend)
+TEST(Overlay, SingleLightIsOnePanelWithLegend)
 {
     const ScratchFolder folder;
     const std::string all = folder / "all.png", one = folder / "one.png";
@@ -64,7 +64,7 @@ TEST(Overlay, OneLightIsOnePanelWithItsLegend)
     EXPECT_GT(count_of(one, frame::state_color(trace::StateMark::none)), 20u) << "the legend's square at least";
 }
 
-TEST(Overlay, PaperCountsAndShowsItsFaults)
+TEST(Overlay, PaperCullingCountsAndShowsWrongPixels)
 {
     const ScratchFolder folder;
     const std::string out = folder / "{frame:02}.png";
@@ -88,7 +88,7 @@ TEST(Overlay, PaperCountsAndShowsItsFaults)
     EXPECT_NE(outcome.err.find(std::to_string(wrong) + " of "), std::string::npos) << outcome.err;
 }
 
-TEST(Overlay, Videos)
+TEST(Overlay, VideosAreRepeatable)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -101,7 +101,7 @@ TEST(Overlay, Videos)
     EXPECT_EQ(names_in(folder.path()), Words{"states.mp4"});
 }
 
-TEST(Overlay, MistakesAreOneLine)
+TEST(Overlay, WrongUsageIsOneLine)
 {
     const ScratchFolder folder;
     const std::string out = folder / "a.png";
@@ -119,7 +119,7 @@ TEST(Overlay, MistakesAreOneLine)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
+TEST(PaperCulling, WarnsThatItIsInexactAndThatChunksMayDiffer)
 {
     const ScratchFolder folder;
     const std::string out = folder / "{frame:02}.png";
@@ -148,7 +148,7 @@ TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
 }
 
 // Frames of another memory are never taken for these.
-TEST(Paper, ResumesNoVideoOfAnotherMemory)
+TEST(PaperCulling, DoesNotResumeAVideoWithAnotherHistory)
 {
     const ScratchFolder folder;
     const std::string video = folder / "a.mp4";

@@ -15,7 +15,7 @@ std::vector<std::string> reference(const std::string& out, std::vector<std::stri
     return arguments;
 }
 
-TEST(ReferenceImage, SaysWhatItIsAndHowNoisy)
+TEST(ReferenceImage, ReportsMethodAndNoise)
 {
     const ScratchFolder folder;
     double noise[2];
@@ -31,7 +31,7 @@ TEST(ReferenceImage, SaysWhatItIsAndHowNoisy)
     EXPECT_LT(noise[1], noise[0] / 2);
 }
 
-TEST(ReferenceImage, SameSeedSameBytes)
+TEST(ReferenceImage, SameSeedGivesSameBytes)
 {
     const ScratchFolder folder;
     const auto bytes = [&](std::vector<std::string> more) {
@@ -46,7 +46,7 @@ TEST(ReferenceImage, SameSeedSameBytes)
     EXPECT_NE(first, bytes({"--seed", "8"}));
 }
 
-TEST(ReferenceImage, NoBounceIsDirectLight)
+TEST(ReferenceImage, ZeroBouncesGiveDirectLight)
 {
     const ScratchFolder folder;
     const auto image = [&](const std::string& name, std::vector<std::string> more) {
@@ -66,7 +66,7 @@ TEST(ReferenceImage, NoBounceIsDirectLight)
     EXPECT_GT(run({"compare", one, none, "--json"}).json()["rmse"].get<double>(), 1e-3);
 }
 
-TEST(ReferenceImage, OptionsThatContradictAreRefused)
+TEST(ReferenceImage, RefusesContradictingOptions)
 {
     const ScratchFolder folder;
     expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
@@ -75,7 +75,7 @@ TEST(ReferenceImage, OptionsThatContradictAreRefused)
     expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
 }
 
-TEST(BenchIndirect, Document)
+TEST(BenchIndirect, KeysOfDocument)
 {
     const ScratchFolder folder;
     const std::filesystem::path kept = folder.path() / "kept";
@@ -112,7 +112,7 @@ TEST(BenchIndirect, Document)
     same_as_before(bench());
 }
 
-TEST(BenchIndirect, UnknownMethodsAreRefused)
+TEST(BenchIndirect, RefusesUnknownMethods)
 {
     for (const char* method : {"guess", "visible:3", "quadtree", "rsm"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "no method");
@@ -127,7 +127,7 @@ TEST(BenchIndirect, UnknownMethodsAreRefused)
 }
 
 // More clusters, and more samples, come nearer to the sum that both approximate; neither reaches the reference.
-TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
+TEST(BenchIndirect, ComparesMethodsWithoutVisibilityWithTheFullSum)
 {
     const Outcome outcome =
         run({"bench",    "indirect", "builtin:cornell", "--frames",    "1-3",      "--size",     "96x96",

@@ -58,7 +58,7 @@ void expect_comparison_moves(const nlohmann::json& seen, int width)
     EXPECT_EQ(seen["start"]["sizes"], (nlohmann::json{width, width, width}));
 }
 
-TEST(Report, OfCullingOpensInABrowser)
+TEST(Report, CullingReportOpensInABrowser)
 {
     NEED_CHROMIUM;
     const ScratchFolder folder;
@@ -89,7 +89,7 @@ TEST(Report, OfCullingOpensInABrowser)
     EXPECT_EQ(nlohmann::json::parse(found["downloads"][0]["text"].get<std::string>()), outcome.json());
 }
 
-TEST(Report, ShowsThePapersValuesAndTheCommand)
+TEST(Report, ShowsPublishedValuesAndTheCommand)
 {
     const ScratchFolder folder;
     ASSERT_EQ(
@@ -138,7 +138,7 @@ void expect_frames_by_stage(const nlohmann::json& ways, const nlohmann::json& ch
 }
 
 // Without the papers' scenes a built-in one stands in, and the page says so.
-TEST(Report, OfEverythingOpensInABrowser)
+TEST(Report, FullReportOpensInABrowser)
 {
     NEED_CHROMIUM;
     const ScratchFolder folder;
@@ -167,7 +167,7 @@ TEST(Report, OfEverythingOpensInABrowser)
     EXPECT_EQ(times(html, "<figure "), times(html, "<code>gnomon bench ") + times(html, "<code>gnomon render "));
 }
 
-TEST(Report, IsNotLeftBehindByAFailure)
+TEST(Report, IsRemovedOnFailure)
 {
     const ScratchFolder folder;
     expect_failure(run({"bench", "culling", "builtin:cornell", "--frames", "1-99", "--report", folder / "r"}), 2, "99");

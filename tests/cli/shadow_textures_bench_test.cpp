@@ -9,7 +9,7 @@ using nlohmann::json;
 
 #ifdef GNOMON_VULKAN
 
-TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
+TEST(BenchShadowTextures, CountsTheWorkOfEachMethod)
 {
     const Outcome outcome =
         run({"bench",      "shadow-textures", "--objects", "10",     "20",     "--dynamic", "0", "50",
@@ -43,7 +43,7 @@ TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
     }
 }
 
-TEST(BenchShadowTextures, WhatStandsFarFromDynamicObjectsIsNotTouched)
+TEST(BenchShadowTextures, DoesNotUpdateReceiversFarFromDynamicObjects)
 {
     const Outcome outcome =
         run({"bench", "shadow-textures", "--objects", "110", "1010", "10010", "--movers", "10", "--vertices", "60",
@@ -72,7 +72,7 @@ TEST(BenchShadowTextures, ReportHoldsBothFigures)
         EXPECT_NE(html.find(there), std::string::npos) << there;
 }
 
-TEST(BenchShadowTextures, WithoutADriverSaysSo)
+TEST(BenchShadowTextures, ReportsMissingDriver)
 {
     expect_failure(run({"bench", "shadow-textures", "--objects", "3"},
                        {{"VK_DRIVER_FILES", "/nowhere.json"}, {"VK_ICD_FILENAMES", "/nowhere.json"}}),
@@ -81,14 +81,14 @@ TEST(BenchShadowTextures, WithoutADriverSaysSo)
 
 #else
 
-TEST(BenchShadowTextures, WithoutVulkanSaysSo)
+TEST(BenchShadowTextures, ReportsBuildWithoutVulkan)
 {
     expect_failure(run({"bench", "shadow-textures", "--objects", "3"}), 4, "Vulkan");
 }
 
 #endif
 
-TEST(BenchShadowTextures, RefusesWhatMakesNoSense)
+TEST(BenchShadowTextures, RefusesInvalidOptions)
 {
     expect_failure(run({"bench", "shadow-textures", "--movers", "3", "--dynamic", "10"}), 2, "--dynamic");
     expect_failure(run({"bench", "shadow-textures", "--objects", "20", "5", "--movers", "10"}), 2, "only 5");

@@ -108,13 +108,13 @@ std::string unbuilt_choice(const options::Option& option)
     return {};
 }
 
-TEST(Usage, BehindTwoDashesNothingIsAnOption)
+TEST(Usage, NothingAfterTwoDashesIsAnOption)
 {
     expect_failure(run({"info", "--json", "--", "-no-such-scene.obj"}), 3, "-no-such-scene.obj: cannot be opened");
     EXPECT_EQ(run({"info", "--json", "--", "builtin:cornell"}).json()["frames"], 40);
 }
 
-TEST(Usage, WhatIsNotBuiltIsRefused)
+TEST(Usage, RefusesChoicesThatAreNotBuilt)
 {
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
@@ -135,7 +135,7 @@ TEST(Usage, WhatIsNotBuiltIsRefused)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Usage, DefaultsOfTheTableAreValidAndBuilt)
+TEST(Usage, DefaultsAreValidAndBuilt)
 {
     for (const options::Option& option : options::options()) {
         if (!option.built || option.fallback.empty()) continue;
@@ -181,7 +181,7 @@ TEST(Usage, VersionAndHelpWithoutASubcommand)
         EXPECT_NE(help.out.find(subcommand.name), std::string::npos) << subcommand.name;
 }
 
-TEST(Usage, NearestWord)
+TEST(Usage, SuggestsTheNearestWord)
 {
     const std::vector<std::string> words{"render", "info", "devices"};
     EXPECT_EQ(options::nearest("rendre", words), "render");
@@ -190,7 +190,7 @@ TEST(Usage, NearestWord)
     EXPECT_EQ(options::nearest("", words), "");
 }
 
-TEST(Usage, WordsForValues)
+TEST(Usage, ParsesValuesStrictly)
 {
     EXPECT_EQ(options::parse_size("640x480"), (Size{640, 480}));
     EXPECT_EQ(options::parse_range("3-9"), (FrameRange{3, 9}));

@@ -30,14 +30,14 @@ class Video : public testing::Test {
     ScratchFolder folder;
 };
 
-TEST_F(Video, LeavesNothingButItself)
+TEST_F(Video, LeavesNoOtherFiles)
 {
     make("a.mp4");
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
     EXPECT_NE(bytes_of(folder / "a.mp4").find("ftyp"), std::string::npos);
 }
 
-TEST_F(Video, IsTheSameForAnyThreadsAndChunks)
+TEST_F(Video, SameBytesForAnyThreadCountAndChunks)
 {
     make("one.mp4", {"--threads", "1"});
     make("two.mp4", {"--threads", "2"});
@@ -56,13 +56,13 @@ TEST_F(Video, IsTheSameForAnyThreadsAndChunks)
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"one.mp4", "parts.mp4", "two.mp4"}));
 }
 
-TEST_F(Video, ChunksNeedNoFfmpeg)
+TEST_F(Video, ChunksDoNotNeedFfmpeg)
 {
     EXPECT_EQ(run(arguments("a.mp4", {"--chunk", "1/6"}), {{"PATH", "/nonexistent"}}).code, 0);
     EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 3u);
 }
 
-TEST_F(Video, InterruptedAndResumedIsTheSame)
+TEST_F(Video, SameBytesAfterInterruptionAndResume)
 {
     const std::vector<std::string> slow{"--samples", "64"};
     const fs::path frame = folder / "b.mp4.frames/frame-000003.png";
@@ -82,7 +82,7 @@ TEST_F(Video, InterruptedAndResumedIsTheSame)
     EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
-TEST_F(Video, InterruptedBeforeItsFirstFrameLeavesNothing)
+TEST_F(Video, LeavesNothingIfInterruptedBeforeTheFirstFrame)
 {
     RunningProgram program(
         {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
@@ -93,7 +93,7 @@ TEST_F(Video, InterruptedBeforeItsFirstFrameLeavesNothing)
 }
 
 // Chunks share a folder: one that ends before anybody's first frame leaves it to the others.
-TEST_F(Video, AnInterruptedChunkLeavesTheFolderToTheOthers)
+TEST_F(Video, InterruptedChunkKeepsTheSharedFolder)
 {
     const fs::path frames = folder / "a.mp4.frames", manifest = frames / "manifest.json";
     // One frame each, which takes a while.
@@ -116,7 +116,7 @@ TEST_F(Video, AnInterruptedChunkLeavesTheFolderToTheOthers)
 }
 
 // What ends a video is said, also where its folder is gone by then.
-TEST_F(Video, AFolderThatIsGoneHidesNoError)
+TEST_F(Video, ReportsTheErrorEvenIfTheFolderVanished)
 {
     RunningProgram program(
         {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
@@ -126,7 +126,7 @@ TEST_F(Video, AFolderThatIsGoneHidesNoError)
     expect_failure(program.wait(), 130, "interrupted");
 }
 
-TEST_F(Video, TornFramesAreRenderedAgain)
+TEST_F(Video, RendersTruncatedFramesAgain)
 {
     make("whole.mp4");
     make("a.mp4", {"--chunk", "1/1"});   // one chunk is the video itself
@@ -140,7 +140,7 @@ TEST_F(Video, TornFramesAreRenderedAgain)
     EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
-TEST_F(Video, FramesOfAnotherVideoAreNotTaken)
+TEST_F(Video, DoesNotReuseFramesOfAnotherVideo)
 {
     make("a.mp4", {"--chunk", "1/2"});
     const auto frames = names_in(folder / "a.mp4.frames");
@@ -163,7 +163,7 @@ TEST_F(Video, FramesOfAnotherVideoAreNotTaken)
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "b.mp4"));
 }
 
-TEST_F(Video, ForeignFilesAreLeftAlone)
+TEST_F(Video, KeepsForeignFiles)
 {
     fs::create_directory(folder / "a.mp4.frames");
     std::ofstream(folder / "a.mp4.frames/thesis.txt") << "precious";
@@ -171,7 +171,7 @@ TEST_F(Video, ForeignFilesAreLeftAlone)
     EXPECT_EQ(bytes_of(folder / "a.mp4.frames/thesis.txt"), "precious");
 }
 
-TEST_F(Video, AFailingEncoderLeavesTheFramesAndNoVideo)
+TEST_F(Video, KeepsFramesAndNoVideoIfTheEncoderFails)
 {
     const ScratchFolder programs;
     std::ofstream(programs / "ffmpeg") << "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n"
@@ -184,7 +184,7 @@ TEST_F(Video, AFailingEncoderLeavesTheFramesAndNoVideo)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(NumberedSet, ChunksAndResumeGiveTheSameImages)
+TEST(NumberedSet, SameImagesWithChunksAndResume)
 {
     const ScratchFolder folder;
     const auto render = [&](const std::string& name, const std::vector<std::string>& more) {

@@ -41,7 +41,7 @@ Seen drive(const ScratchFolder& folder, const std::string& scene, const std::str
     return seen;
 }
 
-TEST(View, AScreenshotIsTheRenderedImageWhateverWasLookedAtBefore)
+TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
@@ -88,7 +88,7 @@ TEST(View, ShowsTheRasterisedFrame)
 }
 
 // What a step drew into the light views is shown, and stays while images of that moment become finer.
-TEST(View, ShowsWhatWasRedrawn)
+TEST(View, ShowsRedrawnTexels)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
@@ -124,7 +124,7 @@ TEST(View, ShowsWhatWasRedrawn)
 
 // Every frame once, in order, with all its pixels and all its light: the bytes of the video that is rendered, whatever
 // was shown when the recording began, and whatever becomes of the window.
-TEST(View, RecordsTheVideoThatIsRendered)
+TEST(View, RecordingEqualsTheRenderedVideo)
 {
     NEED_WINDOWS();
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -150,7 +150,7 @@ TEST(View, RecordsTheVideoThatIsRendered)
     EXPECT_TRUE(bytes_of(video) == bytes_of(folder / "rendered.mp4")) << frames << " frames";
 }
 
-TEST(View, AFrameThatFailsEndsTheRecordingAndTheVideoIsThere)
+TEST(View, FailingFrameEndsTheRecordingAndKeepsTheVideo)
 {
     NEED_WINDOWS();
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -168,7 +168,7 @@ TEST(View, AFrameThatFailsEndsTheRecordingAndTheVideoIsThere)
     EXPECT_GT(std::filesystem::file_size(folder / "gnomon-0001.mp4"), 1000u);
 }
 
-TEST(View, ReadsAFileAgainThatChanged)
+TEST(View, ReloadsAChangedFile)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
@@ -189,7 +189,7 @@ TEST(View, ReadsAFileAgainThatChanged)
 }
 
 // No video is of two scenes: it ends where its own does.
-TEST(View, ARecordingEndsWithItsScene)
+TEST(View, RecordingEndsWhenAnotherSceneIsLoaded)
 {
     NEED_WINDOWS();
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -211,7 +211,7 @@ TEST(View, ARecordingEndsWithItsScene)
     EXPECT_EQ(seen.json.at("loads"), 2);
 }
 
-TEST(View, TroubleIsAnExitCodeAndOneLine)
+TEST(View, FailureIsAnExitCodeAndOneLine)
 {
     expect_failure(run({"view", "builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,
                    "no window can be opened");
@@ -227,7 +227,7 @@ TEST(View, TroubleIsAnExitCodeAndOneLine)
 
 #else
 
-TEST(View, SaysThatItWasNotBuilt)
+TEST(View, ReportsBuildWithoutViewer)
 {
     expect_failure(run({"view", "builtin:cornell"}), 4, "without a window");
 }

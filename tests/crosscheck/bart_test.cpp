@@ -96,7 +96,7 @@ void check_camera(const scene::Scene& scene, const std::vector<CameraRow>& rows,
     }
 }
 
-TEST(BartKitchen, Camera)
+TEST(BartKitchen, CameraMatchesTheSampleEvaluator)
 {
     NEED_KITCHEN;
     const scene::Scene& scene = loaded(file).scene;
@@ -112,7 +112,7 @@ TEST(BartKitchen, Camera)
     EXPECT_EQ(scene.cameras[0].resolution, (Size{800, 600}));
 }
 
-TEST(BartRobots, Camera)
+TEST(BartRobots, CameraMatchesTheSampleEvaluator)
 {
     NEED_ROBOTS;
     check_camera(
@@ -147,7 +147,7 @@ void check_nodes(const scene::Scene& scene, const std::vector<NodeRow>& rows, do
     }
 }
 
-TEST(BartKitchen, MovingNodes)
+TEST(BartKitchen, MovingNodesMatchTheSampleEvaluator)
 {
     NEED_KITCHEN;
     std::vector<NodeRow> rows{
@@ -165,7 +165,7 @@ TEST(BartKitchen, MovingNodes)
     check_nodes(loaded(file).scene, rows, 5e-4);
 }
 
-TEST(BartRobots, MovingNodes)
+TEST(BartRobots, MovingNodesMatchTheSampleEvaluator)
 {
     NEED_ROBOTS;
     check_nodes(
@@ -271,7 +271,7 @@ void check_counts(const Bart& bart, const Counts& expected)
     EXPECT_EQ(scene.lights.size(), expected.lights);
 }
 
-TEST(BartKitchen, Counts)
+TEST(BartKitchen, CountsMatchTheFiles)
 {
     NEED_KITCHEN;
     check_counts(loaded(file), {.triangles = 110561,
@@ -291,7 +291,7 @@ TEST(BartKitchen, Counts)
                                 .lights = 6});
 }
 
-TEST(BartRobots, Counts)
+TEST(BartRobots, CountsMatchTheFiles)
 {
     NEED_ROBOTS;
     check_counts(loaded(file), {.triangles = 71708,
@@ -311,7 +311,7 @@ TEST(BartRobots, Counts)
                                 .lights = 1});
 }
 
-TEST(BartKitchen, WholeBoxAndLook)
+TEST(BartKitchen, BoundsLightsAndTimelineMatchTheFiles)
 {
     NEED_KITCHEN;
     const scene::Scene& scene = loaded(file).scene;
@@ -328,7 +328,7 @@ TEST(BartKitchen, WholeBoxAndLook)
     EXPECT_TRUE(scene.timeline.own_frames);
 }
 
-TEST(BartRobots, WholeBoxAndLook)
+TEST(BartRobots, BoundsLightsAndTimelineMatchTheFiles)
 {
     NEED_ROBOTS;
     const scene::Scene& scene = loaded(file).scene;
@@ -385,7 +385,7 @@ TEST(BartRobots, EveryFrameIsFinite)
     check_all_frames(loaded(file).scene);
 }
 
-TEST(BartKitchen, ByLoadScene)
+TEST(BartKitchen, LoadSceneReportsProgressAndCanBeInterrupted)
 {
     NEED_KITCHEN;
     int calls = 0;

@@ -64,7 +64,7 @@ BothRays trace_both(const std::string& name, int frame, int max_depth, Size size
     return both;
 }
 
-TEST(BenchPoints, RaysAreThoseOfTheTracedFrame)
+TEST(BenchPoints, CastsTheSameRaysAsTheTracedFrame)
 {
     const BothRays both = trace_both("kinetic", 30, 10, {200, 120});   // a pool, glass, a mirror; tiles cut off
     EXPECT_EQ(both.reflected, both.counters.reflection_rays);
@@ -76,7 +76,7 @@ TEST(BenchPoints, RaysAreThoseOfTheTracedFrame)
     EXPECT_LE(both.points, both.bench.size());
 }
 
-TEST(BenchPoints, DepthZeroIsPrimaryHitsAlone)
+TEST(BenchPoints, DepthZeroGivesPrimaryHitsOnly)
 {
     const BothRays both = trace_both("cornell", 1, 0, {70, 50});
     EXPECT_EQ(both.reflected + both.refracted, 0u);

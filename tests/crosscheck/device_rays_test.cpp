@@ -144,26 +144,26 @@ Compared follow_frames(const std::shared_ptr<vk::Device>& vulkan, const char* na
     return follow(vulkan, description, times);
 }
 
-TEST_F(DeviceRaysVulkan, Cornell)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnCornell)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "cornell", {1, 2, 20});
 }
 
-TEST_F(DeviceRaysVulkan, Kinetic)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnKinetic)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "kinetic", {1, 2, 60});
 }
 
-TEST_F(DeviceRaysVulkan, Spheres)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnSpheres)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "spheres?objects=100&dynamic=20&vertices=200", {1, 2});
 }
 
 // Masks, glass, mirrored instances, shapes that deform, with and without a moving node.
-TEST_F(DeviceRaysVulkan, RandomScenes)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnRandomScenes)
 {
     GNOMON_NEED_RAYS;
     for (const std::uint64_t seed : {11u, 12u, 13u}) follow(device_, test::make_random_scene(seed), {0.4, 0.5, 1.7, 3});
@@ -215,7 +215,7 @@ std::shared_ptr<const scene::Scene> leaf_scene()
     return test::finished(scene);
 }
 
-TEST_F(DeviceRaysVulkan, LeavesWithHoles)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnAlphaTestedLeaves)
 {
     GNOMON_NEED_RAYS;
     follow(device_, leaf_scene(), {0, 0.2, 1});
@@ -243,7 +243,7 @@ std::shared_ptr<const scene::Scene> skinned_scene()
     return test::finished(scene);
 }
 
-TEST_F(DeviceRaysVulkan, ASkinnedBall)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnASkinnedBall)
 {
     GNOMON_NEED_RAYS;
     follow(device_, skinned_scene(), {0, 0.3, 0.4, 2});
@@ -305,7 +305,7 @@ ray::RayQueue clear_rays(const ray::RayScene& rays, const scene::SceneState& sta
 
 // Where no ray grazes an edge, every answer is the same: as built, after a jump, and after what stood still was moved
 // by hand. Only what changed is built anew.
-TEST_F(DeviceRaysVulkan, BoxesToTheRay)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
 {
     GNOMON_NEED_RAYS;
     const auto description = box_scene();
@@ -355,7 +355,7 @@ TEST_F(DeviceRaysVulkan, BoxesToTheRay)
 
 // Corners that are no numbers, or beyond all that is met, take their triangles along and nothing else; a shape that
 // loses its numbers for a while meets nothing, and is whole again afterwards.
-TEST_F(DeviceRaysVulkan, CornersThatAreNoNumbers)
+TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
 {
     GNOMON_NEED_RAYS;
     scene::Scene scene = test::scene_with_balls();
@@ -409,7 +409,7 @@ TEST_F(DeviceRaysVulkan, CornersThatAreNoNumbers)
 }
 
 // More rays than go at once; rays that are none; and a scene without anything.
-TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
+TEST_F(DeviceRaysVulkan, AcceptsEmptyLargeAndDegenerateQueues)
 {
     GNOMON_NEED_RAYS;
     const auto description = box_scene();
@@ -466,7 +466,7 @@ TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
 }   // namespace
 }   // namespace gnomon
 #else
-TEST(DeviceRaysVulkan, LeftOut)
+TEST(DeviceRaysVulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

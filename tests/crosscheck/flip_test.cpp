@@ -131,7 +131,7 @@ struct SlowFlip {
     }
 };
 
-TEST(FlipTwin, AgreesOnNoiseAndShapes)
+TEST(FlipReference, AgreesOnNoiseAndShapes)
 {
     ImageF a(38, 35, 3), b(38, 35, 3);   // two bands of rows, the last one short
     Random random(6);

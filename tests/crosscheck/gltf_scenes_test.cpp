@@ -15,7 +15,7 @@ struct Expected {
 
 class GltfScenes : public testing::TestWithParam<Expected> {};
 
-TEST_P(GltfScenes, CountsAreKnown)
+TEST_P(GltfScenes, CountsMatchKnownValues)
 {
     const Expected& expected = GetParam();
     GNOMON_NEED_SCENE(file, expected.file);
@@ -54,7 +54,7 @@ TEST(GltfTruck, WheelsTurnAboutTheirAxlesAndNothingElseMoves)
     EXPECT_GT(glm::length(after[0] - before[0]), 0.1f);
 }
 
-TEST(GltfCornell, CameraAndColours)
+TEST(GltfCornell, CameraAndColoursMatchKnownValues)
 {
     GNOMON_NEED_SCENE(file, "cornell/refpt/cornell_box.gltf");
     const scene::Scene scene = io::load_scene(file);

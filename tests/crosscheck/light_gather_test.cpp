@@ -47,7 +47,7 @@ Receivers wall_receivers(int a_side)
     return receivers;
 }
 
-TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
+TEST(LightGather, SimdEqualsScalarToTheBit)
 {
     World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -66,7 +66,7 @@ TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
 }
 
 // Clusters and samples by each instruction set that this processor has and the build knows.
-TEST(LightGather, EveryInstructionSetFindsTheSameBits)
+TEST(LightGather, SameBitsForEveryInstructionSet)
 {
     World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -98,7 +98,7 @@ TEST(LightGather, EveryInstructionSetFindsTheSameBits)
     choose(0);
 }
 
-TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
+TEST(LightGather, SampledSumsEqualScalarOnesUpToRounding)
 {
     World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -114,7 +114,7 @@ TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
     }
 }
 
-TEST(LightGather, TheCompactedCutSumsAsPrinted)
+TEST(LightGather, CompactedCutEqualsThePublishedCut)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name);
@@ -135,7 +135,7 @@ TEST(LightGather, TheCompactedCutSumsAsPrinted)
     }
 }
 
-TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
+TEST(LightGather, ErrorFallsWithFinerLevelsAndThresholds)
 {
     World world("cornell");
     LightMapOptions small;
@@ -168,7 +168,7 @@ TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
     }
 }
 
-TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
+TEST(LightGather, ErrorFallsWithMoreSamples)
 {
     World world("cornell");
     LightMapOptions small;
@@ -191,7 +191,7 @@ TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
 }
 
 // A square lamp seen from above: Lambert's formula for the form factor of a parallel square.
-TEST(LightGather, AgreesWithAFormFactor)
+TEST(LightGather, AgreesWithAnAnalyticFormFactor)
 {
     constexpr int k_side = 64;
     Clusters lights;

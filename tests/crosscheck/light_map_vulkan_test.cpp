@@ -66,7 +66,7 @@ struct Stage {
 
 const char* const k_scenes[] = {"builtin:cornell", "builtin:kinetic", "1", "2"};
 
-TEST_F(LightMapVulkan, TreeAndCutOverTheSameTexels)
+TEST_F(LightMapVulkan, TreeAndCutEqualTheCpuOverTheSameTexels)
 {
     for (const char* name : k_scenes) {
         SCOPED_TRACE(name);
@@ -180,7 +180,7 @@ Sums compare_sums(const std::shared_ptr<vk::Device>& device, const std::string& 
     return sums;
 }
 
-TEST_F(LightMapVulkan, SumsOverTheSameLights)
+TEST_F(LightMapVulkan, SumsEqualTheCpuOverTheSameLights)
 {
     for (const char* name : k_scenes)
         for (const MapMethod method : {MapMethod::quadtree, MapMethod::rsm}) {
@@ -193,7 +193,7 @@ TEST_F(LightMapVulkan, SumsOverTheSameLights)
         }
 }
 
-TEST_F(LightMapVulkan, DrawnTexelsAreTheCastOnes)
+TEST_F(LightMapVulkan, RasterisedTexelsEqualRayCastOnes)
 {
     for (const char* name : k_scenes) {
         SCOPED_TRACE(name);
@@ -278,7 +278,7 @@ void expect_same_bounce(const Scene& scene, int frame, Indirect how, bool full, 
                    full ? ", every pixel" : "", difference);
 }
 
-TEST_F(LightMapVulkan, BouncedLightOfCornell)
+TEST_F(LightMapVulkan, IndirectLightOfCornellEqualsTheCpu)
 {
     const Scene scene = load("builtin:cornell");
     for (const Indirect how : {Indirect::quadtree, Indirect::rsm})
@@ -286,14 +286,14 @@ TEST_F(LightMapVulkan, BouncedLightOfCornell)
     expect_same_bounce(scene, 12, Indirect::visible, false, {96, 96});
 }
 
-TEST_F(LightMapVulkan, BouncedLightOfKinetic)
+TEST_F(LightMapVulkan, IndirectLightOfKineticEqualsTheCpu)
 {
     const Scene scene = load("builtin:kinetic");
     expect_same_bounce(scene, 40, Indirect::quadtree, false, {80, 60});
     expect_same_bounce(scene, 40, Indirect::visible, false, {160, 120});
 }
 
-TEST_F(LightMapVulkan, BouncedLightOfKitchen)
+TEST_F(LightMapVulkan, IndirectLightOfKitchenEqualsTheCpu)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     const Scene scene = load(file.string());
@@ -305,7 +305,7 @@ TEST_F(LightMapVulkan, BouncedLightOfKitchen)
 }   // namespace gnomon
 
 #else
-TEST(LightMapVulkan, LeftOut)
+TEST(LightMapVulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

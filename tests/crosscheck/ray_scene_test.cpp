@@ -115,7 +115,7 @@ class Twin {
     std::vector<Triangle> triangles_;
 };
 
-TEST(RaySceneTwin, AnswersAsEveryTriangleInDoublePrecision)
+TEST(RaySceneReference, EqualsBruteForceInDoublePrecision)
 {
     std::size_t clear = 0, asked = 0, met = 0, dark = 0;
     for (std::uint64_t seed = 11; seed <= 14; ++seed) {
@@ -158,7 +158,7 @@ TEST(RaySceneTwin, AnswersAsEveryTriangleInDoublePrecision)
 }
 
 // The geometry handed to shading is the geometry that rays meet.
-TEST(RaySceneTwin, CornersSpanWhereRaysHit)
+TEST(RaySceneReference, CornersOfTheHitTriangleSpanTheHitPoint)
 {
     const scene::SceneState state(make_random_scene(21), 2.2);
     const ray::RayScene scene(state);
@@ -191,7 +191,7 @@ TEST(RaySceneTwin, CornersSpanWhereRaysHit)
 }
 
 // A ray that ends behind its beginning meets nothing, by packets and by itself.
-TEST(RaySceneTwin, RaysThatEndBehindTheirBeginning)
+TEST(RaySceneReference, RaysWithNegativeLengthHitNothing)
 {
     const scene::SceneState state(make_random_scene(22), 1.1);
     const ray::RayScene scene(state);
@@ -207,7 +207,7 @@ TEST(RaySceneTwin, RaysThatEndBehindTheirBeginning)
 }
 
 // Rays that see fronts only pass the backs of one-sided surfaces; so the far wall of a ball stays unseen from inside.
-TEST(RaySceneTwin, SidesMasksAndGlass)
+TEST(RaySceneReference, HonoursSidesMasksAndGlass)
 {
     scene::Scene description;
     add_materials(description);

@@ -82,7 +82,7 @@ light_views::SoftwareBuffer square(const std::vector<vk::Buffer>& depth, const s
     return buffer;
 }
 
-TEST_F(ShadowLookUpVulkan, SaysWhatItsTwinSays)
+TEST_F(ShadowLookUpVulkan, EqualsTheCpuReference)
 {
     constexpr int frames = 12;
     const test::LightScript script = test::make_light_script(3, frames);

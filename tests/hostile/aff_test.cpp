@@ -49,7 +49,7 @@ struct Bad {
     std::string text, place;   // place: "line:column"
 };
 
-TEST(HostileAff, WrongStatementsAreNamedWithTheirPlace)
+TEST(HostileAff, ErrorsNameLineAndColumn)
 {
     const AffFolder folder;
     folder.texture("t.ppm");
@@ -174,7 +174,7 @@ TEST(HostileAff, WrongStatementsAreNamedWithTheirPlace)
     expect_error(folder, fm + "tt bad.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", "bad.ppm:");
 }
 
-TEST(HostileAff, ErrorsInsideIncludesNameThem)
+TEST(HostileAff, ErrorsInsideIncludesNameTheIncludedFile)
 {
     const AffFolder folder;
     folder.include("part.aff", "# fine\n\n  b 1 1 oops");
@@ -198,7 +198,7 @@ TEST(HostileAff, MessagesShowNoControlCharacters)
     }
 }
 
-TEST(HostileAff, NamesInWarnings)
+TEST(HostileAff, WarningsShortenNamesAndRemoveControlCharacters)
 {
     const AffFolder folder;
     // Latin-1 has control characters above 127, too.
@@ -219,7 +219,7 @@ TEST(HostileAff, NamesInWarnings)
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 8.0 * test::k_patience);
 }
 
-TEST(HostileAff, CyclesAndDepth)
+TEST(HostileAff, RefusesCyclesAndDeepNesting)
 {
     const AffFolder folder;
     folder.include("a.aff", "\ni 0 b.aff");
@@ -246,7 +246,7 @@ TEST(HostileAff, CyclesAndDepth)
     EXPECT_TRUE(error_of(folder, large + k_mesh + std::string(50, '}')).starts_with("main.aff:2:"));
 }
 
-TEST(HostileAff, IncludesThatMultiply)
+TEST(HostileAff, LimitsNestedIncludes)
 {
     // Ten levels of ten includes: 10^10 without a cycle.
     const AffFolder folder;
@@ -262,7 +262,7 @@ TEST(HostileAff, IncludesThatMultiply)
     EXPECT_LT(seconds.count(), 30 * test::k_patience);
 }
 
-TEST(HostileAff, ShapesThatMultiply)
+TEST(HostileAff, LimitsTrianglesOfShapes)
 {
     // A few bytes make many triangles: cones are counted, spheres share theirs.
     const AffFolder folder;
@@ -292,7 +292,7 @@ TEST(HostileAff, CountsAreCheckedAgainstTheFile)
     EXPECT_LT(peak_megabytes() - before, 100);
 }
 
-TEST(HostileAff, OnlyRegularFilesInsideAreOpened)
+TEST(HostileAff, OpensOnlyRegularFilesInsideItsFolder)
 {
     const AffFolder folder;
     const test::ScratchFolder outside;
@@ -359,7 +359,7 @@ bool survives(const AffFolder& folder, const std::string& text)
     }
 }
 
-TEST(HostileAff, CutOffAnywhere)
+TEST(HostileAff, TruncatedAnywhereLoadsOrIsRefused)
 {
     const AffFolder folder;
     folder.texture("t.ppm");
@@ -372,7 +372,7 @@ TEST(HostileAff, CutOffAnywhere)
     EXPECT_LT(accepted, text.size() / 3);
 }
 
-TEST(HostileAff, MutationsAtRandom)
+TEST(HostileAff, RandomMutationsLoadOrAreRefused)
 {
     const AffFolder folder;
     folder.texture("t.ppm");

@@ -27,7 +27,7 @@
 #include "sanitized.h"
 
 namespace {
-// Allocations until one fails; 0 and below: none does.
+// FailingAllocations until one fails; 0 and below: none does.
 std::atomic<long> g_allocations_left{0};
 
 void* allocate(std::size_t size, std::size_t alignment = 0) noexcept
@@ -165,10 +165,10 @@ class Children {
     long ended_ = 0;
 };
 
-class Allocations : public testing::TestWithParam<Target> {};
+class FailingAllocations : public testing::TestWithParam<Target> {};
 
 // In a child, since some libraries take memory in destructors: then the program ends, with that same code and line.
-TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
+TEST_P(FailingAllocations, ReadersReportOutOfMemory)
 {
     Children children;
     for (const Bytes& seed : GetParam().seeds()) {
@@ -179,7 +179,7 @@ TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
     children.tell();
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Allocations, testing::ValuesIn(targets().begin(), targets().end()),
+INSTANTIATE_TEST_SUITE_P(Each, FailingAllocations, testing::ValuesIn(targets().begin(), targets().end()),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
 
 // A frame of what moves, remembered shadows, bounced light; by more threads than one, which wait for each other's work.
@@ -217,7 +217,7 @@ class Frames {
     std::vector<float> whole_;
 };
 
-TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
+TEST(FailingRenderAllocations, EndTheFrameAndTheNextIsComplete)
 {
     constexpr int k_tries = 60, k_seconds = 120 * test::k_patience;
     Children children;
@@ -241,7 +241,7 @@ TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
 }
 
 // What the C libraries hold does not come from operator new: where it is not given back, the process grows.
-TEST(ImageAllocations, LibrariesGiveBackTheirsWhereOursIsRefused)
+TEST(FailingImageAllocations, CLibrariesFreeTheirMemory)
 {
     constexpr int side = 1024, k_tries = 20;
     const std::vector<std::uint8_t> row(side, 77);

@@ -80,7 +80,7 @@ std::size_t value_of(const Bytes& bytes, const std::string& attribute, const std
     return static_cast<std::size_t>(at - bytes.begin()) + key.size() + 4;
 }
 
-TEST(HostileExr, EveryCutIsRefused)
+TEST(HostileExr, RefusesEveryTruncation)
 {
     const Bytes whole = exr_file();
     ASSERT_TRUE(reads(whole));
@@ -89,7 +89,7 @@ TEST(HostileExr, EveryCutIsRefused)
     EXPECT_FALSE(reads(Bytes(whole.begin(), whole.end() - 1)));
 }
 
-TEST(HostileExr, ChangedBytesAreReadOrRefused)
+TEST(HostileExr, ReadsOrRefusesChangedBytes)
 {
     const Bytes whole = exr_file();
     Random random(11);
@@ -105,7 +105,7 @@ TEST(HostileExr, ChangedBytesAreReadOrRefused)
     EXPECT_GT(refused, rounds / 2);
 }
 
-TEST(HostileExr, EveryCompressionsDecoderIsReachedSafely)
+TEST(HostileExr, EveryDecoderSurvivesWrongData)
 {
     // The same chunks under another name: their bytes are then nonsense to the decoder.
     const Bytes whole = exr_file();
@@ -117,7 +117,7 @@ TEST(HostileExr, EveryCompressionsDecoderIsReachedSafely)
     }
 }
 
-TEST(HostileExr, ClaimsTakeNoMemory)
+TEST(HostileExr, ClaimedSizesAllocateNoMemory)
 {
     const Bytes whole = exr_file();
     const std::size_t window = value_of(whole, "dataWindow", "box2i");
@@ -134,7 +134,7 @@ TEST(HostileExr, ClaimsTakeNoMemory)
     EXPECT_LT(peak_bytes(), before + (64u << 20));
 }
 
-TEST(HostileHdr, EveryCutIsRefused)
+TEST(HostileHdr, RefusesEveryTruncation)
 {
     const Bytes whole = hdr_file();
     ASSERT_TRUE(reads(whole));
@@ -142,7 +142,7 @@ TEST(HostileHdr, EveryCutIsRefused)
         EXPECT_FALSE(reads(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)))) << size;
 }
 
-TEST(HostileHdr, ChangedBytesAreReadOrRefused)
+TEST(HostileHdr, ReadsOrRefusesChangedBytes)
 {
     const Bytes whole = hdr_file();
     Random random(12);
@@ -158,7 +158,7 @@ TEST(HostileHdr, ChangedBytesAreReadOrRefused)
     EXPECT_GT(refused, rounds / 10);
 }
 
-TEST(HostileHdr, ClaimsTakeNoMemory)
+TEST(HostileHdr, ClaimedSizesAllocateNoMemory)
 {
     const std::uint64_t before = peak_bytes();
     for (const char* resolution : {"-Y 16384 +X 2048", "-Y 2147483647 +X 2147483647", "-Y 99999999999999 +X 1",
@@ -167,7 +167,7 @@ TEST(HostileHdr, ClaimsTakeNoMemory)
     EXPECT_LT(peak_bytes(), before + (64u << 20));
 }
 
-TEST(HostileFloatImage, NoPipeIsOpened)
+TEST(HostileFloatImage, DoesNotOpenPipes)
 {
     const test::ScratchFolder scratch;
     ASSERT_EQ(::mkfifo((scratch / "pipe.exr").c_str(), 0600), 0);

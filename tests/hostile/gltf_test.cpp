@@ -16,7 +16,7 @@ namespace {
 using test::Outcome;
 using Kind = test::Outcome::Kind;
 
-class GltfHostileMade : public testing::Test {
+class HostileGltf : public testing::Test {
  protected:
     Outcome load(const std::string& text, const std::string& name = "scene.gltf")
     {
@@ -51,13 +51,13 @@ std::string glb(std::string json, std::uint32_t claimed = 0)
     return "glTF" + u32(2) + u32(claimed ? claimed : size + 20) + u32(size) + "JSON" + json;
 }
 
-TEST_F(GltfHostileMade, SmallestFileLoads)
+TEST_F(HostileGltf, LoadsTheSmallestFile)
 {
     EXPECT_EQ(load(document("")).kind, Kind::loaded);
     EXPECT_EQ(load(glb(document("")), "a.glb").kind, Kind::loaded);
 }
 
-TEST_F(GltfHostileMade, NodeLoops)
+TEST_F(HostileGltf, RefusesNodeLoops)
 {
     expect_refused(document(R"("nodes":[{"children":[0]}])"), "/nodes/0");
     expect_refused(
@@ -67,7 +67,7 @@ TEST_F(GltfHostileMade, NodeLoops)
     expect_refused(document(R"("nodes":[{"children":[1,1]},{}])"), "/nodes/0/children/1");
 }
 
-TEST_F(GltfHostileMade, LongChainOfNodesLoads)
+TEST_F(HostileGltf, LoadsALongChainOfNodes)
 {
     std::string nodes;
     constexpr int count = 200'000;
@@ -76,7 +76,7 @@ TEST_F(GltfHostileMade, LongChainOfNodesLoads)
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, DeepAndWideJson)
+TEST_F(HostileGltf, LimitsDepthAndWidthOfJson)
 {
     expect_refused(std::string(100'000, '['), "1:129");
     std::string deep;
@@ -95,7 +95,7 @@ TEST_F(GltfHostileMade, DeepAndWideJson)
     EXPECT_EQ(load("\xef\xbb\xbf" + document("")).place, "1:1");
 }
 
-TEST_F(GltfHostileMade, CountsThatOverflow)
+TEST_F(HostileGltf, RefusesCountsThatOverflow)
 {
     const std::string count =
         R"("bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"byteLength":12,)"
@@ -118,7 +118,7 @@ TEST_F(GltfHostileMade, CountsThatOverflow)
     expect_refused(document(zeros), "/meshes/0/primitives/0/attributes/POSITION");
 }
 
-TEST_F(GltfHostileMade, OneAccessorUsedOften)
+TEST_F(HostileGltf, LimitsMemoryOfASharedAccessor)
 {
     std::string primitives;
     for (int i = 0; i < 20'000; ++i) primitives += R"({"attributes":{"POSITION":0}},)";
@@ -130,7 +130,7 @@ TEST_F(GltfHostileMade, OneAccessorUsedOften)
     EXPECT_EQ(outcome.kind, Kind::refused) << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, FramesOfGlb)
+TEST_F(HostileGltf, RefusesBrokenGlbHeaders)
 {
     expect_refused(glb(document("")).substr(0, 11), "byte 11", "a.glb");
     expect_refused(glb(document("")).substr(0, 30), "byte 8", "a.glb");
@@ -148,7 +148,7 @@ TEST_F(GltfHostileMade, FramesOfGlb)
         EXPECT_EQ(load(framed.substr(0, length), "a.glb").kind, Kind::refused) << length;
 }
 
-TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
+TEST_F(HostileGltf, RefusesFileNamesOutsideItsFolder)
 {
     const test::ScratchFolder outside;
     std::ofstream(outside / "secret.bin") << "12345678";
@@ -182,7 +182,7 @@ TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
     EXPECT_NE(remote.what.find("network"), std::string::npos) << remote.what;
 }
 
-TEST_F(GltfHostileMade, TheFileItselfIsNoFile)
+TEST_F(HostileGltf, RefusesPipesAndFolders)
 {
     ASSERT_EQ(mkfifo((folder_ / "fifo.gltf").c_str(), 0600), 0);
     std::filesystem::create_directory(folder_ / "folder.gltf");
@@ -191,7 +191,7 @@ TEST_F(GltfHostileMade, TheFileItselfIsNoFile)
     EXPECT_EQ(test::load_in_child(folder_ / "missing.gltf").kind, Kind::refused);
 }
 
-TEST_F(GltfHostileMade, HugeImageInAFewBytes)
+TEST_F(HostileGltf, RefusesAHugeImageInAFewBytes)
 {
     // A PNG of 60000 x 60000 whose pixels are a kilobyte of nothing.
     std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
@@ -206,7 +206,7 @@ TEST_F(GltfHostileMade, HugeImageInAFewBytes)
     expect_refused(document(used), "/images/0");
 }
 
-TEST_F(GltfHostileMade, RequiredExtensions)
+TEST_F(HostileGltf, RefusesUnknownRequiredExtensions)
 {
     for (const char* name :
          {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_meshopt_compression", "KHR_materials_clearcoat",
@@ -244,7 +244,7 @@ std::string repeated(int count, Each each)
     return list;
 }
 
-TEST_F(GltfHostileMade, OneFileUnderManyNamesIsReadOnce)
+TEST_F(HostileGltf, ReadsAFileWithManyNamesOnce)
 {
     constexpr int count = 60;
     std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes();
@@ -281,7 +281,7 @@ TEST_F(GltfHostileMade, OneFileUnderManyNamesIsReadOnce)
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, InstancesAreCounted)
+TEST_F(HostileGltf, LimitsTrianglesOfInstances)
 {
     // 24 bytes of the file each, and a hundred thousand triangles.
     constexpr int count = 20000, triangles = 100'000;
@@ -298,7 +298,7 @@ TEST_F(GltfHostileMade, InstancesAreCounted)
     EXPECT_EQ(outcome.place, "/nodes/1343") << outcome.what;
 }
 
-TEST_F(GltfHostileMade, ManySetsOfJoints)
+TEST_F(HostileGltf, LimitsSetsOfJoints)
 {
     // Each vertex hangs on all of 32,000 joints; the sets overlap in few bytes.
     constexpr int vertices = 400, sets = 8000, joints = 4 * (vertices + sets);
@@ -327,7 +327,7 @@ TEST_F(GltfHostileMade, ManySetsOfJoints)
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, LongNamesInMessages)
+TEST_F(HostileGltf, ShortensLongNamesInMessages)
 {
     const std::string name(1 << 20, 'z');
     const Outcome outcome = load(document("\"extensions\":{\"" + name + "\":{}}"));
@@ -336,7 +336,7 @@ TEST_F(GltfHostileMade, LongNamesInMessages)
 }
 
 // Every byte of a small scene replaced by something else: an answer, whatever it is, and never a crash.
-TEST_F(GltfHostileMade, BrokenBytes)
+TEST_F(HostileGltf, SurvivesChangedBytes)
 {
     GNOMON_NEED_SCENE(file, "gltf/BoxAnimated.glb");
     std::ifstream stream(file, std::ios::binary);

@@ -35,7 +35,7 @@ struct Row {
     int files = 0, refused = 0;
 };
 
-TEST(GltfHostile, ValidatorFiles)
+TEST(GltfValidatorFiles, InvalidAreRefusedAndValidLoad)
 {
     GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
     std::map<std::string, Row> table;

@@ -54,14 +54,14 @@ std::string many_scans(std::size_t side, int scans)
     return bytes + "\xff\xd9";
 }
 
-TEST(HostileImage, AJpegRefinedForEver)
+TEST(HostileImage, RefusesEndlessProgressiveJpegScans)
 {
     EXPECT_EQ(decoded(many_scans(64, 100)).width, 64);
     expect_refused(many_scans(64, 101), "more than 100 scans");
     expect_refused(many_scans(64, 20000), "more than 100 scans");
 }
 
-TEST(HostileImage, PixelsThatTheBytesCannotHold)
+TEST(HostileImage, RefusesMorePixelsThanTheBytesCanHold)
 {
     // A header, and nothing to speak of behind it.
     expect_refused(many_scans(4096, 2).substr(0, 1000), "4096 x 4096 pixels cannot be in 1000 bytes");
@@ -73,7 +73,7 @@ TEST(HostileImage, PixelsThatTheBytesCannotHold)
     EXPECT_EQ(decoded({png.begin(), png.end()}).width, 4096);
 }
 
-TEST(HostileImage, TextsThatAreNotUnpacked)
+TEST(HostileImage, DoesNotUnpackTextChunks)
 {
     const auto chunk = [](const std::string& type, const std::string& data) {
         const std::string both = type + data;

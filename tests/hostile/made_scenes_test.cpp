@@ -140,28 +140,28 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
                 faults, longest);
 }
 
-TEST(MadeScenes, ASampleOfGltf)
+TEST(MadeScenes, SampleOfGltfRendersOrIsRefused)
 {
     render_all(made_gltf_scenes(), 13, false);
 }
-TEST(MadeScenes, ASampleOfObj)
+TEST(MadeScenes, SampleOfObjRendersOrIsRefused)
 {
     render_all(made_obj_scenes(), 13, false);
 }
-TEST(MadeScenes, ASampleOfAff)
+TEST(MadeScenes, SampleOfAffRendersOrIsRefused)
 {
     render_all(made_aff_scenes(), 13, false);
 }
 
-TEST(MadeScenesFull, Gltf)
+TEST(MadeScenesFull, AllGltfRenderOrAreRefused)
 {
     render_all(made_gltf_scenes(), 1, true);
 }
-TEST(MadeScenesFull, Obj)
+TEST(MadeScenesFull, AllObjRenderOrAreRefused)
 {
     render_all(made_obj_scenes(), 1, true);
 }
-TEST(MadeScenesFull, Aff)
+TEST(MadeScenesFull, AllAffRenderOrAreRefused)
 {
     render_all(made_aff_scenes(), 1, true);
 }

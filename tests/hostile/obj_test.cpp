@@ -67,7 +67,7 @@ void write(const std::filesystem::path& file, const std::string& bytes)
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
-TEST(ObjHostile, KnownFiles)
+TEST(HostileObj, SurvivesKnownMaliciousFiles)
 {
     GNOMON_NEED_SCENE(folder, "hostile/obj");
     int files = 0, refused = 0;
@@ -88,7 +88,7 @@ TEST(ObjHostile, KnownFiles)
     EXPECT_EQ(files, 24);
 }
 
-TEST(ObjHostile, CutOffAnywhere)
+TEST(HostileObj, TruncatedAnywhereLoadsOrIsRefused)
 {
     test::ScratchFolder folder;
     const std::string whole = k_complete_obj, materials = k_complete_mtl;
@@ -106,7 +106,7 @@ TEST(ObjHostile, CutOffAnywhere)
     }
 }
 
-TEST(ObjHostile, SeededMutations)
+TEST(HostileObj, RandomMutationsLoadOrAreRefused)
 {
     test::ScratchFolder folder;
     Random random(2026);
@@ -144,7 +144,7 @@ TEST(ObjHostile, SeededMutations)
     EXPECT_GT(refused, 50);
 }
 
-TEST(ObjHostile, LargeInOneRespect)
+TEST(HostileObj, SurvivesFilesThatAreLargeInOneRespect)
 {
     test::ScratchFolder folder;
     const auto repeated = [](const std::string& text, int times) {
@@ -176,7 +176,7 @@ TEST(ObjHostile, LargeInOneRespect)
     }
 }
 
-TEST(ObjHostile, ManyTexturesThatDoNotExist)
+TEST(HostileObj, ReportsManyMissingTexturesQuickly)
 {
     test::ScratchFolder folder;
     constexpr int count = 80'000;
@@ -193,7 +193,7 @@ TEST(ObjHostile, ManyTexturesThatDoNotExist)
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 3.5 * test::k_patience);
 }
 
-TEST(ObjHostile, OneFileUnderManyNames)
+TEST(HostileObj, ReadsAFileWithManyNamesOnce)
 {
     test::ScratchFolder folder;
     const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -231,7 +231,7 @@ std::string warning_about(const std::filesystem::path& file)
     return all;
 }
 
-TEST(ObjHostile, NamesThatLeadElsewhere)
+TEST(HostileObj, OpensNoFileOutsideItsFolder)
 {
     test::ScratchFolder outer;
     std::filesystem::create_directory(outer / "scene");

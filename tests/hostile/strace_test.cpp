@@ -54,7 +54,7 @@ bool have_strace()
     return std::system(command.c_str()) == 0;
 }
 
-TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
+TEST(SystemCalls, GltfOpensNothingOutsideItsFolder)
 {
     if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
     test::ScratchFolder scratch, scenes;
@@ -88,7 +88,7 @@ TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
     }
 }
 
-TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
+TEST(SystemCalls, ObjAndAffOpenNothingOutsideTheirFolder)
 {
     if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
     test::ScratchFolder scratch, root;
@@ -126,7 +126,7 @@ TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
     }
 }
 
-TEST(Strace, ValidatorFilesOpenNothingOutsideTheirFolder)
+TEST(SystemCalls, ValidatorFilesOpenNothingOutsideTheirFolder)
 {
     GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
     if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";

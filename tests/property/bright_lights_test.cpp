@@ -18,7 +18,7 @@ void expect_finite(const RenderOptions& options, const char* what)
     }
 }
 
-TEST(BrightLights, EveryNumberIsOne)
+TEST(BrightLights, AllLayersAreFinite)
 {
     RenderOptions options;
     options.threads = 2;

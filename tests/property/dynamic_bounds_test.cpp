@@ -45,7 +45,7 @@ Query random_query(Random& random, float reach)
     return query;
 }
 
-TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
+TEST(DynamicBounds, EqualsALinearSearchOfAllBoxes)
 {
     std::size_t selected_in_all = 0, missed = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -87,7 +87,7 @@ TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
 }
 
 // Rays that come from afar are rounded by more than what is small and near the origin.
-TEST(DynamicBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
+TEST(DynamicBounds, DistantRaysHitTheBoxesOfTheirOccluders)
 {
     scene::Scene made = scene_with_balls();
     scene::Mesh cube;
@@ -124,7 +124,7 @@ TEST(DynamicBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
     EXPECT_EQ(missed, 0u);
 }
 
-TEST(DynamicBounds, CostFollowsWhatIsNear)
+TEST(DynamicBounds, CostDependsOnNearbyObjectsOnly)
 {
     // Small dynamic objects all over a plain, under a lamp: a patch of points looks at those between it and the lamp.
     std::vector<std::size_t> looked_at;

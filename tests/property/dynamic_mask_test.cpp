@@ -115,7 +115,7 @@ Tally ask_soups(std::uint64_t seeds, const MaskOptions& options)
     return sum;
 }
 
-TEST(DynamicMaskCulling, SaysWhatRaysSayOnRandomSoups)
+TEST(DynamicMaskCulling, AgreesWithRaysOnRandomSoups)
 {
     MaskOptions options;
     options.asked = 1;
@@ -128,7 +128,7 @@ TEST(DynamicMaskCulling, SaysWhatRaysSayOnRandomSoups)
     EXPECT_GT(tally.clear, 5'000u);
 }
 
-TEST(DynamicMaskCulling, CoarseTexelsToo)
+TEST(DynamicMaskCulling, AgreesWithRaysWithCoarseTexels)
 {
     MaskOptions options;
     options.asked = 1;
@@ -137,7 +137,7 @@ TEST(DynamicMaskCulling, CoarseTexelsToo)
 }
 
 // Triangles that count as edge-on cover nothing, but are still in the way.
-TEST(DynamicMaskCulling, FineTexelsWithinTrianglesThatCountAsEdgeOn)
+TEST(DynamicMaskCulling, AgreesWithRaysWithFineTexelsInEdgeOnTriangles)
 {
     MaskOptions options;
     options.asked = 1;
@@ -217,7 +217,7 @@ void ask_along_outline(double turn, Tally& tally)
     ask_all(mask, *scene, state, rays, points, promoted, tally);
 }
 
-TEST(DynamicMaskCulling, RaysAlongOutlinesOnTheBordersOfTexels)
+TEST(DynamicMaskCulling, AgreesWithRaysAlongOutlinesOnTexelBorders)
 {
     Tally tally;
     for (int k = 1; k <= 30; ++k) ask_along_outline(0.0137 * k, tally);
@@ -225,7 +225,7 @@ TEST(DynamicMaskCulling, RaysAlongOutlinesOnTheBordersOfTexels)
     EXPECT_GT(tally.unknown, 10'000u);
 }
 
-TEST(DynamicMaskCullingFull, SaysWhatRaysSayOnAThousandSoups)
+TEST(DynamicMaskCullingFull, AgreesWithRaysOnAThousandSoups)
 {
     MaskOptions options;
     options.asked = 1;
@@ -233,7 +233,7 @@ TEST(DynamicMaskCullingFull, SaysWhatRaysSayOnAThousandSoups)
 }
 
 // The least height of what is inside four planes, by the tree and one triangle after the other.
-TEST(DynamicMaskCulling, LeastHeightIsThatOfAllTriangles)
+TEST(DynamicMaskCulling, LeastHeightEqualsALinearSearchOfAllTriangles)
 {
     std::size_t some = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -92,13 +92,13 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
     }
 }
 
-TEST(Endurance, AHundredAndTwentyFramesOfKitchen)
+TEST(Endurance, MemoryAndImagesStayStableOver120FramesOfKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     endure(file, 120, 6);
 }
 
-TEST(EnduranceFull, TenThousandFramesOfKitchen)
+TEST(EnduranceFull, MemoryAndImagesStayStableOver10000FramesOfKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     endure(file, 10'000, 60);

@@ -83,7 +83,7 @@ void expect_finite(const Frame& image, const std::string& what)
     }
 }
 
-TEST_P(Extremes, RememberedShadowsAreExactAndEveryNumberIsOne)
+TEST_P(Extremes, CertifiedCullingIsExactAndLayersAreFinite)
 {
     const Scene scene = this->scene();
     ASSERT_EQ(scene.frame_count(), k_frames);
@@ -118,7 +118,7 @@ TEST_P(Extremes, RememberedShadowsAreExactAndEveryNumberIsOne)
     EXPECT_LT(difference / mean, 0.03);   // bounced light is remembered on a lattice of powers of two
 }
 
-TEST_P(Extremes, BouncedLightIsTheSameForAnyNumberOfThreadsColdAndWarm)
+TEST_P(Extremes, IndirectLightHasSameBytesForAnyThreadCountColdAndWarm)
 {
     const Scene scene = this->scene();
     const auto bounced = [&](int threads, std::initializer_list<int> frames) {
@@ -140,7 +140,7 @@ TEST_P(Extremes, BouncedLightIsTheSameForAnyNumberOfThreadsColdAndWarm)
     EXPECT_TRUE(one == bounced(2, {8, 1, 5}));
 }
 
-TEST_P(Extremes, EveryWayOfIndirectLightStaysFinite)
+TEST_P(Extremes, EveryIndirectMethodStaysFinite)
 {
     const Scene scene = this->scene();
     for (const Indirect indirect : {Indirect::visible, Indirect::quadtree, Indirect::rsm}) {
@@ -158,7 +158,7 @@ TEST_P(Extremes, EveryWayOfIndirectLightStaysFinite)
     expect_finite(Renderer(reference).render(scene, 2), "reference");
 }
 
-TEST_P(Extremes, LightViewsEqualThoseDrawnAnew)
+TEST_P(Extremes, LightViewsEqualAFullRedraw)
 {
     const auto scene = this->scene().inside();
     scene::SceneState state(scene, scene->timeline.time_of(1));

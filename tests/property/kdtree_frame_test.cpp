@@ -44,7 +44,7 @@ std::size_t pixels_different(const std::vector<float>& a, const std::vector<floa
     return different;
 }
 
-TEST(KdTreeFrame, IsTheImageOfEmbreeUpToEdges)
+TEST(KdTreeFrame, EqualsTheEmbreeImageUpToEdges)
 {
     for (const char* name : {"builtin:cornell", "builtin:kinetic"}) {
         SCOPED_TRACE(name);
@@ -70,7 +70,7 @@ TEST(KdTreeFrame, IsTheImageOfEmbreeUpToEdges)
     }
 }
 
-TEST(KdTreeFrame, CountsDoNotDependOnThreadsAndShowWhatCullingSaves)
+TEST(KdTreeFrame, CountsAreSameForAnyThreadCountAndFallWithCulling)
 {
     const Scene scene = load("builtin:cornell");
     const Clip off = render(scene, Accelerator::kdtree, ShadowCulling::off, 1);

@@ -148,7 +148,7 @@ std::vector<ray::KdOptions> ways_to_build()
     return ways;
 }
 
-TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
+TEST(KdTree, EqualsBruteForce)
 {
     bool groups_split = false;
     for (std::uint64_t seed = 1; seed <= 4; ++seed)
@@ -172,7 +172,7 @@ TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
     EXPECT_TRUE(groups_split);
 }
 
-TEST(KdTree, FindsTheNearestOfOneTreeAlone)
+TEST(KdTree, FindsTheNearestHitOfOneTreeOnly)
 {
     std::size_t hidden = 0, unlike = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -225,7 +225,7 @@ scene::Mesh sheet(int n)
 }
 
 // Corners and edges are where splits lie: rays through them must find all that meet there, whichever side they take.
-TEST(KdTree, AnswersAsAllTrianglesWhereSplitsLie)
+TEST(KdTree, EqualsBruteForceOnSplitPlanes)
 {
     constexpr int n = 20;
     scene::Scene scene;
@@ -255,7 +255,7 @@ TEST(KdTree, AnswersAsAllTrianglesWhereSplitsLie)
     }
 }
 
-TEST(KdTree, AnswersAsEmbreeDoes)
+TEST(KdTree, AgreesWithEmbree)
 {
     std::size_t asked = 0, closest = 0, occluded = 0;
     for (std::uint64_t seed = 1; seed <= 6; ++seed)
@@ -275,7 +275,7 @@ TEST(KdTree, AnswersAsEmbreeDoes)
     EXPECT_LE(occluded, asked / 10000) << "of " << asked;
 }
 
-TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
+TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)
 {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const auto scene = make_random_scene(seed);
@@ -309,7 +309,7 @@ TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
     }
 }
 
-TEST(KdTree, FollowsWhatIsMovedByHandAndWhatVanishes)
+TEST(KdTree, FollowsUserOverridesAndVanishingObjects)
 {
     scene::Scene scene = scene_with_balls();
     const scene::NodeId still = add_object(scene, 0);
@@ -347,7 +347,7 @@ TEST(KdTree, FollowsWhatIsMovedByHandAndWhatVanishes)
     EXPECT_EQ(tree.statistics().still.builds, 2u) << "it is dynamic by now";
 }
 
-TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
+TEST(KdTree, RaysAgainstDynamicObjectsVisitNoStaticNodes)
 {
     // Hundreds of balls that stand still around one that moves: rays that miss its box end at once.
     scene::Scene scene = scene_with_balls();
@@ -370,7 +370,7 @@ TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
     EXPECT_GT(everything.tests, 100u);
 }
 
-TEST(KdTree, SplitsAtTheBoundsOfWhatTheHierarchyJoins)
+TEST(KdTree, SplitsAtBoundsOfSceneGraphNodes)
 {
     // Two far clusters, each below a node of its own: one bound of one node parts them.
     scene::Scene scene = scene_with_balls();
@@ -389,7 +389,7 @@ TEST(KdTree, SplitsAtTheBoundsOfWhatTheHierarchyJoins)
     EXPECT_EQ(CountingKdTree(state, rays, options).statistics().still.group_splits, 0u);
 }
 
-TEST(KdTree, AnEmptySceneLetsEverythingPass)
+TEST(KdTree, EmptySceneHasNoHits)
 {
     scene::Scene scene;
     add_materials(scene);
@@ -456,13 +456,13 @@ void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, do
     EXPECT_LE(occluded, all / 2000) << "of " << all;
 }
 
-TEST(KdTree, AnswersAsEmbreeDoesInBuiltInScenes)
+TEST(KdTree, AgreesWithEmbreeInBuiltInScenes)
 {
     for (const char* name : {"kinetic", "spheres?objects=30"})
         expect_embrees_answers(std::make_shared<const scene::Scene>(scene::make_builtin(name)), 1.0, 1500);
 }
 
-TEST(KdTree, AnswersAsEmbreeDoesInTheKitchen)
+TEST(KdTree, AgreesWithEmbreeInKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     expect_embrees_answers(std::make_shared<const scene::Scene>(io::load_scene(file)), 5.0, 2000);

@@ -47,7 +47,7 @@ void follow_random_frames(const char* name, int frames, int side, std::uint64_t 
     EXPECT_GT(dirty, 0u) << name;
 }
 
-TEST(LightMap, RepairedEqualsANewOne)
+TEST(LightMap, UpdateEqualsARebuild)
 {
     follow_random_frames("cornell", 12, 256, 1);
     follow_random_frames("spheres?objects=40&dynamic=25", 6, 128, 2);
@@ -55,7 +55,7 @@ TEST(LightMap, RepairedEqualsANewOne)
 }
 
 // Balls at random, and places within them, as spot and directional lights see them.
-TEST(LightMap, ABallsFootprintHoldsTheBall)
+TEST(LightMap, FootprintContainsTheSphere)
 {
     Random random(11);
     scene::Light light;
@@ -96,7 +96,7 @@ TEST(LightMap, ABallsFootprintHoldsTheBall)
 }
 
 // Rays at dynamic objects, cut off where the static layer begins, against rays at everything, at all texels.
-TEST(LightMap, LayersTogetherAreTheWholeScene)
+TEST(LightMap, StaticAndDynamicLayersEqualTheWholeScene)
 {
     for (const char* name : {"cornell", "spheres?objects=40&dynamic=25", "kinetic"}) {
         World world(scene::make_builtin(name));
@@ -113,12 +113,12 @@ TEST(LightMap, LayersTogetherAreTheWholeScene)
     }
 }
 
-TEST(LightMapFull, RepairedEqualsANewOneOverAThousandFrames)
+TEST(LightMapFull, UpdateEqualsARebuildOverAThousandFrames)
 {
     follow_random_frames("cornell", 1000, 512, 4);
 }
 
-TEST(LightMap, OnlyWhatMovedIsTouched)
+TEST(LightMap, UpdatesOnlyTexelsOfMovedObjects)
 {
     World world(scene::make_builtin("cornell"));
     LightMap map(world.state, world.rays, {}, world.tasks);
@@ -136,7 +136,7 @@ TEST(LightMap, OnlyWhatMovedIsTouched)
     EXPECT_GT(map.version(), version);
 }
 
-TEST(LightMap, FollowsWhatStoodStillAndIsMovedByHand)
+TEST(LightMap, FollowsUserOverridesOfStaticObjects)
 {
     World world(scene::make_builtin("cornell"));
     LightMap map(world.state, world.rays, {}, world.tasks);
@@ -157,7 +157,7 @@ TEST(LightMap, FollowsWhatStoodStillAndIsMovedByHand)
     }
 }
 
-TEST(LightMap, ALightThatMovesMakesItsMapAnew)
+TEST(LightMap, MovingLightRebuildsItsMap)
 {
     World world(scene::make_builtin("cornell"));
     LightMap map(world.state, world.rays, {}, world.tasks);
@@ -173,7 +173,7 @@ TEST(LightMap, ALightThatMovesMakesItsMapAnew)
 }
 
 // In a closed room every direction of a point light ends on a surface: all of its light becomes flux, times the albedo.
-TEST(LightMap, HoldsAllOfThePointLightsFlux)
+TEST(LightMap, HoldsAllFluxOfAPointLight)
 {
     scene::Scene made = scene::make_builtin("cornell");
     for (scene::Material& material : made.materials) material.base_color = glm::vec3(1);
@@ -200,7 +200,7 @@ TEST(LightMap, HoldsAllOfThePointLightsFlux)
     EXPECT_NEAR(sum.z / sum.x, 3, 1e-3);
 }
 
-TEST(LightMap, AnInvalidNodeHasChildrenThatDiffer)
+TEST(LightMap, NodeIsInvalidIfItsChildrenDiffer)
 {
     using light_quadtree::Validity;
     LightNode four[4];

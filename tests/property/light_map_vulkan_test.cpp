@@ -55,18 +55,18 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
     EXPECT_LT(redrawn, everything);
 }
 
-TEST_F(LightMapVulkanProperty, RepairedEqualsANewOne)
+TEST_F(LightMapVulkanProperty, UpdateEqualsARebuild)
 {
     follow_script(device_, 3, 10);
     follow_script(device_, 4, 10);
 }
 
-TEST_F(LightMapVulkanFull, RepairedEqualsANewOneOverManyFrames)
+TEST_F(LightMapVulkanFull, UpdateEqualsARebuildOverManyFrames)
 {
     follow_script(device_, 5, 300);
 }
 
-TEST_F(LightMapVulkanProperty, ImagesAreTheSameColdAndWarm)
+TEST_F(LightMapVulkanProperty, SameImagesColdAndWarm)
 {
     const Scene scene = load("builtin:cornell");
     for (const Indirect how : {Indirect::quadtree, Indirect::rsm, Indirect::visible}) {
@@ -84,7 +84,7 @@ TEST_F(LightMapVulkanProperty, ImagesAreTheSameColdAndWarm)
 }   // namespace gnomon
 
 #else
-TEST(LightMapVulkanProperty, LeftOut)
+TEST(LightMapVulkanProperty, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

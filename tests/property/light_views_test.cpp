@@ -72,7 +72,7 @@ void follow_script(std::uint64_t seed, int frames, Seen& seen)
     }
 }
 
-TEST(LightViews, BuffersEqualAFullRedrawWhateverMoves)
+TEST(LightViews, BuffersEqualAFullRedraw)
 {
     Seen seen;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) follow_script(seed, 60, seen);

@@ -107,7 +107,7 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
     }
 }
 
-TEST_F(LightViewsVulkan, BuffersEqualAFullRedrawWhateverMoves)
+TEST_F(LightViewsVulkan, BuffersEqualAFullRedraw)
 {
     follow_script(device_, 1, 15, true);
     follow_script(device_, 2, 30, false);

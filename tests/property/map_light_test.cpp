@@ -51,7 +51,7 @@ Lit lit_after(const std::vector<int>& frames, int threads, const MapLightOptions
     return {buffers.indirect.data, light.counters()};
 }
 
-TEST(MapLight, SameBytesColdAndWarmForAnyNumberOfThreads)
+TEST(MapLight, SameBytesColdAndWarmForAnyThreadCount)
 {
     for (const MapMethod method : {MapMethod::quadtree, MapMethod::rsm}) {
         const MapLightOptions options = small(method, 16);
@@ -61,7 +61,7 @@ TEST(MapLight, SameBytesColdAndWarmForAnyNumberOfThreads)
     }
 }
 
-TEST(MapLight, SparseReceiversAreNearToEveryPixelsOwnSum)
+TEST(MapLight, SparseReceiversApproximateTheSumAtEveryPixel)
 {
     const Lit sparse = lit_after({1}, 2, small(MapMethod::quadtree, 24)),
               full = lit_after({1}, 2, small(MapMethod::quadtree, 0));
@@ -78,7 +78,7 @@ TEST(MapLight, SparseReceiversAreNearToEveryPixelsOwnSum)
     EXPECT_GT(error, 0) << "nothing was interpolated";
 }
 
-TEST(MapLight, TheGridIsKeptWhileNothingMoves)
+TEST(MapLight, KeepsTheReceiverGridWhileNothingMoves)
 {
     const MapLightOptions options = small(MapMethod::quadtree, 24);
     EXPECT_TRUE(lit_after({1, 1}, 1, options).counters.kept_grid);

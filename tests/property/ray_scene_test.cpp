@@ -17,7 +17,7 @@ namespace {
 
 using scene::SceneState;
 
-TEST(RayQueue, HasRoomForAWholePacketFromAnyRayOn)
+TEST(RayQueue, HasRoomForAWholePacketAtAnyIndex)
 {
     for (const std::size_t reserved : {0, 1, 15, 16, 17, 100}) {
         ray::RayQueue queue;
@@ -31,7 +31,7 @@ TEST(RayQueue, HasRoomForAWholePacketFromAnyRayOn)
     }
 }
 
-TEST(RayScene, PacketsAnswerAsSingleRaysDo)
+TEST(RayScene, PacketsEqualSingleRays)
 {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         const SceneState state(make_random_scene(seed), 0.3 * static_cast<double>(seed));
@@ -46,7 +46,7 @@ TEST(RayScene, PacketsAnswerAsSingleRaysDo)
 
 // Far from the origin, where boxes and rays are rounded coarsely: whether a ray is occluded does not depend on which
 // others share its packet. Rays pass the rims of flat things in the planes of the axes, which are all box.
-TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
+TEST(RayScene, DistantAnyHitsDoNotDependOnTheRestOfThePacket)
 {
     for (const double away : {0.0, 1e3, 1e5, 1e6})
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -99,7 +99,7 @@ TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
         }
 }
 
-TEST(RayScene, AnsweringFromManyThreadsChangesNothing)
+TEST(RayScene, SameHitsForAnyThreadCount)
 {
     const SceneState state(make_random_scene(3), 1);
     const ray::RayScene rays(state);
@@ -112,7 +112,7 @@ TEST(RayScene, AnsweringFromManyThreadsChangesNothing)
 }
 
 // The library that builds the trees must not hold everybody else to one thread.
-TEST(RayScene, LeavesOtherThreadsAtWork)
+TEST(RayScene, DoesNotLimitOtherThreads)
 {
     const SceneState state(make_random_scene(1), 0);
     const ray::RayScene rays(state);
@@ -131,7 +131,7 @@ TEST(RayScene, LeavesOtherThreadsAtWork)
     EXPECT_TRUE(together) << "one body ended before the next began";
 }
 
-TEST(RayScene, FollowsAnUpdateToTheBit)
+TEST(RayScene, UpdateEqualsAFreshScene)
 {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const auto scene = make_random_scene(seed);
@@ -154,7 +154,7 @@ TEST(RayScene, FollowsAnUpdateToTheBit)
 }
 
 // Surfaces that lie in one another: which one is reported rests on the trees alone, so they must be the same trees.
-TEST(RayScene, BreaksTiesAsAFreshSceneDoes)
+TEST(RayScene, UpdateBreaksTiesAsAFreshSceneDoes)
 {
     scene::Scene scene = scene_with_balls();
     scene::Mesh doubled = ball(two_sided, 12, 16);
@@ -182,7 +182,7 @@ TEST(RayScene, BreaksTiesAsAFreshSceneDoes)
     }
 }
 
-TEST(RayScene, AppearsAndVanishes)
+TEST(RayScene, ObjectsAppearAndVanish)
 {
     scene::Scene scene = scene_with_balls();
     scene::Mesh keyed = ball(two_sided);
@@ -213,7 +213,7 @@ TEST(RayScene, AppearsAndVanishes)
     }
 }
 
-TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
+TEST(RayScene, SkinnedObjectsFollowTheirJoints)
 {
     scene::Scene scene = scene_with_balls();
     scene::Mesh mesh = ball(two_sided);
@@ -237,7 +237,7 @@ TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
     EXPECT_EQ(look_at(rays, 7).object, 0u);
 }
 
-TEST(RayScene, WhatShrinksToAPointComesBack)
+TEST(RayScene, ObjectShrunkToAPointReturns)
 {
     // At the origin nothing asks for a margin; elsewhere the place does. One part, and one of every kind of surface.
     for (const double x : {0.0, 7.0})
@@ -269,7 +269,7 @@ TEST(RayScene, WhatShrinksToAPointComesBack)
 }
 
 // A limb is hidden by a joint that shrinks to a point: the rest stays.
-TEST(RayScene, WhatShrinksInPartLeavesTheRest)
+TEST(RayScene, PartlyShrunkMeshKeepsTheRest)
 {
     for (const double x : {0.0, 7.0})
         for (const unsigned every : {2u, 3u, 7u, 1000u})
@@ -301,7 +301,7 @@ TEST(RayScene, WhatShrinksInPartLeavesTheRest)
             }
 }
 
-TEST(RayScene, FollowsWhatIsMovedByHand)
+TEST(RayScene, FollowsUserOverrides)
 {
     scene::Scene scene = scene_with_balls();
     const scene::NodeId shelf = scene.add_node("shelf", scene::none);
@@ -350,7 +350,7 @@ TEST(RayScene, FollowsWhatIsMovedByHand)
     expect_at({{0, scene::none}, {5, scene::none}, {-20, 0}, {-15, 1}, {12, 2}, {17, 3}});
 }
 
-TEST(RayScene, TouchesWhatMovesAndNothingElse)
+TEST(RayScene, UpdatesMovedObjectsOnly)
 {
     scene::Scene scene = scene_with_balls();
     Random random(1);
@@ -379,7 +379,7 @@ TEST(RayScene, TouchesWhatMovesAndNothingElse)
     EXPECT_EQ(rays.statistics().touched, 11u) << "each must count once, whatever happened to it";
 }
 
-TEST(RayScene, AnEmptySceneLetsEverythingPass)
+TEST(RayScene, EmptySceneHasNoHits)
 {
     scene::Scene scene;
     SceneState state(finished(scene), 0);
@@ -395,7 +395,7 @@ TEST(RayScene, AnEmptySceneLetsEverythingPass)
 }
 
 // Many large copies share a tree; what stands flat among them cannot, and is there all the same.
-TEST(RayScene, MeetsTheFlatOneOfManyCopies)
+TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
 {
     scene::Scene scene = scene_with_balls();
     scene.meshes.assign(1, ball(two_sided, 256, 260));
@@ -483,7 +483,7 @@ TEST(RayScene, SurvivesDegenerateGeometry)
     EXPECT_EQ(differences(ask(rays, odd), ask_singly(rays, odd)), 0u);
 }
 
-TEST(RayScene, BoundsFollow)
+TEST(RayScene, BoundsFollowMovingObjects)
 {
     scene::Scene scene = scene_with_balls();
     add_object(scene, 0);

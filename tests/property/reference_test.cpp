@@ -82,7 +82,7 @@ scene::LightId add_sun(scene::Scene& scene, const glm::vec3& direction, const gl
 
 // A furnace: in a closed room whose walls shine with radiance 1 and reflect a share of what they get, every point gets
 // the same from everywhere: pi at once, and pi times the share to the n-th power after n bounces.
-TEST(Reference, FurnaceOfShiningWalls)
+TEST(Reference, FurnaceOfEmissiveWallsIsExact)
 {
     scene::Scene scene = closed_room();
     scene.materials[0].emissive = glm::vec3(1);
@@ -106,7 +106,7 @@ TEST(Reference, FurnaceOfShiningWalls)
 }
 
 // The same with many bounces, where paths end at random: right on average.
-TEST(Reference, FurnaceWithPathsThatEndAtRandom)
+TEST(Reference, FurnaceWithRussianRouletteIsUnbiased)
 {
     scene::Scene scene = closed_room();
     scene.materials[0].emissive = glm::vec3(1);
@@ -122,7 +122,7 @@ TEST(Reference, FurnaceWithPathsThatEndAtRandom)
 
 // White things in a white world are not seen: light from everywhere, all of it sent on. (Without the ball's smooth
 // normals: what they send below the surface is lost.)
-TEST(Reference, WhiteFurnaceOfTheSurroundings)
+TEST(Reference, WhiteObjectsVanishInAWhiteEnvironment)
 {
     scene::Scene scene;
     scene.background.color = glm::vec3(1);
@@ -152,7 +152,7 @@ double form_factor(double a, double b, double distance)
     return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * k_pi);
 }
 
-TEST(Reference, AnalyticFormFactor)
+TEST(Reference, AgreesWithAnAnalyticFormFactor)
 {
     for (const scene::ShadingModel model : {scene::ShadingModel::metallic_roughness, scene::ShadingModel::whitted}) {
         scene::Scene scene;
@@ -186,7 +186,7 @@ TEST(Reference, AnalyticFormFactor)
 }
 
 // Glass between does not block light, here as for shadow rays; what is behind is met.
-TEST(Reference, PassesGlass)
+TEST(Reference, GlassDoesNotBlockLight)
 {
     const auto irradiance = [](bool glass) {
         scene::Scene scene;
@@ -229,7 +229,7 @@ std::vector<IrradiancePoint> points_of_cornell(const World& world, int side)
 
 // Two seeds differ by as much as both say they may: over many points, z has mean 0 and variance 1, a little more with
 // the 30 degrees of freedom that it is estimated with (30 / 28).
-TEST(Reference, SeedsDifferByTheirError)
+TEST(Reference, SeedsDifferByTheReportedError)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 3);
     const auto points = points_of_cornell(world, 24);
@@ -256,7 +256,7 @@ TEST(Reference, SeedsDifferByTheirError)
 }
 
 // The error falls as paths are added, at least as fast as random numbers promise.
-TEST(Reference, MorePathsLessError)
+TEST(Reference, ErrorFallsWithMorePaths)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 1);
     const auto points = points_of_cornell(world, 12);
@@ -273,7 +273,7 @@ TEST(Reference, MorePathsLessError)
 }
 
 // Lamps are asked one at a time; together they give what each gives alone.
-TEST(Reference, LightsAddUp)
+TEST(Reference, SumOfSingleLightsEqualsAllLights)
 {
     const auto scene_with = [](int mask) {
         scene::Scene scene = closed_room();
@@ -310,7 +310,7 @@ TEST(Reference, LightsAddUp)
         }
 }
 
-TEST(Reference, SameBytesForAnyNumberOfThreadsAndAnyCompany)
+TEST(Reference, SameBytesForAnyThreadCountAndAnyOtherPoints)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 2);
     const auto points = points_of_cornell(world, 10);
@@ -328,7 +328,7 @@ TEST(Reference, SameBytesForAnyNumberOfThreadsAndAnyCompany)
     EXPECT_NE(world.irradiance({points[17]}, options, 1)[0].indirect, one[17].indirect);
 }
 
-TEST(Reference, StopsWhenAsked)
+TEST(Reference, StopsWhenInterrupted)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")));
     const auto points = points_of_cornell(world, 10);

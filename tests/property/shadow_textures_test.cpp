@@ -70,14 +70,14 @@ void follow_coherently(std::uint64_t seed, int frames, std::uint64_t& updated, s
            });
 }
 
-TEST(ShadowTextures, CoherenceChangesNothing)
+TEST(ShadowTextures, CoherentUpdateEqualsAFullRedraw)
 {
     std::uint64_t updated = 0, made = 0;
     for (std::uint64_t seed = 1; seed <= 2; ++seed) follow_coherently(seed, 40, updated, made);
     EXPECT_LT(updated, made * 3 / 4);   // much moves in these scripts
 }
 
-TEST(ShadowTexturesFull, CoherenceChangesNothingOverAThousandFrames)
+TEST(ShadowTexturesFull, CoherentUpdateEqualsAFullRedrawOverAThousandFrames)
 {
     std::uint64_t updated = 0, made = 0;
     follow_coherently(21, 1000, updated, made);
@@ -103,7 +103,7 @@ TEST(ShadowTextures, MethodsAgree)
 
 // One item buffer holds what all textures of a view hold: a set bit and the receiver's own number mean the same, but
 // where several objects are equally near; there the highest of those whose bit is set is the item.
-TEST(ShadowTextures, ItemsStandForAllTextures)
+TEST(ShadowTextures, ItemBufferEqualsAllTexturesOfAView)
 {
     std::uint64_t texels = 0, ties = 0;
     follow(2, 60, 7,

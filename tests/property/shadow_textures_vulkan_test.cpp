@@ -174,28 +174,28 @@ void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_p
     EXPECT_LT(2 * draws, all_draws);   // it did remember
 }
 
-TEST_F(ShadowTexturesVulkan, VideoOfKineticIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkan, VideoOfKineticEqualsAFullRedraw)
 {
     follow_video(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 38, 41);
 }
 
-TEST_F(ShadowTexturesVulkanFull, VideoOfKineticIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkanFull, VideoOfKineticEqualsAFullRedraw)
 {
     follow_video(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 1, 120);
 }
 
-TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenEqualsAFullRedraw)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     follow_video(device_, load(file.string()).inside(), 1, 800);
 }
 
-TEST_F(ShadowTexturesVulkan, CoherenceChangesNoBitAndMethodsAgree)
+TEST_F(ShadowTexturesVulkan, CoherentUpdateEqualsAFullRedrawAndMethodsAgree)
 {
     follow_script(device_, 1, 15, 7);
 }
 
-TEST_F(ShadowTexturesVulkanFull, CoherenceChangesNoBitOverAThousandFrames)
+TEST_F(ShadowTexturesVulkanFull, CoherentUpdateEqualsAFullRedrawOverAThousandFrames)
 {
     follow_script(device_, 5, 1000, 100);
 }

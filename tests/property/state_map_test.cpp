@@ -118,7 +118,7 @@ StateMark mark_of(shadow_culling::ShadowState state)
     return StateMark::unknown;
 }
 
-TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
+TEST_F(StateMapTest, ShowsCertifiedStatesThatAgreeWithRays)
 {
     for (scene::Scene& made : std::array{scene::make_kinetic(), scene::make_cornell()}) {
         start(std::move(made), 20);
@@ -172,7 +172,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
     }
 }
 
-TEST_F(StateMapTest, ShowsTheModesOfThePublishedCulling)
+TEST_F(StateMapTest, ShowsModesOfThePublishedCulling)
 {
     using shadow_culling::OcclusionMode;
     start(scene::make_kinetic(), 20);

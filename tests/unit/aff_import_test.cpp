@@ -47,7 +47,7 @@ double worst_normal(const scene::Mesh& mesh)
     return worst;
 }
 
-TEST(AffImport, TextMayBeLaidOutInManyWays)
+TEST(AffImport, IgnoresTheLayoutOfTheText)
 {
     const AffFolder folder;
     const std::string plain = k_material + "x a { " + k_mesh + " }";
@@ -63,7 +63,7 @@ TEST(AffImport, TextMayBeLaidOutInManyWays)
     }
 }
 
-TEST(AffImport, CameraFromView)
+TEST(AffImport, ReadsTheCamera)
 {
     const AffFolder folder;
     scene::Scene scene = folder.load("v from 1 2 3 at 1 2 -7 up 0.3 5 0 angle 60 hither 0.00001 resolution 320 200");
@@ -102,7 +102,7 @@ TEST(AffImport, CameraTrackOverridesPartByPart)
     expect_near(glm::dvec3(matrix(shift + " " + turn)[3]), {5, 5, 5});
 }
 
-TEST(AffImport, LightsAndTheirTracks)
+TEST(AffImport, ReadsLightsAndTheirTracks)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(
@@ -127,7 +127,7 @@ TEST(AffImport, LightsAndTheirTracks)
     expect_near(at(3, 9), {7, 8, 9});
 }
 
-TEST(AffImport, SurroundingsAndTime)
+TEST(AffImport, ReadsBackgroundAndTimeline)
 {
     const AffFolder folder;
     scene::Scene scene = folder.load("b .1 .2 .3 am 2 3 4 a 1 3 5");
@@ -149,7 +149,7 @@ TEST(AffImport, SurroundingsAndTime)
     EXPECT_EQ(scene.timeline.time_of(1), 2);
 }
 
-TEST(AffImport, Materials)
+TEST(AffImport, ReadsMaterials)
 {
     const AffFolder folder;
     scene::Scene scene = folder.load("fm .1 .2 .3  .4 .5 .6  .7 .8 .9  12 .25 1.5\n" + k_mesh);
@@ -184,7 +184,7 @@ TEST(AffImport, Materials)
     EXPECT_EQ(scene.materials[0].base_color, glm::vec3(.5f));
 }
 
-TEST(AffImport, Spheres)
+TEST(AffImport, TessellatesSpheres)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material + "s 1 2 3 2\ns 0 0 0 -1\ns 5 5 5 1");
@@ -203,7 +203,7 @@ TEST(AffImport, Spheres)
     EXPECT_NEAR(whole(2), 4 * k_pi / 3, 0.05);
 }
 
-TEST(AffImport, Cones)
+TEST(AffImport, TessellatesCones)
 {
     const AffFolder folder;
     const double slant = std::sqrt(10.0);
@@ -232,7 +232,7 @@ TEST(AffImport, Cones)
     }
 }
 
-TEST(AffImport, Polygons)
+TEST(AffImport, ReadsPolygons)
 {
     const AffFolder folder;
     // A square and a triangle of one material are one object; normals need another; braces and materials part them.
@@ -253,7 +253,7 @@ TEST(AffImport, Polygons)
     EXPECT_EQ(scene.statistics().triangles_dynamic, 1u);
 }
 
-TEST(AffImport, TexturedTriangles)
+TEST(AffImport, ReadsTexturedTriangles)
 {
     const AffFolder folder;
     folder.texture("two.ppm");
@@ -273,7 +273,7 @@ TEST(AffImport, TexturedTriangles)
     EXPECT_GT(scene.textures[0].sample({0.75f, 0.5f}, 0).z, 0.99f);
 }
 
-TEST(AffImport, TrianglesWithKeysOfTheirOwn)
+TEST(AffImport, ReadsTrianglesWithVertexKeys)
 {
     const AffFolder folder;
     const std::string first =
@@ -295,7 +295,7 @@ TEST(AffImport, TrianglesWithKeysOfTheirOwn)
     EXPECT_EQ(state.deformed(0).positions[0].z, 4);
 }
 
-TEST(AffImport, MeshesWithSeparateIndices)
+TEST(AffImport, ReadsMeshesWithSeparateIndices)
 {
     const AffFolder folder;
     folder.texture("two.ppm");
@@ -318,7 +318,7 @@ TEST(AffImport, MeshesWithSeparateIndices)
     }
 }
 
-TEST(AffImport, EqualIncludesShareTheirMeshes)
+TEST(AffImport, RepeatedIncludesShareTheirMeshes)
 {
     const AffFolder folder;
     folder.include("part.aff", k_mesh + k_mesh);
@@ -330,7 +330,7 @@ TEST(AffImport, EqualIncludesShareTheirMeshes)
     expect_near(box_of(scene).high, {7, 2, 0});
 }
 
-TEST(AffImport, DetailLevels)
+TEST(AffImport, SelectsDetailLevels)
 {
     const AffFolder folder;
     folder.include("mesh.aff", k_mesh);
@@ -342,7 +342,7 @@ TEST(AffImport, DetailLevels)
     EXPECT_EQ(folder.load(k_material + "i 0 level.aff i 1 mesh.aff").objects.size(), 1u);
 }
 
-TEST(AffImport, StaticTransformsScaleTurnAndShift)
+TEST(AffImport, StaticTransformsScaleRotateAndTranslate)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material +
@@ -357,7 +357,7 @@ TEST(AffImport, StaticTransformsScaleTurnAndShift)
     EXPECT_FALSE(scene.objects[0].dynamic);
 }
 
-TEST(AffImport, AnimatedTransformsAndSharedNames)
+TEST(AffImport, ReadsAnimatedTransformsAndSharedNames)
 {
     const AffFolder folder;
     const std::string keys = "k wheel { transl 4  0 0 0 0 0 0 0  1 0 0 0 0 0 0  2 1 0 0 0 0 0  3 1 0 0 0 0 0 }\n";
@@ -383,14 +383,14 @@ TEST(AffImport, AnimatedTransformsAndSharedNames)
     expect_near(again.bounds(5).high, {9, 1, 0});
 }
 
-TEST(AffImport, NamesBecomeUtf8)
+TEST(AffImport, ConvertsNamesToUtf8)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material + "x \xe5rm { " + k_mesh + "}");
     EXPECT_EQ(scene.nodes[0].name, "\xc3\xa5rm");
 }
 
-TEST(AffImport, KindsOfFilesByExtension)
+TEST(AffImport, RecognisesTheFileExtension)
 {
     const AffFolder folder;
     folder.load("");

@@ -125,7 +125,7 @@ TEST(AffTrack, PositionsFollowTheFormula)
     }
 }
 
-TEST(AffTrack, FirstAndLastKeyOnlyShape)
+TEST(AffTrack, FirstAndLastKeyOnlySetTangents)
 {
     const std::vector<Key> keys{{0, {9, 0, 0, 0}}, {1, {1, 0, 0, 0}}, {2, {2, 0, 0, 0}}, {3, {9, 0, 0, 0}}};
     const auto track = track_of(text_of("transl", keys, 3));
@@ -138,7 +138,7 @@ TEST(AffTrack, FirstAndLastKeyOnlyShape)
     EXPECT_LT(changing[0].last, 2.0001);
 }
 
-TEST(AffTrack, JumpsAndRestsAreAnnounced)
+TEST(AffTrack, ChangingIntervalsIncludeJumpsAndExcludeRests)
 {
     // Rest, jump at 2, rest; a jump right after the first time; a jump at the end.
     const auto at = [](double time, double x) { return Key{time, {x, 0, 0, 0}, 1, 0, 0}; };
@@ -155,7 +155,7 @@ TEST(AffTrack, JumpsAndRestsAreAnnounced)
     for (const scene::Interval& interval : track->changing()) EXPECT_LT(interval.last - interval.first, 0.01);
 }
 
-TEST(AffTrack, TimesMayGoBack)
+TEST(AffTrack, AcceptsDecreasingKeyTimes)
 {
     const std::vector<Key> keys{{0, {0, 0, 0, 0}},  {1, {1, 0, 0, 0}},  {48, {2, 0, 0, 0}},
                                 {42, {3, 0, 0, 0}}, {50, {4, 0, 0, 0}}, {60, {5, 0, 0, 0}}};
@@ -271,7 +271,7 @@ TEST(AffTrack, RotationsFollowTheFormula)
     }
 }
 
-TEST(AffTrack, WheelsTurnOn)
+TEST(AffTrack, RotationsContinueBeyondFullTurns)
 {
     // Angles that grow by 90 degrees past full turns: key quaternions change sign on the way.
     std::vector<Key> keys;
@@ -321,7 +321,7 @@ TEST(AffTrack, RealPartsBeyondOneAreClamped)
     }
 }
 
-TEST(AffTrack, PartsAreAppliedScaleFirst)
+TEST(AffTrack, AppliesScaleFirst)
 {
     const std::string keys =
         text_of("transl", {{0, {10, 0, 0, 0}}, {1, {10, 0, 0, 0}}, {2, {10, 0, 0, 0}}, {3, {10, 0, 0, 0}}}, 3) +
@@ -334,7 +334,7 @@ TEST(AffTrack, PartsAreAppliedScaleFirst)
     EXPECT_TRUE(track->changing().empty());
 }
 
-TEST(AffTrack, VisibilityIsAStep)
+TEST(AffTrack, VisibilityIsAStepFunction)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material + "x a {" + k_mesh + "} k a { visibility 3  1 0  2 1  2 0 }");

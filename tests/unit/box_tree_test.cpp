@@ -46,7 +46,7 @@ std::vector<std::uint32_t> found_one_by_one(const std::vector<Box3>& boxes, cons
     return found;
 }
 
-TEST(BoxTree, FindsWhatAllBoxesAskedOneByOneFind)
+TEST(BoxTree, EqualsALinearSearchOfAllBoxes)
 {
     for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 100u, 1000u}) {
         Random random(count + 1);
@@ -74,7 +74,7 @@ TEST(BoxTree, FindsWhatAllBoxesAskedOneByOneFind)
     }
 }
 
-TEST(BoxTree, LooksAtWhatIsNear)
+TEST(BoxTree, VisitsNearbyNodesOnly)
 {
     // Boxes that lie in a square, sixteen times as many each time: a query of a few of them looks at a few more nodes.
     for (const int side : {16, 64, 256}) {
@@ -93,7 +93,7 @@ TEST(BoxTree, LooksAtWhatIsNear)
     }
 }
 
-TEST(BoxTree, StaysGoodWhileEverythingMoves)
+TEST(BoxTree, StaysBalancedWhileEverythingMoves)
 {
     // Everything begins in one place and ends far apart, one box after the other.
     Random random(3);

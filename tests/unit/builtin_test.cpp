@@ -80,7 +80,7 @@ const Mesh& mesh_named(const Scene& scene, const std::string& name)
     throw std::runtime_error("no mesh " + name);
 }
 
-TEST(Builtin, CornellIsWhatWasAgreed)
+TEST(Builtin, CornellHasTheSpecifiedContent)
 {
     const Scene scene = make_builtin("cornell");
     EXPECT_EQ(scene.timeline.frames, 40);
@@ -141,7 +141,7 @@ TEST(Builtin, CornellIsWhatWasAgreed)
     }
 }
 
-TEST(Builtin, SpheresHaveTheCountsAskedFor)
+TEST(Builtin, SpheresHaveTheRequestedCounts)
 {
     const Scene scene = make_builtin("spheres?objects=300&dynamic=10");
     EXPECT_EQ(scene.timeline.frames, 240);
@@ -181,7 +181,7 @@ TEST(Builtin, SpheresStayInTheirCubeAndTheirPathsClose)
     }
 }
 
-TEST(Builtin, ACrowdIsTheSameAroundTheDynamicObjectsHoweverLarge)
+TEST(Builtin, CrowdAroundDynamicObjectsDoesNotDependOnSceneSize)
 {
     const Scene few = make_builtin("spheres?objects=110&movers=10&crowd=1"),
                 many = make_builtin("spheres?objects=3000&movers=10&crowd=1");
@@ -240,7 +240,7 @@ TEST(Builtin, SpheresCoverAThirdOfTheLightView)
     EXPECT_NEAR(static_cast<double>(covered) / (size * size), 1.0 / 3, 0.02);
 }
 
-TEST(Builtin, KineticIsLargeAndMostlyStill)
+TEST(Builtin, KineticIsLargeAndMostlyStatic)
 {
     const Scene scene = make_builtin("kinetic");
     expect_sound(scene);
@@ -280,21 +280,21 @@ TEST(Builtin, KineticMovesWithoutJumps)
     }
 }
 
-TEST(Builtin, ContentIsFixed)
+TEST(Builtin, ContentHashesAreFixed)
 {
     EXPECT_EQ(content_hash(make_builtin("cornell")), 0x51406906bdcd02f3ull);
     EXPECT_EQ(content_hash(make_builtin("spheres?objects=40&dynamic=25")), 0x3d0222127e87f051ull);
     EXPECT_EQ(content_hash(make_builtin("kinetic")), 0xf83e11a865cd775bull);
 }
 
-TEST(Builtin, AMillionSpheresAreBuilt)
+TEST(Builtin, BuildsAMillionSpheres)
 {
     const Scene scene = make_builtin("spheres?objects=1000000&movers=10&vertices=5");
     EXPECT_EQ(scene.statistics().objects, 1'000'000u);
     EXPECT_EQ(scene.track_nodes.size(), 10u);
 }
 
-TEST(Builtin, RefusesWhatItDoesNotKnow)
+TEST(Builtin, RefusesUnknownNamesAndParameters)
 {
     for (const char* name : {"",
                              "teapot",

@@ -140,7 +140,7 @@ void check_view(const CasterCells& cells, const LightViews& views, const scene::
     }
 }
 
-TEST_F(CasterCellsTest, HoldWhatClippingFindsWhateverMoves)
+TEST_F(CasterCellsTest, EqualClippingOfEveryTriangle)
 {
     const int frames = 12;
     const test::LightScript script = test::make_light_script(3, frames);

@@ -296,7 +296,7 @@ void PrintTo(const Scene& scene, std::ostream* out)
 
 class CertificateChecks : public testing::TestWithParam<Scene> {};
 
-TEST_P(CertificateChecks, IsNeeded)
+TEST_P(CertificateChecks, EachCheckIsNecessary)
 {
     const Scene& scene = GetParam();
     CertificateOptions rules;
@@ -312,7 +312,7 @@ INSTANTIATE_TEST_SUITE_P(Each, CertificateChecks, testing::ValuesIn(k_scenes),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
 
 // The two sides of a triangle are remembered apart: said to be the front, the back is answered wrongly.
-TEST(CertificateChecksByHand, SidesAreApart)
+TEST(CertificateRules, SidesOfATriangleAreStoredSeparately)
 {
     for (const bool lie : {false, true}) {
         Rehearsal rehearsal(stage_with_receiver());
@@ -328,7 +328,7 @@ TEST(CertificateChecksByHand, SidesAreApart)
 
 // Where a wall leans over the receiver's very edge, nothing is remembered of the rim: said to lie inside of it, its
 // points are answered wrongly. The lean is within the margin, and no proof sees it.
-TEST(CertificateChecksByHand, RimIsTraced)
+TEST(CertificateRules, RimIsAlwaysTraced)
 {
     std::uint64_t asked = 0, in_shade = 0, wrong[2] = {0, 0};
     for (const bool lie : {false, true}) {
@@ -357,7 +357,7 @@ TEST(CertificateChecksByHand, RimIsTraced)
 }
 
 // A point is answered by its own part: asked in the name of another one, it is answered wrongly.
-TEST(CertificateChecksByHand, PartIsThePointsOwn)
+TEST(CertificateRules, LookUpUsesThePartOfThePoint)
 {
     for (const bool lie : {false, true}) {
         Stage stage = stage_with_receiver();
@@ -378,7 +378,7 @@ TEST(CertificateChecksByHand, PartIsThePointsOwn)
 
 // Triangles that rays meet in spaces of their own do not close a patch, though their ends agree to the bit: rays are
 // rounded differently on the way to each.
-TEST(CertificateChecksByHand, SpacesAreApart)
+TEST(CertificateRules, PatchesDoNotSpanInstances)
 {
     // Sheets side by side, as many as are flattened, and one more, when the mesh is kept once and instanced.
     constexpr std::uint32_t k_cells = 256;
@@ -414,7 +414,7 @@ TEST(CertificateChecksByHand, SpacesAreApart)
 }
 
 // A patch begins with a triangle that is in the way: one beside the shaft closes nothing.
-TEST(CertificateChecksByHand, OccluderIsInTheWay)
+TEST(CertificateRules, PatchStartsInsideTheShaft)
 {
     Stage stage = stage_with_receiver();
     stage.add({{5, 5, 1}, {6, 5, 1}, {5, 6, 1}});
@@ -432,7 +432,7 @@ TEST(CertificateChecksByHand, OccluderIsInTheWay)
 
 // What a dynamic object did to a ray is no evidence: the ground in its shadow is proven free of static shadows all the
 // same.
-TEST(CertificateChecksByHand, DynamicObjectsAreNoEvidence)
+TEST(CertificateRules, DynamicOccludersAreNoEvidence)
 {
     Stage stage = stage_with_receiver();
     stage.add(large_triangle(1), test::two_sided,

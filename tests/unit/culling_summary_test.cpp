@@ -24,7 +24,7 @@ CullingFrame frame_of(int number, double off_ms, double certified_ms, std::uint6
     return f;
 }
 
-TEST(CullingSummary, MediansAreByFrame)
+TEST(CullingSummary, MediansArePerFrame)
 {
     const std::vector<std::vector<CullingFrame>> runs = {{frame_of(1, 10, 30, 500), frame_of(2, 10, 1, 100)},
                                                          {frame_of(1, 90, 20, 500), frame_of(2, 11, 2, 100)},
@@ -38,7 +38,7 @@ TEST(CullingSummary, MediansAreByFrame)
     EXPECT_EQ(medians_of(std::span(runs).first(2))[0].off.ms, 50);   // between the two
 }
 
-TEST(CullingSummary, CountsThatDifferBetweenRunsAreAFault)
+TEST(CullingSummary, CountsThatDifferBetweenRunsAreAnError)
 {
     std::vector<std::vector<CullingFrame>> runs = {{frame_of(1, 1, 1, 500)}, {frame_of(1, 1, 1, 500)}};
     EXPECT_NO_THROW(medians_of(runs));
@@ -65,7 +65,7 @@ TEST(CullingSummary, FiguresFollowFromTheFrames)
     EXPECT_DOUBLE_EQ(r.paper_wrong_mean, 3);
 }
 
-TEST(CullingSummary, TheBeginningOfAWindowIsAWindow)
+TEST(CullingSummary, SummarisesTheFirstFramesOfAWindow)
 {
     CullingWindow whole;
     whole.scene = "some/kitchen.aff";
@@ -80,7 +80,7 @@ TEST(CullingSummary, TheBeginningOfAWindowIsAWindow)
     EXPECT_THROW(beginning_of(whole, 5), InternalError);
 }
 
-TEST(CullingBench, ReflectedHitsAreAskedTooAndNothingIsWrong)
+TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("kinetic"));
     CullingBenchOptions options;
@@ -119,7 +119,7 @@ TEST(CullingBench, WithEveryLightMovingAllRaysAreTraced)
     }
 }
 
-TEST(CullingBench, StopsWhenAsked)
+TEST(CullingBench, StopsWhenInterrupted)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     CullingBenchOptions options;

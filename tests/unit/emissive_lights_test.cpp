@@ -74,7 +74,7 @@ TEST(Emitters, KeepTheFlux)
     EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
-TEST(Emitters, IrradianceIsThatOfTheSurface)
+TEST(Emitters, IrradianceEqualsThatOfTheSurface)
 {
     Scene scene;
     add_quad(scene, add_material(scene, glm::vec3(8)), {-0.5f, 4, -0.5f}, {1, 0, 0}, {0, 0, 1});
@@ -102,7 +102,7 @@ TEST(Emitters, IrradianceIsThatOfTheSurface)
     }
 }
 
-TEST(Emitters, ManyOfThemKeepTheFlux)
+TEST(Emitters, ManyEmittersKeepTheFlux)
 {
     Scene scene;
     const MaterialId lamp = add_material(scene, glm::vec3(50));
@@ -118,7 +118,7 @@ TEST(Emitters, ManyOfThemKeepTheFlux)
     EXPECT_NEAR(total_flux(scene).x, 50 * area * k_pi, 1e-3 * 50 * area * k_pi);
 }
 
-TEST(Emitters, WhatDoesNotLightIsLeftAlone)
+TEST(Emitters, IgnoresDimAndSmallEmitters)
 {
     const auto lights = [](const glm::vec3& emissive, float size, bool has_light) {
         Scene scene;
@@ -139,7 +139,7 @@ TEST(Emitters, WhatDoesNotLightIsLeftAlone)
     EXPECT_EQ(lights(glm::vec3(10), 2, true), 1u);        // there is a light already
 }
 
-TEST(Emitters, TwoSidedOnesShineWhereThereIsRoom)
+TEST(Emitters, TwoSidedEmittersShineTowardsOpenSpace)
 {
     // Wound to face up, right under a ceiling: it must shine down.
     Scene scene;
@@ -154,7 +154,7 @@ TEST(Emitters, TwoSidedOnesShineWhereThereIsRoom)
     EXPECT_NEAR(state.light(0).direction.y, -1, 1e-5f);
 }
 
-TEST(Emitters, DeepBelowOneAnother)
+TEST(Emitters, HandlesADeepNodeHierarchyQuickly)
 {
     Scene scene;
     add_quad(scene, add_material(scene, {10, 10, 10}), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});

@@ -161,7 +161,7 @@ const std::map<std::string, Edit>& edits()
     return all;
 }
 
-TEST(Fingerprint, EveryEditGivesAnother)
+TEST(Fingerprint, ChangesWithEveryEdit)
 {
     std::map<std::uint64_t, std::string> found;
     for (const auto& [name, edit] : edits()) {
@@ -173,7 +173,7 @@ TEST(Fingerprint, EveryEditGivesAnother)
     }
 }
 
-TEST(Fingerprint, NamesOfThingsAreNoEdit)
+TEST(Fingerprint, IgnoresNames)
 {
     const auto of = [](const char* name) {
         auto made = std::make_shared<scene::Scene>(everything());
@@ -185,7 +185,7 @@ TEST(Fingerprint, NamesOfThingsAreNoEdit)
 }
 
 // A clip that numbers its own frames is the same at any rate, but for a camera that turns by the second.
-TEST(Fingerprint, TheRateOfATurntable)
+TEST(Fingerprint, DependsOnTheFrameRateOfATurntableOnly)
 {
     auto made = std::make_shared<scene::Scene>(everything());
     made->timeline.own_frames = true;
@@ -200,7 +200,7 @@ TEST(Fingerprint, TheRateOfATurntable)
 }
 
 // A video that nobody could wait for costs no more here than one of a minute.
-TEST(Fingerprint, OfAClipWithoutEnd)
+TEST(Fingerprint, IsFastForAnEndlessClip)
 {
     auto made = std::make_shared<scene::Scene>(everything());
     made->timeline.end = 1e9, made->timeline.frames = scene::k_most_frames;

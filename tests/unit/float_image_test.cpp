@@ -41,7 +41,7 @@ std::vector<Layer> some_layers(Size size)
     return layers;
 }
 
-TEST(Exr, LayersComeBackToTheBit)
+TEST(Exr, RoundTripKeepsEveryBit)
 {
     const test::ScratchFolder scratch;
     const Size size{37, 21};
@@ -60,7 +60,7 @@ TEST(Exr, LayersComeBackToTheBit)
 }
 
 // OpenEXR would read such a value as long as its type says, and what follows as another attribute of any size.
-TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
+TEST(Exr, RefusesAttributesOfWrongSize)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -86,7 +86,7 @@ TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
     }
 }
 
-TEST(Exr, NamesInTheFileAreThoseOfTheLayers)
+TEST(Exr, WritesLayerAndChannelNames)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -96,7 +96,7 @@ TEST(Exr, NamesInTheFileAreThoseOfTheLayers)
     EXPECT_EQ(header.channels.size(), 19u);
 }
 
-TEST(Exr, BytesDependOnThePixelsAlone)
+TEST(Exr, BytesDependOnPixelsOnly)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -120,7 +120,7 @@ TEST(Exr, OneLayerOrOneChannelCanBeRead)
     EXPECT_TRUE(decode_exr(bytes, "a.exr", "nothing").layers.empty());
 }
 
-TEST(Exr, WholeFilesAreTold)
+TEST(Exr, DetectsTruncatedFiles)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -139,7 +139,7 @@ TEST(Exr, WholeFilesAreTold)
     EXPECT_TRUE(is_whole_exr(scratch / "wide.exr", wide));
 }
 
-TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
+TEST(Exr, ReadsAsManyChannelsAsItWrites)
 {
     const test::ScratchFolder scratch;
     const Size size{3, 2};
@@ -163,7 +163,7 @@ TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
     EXPECT_FALSE(std::filesystem::exists(scratch / "b.exr"));
 }
 
-TEST(Exr, AWideImageHasRoomForLess)
+TEST(Exr, WiderImagesAllowFewerChannels)
 {
     // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, and does not read it.
     EXPECT_EQ(room_in_exr({2047, 1}), 16384u);
@@ -174,7 +174,7 @@ TEST(Exr, AWideImageHasRoomForLess)
     EXPECT_THROW(write_exr(scratch / "a.exr", {16384, 1}, std::span(&wide, 1)), UsageError);
 }
 
-TEST(Exr, SizesBeyondTheLimitsAreRefused)
+TEST(Exr, RefusesSizesBeyondTheLimits)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -195,7 +195,7 @@ TEST(Exr, SizesBeyondTheLimitsAreRefused)
     EXPECT_NO_THROW(decode_exr(bytes, "a", {}, limits));
 }
 
-TEST(Hdr, NewRunsAndExposure)
+TEST(Hdr, ReadsNewRunsAndExposure)
 {
     // 128 * 2^(129 - 136) = 1, 64 -> 0.5; exposures are divided out.
     const auto row = test::even_row(300, {128, 64, 0, 129});
@@ -213,7 +213,7 @@ TEST(Hdr, NewRunsAndExposure)
     EXPECT_EQ(exposed.pixel(0, 0)[0], 0.125f);
 }
 
-TEST(Hdr, LiteralsOldRunsAndPlainPixels)
+TEST(Hdr, ReadsLiteralsOldRunsAndPlainPixels)
 {
     // Literals: four components of eight different values.
     std::vector<std::uint8_t> row{2, 2, 0, 8};
@@ -235,7 +235,7 @@ TEST(Hdr, LiteralsOldRunsAndPlainPixels)
     EXPECT_EQ(narrow.pixel(1, 0)[0], 0.0f);   // exponent 0 is black
 }
 
-TEST(Hdr, WrongFilesAreRefused)
+TEST(Hdr, RefusesInvalidFiles)
 {
     const auto row = test::even_row(16, {128, 64, 0, 129});
     const auto refused = [](const std::vector<std::uint8_t>& bytes) {
@@ -256,7 +256,7 @@ TEST(Hdr, WrongFilesAreRefused)
     refused(test::hdr_file("-Y 1 +X 8", {1, 1, 1, 4, 9, 9, 9, 9}));   // a run of no pixel
 }
 
-TEST(FloatImage, FormatsAreToldByContent)
+TEST(FloatImage, RecognisesFormatsByContent)
 {
     const test::ScratchFolder scratch;
     Image8 gray(3, 2, 1);

@@ -18,7 +18,7 @@ glm::vec2 texels(float u, float v)
     return glm::vec2(u, v) / static_cast<float>(k_size);
 }
 
-TEST(Footprint, ThatIsRoundIsOneSample)
+TEST(Footprint, RoundFootprintTakesOneSample)
 {
     const Texture texture = squares(3, 5);
     for (const glm::vec2 uv : {glm::vec2(0.3f, 0.6f), glm::vec2(0.91f, -0.2f)}) {
@@ -52,7 +52,7 @@ float range_of(const Sample& sample)
 }
 
 // Along it everything is mixed; across it what is wider than the footprint stays apart.
-TEST(Footprint, ThatIsLongMixesAlongItAlone)
+TEST(Footprint, LongFootprintFiltersAlongItsAxisOnly)
 {
     const Texture fine = squares(2, k_size), wide = squares(k_size, 16);
     for (const float length : {8.0f, 12.0f})
@@ -74,7 +74,7 @@ TEST(Footprint, ThatIsLongMixesAlongItAlone)
 }
 
 // No line is seen where another sample begins.
-TEST(Footprint, GrowsWithoutJumps)
+TEST(Footprint, ChangesSmoothlyWithItsLength)
 {
     const Texture texture = squares(5, 7);
     float before = -1;
@@ -87,7 +87,7 @@ TEST(Footprint, GrowsWithoutJumps)
     }
 }
 
-TEST(Footprint, OfAnySizeIsFinite)
+TEST(Footprint, IsFiniteForAnySize)
 {
     const Texture texture = squares(3, 5);
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
@@ -97,7 +97,7 @@ TEST(Footprint, OfAnySizeIsFinite)
                 EXPECT_TRUE(is_finite(glm::vec3(sample_ellipse(texture, uv, {a, b}, {b, -a}))));
 }
 
-TEST(Footprint, StepsAreDifferencesOfCoordinates)
+TEST(Footprint, StepsEqualDifferencesOfCoordinates)
 {
     for (const float rotation : {0.0f, 0.7f}) {
         TextureUse use;
@@ -110,7 +110,7 @@ TEST(Footprint, StepsAreDifferencesOfCoordinates)
 }
 
 // One sample a pixel shows nearly what many do: neither moire nor a grey band far from the horizon.
-TEST(Footprint, MakesOneSampleStandForItsPixel)
+TEST(Footprint, OneSampleApproximatesSupersampling)
 {
     const gnomon::Scene scene = test::floor_to_the_horizon();
     const auto image = [&](int samples) {

@@ -72,7 +72,7 @@ FramingOptions from_the_right()
     return options;
 }
 
-TEST(Framing, EverythingIsInTheImageAtEveryTimeAndFillsIt)
+TEST(Framing, SceneStaysInTheImageAndFillsItAtAllTimes)
 {
     const FramingOptions options = from_the_right();
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -89,7 +89,7 @@ TEST(Framing, EverythingIsInTheImageAtEveryTimeAndFillsIt)
     }
 }
 
-TEST(Framing, WhatGoesFarDoesNotMakeSpecksOfTheRest)
+TEST(Framing, DistantObjectsDoNotShrinkTheRest)
 {
     const FramingOptions options = from_the_right();
     const Scene scene = clouds(3, {400, 0, 0});
@@ -99,7 +99,7 @@ TEST(Framing, WhatGoesFarDoesNotMakeSpecksOfTheRest)
     EXPECT_LT(framed.size, 20);
 }
 
-TEST(Framing, NothingAndOnePointHaveAPlaceToBeSeenFrom)
+TEST(Framing, HandlesEmptyAndPointScenes)
 {
     const Framed nothing = frame_clip(Scene(), from_the_right());
     EXPECT_TRUE(is_finite(glm::vec3(nothing.eye)));

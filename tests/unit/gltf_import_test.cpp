@@ -78,7 +78,7 @@ std::string one_mesh(const std::string& primitives, const std::string& more = ""
     return fmt::format(R"("meshes":[{{"primitives":[{}]{}}}],"nodes":[{{"mesh":0}}])", primitives, more);
 }
 
-TEST(GltfImport, IndicesOfEachWidth)
+TEST(GltfImport, ReadsIndicesOfEachWidth)
 {
     Document d;
     const int p = d.positions(k_square);
@@ -101,7 +101,7 @@ TEST(GltfImport, IndicesOfEachWidth)
     EXPECT_EQ(s.materials.at(0).base_color, glm::vec3(1));
 }
 
-TEST(GltfImport, StripsAndFansKeepTheirFront)
+TEST(GltfImport, StripsAndFansKeepTheirWinding)
 {
     Document d;
     const int strip = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0});
@@ -135,7 +135,7 @@ TEST(GltfImport, MixedPrimitivesGetFlatNormalsAndFilledAttributes)
     EXPECT_EQ(m.colors[9], glm::vec4(1));
 }
 
-TEST(GltfImport, QuantizedMeshes)
+TEST(GltfImport, ReadsQuantizedMeshes)
 {
     // Three shorts a vertex, tightly packed: not aligned, and the extension must be required.
     Document packed;
@@ -174,7 +174,7 @@ TEST(GltfImport, SparseAccessorsOverrideZeros)
     EXPECT_TRUE(s.warnings.empty());
 }
 
-TEST(GltfImport, MorphTargetsAndTheirAnimation)
+TEST(GltfImport, ReadsMorphTargetsAndTheirAnimation)
 {
     Document d;
     const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
@@ -193,7 +193,7 @@ TEST(GltfImport, MorphTargetsAndTheirAnimation)
     EXPECT_EQ(state.deformed(0).positions[1], glm::vec3(1, 0, 1));
 }
 
-TEST(GltfImport, SkinsBendMeshes)
+TEST(GltfImport, SkinsDeformMeshes)
 {
     Document d;
     const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
@@ -214,7 +214,7 @@ TEST(GltfImport, SkinsBendMeshes)
     EXPECT_EQ(positions[2], glm::vec3(0, 1, 2));
 }
 
-TEST(GltfImport, MaterialsTexturesAndExtensions)
+TEST(GltfImport, ReadsMaterialsTexturesAndExtensions)
 {
     Document d;
     Image8 image(2, 1, 3);
@@ -260,7 +260,7 @@ TEST(GltfImport, MaterialsTexturesAndExtensions)
 }
 
 // Alpha of an opaque material is nothing, and must not weigh the colours that are seen from afar.
-TEST(GltfImport, AlphaThatHasNoSayWeighsNothing)
+TEST(GltfImport, UnusedAlphaDoesNotWeightMipmaps)
 {
     Document d;
     Image8 image(2, 1, 4);
@@ -288,7 +288,7 @@ TEST(GltfImport, AlphaThatHasNoSayWeighsNothing)
     EXPECT_NEAR(from_afar(blend.base_color_texture).w, 0.5f, 0.01f);
 }
 
-TEST(GltfImport, CamerasLightsAndTheDefaultScene)
+TEST(GltfImport, ReadsCamerasLightsAndTheDefaultScene)
 {
     Document d;
     const scene::Scene s = d.load(
@@ -347,7 +347,7 @@ TEST(GltfImport, ErrorsNameFileAndPlace)
     }
 }
 
-TEST(GltfImport, StopsWhenAskedTo)
+TEST(GltfImport, StopsWhenInterrupted)
 {
     Document d;
     d.load(R"("nodes":[{}])");

@@ -49,7 +49,7 @@ void expect_refused(const Bytes& bytes, const std::string& what, const ImageLimi
     }
 }
 
-TEST(ImageRead, BinaryPpm)
+TEST(ImageRead, ReadsBinaryPpm)
 {
     const Image8 image = decode_image(bytes_of("P6\n# a comment\n2 #x\n1\n255\nabcdef"), "t");
     EXPECT_EQ(image.width, 2);
@@ -64,7 +64,7 @@ TEST(ImageRead, BinaryPpm)
     EXPECT_EQ(decode_image(bytes_of(std::string("P6 1 1 1 \x01\x00\x01", 12)), "t").data, (Bytes{255, 0, 255}));
 }
 
-TEST(ImageRead, WrongPpm)
+TEST(ImageRead, RefusesInvalidPpm)
 {
     for (const std::string text :
          {"P6", "P6 ", "P6 1 1 255", "P6 1 1 255 ab", "P6 0 1 255 abc", "P6 1 1 0 abc", "P6 1 1 65536 abc",
@@ -73,7 +73,7 @@ TEST(ImageRead, WrongPpm)
         expect_refused(bytes_of(text), text);
 }
 
-TEST(ImageRead, PngOfAllKinds)
+TEST(ImageRead, ReadsPngOfAllKinds)
 {
     EXPECT_EQ(decode_image(make_png(2, 1, 8, PNG_COLOR_TYPE_RGB, {{1, 2, 3, 4, 5, 6}}), "t").data,
               (Bytes{1, 2, 3, 4, 5, 6}));
@@ -101,7 +101,7 @@ TEST(ImageRead, SixteenBitPngKeepsItsEncoding)
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(image.data[i], expected[i], 1) << i;
 }
 
-TEST(ImageRead, Jpeg)
+TEST(ImageRead, ReadsJpeg)
 {
     const Image8 rgb = decode_image(make_jpeg(17, 9, JCS_RGB, 3, 100), "t");
     EXPECT_EQ(rgb.width, 17);
@@ -112,7 +112,7 @@ TEST(ImageRead, Jpeg)
     EXPECT_EQ(decode_image(make_jpeg(8, 8, JCS_CMYK, 4, 255), "t").channels, 3);
 }
 
-TEST(ImageRead, LimitsComeBeforeMemory)
+TEST(ImageRead, ChecksLimitsBeforeAllocating)
 {
     const ImageLimits small{.max_side = 16, .max_pixels = 100};
     expect_refused(make_png(17, 1, 8, PNG_COLOR_TYPE_GRAY, {Bytes(17)}), "wide PNG", small);
@@ -123,7 +123,7 @@ TEST(ImageRead, LimitsComeBeforeMemory)
     EXPECT_EQ(decode_image(make_jpeg(10, 10, JCS_GRAYSCALE, 1, 0), "t", small).width, 10);
 }
 
-TEST(ImageRead, GammaOfPngIsHeededOrNot)
+TEST(ImageRead, AppliesPngGammaIfRequested)
 {
     const Bytes linear =
         test::png_bytes({.width = 1, .height = 1, .depth = 8, .type = PNG_COLOR_TYPE_GRAY, .gamma = 1}, {Bytes{128}});
@@ -131,7 +131,7 @@ TEST(ImageRead, GammaOfPngIsHeededOrNot)
     EXPECT_EQ(decode_image(linear, "t", {.stored_values = true}).data[0], 128);
 }
 
-TEST(ImageRead, AJpegThatEndsBeforeItsPixelsIsNotShown)
+TEST(ImageRead, RefusesTruncatedJpeg)
 {
     // Noise, so that every row takes many bytes.
     Bytes row(64 * 3);
@@ -146,7 +146,7 @@ TEST(ImageRead, AJpegThatEndsBeforeItsPixelsIsNotShown)
     }
 }
 
-TEST(ImageRead, CutOffAndDamaged)
+TEST(ImageRead, RefusesTruncatedAndDamagedFiles)
 {
     const Bytes png = make_png(4, 4, 8, PNG_COLOR_TYPE_RGBA, std::vector<Bytes>(4, Bytes(16, 77)));
     const Bytes jpeg = make_jpeg(16, 16, JCS_RGB, 3, 100);
@@ -171,7 +171,7 @@ TEST(ImageRead, CutOffAndDamaged)
     }
 }
 
-TEST(ImageRead, ByContentNotByName)
+TEST(ImageRead, RecognisesFormatsByContent)
 {
     const test::ScratchFolder folder;
     const Bytes png = make_png(1, 1, 8, PNG_COLOR_TYPE_GRAY, {{9}});
@@ -183,7 +183,7 @@ TEST(ImageRead, ByContentNotByName)
     expect_refused({}, "nothing");
 }
 
-TEST(ImageRead, OnlyRegularFiles)
+TEST(ImageRead, ReadsRegularFilesOnly)
 {
     const test::ScratchFolder folder;
     EXPECT_THROW(read_image(folder / "absent.png"), InputError);

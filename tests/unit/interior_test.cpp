@@ -36,7 +36,7 @@ Scene box(int sides, const glm::vec3& size, bool inward = true)
     return scene;
 }
 
-TEST(Interior, SolidThingsAreSeenFromOutside)
+TEST(Interior, SolidObjectsAreSeenFromOutside)
 {
     EXPECT_FALSE(find_interior(box(all, {4, 3, 5}, false)));
     EXPECT_FALSE(find_interior(box(low_y, {4, 3, 5})));
@@ -78,7 +78,7 @@ TEST(Interior, StageIsSeenThroughItsOpening)
     }
 }
 
-TEST(Interior, DefaultsOfRooms)
+TEST(Interior, RoomsGetInteriorDefaults)
 {
     Scene room = box(all & ~high_z, {5, 5, 5});
     add_default_light(room);
@@ -94,7 +94,7 @@ TEST(Interior, DefaultsOfRooms)
     EXPECT_EQ(thing.background.color, glm::vec3(0));
 }
 
-TEST(Interior, TheSunReachesTheGroundOfACourtyard)
+TEST(Interior, SunReachesTheGroundOfACourtyard)
 {
     Scene court = box(all & ~high_y, {12, 6, 3});
     add_default_light(court);
@@ -107,7 +107,7 @@ TEST(Interior, TheSunReachesTheGroundOfACourtyard)
     EXPECT_GT(court.background.color.x, 0);   // and what bounces often is stood in for
 }
 
-TEST(SpaceGrid, CastsAtFrontsAndBacks)
+TEST(SpaceGrid, CastsAgainstFrontAndBackFaces)
 {
     const Scene scene = box(all, {4, 4, 4});
     const SpaceGrid grid(scene, 0);

@@ -12,7 +12,7 @@
 namespace gnomon::light_views {
 namespace {
 
-TEST(FootprintIndex, FindsWhatASearchOfEverythingFinds)
+TEST(FootprintIndex, EqualsALinearSearch)
 {
     constexpr int size = 256;
     constexpr scene::ObjectId count = 300;
@@ -47,7 +47,7 @@ TEST(FootprintIndex, FindsWhatASearchOfEverythingFinds)
     }
 }
 
-TEST(FootprintIndex, LooksOnlyAround)
+TEST(FootprintIndex, VisitsNearbyCellsOnly)
 {
     // The same objects around the query, and ever more elsewhere.
     std::uint64_t touched[2];
@@ -95,7 +95,7 @@ TEST(LightAtlas, GivesEveryViewItsOwnSquareWithinTheBudget)
     EXPECT_EQ(make_atlas({}, {}).pages, 0);
 }
 
-TEST(LightViews, FootprintsHoldEveryTexelThatIsDrawn)
+TEST(LightViews, FootprintsContainEveryDrawnTexel)
 {
     const test::LightScript script = test::make_light_script(4, 40);
     scene::SceneState state(script.scene, 0);
@@ -127,7 +127,7 @@ TEST(LightViews, FootprintsHoldEveryTexelThatIsDrawn)
     EXPECT_LT(covered, 3 * drawn);   // and not much more
 }
 
-TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
+TEST(LightViews, FacesOfAPointLightCoverEveryDirection)
 {
     scene::Light light;
     light.type = scene::LightType::point;
@@ -177,7 +177,7 @@ std::shared_ptr<const scene::Scene> still_life(int still, int dynamic_objects)
     return test::finished(scene);
 }
 
-TEST(LightViews, CostFollowsWhatMovesNotWhatIsThere)
+TEST(LightViews, CostDependsOnMovedObjectsOnly)
 {
     LightViewsOptions options;
     options.receivers = true;
@@ -201,7 +201,7 @@ TEST(LightViews, CostFollowsWhatMovesNotWhatIsThere)
     EXPECT_LE(touched[1], touched[0] + touched[0] / 10);
 }
 
-TEST(LightViews, NothingIsDoneWhileNothingMoves)
+TEST(LightViews, DoesNothingWhileNothingMoves)
 {
     scene::SceneState state(still_life(50, 3), 0);
     LightViewsOptions options;
@@ -227,7 +227,7 @@ TEST(LightViews, NothingIsDoneWhileNothingMoves)
     }
 }
 
-TEST(LightViews, ManyLightsKeepTheirPlaces)
+TEST(LightViews, ManyLightsKeepTheirTiles)
 {
     scene::Scene scene = test::scene_with_balls();
     for (int row = 0; row < 4; ++row)
@@ -264,7 +264,7 @@ TEST(LightViews, ManyLightsKeepTheirPlaces)
     }
 }
 
-TEST(LightViews, OverridesChangeWhatIsDone)
+TEST(LightViews, MobilityOverridesChangeThePlan)
 {
     scene::SceneState state(still_life(50, 3), 0);
     LightViews views(state, {});

@@ -14,7 +14,7 @@
 namespace gnomon::cli {
 namespace {
 
-TEST(Manual, EveryOptionIsWhereAPersonLooks)
+TEST(Manual, ManPageDocumentsEveryOption)
 {
     const std::string manual = manual_page(), bash = bash_completion(), zsh = zsh_completion(),
                       fish = fish_completion();
@@ -32,7 +32,7 @@ TEST(Manual, EveryOptionIsWhereAPersonLooks)
 }
 
 // What shows options takes their order from the table.
-TEST(Manual, OptionsOfOneGroupStandTogether)
+TEST(Manual, OptionsOfAGroupAreContiguous)
 {
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         std::vector<std::string_view> groups;
@@ -45,7 +45,7 @@ TEST(Manual, OptionsOfOneGroupStandTogether)
 }
 
 // `gnomon_documents FOLDER` makes it anew.
-TEST(Manual, TheGuidesPageOfOptionsIsTheTable)
+TEST(Manual, OptionsPageOfTheGuideIsUpToDate)
 {
     std::ostringstream page;
     page << std::ifstream(std::string(GNOMON_SOURCE_DIR) + "/docs/guide/options.md").rdbuf();

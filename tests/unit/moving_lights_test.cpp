@@ -9,7 +9,7 @@
 namespace gnomon::bench {
 namespace {
 
-TEST(MovingLights, EveryLightMovesALittleInEveryFrameAndNothingElse)
+TEST(MovingLights, MovesEveryLightInEveryFrameAndNothingElse)
 {
     for (const char* name : {"kinetic", "cornell"}) {
         SCOPED_TRACE(name);
@@ -35,7 +35,7 @@ TEST(MovingLights, EveryLightMovesALittleInEveryFrameAndNothingElse)
     }
 }
 
-TEST(MovingLights, TheIndexOfChildrenStaysWhole)
+TEST(MovingLights, KeepsTheIndexOfChildrenValid)
 {
     const auto moving = with_moving_lights(std::make_shared<const scene::Scene>(scene::make_builtin("kinetic")));
     ASSERT_EQ(moving->child_begin.size(), moving->nodes.size() + 1);

@@ -37,7 +37,7 @@ TEST(ObjMaterial, ReadsMapsWithOptions)
     EXPECT_EQ(m.emissive_map.file, "12.png");
 }
 
-TEST(ObjMaterial, ErrorsAndWarnings)
+TEST(ObjMaterial, ReportsErrorsAndWarnings)
 {
     std::vector<std::string> warnings;
     EXPECT_EQ(parse("Kd 1 1 1\nnewmtl a\nKd spectral x.rfl\nfoo 1\nfoo 2\n", &warnings).size(), 1u);
@@ -58,7 +58,7 @@ TEST(ObjMaterial, PhongBecomesRoughness)
     EXPECT_EQ(material("Ks 0 0 0\nNs 30\n").roughness, 1);
 }
 
-TEST(ObjMaterial, Transparency)
+TEST(ObjMaterial, ReadsTransparency)
 {
     using scene::SurfaceClass;
     EXPECT_EQ(material("d 1\nTr 0\nillum 4\n").surface_class(), SurfaceClass::opaque);
@@ -76,7 +76,7 @@ TEST(ObjMaterial, Transparency)
     EXPECT_EQ(material("map_d x.png\nd 0.5\n").alpha_mode, scene::AlphaMode::mask);
 }
 
-TEST(ObjMaterial, LightMirrorsAndMetal)
+TEST(ObjMaterial, ReadsEmissionMirrorsAndMetal)
 {
     EXPECT_EQ(material("Ke 1 2 3\n").emissive, glm::vec3(1, 2, 3));
     EXPECT_EQ(material("Ka 20 20 20\nKd 1 1 1\n").emissive, glm::vec3(20));

@@ -28,7 +28,7 @@ void expect_filled(const std::vector<glm::vec3>& points)
     EXPECT_NEAR(sum, 0.5 * glm::length(normal), 1e-4 * glm::length(normal));
 }
 
-TEST(ObjPolygon, FillsConcaveOnes)
+TEST(ObjPolygon, FillsConcavePolygons)
 {
     expect_filled({{0, 0, 0}, {2, 0, 0}, {0.5f, 0.5f, 0}, {0, 2, 0}});   // an arrowhead
     expect_filled({{0.5f, 0.5f, 0}, {0, 2, 0}, {0, 0, 0}, {2, 0, 0}});   // from the notch
@@ -61,7 +61,7 @@ TEST(ObjPolygon, FillsCollinearCorners)
     expect_filled({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {3, 1, 0}, {3, 2, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 0}});
 }
 
-TEST(ObjPolygon, AlwaysGivesTwoLessThanItsCorners)
+TEST(ObjPolygon, GivesTwoTrianglesLessThanCorners)
 {
     const std::vector<std::vector<glm::vec3>> degenerate = {
         {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
@@ -77,7 +77,7 @@ TEST(ObjPolygon, AlwaysGivesTwoLessThanItsCorners)
     }
 }
 
-TEST(ObjPolygon, HugeOnesWithoutEarsEnd)
+TEST(ObjPolygon, FillsHugePolygonsWithoutEarsInTime)
 {
     // All corners but one on a line, to and fro: every search for an ear goes round in vain.
     std::vector<glm::vec3> points{{0, 1, 0}};
@@ -88,7 +88,7 @@ TEST(ObjPolygon, HugeOnesWithoutEarsEnd)
     EXPECT_TRUE(triangulator.exhausted());
 }
 
-TEST(ObjPolygon, HugeOnesEnd)
+TEST(ObjPolygon, FillsHugePolygonsInTime)
 {
     std::vector<glm::vec3> star;
     const int n = 60000;

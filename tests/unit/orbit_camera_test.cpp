@@ -21,7 +21,7 @@ void expect_near(const glm::vec3& a, const glm::vec3& b, float room)
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[axis], b[axis], room) << "axis " << axis;
 }
 
-TEST(OrbitCamera, BeginsWhereTheSceneLooked)
+TEST(OrbitCamera, StartsAtTheSceneCamera)
 {
     const scene::View view = some_view();
     OrbitCamera camera;
@@ -34,7 +34,7 @@ TEST(OrbitCamera, BeginsWhereTheSceneLooked)
     EXPECT_FLOAT_EQ(own.pixel_spread, view.pixel_spread);
 }
 
-TEST(OrbitCamera, CirclesItsPivotAndNeverTipsOver)
+TEST(OrbitCamera, OrbitsItsPivotAndStaysUpright)
 {
     OrbitCamera camera;
     camera.follow(some_view(), 2);
@@ -50,7 +50,7 @@ TEST(OrbitCamera, CirclesItsPivotAndNeverTipsOver)
     EXPECT_NEAR(glm::length(camera.view({64, 48}).eye - pivot), 1, 1e-4f);
 }
 
-TEST(OrbitCamera, LooksAndFliesFromItsEye)
+TEST(OrbitCamera, LooksAndFliesFromTheEye)
 {
     OrbitCamera camera;
     camera.follow(some_view(), 2);
@@ -68,7 +68,7 @@ TEST(OrbitCamera, LooksAndFliesFromItsEye)
     expect_near(aimed.eye + camera.distance() * aimed.forward, target, 1e-4f);
 }
 
-TEST(OrbitCamera, PansByTheSameShareOfTheViewAtAnyDistance)
+TEST(OrbitCamera, PansByTheSameFractionOfTheViewAtAnyDistance)
 {
     for (const float distance : {0.5f, 5.0f}) {
         OrbitCamera camera;

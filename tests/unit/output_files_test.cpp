@@ -68,7 +68,7 @@ TEST(NumberedName, PadsWithZeros)
     EXPECT_EQ(io::numbered_name("plain.png", 7), fs::path("plain.png"));
 }
 
-TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
+TEST(FramesFolder, IsRemovedIfItsManifestCannotBeWritten)
 {
     const test::ScratchFolder folder;
     video::FramesFolder frames(folder / "a.mp4");
@@ -93,7 +93,7 @@ TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
 }
 
 // Two runs at once would take each other's frames for theirs, or away.
-TEST(FramesFolder, IsOneVideos)
+TEST(FramesFolder, BelongsToOneVideo)
 {
     const test::ScratchFolder folder;
     const video::VideoIdentity video{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
@@ -120,7 +120,7 @@ TEST(FramesFolder, IsOneVideos)
     EXPECT_THROW(third.open(video, true, false), MissingError) << "a video takes its frames away when it is done";
 }
 
-TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
+TEST(FramesFolder, AcceptsChunksThatStartTogether)
 {
     const test::ScratchFolder folder;
     std::vector<std::thread> chunks;
@@ -132,7 +132,7 @@ TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
     for (std::thread& chunk : chunks) chunk.join();
 }
 
-TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
+TEST(ChunkOf, ChunksPartitionTheRangeEvenly)
 {
     for (const FrameRange range : {FrameRange{1, 10}, FrameRange{5, 5}, FrameRange{100, 899}, FrameRange{2, 8}}) {
         for (int chunks = 1; chunks <= 13; ++chunks) {
@@ -154,7 +154,7 @@ TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
     EXPECT_THROW(chunk_of({1, 10}, 1, 0), UsageError);
 }
 
-TEST(AtomicFile, AppearsWholeOrNotAtAll)
+TEST(AtomicFile, AppearsCompleteOrNotAtAll)
 {
     test::ScratchFolder folder;
     {
@@ -172,7 +172,7 @@ TEST(AtomicFile, AppearsWholeOrNotAtAll)
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(AtomicFile, ReplacesTheFileThatALinkNames)
+TEST(AtomicFile, ReplacesTheTargetOfALink)
 {
     test::ScratchFolder folder;
     std::ofstream(folder / "real") << "old";
@@ -184,7 +184,7 @@ TEST(AtomicFile, ReplacesTheFileThatALinkNames)
     EXPECT_EQ(bytes_of(folder / "real"), "new");
 }
 
-TEST(AtomicFile, RefusesWhatCannotBeWritten)
+TEST(AtomicFile, RefusesUnwritablePaths)
 {
     test::ScratchFolder folder;
     std::ofstream(folder / "file") << "x";
@@ -205,7 +205,7 @@ TEST(WritePng, ReportsTheReason)
     }
 }
 
-TEST(WritePng, BytesDependOnPixelsAlone)
+TEST(WritePng, BytesDependOnPixelsOnly)
 {
     test::ScratchFolder folder;
     io::write_png(folder / "a.png", noise(33, 7, 3));
@@ -213,7 +213,7 @@ TEST(WritePng, BytesDependOnPixelsAlone)
     EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
 }
 
-TEST(WritePng, ReadsBackTheSame)
+TEST(WritePng, RoundTripKeepsThePixels)
 {
     test::ScratchFolder folder;
     for (int channels = 1; channels <= 4; ++channels) {
@@ -228,7 +228,7 @@ TEST(WritePng, ReadsBackTheSame)
 }
 
 // Two images of one grey: whatever the sheet makes of them, their middle keeps its brightness.
-TEST(ContactSheet, MakesImagesSmallerInLinearLight)
+TEST(ContactSheet, DownscalesInLinearLight)
 {
     test::ScratchFolder folder;
     Image8 stripes(2000, 40, 3);   // black and white columns: half the light, not half the code
@@ -250,7 +250,7 @@ TEST(ContactSheet, MakesImagesSmallerInLinearLight)
     EXPECT_FALSE(fs::exists(folder / "b.png"));
 }
 
-TEST(WholePng, NoticesEveryMissingOrWrongByte)
+TEST(WholePng, DetectsEveryMissingOrWrongByte)
 {
     test::ScratchFolder folder;
     const fs::path file = folder / "a.png";

@@ -104,14 +104,14 @@ class PaperCullingTest : public testing::Test {
 
 // Table 1.
 
-TEST_F(PaperCullingTest, WhatMovesIsDynamicEvenAtTheEdge)
+TEST_F(PaperCullingTest, MarksMovingPrimitivesDynamicEvenAtTheEdge)
 {
     const std::vector<PrimaryHit> row = {pixel(dynamic_object), pixel(dynamic_object), pixel(dynamic_object)};
     EXPECT_EQ(test_occlusion(row, {}, true, triangles_, modes_).extra_tests, 0u);
     expect_modes({k_init, k_init, k_init, k_dynamic, k_init});
 }
 
-TEST_F(PaperCullingTest, WhatTheScreenCutsIsPartlyOccludedOnAllFourSides)
+TEST_F(PaperCullingTest, ScreenBorderMarksPartlyOccludedOnAllFourSides)
 {
     const PrimaryHit sky;
     const std::vector<PrimaryHit> none(3, sky), left = {pixel(small), sky, sky}, right = {sky, sky, pixel(small)},
@@ -129,33 +129,33 @@ TEST_F(PaperCullingTest, WhatTheScreenCutsIsPartlyOccludedOnAllFourSides)
     EXPECT_FALSE(marks(middle, none, false));
 }
 
-TEST_F(PaperCullingTest, ANeighbourThatContinuesBehindIsPartlyOccluded)
+TEST_F(PaperCullingTest, MarksANeighbourThatContinuesBehindPartlyOccluded)
 {
     // The ray at (1.5, 1.5) meets `small` first, and would meet `wide`.
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 1u);
     expect_modes({k_partial, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, TheUpperNeighbourCountsLikeTheLeft)
+TEST_F(PaperCullingTest, TestsTheUpperNeighbourLikeTheLeft)
 {
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), no_primitive, wide), 1u);
     expect_modes({k_partial, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, ANeighbourThatEndsBeforeThisPixelIsNotOccluded)
+TEST_F(PaperCullingTest, DoesNotMarkANeighbourThatEndsBeforeThisPixel)
 {
     EXPECT_EQ(test_pixel(pixel(wide, 10, 10), small, no_primitive), 1u);
     expect_modes({k_init, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, OneTestWhereBothNeighboursAreOne)
+TEST_F(PaperCullingTest, TestsOnceIfBothNeighboursAreEqual)
 {
     // A test that fails, so that the mark of the first does not keep the second away.
     EXPECT_EQ(test_pixel(pixel(wide, 10, 10), small, small), 1u);
     EXPECT_EQ(test_pixel(pixel(wide, 10, 10), small, beside), 2u);
 }
 
-TEST_F(PaperCullingTest, NoTestOfBackgroundOfOneselfOrOfWhatIsNotInit)
+TEST_F(PaperCullingTest, DoesNotTestBackgroundItselfOrMarkedPrimitives)
 {
     EXPECT_EQ(test_pixel({}, wide, small), 0u);
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), no_primitive, no_primitive), 0u);
@@ -166,13 +166,13 @@ TEST_F(PaperCullingTest, NoTestOfBackgroundOfOneselfOrOfWhatIsNotInit)
     expect_modes({k_init, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, WhatIsMarkedIsNotTestedAgain)
+TEST_F(PaperCullingTest, DoesNotTestMarkedPrimitivesAgain)
 {
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 1u);
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 0u);
 }
 
-TEST_F(PaperCullingTest, WhatIsMarkedIsTestedAgainOnRequest)
+TEST_F(PaperCullingTest, TestsMarkedPrimitivesAgainOnRequest)
 {
     const PrimaryHit sky, front = pixel(small, 1.5f, 1.5f);
     const std::vector<PrimaryHit> above(4, sky), row = {sky, pixel(wide), front, sky};
@@ -181,7 +181,7 @@ TEST_F(PaperCullingTest, WhatIsMarkedIsTestedAgainOnRequest)
     expect_modes({k_partial, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, AnOccluderOverTheLeftPartGoesUnnoticed)
+TEST_F(PaperCullingTest, MissesAnOccluderOverTheLeftPart)
 {
     // The paper's own blind side: `small` stands left of `wide`, the ray beside it does not meet `small`, and nobody
     // asks whether `wide` continues to the left.
@@ -189,7 +189,7 @@ TEST_F(PaperCullingTest, AnOccluderOverTheLeftPartGoesUnnoticed)
     expect_modes({k_init, k_init, k_init, k_init, k_init});
 }
 
-TEST(PaperIntersects, InsideOutsideBorderAndBehind)
+TEST(PaperIntersects, HandlesInsideOutsideBorderAndBehind)
 {
     const glm::vec3 corners[3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
     const auto meets = [&](float x, float y, float z, float dz) { return intersects({x, y, z}, {0, 0, dz}, corners); };
@@ -204,7 +204,7 @@ TEST(PaperIntersects, InsideOutsideBorderAndBehind)
 
 // Table 2.
 
-TEST(PaperShadowTest, Table2)
+TEST(PaperShadowTest, DecidesAsTable2)
 {
     using enum ShadowDecision;
     const auto decision = [](OcclusionMode occlusion, ShadowMode shadow) {
@@ -229,7 +229,7 @@ TEST(PaperShadowTest, Table2)
 
 // Table 3 and 2.6.
 
-TEST(PaperSetModes, Table3)
+TEST(PaperSetModes, SetsShadowModesAsTable3)
 {
     using enum ShadowMode;
     const SetModesOptions ours;
@@ -245,7 +245,7 @@ TEST(PaperSetModes, Table3)
     EXPECT_EQ(shadow_bits(StaticPart::unknown, true, printed), full_shadow);
 }
 
-TEST(PaperSetModes, OcclusionModeAtTheFramesEnd)
+TEST(PaperSetModes, SetsOcclusionModeAtTheEndOfTheFrame)
 {
     const SetModesOptions options;
     EXPECT_EQ(occlusion_after(k_init, k_init, 5, 0, options), k_whole);
@@ -259,7 +259,7 @@ TEST(PaperSetModes, OcclusionModeAtTheFramesEnd)
 
 // Memory.
 
-TEST(PaperModes, BitsOfManyLightsAreKeptApart)
+TEST(PaperModes, BitsOfManyLightsAreIndependent)
 {
     for (const int lights : {0, 1, 9, 15, 16, 17, 40}) {
         Modes modes(3, lights);
@@ -289,7 +289,7 @@ TEST(PaperModes, BitsOfManyLightsAreKeptApart)
     }
 }
 
-TEST(PaperModes, FullAndNonMakePartial)
+TEST(PaperModes, FullAndNonShadowMergeToPartial)
 {
     Modes modes(1, 1);
     std::vector<PrimitiveId> touched;
@@ -304,7 +304,7 @@ TEST(PaperModes, FullAndNonMakePartial)
 
 // The frame.
 
-TEST_F(PaperCullingTest, WhatOneFrameLearnsTheNextUses)
+TEST_F(PaperCullingTest, UsesModesOfThePreviousFrame)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
@@ -323,7 +323,7 @@ TEST_F(PaperCullingTest, WhatOneFrameLearnsTheNextUses)
     EXPECT_EQ(culling_.counters().dynamic_only, 1u);
 }
 
-TEST_F(PaperCullingTest, PartlyOccludedIsNotForEver)
+TEST_F(PaperCullingTest, PartlyOccludedIsReset)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::free);
@@ -340,7 +340,7 @@ TEST_F(PaperCullingTest, PartlyOccludedIsNotForEver)
     EXPECT_EQ(decide(wide), ShadowDecision::dynamic_only) << "its shadow bits stayed";
 }
 
-TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
+TEST_F(PaperCullingTest, ZoomInByMoreThanFourResets)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::free);
@@ -364,7 +364,7 @@ TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::partial_shadow);
 }
 
-TEST_F(PaperCullingTest, HitsInMirrorsTeachShadowsButNotWhetherAllWasSeen)
+TEST_F(PaperCullingTest, MirrorHitsUpdateShadowModesButNotOcclusionModes)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(small, StaticPart::occluded);
@@ -375,7 +375,7 @@ TEST_F(PaperCullingTest, HitsInMirrorsTeachShadowsButNotWhetherAllWasSeen)
     EXPECT_EQ(decide(small), ShadowDecision::full_traversal);
 }
 
-TEST_F(PaperCullingTest, AMovedLightForgetsItsModesAlone)
+TEST_F(PaperCullingTest, MovedLightResetsItsOwnModesOnly)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::occluded, 0);
@@ -388,7 +388,7 @@ TEST_F(PaperCullingTest, AMovedLightForgetsItsModesAlone)
     EXPECT_EQ(decide(wide, 1), ShadowDecision::full_traversal);
 }
 
-TEST_F(PaperCullingTest, AnObjectThatStartsOrStopsForgetsWhatItMayShadow)
+TEST_F(PaperCullingTest, StartingOrStoppingObjectResetsPrimitivesItMayShadow)
 {
     const auto learn = [&] {
         culling_.begin_frame(state_, rays_, PaperChanges{});
@@ -416,7 +416,7 @@ TEST_F(PaperCullingTest, AnObjectThatStartsOrStopsForgetsWhatItMayShadow)
     EXPECT_EQ(culling_.modes().shadow(beside, 0), ShadowMode::full_shadow);
 }
 
-TEST_F(PaperCullingTest, AStaticObjectMovedByHandIsDynamicFromThenOn)
+TEST_F(PaperCullingTest, UserOverrideMakesAStaticObjectDynamic)
 {
     const glm::dmat4 moved = test::translation(0, 0, 5);
     state_.override_transform(scene_->objects[small].node, &moved);
@@ -427,7 +427,7 @@ TEST_F(PaperCullingTest, AStaticObjectMovedByHandIsDynamicFromThenOn)
     EXPECT_FALSE(culling_.triangles().is_dynamic(wide));
 }
 
-TEST_F(PaperCullingTest, NotesOfManyThreadsMergeToTheSame)
+TEST_F(PaperCullingTest, NotesMergeToTheSameForAnyThreadCount)
 {
     const auto learn = [&](std::size_t threads) {
         PaperCulling culling(state_, rays_);
@@ -455,7 +455,7 @@ TEST_F(PaperCullingTest, NotesOfManyThreadsMergeToTheSame)
     EXPECT_EQ(one[2 * beside], ShadowMode::non_shadow);
 }
 
-TEST(PaperMayShadow, ConservativeAndNotAlwaysYes)
+TEST(PaperMayShadow, IsConservativeAndSometimesFalse)
 {
     const auto box = [](const glm::vec3& at, float half) {
         Box3 b;

@@ -62,7 +62,7 @@ bench::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene
     return bench::bench_culling(scene, options);
 }
 
-TEST(PaperWrongPixels, AShadowBetweenThePixelsIsMissed)
+TEST(PaperWrongPixels, MissesAShadowBetweenPixels)
 {
     // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four centres in the first frame; then the camera moves
     // by half a pixel, and one centre is in it.
@@ -78,7 +78,7 @@ TEST(PaperWrongPixels, AShadowBetweenThePixelsIsMissed)
     EXPECT_EQ(result.paper_wrong_mean, 0.75);
 }
 
-TEST(PaperWrongPixels, AShadowThatPixelsSeeIsPartialAndTracedAlways)
+TEST(PaperWrongPixels, VisibleShadowIsPartialAndAlwaysTraced)
 {
     scene::Scene scene = floor_under_lamp({{-0.5f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0, 0.7f, 0}});
     scene.cameras[0].orthographic_height = 8;
@@ -91,7 +91,7 @@ TEST(PaperWrongPixels, AShadowThatPixelsSeeIsPartialAndTracedAlways)
     }
 }
 
-TEST(PaperWrongPixels, NoShadowNoFault)
+TEST(PaperWrongPixels, NoErrorWithoutAShadow)
 {
     scene::Scene scene = floor_under_lamp({{40, 0, 0}, {41, 0, 0}, {40, 1, 0}});
     scene.cameras[0].orthographic_height = 8;
@@ -100,7 +100,7 @@ TEST(PaperWrongPixels, NoShadowNoFault)
     EXPECT_EQ(result.frames[3].paper.dynamic_only, result.frames[3].paper.rays);
 }
 
-TEST(PaperWrongPixels, AFloorWhollyInShadowIsSkipped)
+TEST(PaperWrongPixels, SkipsAFloorFullyInShadow)
 {
     scene::Scene scene = floor_under_lamp({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
     scene.cameras[0].orthographic_height = 8;
@@ -110,7 +110,7 @@ TEST(PaperWrongPixels, AFloorWhollyInShadowIsSkipped)
     EXPECT_EQ(result.frames[3].paper.skipped, result.frames[3].paper.rays);
 }
 
-TEST(PaperWrongPixels, AZoomInShowsTheSmallShadowOneFrameLate)
+TEST(PaperWrongPixels, ZoomInShowsASmallShadowOneFrameLate)
 {
     // From 12 to 5 away: the floor covers 5.8 times the pixels. The zoom's own frame still uses the old mode.
     scene::Scene scene = floor_under_lamp({{0.02f, 0.02f, 0}, {0.11f, 0.02f, 0}, {0.06f, 0.12f, 0}});
@@ -123,7 +123,7 @@ TEST(PaperWrongPixels, AZoomInShowsTheSmallShadowOneFrameLate)
     EXPECT_EQ(result.frames[3].paper.dynamic_only, 0u) << "PARTIAL_SHADOW now";
 }
 
-TEST(PaperWrongPixels, AMovingLightIsNeverCulledNorWrong)
+TEST(PaperWrongPixels, MovingLightIsNeitherCulledNorWrong)
 {
     scene::Scene scene = floor_under_lamp({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
     scene.cameras[0].orthographic_height = 8;
@@ -135,7 +135,7 @@ TEST(PaperWrongPixels, AMovingLightIsNeverCulledNorWrong)
     }
 }
 
-TEST(PaperWrongPixels, AMovingShadowIsRememberedOnlyAsPrinted)
+TEST(PaperWrongPixels, StoresAMovingShadowOnlyAsPrinted)
 {
     // A screen that moves shades the whole floor in the first two frames, then jumps out of the way.
     const auto with_screen = [] {
@@ -156,7 +156,7 @@ TEST(PaperWrongPixels, AMovingShadowIsRememberedOnlyAsPrinted)
     EXPECT_GT(printed.frames[2].paper.rays, 100u);
 }
 
-TEST(PaperWrongPixels, ThreadsChangeNothing)
+TEST(PaperWrongPixels, SameForAnyThreadCount)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_cornell());
     const auto one = bench(scene, 1, 8), three = bench(scene, 3, 8);

@@ -17,7 +17,7 @@ RenderOptions small()
     return options;
 }
 
-TEST(PublicInterface, WhatWasMovedFrom)
+TEST(PublicInterface, MovedFromRenderersThrow)
 {
     // NOLINTBEGIN(bugprone-use-after-move, performance-move-const-arg): that is what is asked here
     Scene scene = load("builtin:cornell");
@@ -37,7 +37,7 @@ TEST(PublicInterface, WhatWasMovedFrom)
     // NOLINTEND(bugprone-use-after-move, performance-move-const-arg)
 }
 
-TEST(PublicInterface, NumbersThatAreNone)
+TEST(PublicInterface, RefusesInvalidNumbers)
 {
     constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     for (const double exposure : {nan, inf, -inf, 101.0, -1e6}) {
@@ -64,7 +64,7 @@ TEST(PublicInterface, NumbersThatAreNone)
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(PublicInterface, OptionsThatExcludeEachOther)
+TEST(PublicInterface, RefusesContradictingOptions)
 {
     RenderOptions options = small();
     options.overlay = Overlay::clusters;
@@ -73,7 +73,7 @@ TEST(PublicInterface, OptionsThatExcludeEachOther)
     EXPECT_THROW(Renderer{options}, UsageError);
 }
 
-TEST(PublicInterface, ThreadsOfAComparison)
+TEST(PublicInterface, RefusesInvalidThreadCountsOfComparisons)
 {
     const test::ScratchFolder folder;
     const auto image = folder / "a.png";

@@ -19,7 +19,7 @@ class Shrinking final : public scene::WeightsTrack {
 };
 
 // A tree of what lies in a point is sorted anew, not refitted: it goes to and fro, and holds no more for it.
-TEST(RaySceneBytes, DoNotGrowWithEachRefit)
+TEST(RaySceneBytes, StayConstantOverRefits)
 {
     auto made = std::make_shared<scene::Scene>();
     made->materials.emplace_back();

@@ -23,7 +23,7 @@ std::size_t times(const std::string& text, const std::string& word)
     return count;
 }
 
-TEST(Chart, IsLinesOverNumbers)
+TEST(Chart, WritesSeriesAsLines)
 {
     Chart chart;
     chart.title = "T", chart.x_label = "frame";
@@ -54,7 +54,7 @@ WayWork three_frames()
     return way;
 }
 
-TEST(StageFigures, TellWhereTheTimeGoes)
+TEST(StageFigures, ShowTimeByStage)
 {
     const ReportTable table = stage_table({three_frames()});
     EXPECT_EQ(table.columns, (std::vector<std::string>{"", "w"}));
@@ -73,7 +73,7 @@ TEST(StageFigures, TellWhereTheTimeGoes)
     EXPECT_EQ(json[2]["shadow"], (Json{{"rays", 1000}, {"rays_skipped", 750}, {"rays_dynamic_only", 100}}));
 }
 
-TEST(StageFigures, TellWhatWasNotDone)
+TEST(StageFigures, ShowSavedWork)
 {
     const WayWork way = three_frames();
     const SavedWork saved = saved_of(way);
@@ -107,7 +107,7 @@ TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
     EXPECT_EQ(times(html, "data:image/png;base64,iVBORw0KGgo"), 3u);
 }
 
-TEST(ReportPage, LeadsWithItsTableAndListsItsSections)
+TEST(ReportPage, StartsWithSummaryTableAndListOfSections)
 {
     ReportPage page("Title", "a machine");
     page.section("First", "gnomon one");
@@ -122,7 +122,7 @@ TEST(ReportPage, LeadsWithItsTableAndListsItsSections)
     EXPECT_EQ(times(html, "<code>gnomon all</code>"), 1u);
 }
 
-TEST(ReportPage, NothingInItIsTakenForMarkup)
+TEST(ReportPage, EscapesMarkup)
 {
     const std::string evil = "</script><script>alert('x')</script>&\"";
     ReportPage page(evil, evil);
@@ -140,7 +140,7 @@ TEST(ReportPage, NothingInItIsTakenForMarkup)
     EXPECT_EQ(times(html, "</script>"), 4u);   // the chart, the attachment, Chart.js and our own
 }
 
-TEST(ReportPage, FetchesNothing)
+TEST(ReportPage, LoadsNoExternalResources)
 {
     ReportPage page("t", "m");
     page.section("s", "c");
@@ -151,7 +151,7 @@ TEST(ReportPage, FetchesNothing)
         EXPECT_EQ(times(html, outside), 0u) << outside;
 }
 
-TEST(ReportFile, IsWholeOrNotThere)
+TEST(ReportFile, IsCompleteOrAbsent)
 {
     const test::ScratchFolder scratch;
     const auto folder = scratch / "a/b/c";
@@ -174,7 +174,7 @@ TEST(ReportFile, IsWholeOrNotThere)
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
 }
 
-TEST(ReportFile, AFolderThatCannotBeIsNamed)
+TEST(ReportFile, NamesAFolderThatCannotBeCreated)
 {
     const test::ScratchFolder scratch;
     std::ofstream(scratch / "file") << "x";

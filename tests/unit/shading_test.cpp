@@ -25,7 +25,7 @@ glm::vec3 upper_direction(Random& random)
     return {r * std::cos(a), r * std::sin(a), z};
 }
 
-TEST(Shading, WhittedDiffuseIsColourTimesCosine)
+TEST(Shading, WhittedDiffuseEqualsColourTimesCosine)
 {
     const SurfacePoint s = flat(scene::ShadingModel::whitted);
     const glm::vec3 to_light = glm::normalize(glm::vec3(0, 1, 1));
@@ -33,7 +33,7 @@ TEST(Shading, WhittedDiffuseIsColourTimesCosine)
     EXPECT_EQ(reflect_light(s, {0, 0, -1}, glm::vec3(2)), glm::vec3(0));
 }
 
-TEST(Shading, WhittedHighlightIsWhereTheMirrorPoints)
+TEST(Shading, WhittedHighlightLiesAlongTheMirrorDirection)
 {
     SurfacePoint s = flat(scene::ShadingModel::whitted);
     s.diffuse = glm::vec3(0);
@@ -45,7 +45,7 @@ TEST(Shading, WhittedHighlightIsWhereTheMirrorPoints)
 }
 
 // No surface may give back more light than it gets: integrates the GGX reflectance over the hemisphere.
-TEST(Shading, GgxKeepsEnergy)
+TEST(Shading, GgxDoesNotGainEnergy)
 {
     for (const float roughness : {0.3f, 0.6f, 1.0f})
         for (const float f0 : {0.04f, 1.0f}) {
@@ -65,7 +65,7 @@ TEST(Shading, GgxKeepsEnergy)
         }
 }
 
-TEST(Shading, FresnelAtKnownAngles)
+TEST(Shading, FresnelEqualsKnownValues)
 {
     EXPECT_NEAR(fresnel_dielectric(1, 1.5f), 0.04f, 1e-6f);
     EXPECT_NEAR(fresnel_dielectric(1, 1 / 1.5f), 0.04f, 1e-6f);
@@ -73,7 +73,7 @@ TEST(Shading, FresnelAtKnownAngles)
     EXPECT_NEAR(fresnel_dielectric(0.3f, 1.0f), 0.0f, 1e-6f);
 }
 
-TEST(Shading, RefractionObeysSnell)
+TEST(Shading, RefractionFollowsSnell)
 {
     SurfacePoint s = flat(scene::ShadingModel::whitted);
     s.diffuse = glm::vec3(0);
@@ -90,7 +90,7 @@ TEST(Shading, RefractionObeysSnell)
     }
 }
 
-TEST(Shading, IndexOneDoesNotBend)
+TEST(Shading, IndexOneDoesNotRefract)
 {
     SurfacePoint s = flat(scene::ShadingModel::whitted);
     s.transmitted = glm::vec3(0.85f);
@@ -113,7 +113,7 @@ TEST(Shading, TerminatorFadesBeforeTheGeometricHorizon)
     EXPECT_LT(before, 0.005f);
 }
 
-TEST(Shading, ABackdropShinesWithItsAmbientColourAlone)
+TEST(Shading, BackdropEmitsItsAmbientColourOnly)
 {
     scene::Scene scene;
     scene.ambient = glm::vec3(2);
@@ -155,7 +155,7 @@ glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
     return s.normal;
 }
 
-TEST(Shading, NormalMapsTurnWithTheirImageAndAreReversedBehind)
+TEST(Shading, NormalMapsRotateWithTheirImageAndFlipOnBackFaces)
 {
     const float half_turn = static_cast<float>(k_pi);
     const glm::vec3 leans = mapped_normal(0, false, true);

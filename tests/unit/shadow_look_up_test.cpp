@@ -11,7 +11,7 @@
 namespace gnomon::shadow_culling {
 namespace {
 
-TEST(Rim, StripsAreAsWideAsAsked)
+TEST(Rim, StripsHaveTheRequestedWidth)
 {
     const glm::vec3 corner[3] = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
     const Rim rim(rim_of(corner, 0.01f));
@@ -27,7 +27,7 @@ TEST(Rim, StripsAreAsWideAsAsked)
     EXPECT_FALSE(rim.inside(0.5f, 0.499f, u, v));
 }
 
-TEST(Rim, InnerPlaceLeadsBackToTheOuter)
+TEST(Rim, MappingToTheInsideIsInvertible)
 {
     const glm::vec3 corner[3] = {{0, 0, 0}, {1, 0.2f, 0}, {0.3f, 1, 0.5f}};
     const Rim rim(rim_of(corner, 0.004f));
@@ -43,7 +43,7 @@ TEST(Rim, InnerPlaceLeadsBackToTheOuter)
     }
 }
 
-TEST(Rim, DegenerateTrianglesGetTheWidest)
+TEST(Rim, DegenerateTrianglesGetTheWidestStrips)
 {
     const glm::vec3 point[3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     const glm::vec3 line[3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
@@ -78,7 +78,7 @@ std::uint32_t one_part_of_pieces(float u, float v, const Rim& rim, std::uint32_t
     return (below & ~k_has_piece) + micro_index_at(x, y, k_piece_levels);
 }
 
-TEST(LookUp, PointsInPiecesAsOne)
+TEST(LookUp, PiecesEqualTheScalarLookUp)
 {
     std::mt19937 random(9);
     std::uniform_real_distribution<float> unit(0, 1);
@@ -111,7 +111,7 @@ TEST(LookUp, PointsInPiecesAsOne)
     for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(points.slot[k], expected[k]) << "point " << k;
 }
 
-TEST(LookUp, ManyPointsAsOne)
+TEST(LookUp, VectorisedLookUpEqualsTheScalarOne)
 {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> unit(0, 1);

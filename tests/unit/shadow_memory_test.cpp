@@ -28,7 +28,7 @@ using shadow_culling::ShadowState;
 
 constexpr std::uint32_t k_level = 2;
 
-TEST(ShadowMemory, DropsWhatWasNotSeenForLongestFirst)
+TEST(ShadowMemory, EvictsLeastRecentlySeenFirst)
 {
     ShadowMemory memory(100, 1, 2 * 8);   // room for eight records that nothing differs in
     const std::uint32_t seen_in[] = {5, 2, 8, 1, 7, 3, 6, 4};
@@ -46,7 +46,7 @@ TEST(ShadowMemory, DropsWhatWasNotSeenForLongestFirst)
     for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), seen_in[r] > 4) << "record " << r;
 }
 
-TEST(ShadowMemory, KeepsWhatTheFrameSees)
+TEST(ShadowMemory, KeepsRecordsSeenInThisFrame)
 {
     ShadowMemory memory(100, 1, 2 * 8);
     for (RecordId r = 0; r < 8; ++r) {
@@ -60,7 +60,7 @@ TEST(ShadowMemory, KeepsWhatTheFrameSees)
 // A look-up may meet a record that is just being made: then there is none yet, or it is whole. (ThreadSanitizer sees
 // whether more was read than that.)
 // What a deeper pyramid left, the table of its pieces and the levels above, is smaller than a piece.
-TEST(ShadowMemory, CutsAPieceOutOfNothingSmaller)
+TEST(ShadowMemory, DoesNotReuseSmallerFreeBlocks)
 {
     constexpr std::uint32_t k_in_pieces = shadow_culling::k_piece_levels + 1;
     ShadowMemory memory(4, 1, 2 * 200);   // no room for a piece
@@ -73,7 +73,7 @@ TEST(ShadowMemory, CutsAPieceOutOfNothingSmaller)
     EXPECT_TRUE(memory.full());
 }
 
-TEST(ShadowMemory, LooksUpWhatAnotherThreadAdds)
+TEST(ShadowMemory, LooksUpRecordsAddedByAnotherThread)
 {
     constexpr RecordId k_records = 400;
     ShadowMemory memory(k_records, 1, 2 * k_records);
@@ -108,7 +108,7 @@ std::vector<std::uint8_t> parts_of(const ShadowMemory& memory, RecordId record, 
     return states;
 }
 
-TEST(ShadowMemory, WhatWasDroppedLeavesNothingBehind)
+TEST(ShadowMemory, EvictedRecordsLeaveNoStates)
 {
     for (const std::uint32_t level : {2u, 6u}) {
         ShadowMemory memory(100, 1, 64 << 10);
@@ -138,7 +138,7 @@ TEST(ShadowMemory, WhatWasDroppedLeavesNothingBehind)
     }
 }
 
-TEST(ShadowMemory, EvidenceIsFreedWhenItIsTaken)
+TEST(ShadowMemory, EvidenceIsFreedWhenTaken)
 {
     ShadowMemory memory(100, 5, 2 * 1000);
     ASSERT_TRUE(memory.create(7, 4, RimCodes{}));
@@ -298,7 +298,7 @@ class BothMemories {
     std::vector<WholePyramid> twin_;   // by group
 };
 
-TEST(ShadowMemory, SaysWhatAWholePyramidSays)
+TEST(ShadowMemory, EqualsAFullPyramid)
 {
     Random random(5);
     for (int round = 0; round < 60; ++round) {
@@ -315,7 +315,7 @@ TEST(ShadowMemory, SaysWhatAWholePyramidSays)
 }
 
 // A shadow's edge across a large triangle costs pieces along it, not the whole pyramid.
-TEST(ShadowMemory, TakesRoomWhereItDiffers)
+TEST(ShadowMemory, AllocatesOnlyWhereStatesDiffer)
 {
     Random random(6);
     BothMemories both(k_max_level, 1);
@@ -326,7 +326,7 @@ TEST(ShadowMemory, TakesRoomWhereItDiffers)
 
 // A camera that looks around in a scene that asks for far more than it may have: never more than the bound, never
 // wrong, and still of use.
-TEST(ShadowMemory, BoundHoldsInUse)
+TEST(ShadowMemory, StaysWithinItsLimit)
 {
     Random random(1);
     test::Stage stage;

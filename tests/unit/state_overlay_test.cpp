@@ -30,7 +30,7 @@ trace::StateMap map_of(Size size, int lights)
     return map;
 }
 
-TEST(StateOverlay, MarksAreToldApart)
+TEST(StateOverlay, MarksHaveDistinctColours)
 {
     std::vector<Rgb8> colors{frame::k_wrong_color, frame::k_wrong_behind_color};
     for (int m = 0; m < trace::k_state_marks; ++m) colors.push_back(cell_color({static_cast<StateMark>(m)}, 255));
@@ -38,7 +38,7 @@ TEST(StateOverlay, MarksAreToldApart)
         for (std::size_t b = 0; b < a; ++b) EXPECT_GT(difference(colors[a], colors[b]), 60) << a << " and " << b;
 }
 
-TEST(StateOverlay, WrongOverrulesEverything)
+TEST(StateOverlay, WrongOverridesAllOtherMarks)
 {
     for (int byte = 0; byte < 64; ++byte) {
         const StateCell cell = StateCell::of(static_cast<std::uint8_t>(byte));
@@ -51,13 +51,13 @@ TEST(StateOverlay, WrongOverrulesEverything)
 }
 
 // Three bits hold eight marks, of which there are seven.
-TEST(StateOverlay, AMarkThatIsNoneIsAnInternalError)
+TEST(StateOverlay, InvalidMarkIsAnInternalError)
 {
     EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
     EXPECT_THROW(frame::state_color(static_cast<StateMark>(trace::k_state_marks)), InternalError);
 }
 
-TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
+TEST(StateOverlay, PanelsDoNotOverlap)
 {
     for (const Size size : {Size{1, 1}, Size{8, 3}, Size{65, 49}, Size{410, 20}})
         for (const int lights : {1, 2, 3, 6, 16})
@@ -82,7 +82,7 @@ TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
             }
 }
 
-TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
+TEST(StateOverlay, RendererReturnsItWithTheReportedSize)
 {
     const Scene scene = load("builtin:kinetic");
     for (const std::optional<int> light : {std::optional<int>(), std::optional<int>(2)}) {
@@ -105,7 +105,7 @@ TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
     }
 }
 
-TEST(StateOverlay, RefusesWhatCannotBeShown)
+TEST(StateOverlay, RefusesUnsupportedOptions)
 {
     RenderOptions options;
     options.size = {60, 40};

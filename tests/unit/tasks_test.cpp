@@ -20,7 +20,7 @@ namespace {
 
 // None of these locks or uses atomics: what for_each orders must be enough, and ThreadSanitizer is asked whether it is.
 
-TEST(Tasks, EveryIndexRunsOnceAndSeesWhatCameBefore)
+TEST(Tasks, EveryIndexRunsOnceAndSeesEarlierLoops)
 {
     for (const int threads : {1, 2, 3, 8}) {
         Tasks tasks(threads);
@@ -34,7 +34,7 @@ TEST(Tasks, EveryIndexRunsOnceAndSeesWhatCameBefore)
     }
 }
 
-TEST(Tasks, AWorkerRunsOneBodyAtATime)
+TEST(Tasks, EachWorkerRunsOneBodyAtATime)
 {
     Tasks tasks(4);
     std::vector<std::size_t> sums(4, 0);
@@ -48,7 +48,7 @@ TEST(Tasks, AWorkerRunsOneBodyAtATime)
     EXPECT_EQ(std::accumulate(sums.begin(), sums.end(), std::size_t{0}), std::size_t{50} * (199 * 200 / 2));
 }
 
-TEST(Tasks, TwoCallersAtOnceDoNotMeet)
+TEST(Tasks, ConcurrentCallersAreIndependent)
 {
     Tasks tasks(3);
     std::vector<int> first(500, 0), second(500, 0);
@@ -63,7 +63,7 @@ TEST(Tasks, TwoCallersAtOnceDoNotMeet)
     EXPECT_EQ(second, first);
 }
 
-TEST(Tasks, WhatABodyThrowsReachesTheCallerWithWhatWasDone)
+TEST(Tasks, ExceptionReachesTheCallerAfterFinishedWork)
 {
     Tasks tasks(3);
     std::vector<int> runs(64, 0);

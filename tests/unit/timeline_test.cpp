@@ -17,7 +17,7 @@ scene::Timeline clip(double end)
     return timeline;
 }
 
-TEST(Timeline, AtAnotherRate)
+TEST(Timeline, CountsFramesAtAnotherRate)
 {
     EXPECT_EQ(clip(2).at_rate(10).frames, 21);
     EXPECT_EQ(clip(2).at_rate(0.1).frames, 1);
@@ -31,7 +31,7 @@ TEST(Timeline, AtAnotherRate)
     EXPECT_EQ(own.at_rate(1000).fps, 1000);
 }
 
-TEST(Timeline, MoreFramesThanCanBeCounted)
+TEST(Timeline, LimitsTheNumberOfFrames)
 {
     for (const double end : {3e6, 1e9, 3e38}) {
         EXPECT_EQ(clip(end).at_rate(1000).frames, scene::k_most_frames) << end;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr ToneMap k_all[] = {ToneMap::none, ToneMap::neutral, ToneMap::agx, ToneMap::aces};
 
-TEST(ToneMap, RisesAlongTheGreysAndStaysInRange)
+TEST(ToneMap, IsMonotonicForGreysAndStaysInRange)
 {
     for (const ToneMap curve : k_all) {
         float before = -1;
@@ -32,7 +32,7 @@ TEST(ToneMap, RisesAlongTheGreysAndStaysInRange)
     }
 }
 
-TEST(ToneMap, NeutralTakesOffTheReflectionAndNothingElseBelowTheShoulder)
+TEST(ToneMap, NeutralSubtractsOnlyTheReflectionBelowTheShoulder)
 {
     for (const float grey : {0.1f, 0.18f, 0.4f, 0.79f})
         EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(grey)).x, grey - 0.04f, 1e-6f);
@@ -48,7 +48,7 @@ TEST(ToneMap, NeutralFollowsItsFormulaAboveTheShoulder)
     EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(2)).x, 1 - 0.0576f / 1.44f, 1e-6f);
 }
 
-TEST(ToneMap, KnownValuesOfTheFits)
+TEST(ToneMap, FitsEqualKnownValues)
 {
     // Hill's rational function at 0.18: (0.18 * 0.2045786 - 0.000090537) / (0.18 * (0.983729 * 0.18 + 0.432951) +
     // 0.238081)
@@ -57,7 +57,7 @@ TEST(ToneMap, KnownValuesOfTheFits)
     EXPECT_NEAR(tone_map(ToneMap::agx, glm::vec3(0.18f)).y, 0.18f, 0.04f);
 }
 
-TEST(ToneMap, SurvivesWhatIsNoColour)
+TEST(ToneMap, SurvivesNonFiniteColours)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const ToneMap curve : k_all) {
@@ -71,7 +71,7 @@ TEST(ToneMap, SurvivesWhatIsNoColour)
     }
 }
 
-TEST(AutoExposure, BringsGreyToMiddleGrey)
+TEST(AutoExposure, MapsGreyToMiddleGrey)
 {
     for (const float light : {1e-5f, 0.18f, 3.0f, 2e4f}) {
         const std::vector<float> rgb(3 * 1000, light);
@@ -90,7 +90,7 @@ TEST(AutoExposure, IgnoresUnlitPixelsAndFewBrightOnes)
     EXPECT_NEAR(auto_exposure(rgb), alone, 0.01);
 }
 
-TEST(AutoExposure, DoesNotDependOnThePlaceOfPixels)
+TEST(AutoExposure, DoesNotDependOnPixelPositions)
 {
     Random random(7);
     std::vector<float> rgb;
@@ -103,7 +103,7 @@ TEST(AutoExposure, DoesNotDependOnThePlaceOfPixels)
     EXPECT_EQ(auto_exposure(turned), forward);
 }
 
-TEST(AutoExposure, IsSaneForExtremes)
+TEST(AutoExposure, IsFiniteForExtremes)
 {
     EXPECT_EQ(auto_exposure({}), 0.0);
     EXPECT_EQ(auto_exposure(std::vector<float>(300, 0.0f)), 0.0);

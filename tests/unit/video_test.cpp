@@ -65,7 +65,7 @@ void expect_no_video(const test::ScratchFolder& folder)
         EXPECT_EQ(entry.path().extension(), ".png") << entry.path();
 }
 
-TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
+TEST(VideoEncoder, WritesAllFramesAtTheFrameRateAndIsRepeatable)
 {
     if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
@@ -79,7 +79,7 @@ TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
     EXPECT_LT(video.find("moov"), video.find("mdat")) << "the index comes first, so that players can start at once";
 }
 
-TEST(Video, OneFrameIsAVideoToo)
+TEST(VideoEncoder, EncodesASingleFrame)
 {
     if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
@@ -87,7 +87,7 @@ TEST(Video, OneFrameIsAVideoToo)
     EXPECT_EQ(probe(folder / "one.mp4", "nb_read_frames"), "1\n");
 }
 
-TEST(Video, WithoutFfmpegSaysSo)
+TEST(VideoEncoder, ReportsMissingFfmpeg)
 {
     test::ScratchFolder folder;
     const std::vector<fs::path> frames = make_frames(folder, 2);
@@ -122,7 +122,7 @@ std::string failure_with(const std::string& line)
     return message;
 }
 
-TEST(Video, AFailingFfmpegIsQuoted)
+TEST(VideoEncoder, QuotesAFailingFfmpeg)
 {
     EXPECT_NE(failure_with("echo no room >&2; echo >&2; echo 'Conversion failed!' >&2; exit 1").find("no room"),
               std::string::npos);
@@ -131,7 +131,7 @@ TEST(Video, AFailingFfmpegIsQuoted)
     EXPECT_NE(failure_with("kill -9 $$").find("signal 9"), std::string::npos);
 }
 
-TEST(Video, CanBeInterrupted)
+TEST(VideoEncoder, CanBeInterrupted)
 {
     test::ScratchFolder folder, programs;
     const std::vector<fs::path> frames = make_frames(folder, 3);
@@ -146,7 +146,7 @@ TEST(Video, CanBeInterrupted)
     EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);
 }
 
-TEST(Process, ADeadProgramIsNoSignal)
+TEST(Process, WritingToAnEndedProgramReturnsFalse)
 {
     video::Process program({"true"});
     const std::vector<std::uint8_t> much(1 << 22, 'x');
@@ -154,7 +154,7 @@ TEST(Process, ADeadProgramIsNoSignal)
     EXPECT_EQ(program.wait(), 0);
 }
 
-TEST(Process, ArgumentsArePassedAsTheyAre)
+TEST(Process, PassesArgumentsUnchanged)
 {
     video::Process program({"printf", "%s|", "a b", "$(x)", "'", ""});
     EXPECT_EQ(program.wait(), 0);
@@ -162,7 +162,7 @@ TEST(Process, ArgumentsArePassedAsTheyAre)
     EXPECT_THROW(video::Process({"no-such-program-anywhere"}), MissingError);
 }
 
-TEST(Process, ReadsWhatItIsFed)
+TEST(Process, PassesInputToTheProgram)
 {
     video::Process program({"wc", "-c"});
     const std::vector<std::uint8_t> much(1 << 20, 'x');

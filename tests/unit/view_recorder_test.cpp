@@ -31,7 +31,7 @@ struct RecorderTest : testing::Test {
     const test::ScopedVariable place{"TMPDIR", temporary.path().string()};
 };
 
-TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoVideoComesOfThem)
+TEST_F(RecorderTest, RemovesItsFramesIfNoVideoIsMade)
 {
     {
         Recorder recorder;
@@ -49,7 +49,7 @@ TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoVideoComesOfThem)
     EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
-TEST_F(RecorderTest, AVideosImagesAreOfOneSize)
+TEST_F(RecorderTest, RefusesImagesOfAnotherSize)
 {
     Recorder recorder;
     ASSERT_EQ(recorder.start(24), "");
@@ -59,7 +59,7 @@ TEST_F(RecorderTest, AVideosImagesAreOfOneSize)
 }
 
 // Memory would fill with images that come faster than they are written.
-TEST_F(RecorderTest, SaysWhenItIsBehind)
+TEST_F(RecorderTest, ReportsWhenItIsBehind)
 {
     Recorder recorder;
     EXPECT_FALSE(recorder.behind());

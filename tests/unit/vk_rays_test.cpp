@@ -153,7 +153,7 @@ void expect_grid(const std::string& answers, const Impl& inside)
     GTEST_SKIP() << "the device '" << device_->info().name << "' traces no rays: it lacks " \
                  << device_->info().no_rays.front()
 
-TEST_F(VulkanRays, MasksOfInstancesAndTriangles)
+TEST_F(VulkanRays, HonoursMasksOfInstances)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
@@ -164,7 +164,7 @@ TEST_F(VulkanRays, MasksOfInstancesAndTriangles)
     expect_grid(stage.ask(4), [](float, float) { return false; });
 }
 
-TEST_F(VulkanRays, TheAnyHitShaderLetsRaysPass)
+TEST_F(VulkanRays, AnyHitShaderLetsRaysPass)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, true);
@@ -175,7 +175,7 @@ TEST_F(VulkanRays, TheAnyHitShaderLetsRaysPass)
 }
 
 // The next trace waits for the next build: what moved is met where it is now.
-TEST_F(VulkanRays, TheTopLevelIsBuiltAnew)
+TEST_F(VulkanRays, TraceWaitsForTheRebuiltTlas)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
@@ -187,7 +187,7 @@ TEST_F(VulkanRays, TheTopLevelIsBuiltAnew)
     expect_grid(stage.ask(3), [](float u, float v) { return u + v < 1; });
 }
 
-TEST_F(VulkanRays, ReflectionKnowsRayStages)
+TEST_F(VulkanRays, ReflectsRayStages)
 {
     const vk::Reflection generation = vk::reflect({"rays.rgen", k_generation}),
                          miss = vk::reflect({"rays.rmiss", k_miss}), any_hit = vk::reflect({"rays.rahit", k_any_hit});
@@ -204,7 +204,7 @@ TEST_F(VulkanRays, ReflectionKnowsRayStages)
 }
 
 // Builds and traces wait for what they read, and for what works in the same scratch memory.
-TEST(VulkanBarriers, BuildsAndTracesAreWaitedFor)
+TEST(VulkanBarriers, OrderBuildsAndTraces)
 {
     const VkPipelineStageFlags2 tracing = VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR;
     const VkPipelineStageFlags2 building = VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
@@ -236,7 +236,7 @@ TEST(VulkanBarriers, BuildsAndTracesAreWaitedFor)
 }
 
 // A device without the extensions is as good for all else, and says what it lacks.
-TEST_F(VulkanRays, ADeviceMayTraceNone)
+TEST_F(VulkanRays, AcceptsADeviceWithoutRayTracing)
 {
     static PFN_vkEnumerateDeviceExtensionProperties real;
     real = vkEnumerateDeviceExtensionProperties;
@@ -257,7 +257,7 @@ TEST_F(VulkanRays, ADeviceMayTraceNone)
 }
 
 // What a build reads or writes must be declared, as everything else.
-TEST_F(VulkanRays, UndeclaredUsesAreCaught)
+TEST_F(VulkanRays, RefusesUndeclaredUses)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
@@ -280,7 +280,7 @@ TEST_F(VulkanRays, UndeclaredUsesAreCaught)
 }   // namespace
 }   // namespace gnomon::test
 #else
-TEST(VulkanRays, LeftOut)
+TEST(VulkanRays, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -70,7 +70,7 @@ TEST_F(Vulkan, DevicesAreListedWithReasons)
     for (const vk::DeviceInfo& device : devices) EXPECT_FALSE(device.reasons.empty()) << device.name;
 }
 
-TEST_F(Vulkan, ReflectionKnowsBindingsSizesAndOffsets)
+TEST_F(Vulkan, ReflectsBindingsSizesAndOffsets)
 {
     const vk::Reflection r = vk::reflect(k_double_code);
     EXPECT_EQ(r.local_size[0], 64u);
@@ -92,7 +92,7 @@ TEST_F(Vulkan, ReflectionKnowsBindingsSizesAndOffsets)
     EXPECT_TRUE(has(thrown<InternalError>([&] { check({"elsewhere", 4, {}}); }), "no such binding"));
 }
 
-TEST_F(Vulkan, ComputesWhatWasUploadedAndReadsItBack)
+TEST_F(Vulkan, ComputesOnUploadedDataAndReadsItBack)
 {
     const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
     std::vector<std::uint32_t> numbers(1000);
@@ -180,7 +180,7 @@ TEST_F(Vulkan, DrawsIndirectlyIntoColourAndReversedDepth)
         }
 }
 
-TEST_F(Vulkan, UndeclaredUsesAreCaught)
+TEST_F(Vulkan, RefusesUndeclaredUses)
 {
     const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
     const vk::Buffer a(device_, "a", 64), b(device_, "b", 64);
@@ -202,7 +202,7 @@ TEST_F(Vulkan, UndeclaredUsesAreCaught)
 }
 
 // The oracle: barriers as they must be for every pair of a write and what follows it.
-TEST(VulkanBarriers, EveryHazardIsWaitedForOnce)
+TEST(VulkanBarriers, WaitOnceForEveryHazard)
 {
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
     const auto use = [&](vk::Use u) { return vk::meaning(u, compute); };
@@ -235,7 +235,7 @@ TEST(VulkanBarriers, EveryHazardIsWaitedForOnce)
     EXPECT_EQ(back->from_layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
-TEST_F(Vulkan, MemoryIsCutReusedAndGivenBack)
+TEST_F(Vulkan, MemoryIsSuballocatedReusedAndFreed)
 {
     Random random(3);
     std::vector<vk::Buffer> buffers;
@@ -267,7 +267,7 @@ TEST_F(Vulkan, MemoryIsCutReusedAndGivenBack)
 
 // Faults, played at the loader's entry points. Each is a MissingError of one line.
 
-TEST_F(Vulkan, FaultNoDriver)
+TEST_F(Vulkan, MissingDriverIsAMissingError)
 {
     const Replaced none(
         vkEnumeratePhysicalDevices, +[](VkInstance, std::uint32_t* count, VkPhysicalDevice*) -> VkResult {
@@ -277,7 +277,7 @@ TEST_F(Vulkan, FaultNoDriver)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "no device"));
 }
 
-TEST_F(Vulkan, FaultNoInstance)
+TEST_F(Vulkan, FailingInstanceIsAMissingError)
 {
     device_.reset();
     const Replaced broken(
@@ -287,7 +287,7 @@ TEST_F(Vulkan, FaultNoInstance)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "no driver is installed"));
 }
 
-TEST_F(Vulkan, FaultOldDriver)
+TEST_F(Vulkan, OldDriverIsAMissingError)
 {
     static PFN_vkGetPhysicalDeviceProperties2 real;
     real = vkGetPhysicalDeviceProperties2;
@@ -299,7 +299,7 @@ TEST_F(Vulkan, FaultOldDriver)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "Vulkan 1.1, not 1.3"));
 }
 
-TEST_F(Vulkan, FaultMissingFeature)
+TEST_F(Vulkan, MissingFeatureIsAMissingError)
 {
     static PFN_vkGetPhysicalDeviceFeatures2 real;
     real = vkGetPhysicalDeviceFeatures2;
@@ -311,7 +311,7 @@ TEST_F(Vulkan, FaultMissingFeature)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "lacks multiDrawIndirect"));
 }
 
-TEST_F(Vulkan, FaultMissingExtension)
+TEST_F(Vulkan, MissingExtensionIsAMissingError)
 {
     const Replaced less(
         vkEnumerateDeviceExtensionProperties,
@@ -322,7 +322,7 @@ TEST_F(Vulkan, FaultMissingExtension)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "VK_KHR_push_descriptor"));
 }
 
-TEST_F(Vulkan, FaultTooLittleMemory)
+TEST_F(Vulkan, TooLittleDeviceMemoryIsAMissingError)
 {
     const Replaced full(
         vkAllocateMemory,
@@ -337,7 +337,7 @@ TEST_F(Vulkan, FaultTooLittleMemory)
 }
 
 // Where a driver gives whatever it is asked for, and is killed for it.
-TEST_F(Vulkan, FaultMoreThanTheMachineHas)
+TEST_F(Vulkan, MoreMemoryThanTheMachineHasIsAMissingError)
 {
     const Replaced takes(
         vkAllocateMemory,
@@ -369,7 +369,7 @@ TEST_F(Vulkan, FaultMoreThanTheMachineHas)
                     "taking 1024 MiB for brick failed: out of device memory"));
 }
 
-TEST_F(Vulkan, FaultImageBeyondTheDevice)
+TEST_F(Vulkan, TooLargeImageIsAMissingError)
 {
     EXPECT_TRUE(has(thrown<MissingError>([&] {
                         vk::Image(device_,
@@ -378,7 +378,7 @@ TEST_F(Vulkan, FaultImageBeyondTheDevice)
                     "more than the device's"));
 }
 
-TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
+TEST_F(Vulkan, BufferBeyondTheShaderLimitIsAMissingError)
 {
     const Replaced small(
         vkGetPhysicalDeviceProperties, +[](VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
@@ -404,7 +404,7 @@ TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
     set(0, 1 << 20);
 }
 
-TEST_F(Vulkan, FaultDeviceLost)
+TEST_F(Vulkan, LostDeviceIsAMissingError)
 {
     vk::Commands commands(device_);
     const vk::Buffer buffer(device_, "buffer", 64);
@@ -415,7 +415,7 @@ TEST_F(Vulkan, FaultDeviceLost)
     EXPECT_TRUE(has(thrown<MissingError>([&] { commands.submit(); }), "the device was lost"));
 }
 
-TEST_F(Vulkan, FaultDeviceLostWhileWaiting)
+TEST_F(Vulkan, LostDeviceWhileWaitingIsAMissingError)
 {
     vk::Commands commands(device_);
     const vk::Buffer buffer(device_, "buffer", 64);
@@ -444,7 +444,7 @@ TEST_F(Vulkan, ValidationMessagesAreErrors)
 }
 
 // Synchronisation too: two writes of one place, with nothing between.
-TEST_F(Vulkan, SynchronisationIsValidated)
+TEST_F(Vulkan, SynchronisationErrorsAreErrors)
 {
     const vk::Buffer a(device_, "a", 64);
     vk::Commands commands(device_);
@@ -458,7 +458,7 @@ TEST_F(Vulkan, SynchronisationIsValidated)
 }   // namespace
 }   // namespace gnomon::test
 #else
-TEST(Vulkan, LeftOut)
+TEST(Vulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }
