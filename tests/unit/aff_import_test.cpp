@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every statement of AFF on small files.
+// Every statement of AFF, in small files.
 #include "aff_files.h"
 #include "scene/state.h"
 
@@ -20,7 +20,7 @@ void expect_near(const glm::dvec3& value, const glm::dvec3& expected, double tol
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], expected[c], tolerance) << "coordinate " << c;
 }
 
-// The sum of the triangles' areas, and of their volumes against the origin (positive if wound outwards).
+// The sum of the triangles' areas, and of their signed volumes about the origin (positive if wound outwards).
 struct Measure {
     double area = 0, volume = 0;
 };
@@ -35,7 +35,7 @@ Measure measure(const scene::Mesh& mesh)
     return result;
 }
 
-// How well normals agree with the triangles' own: the least cosine.
+// The least cosine between vertex normals and triangle normals.
 double worst_normal(const scene::Mesh& mesh)
 {
     double worst = 1;
@@ -77,7 +77,7 @@ TEST(AffImport, ReadsTheCamera)
     expect_near(glm::dvec3(m[1]), glm::normalize(glm::dvec3(0.3, 5, 0)));
     EXPECT_NEAR(glm::determinant(glm::dmat3(m)), 1, 1e-12);
 
-    // An upward vector along the view is replaced.
+    // An up vector parallel to the view direction is replaced.
     scene = folder.load("v from 0 0 0 at 0 9 0 up 0 1 0 angle 60 hither 0.5 resolution 1 1");
     const glm::dmat4 upward = scene.world_matrix(scene.cameras[0].node, 0);
     expect_near(-glm::dvec3(upward[2]), {0, 1, 0});
@@ -121,7 +121,7 @@ TEST(AffImport, ReadsLightsAndTheirTracks)
     };
     expect_near(at(0, 0), {1, 2, 3});
     expect_near(at(1, 0), {4, 5, 6});
-    // The track's translation is added; its rotation does nothing.
+    // The track's translation is added; its rotation has no effect.
     expect_near(at(2, 0), {1, 2, 0});
     expect_near(at(2, 9), {1, 4, 0});
     expect_near(at(3, 9), {7, 8, 9});
@@ -164,14 +164,14 @@ TEST(AffImport, ReadsMaterials)
     EXPECT_EQ(m.ior, 1.5f);
     EXPECT_FALSE(m.one_sided());
 
-    // Index of refraction 0 is read as 1; what is opaque has one side; f scales its colour.
+    // Index of refraction 0 is read as 1; opaque materials are one-sided; f scales the colour.
     scene = folder.load("f 1 .5 0 .5 .25 3 0 0 " + k_mesh);
     EXPECT_EQ(scene.materials[0].base_color, glm::vec3(.5f, .25f, 0));
     EXPECT_EQ(scene.materials[0].specular, glm::vec3(.25f));
     EXPECT_EQ(scene.materials[0].ior, 1);
     EXPECT_TRUE(scene.materials[0].one_sided());
 
-    // Equal materials are one, and the current one survives braces and includes.
+    // Equal materials are merged, and the current one stays in effect across braces and includes.
     folder.include("red.aff", "fm 1 0 0 1 0 0 0 0 0 0 0 0");
     scene = folder.load("xs 1 1 1 0 0 0 0 0 0 0 { i 0 red.aff } " + k_mesh + k_material + k_mesh + k_material + k_mesh);
     ASSERT_EQ(scene.materials.size(), 2u);
@@ -198,7 +198,7 @@ TEST(AffImport, TessellatesSpheres)
         const double scale = glm::determinant(glm::dmat3(scene.world_matrix(scene.objects[object].node, 0)));
         return measure(mesh).volume * scale;
     };
-    // A negative radius turns the front inwards. The volume falls short a little: it is a polyhedron.
+    // A negative radius turns the front inwards. The volume is slightly too small, because the shape is a polyhedron.
     EXPECT_NEAR(whole(1), -4 * k_pi / 3, 0.05);
     EXPECT_NEAR(whole(2), 4 * k_pi / 3, 0.05);
 }
@@ -218,7 +218,7 @@ TEST(AffImport, TessellatesCones)
         ASSERT_EQ(scene.objects.size(), 1u);
         const scene::Mesh& mesh = scene.meshes[0];
         EXPECT_NEAR(measure(mesh).area, area, 0.01 * area) << text;
-        // The side's normals stand on the side: a cone's triangles are flat where it is round, hence not quite 1.
+        // The side's normals are those of the smooth cone, so their cosine with the flat triangles is slightly below 1.
         EXPECT_GT(worst_normal(mesh), 0.97) << text;
         const bool inside = text.find('-') != std::string::npos;
         for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -235,7 +235,7 @@ TEST(AffImport, TessellatesCones)
 TEST(AffImport, ReadsPolygons)
 {
     const AffFolder folder;
-    // A square and a triangle of one material are one object; normals need another; braces and materials part them.
+    // A square and a triangle with the same material form one object; normals, braces and materials start another.
     scene::Scene scene = folder.load(k_material + "p 4 0 0 0 1 0 0 1 1 0 0 1 0\np 3 0 0 1 1 0 1 0 1 1\n");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.meshes[0].triangles.size(), 3u);
@@ -245,7 +245,7 @@ TEST(AffImport, ReadsPolygons)
     scene = folder.load(k_material + "pp 3 0 0 0 0 0 5  1 0 0 0 0 0  0 1 0 0 3 4");
     ASSERT_EQ(scene.meshes[0].normals.size(), 3u);
     expect_near(scene.meshes[0].normals[0], {0, 0, 1});
-    expect_near(scene.meshes[0].normals[1], {0, 0, 1});   // had no length: the triangle's own
+    expect_near(scene.meshes[0].normals[1], {0, 0, 1});   // it had no length: the triangle's normal
     expect_near(scene.meshes[0].normals[2], {0, .6, .8});
 
     scene = folder.load(k_material + "p 3 0 0 0 1 0 0 0 1 0 x a { p 3 0 0 0 1 0 0 0 1 0 } p 3 0 0 0 1 0 0 0 1 0");
@@ -306,7 +306,7 @@ TEST(AffImport, ReadsMeshesWithSeparateIndices)
                                            "triangles 2  0 1 2  0 0 1  0 1 2   0 1 2  0 0 0  0 1 2");
     ASSERT_EQ(scene.objects.size(), 1u);
     const scene::Mesh& mesh = scene.meshes[0];
-    // Position 2 occurs with two normals; position 3 not at all.
+    // Position 2 occurs with two normals, position 3 not at all.
     EXPECT_EQ(mesh.positions.size(), 4u);
     for (std::size_t t = 0; t < 2; ++t) {
         const glm::uvec3 triangle = mesh.triangles[t];
@@ -326,7 +326,7 @@ TEST(AffImport, RepeatedIncludesShareTheirMeshes)
     const scene::Scene scene =
         folder.load(k_material + "i 0 part.aff xs 2 2 2 0 0 0 0 5 0 0 { i 0 part.aff } " + other + "i 0 part.aff");
     EXPECT_EQ(scene.objects.size(), 6u);
-    EXPECT_EQ(scene.meshes.size(), 4u);   // two parts in two materials
+    EXPECT_EQ(scene.meshes.size(), 4u);   // two parts with different materials
     expect_near(box_of(scene).high, {7, 2, 0});
 }
 
@@ -337,7 +337,7 @@ TEST(AffImport, SelectsDetailLevels)
     const std::string text =
         k_material + "i 0 mesh.aff i 2 mesh.aff i 3 missing.aff d 2 i 2 mesh.aff i 1 mesh.aff i 3 missing.aff";
     EXPECT_EQ(folder.load(text).objects.size(), 3u);
-    // A level set in an include holds after it.
+    // A level that is set in an include stays in effect after it.
     folder.include("level.aff", "d 1");
     EXPECT_EQ(folder.load(k_material + "i 0 level.aff i 1 mesh.aff").objects.size(), 1u);
 }
@@ -350,7 +350,7 @@ TEST(AffImport, StaticTransformsScaleRotateAndTranslate)
                                            "0 0 1 0 0 0 1 triangles 1 0 1 2 } }");
     ASSERT_EQ(scene.objects.size(), 1u);
     const glm::dmat4 m = scene.world_matrix(scene.objects[0].node, 0);
-    // Scale first, then turn about z, then shift, then the outer transform.
+    // Scale first, then rotate about z, then translate, then apply the outer transform.
     expect_near(transform_point(m, glm::dvec3(1, 0, 0)), {110, 22, 30});
     expect_near(transform_point(m, glm::dvec3(0, 1, 0)), {107, 20, 30});
     expect_near(transform_point(m, glm::dvec3(0, 0, 1)), {110, 20, 34});
@@ -365,7 +365,7 @@ TEST(AffImport, ReadsAnimatedTransformsAndSharedNames)
     const scene::Scene scene = folder.load(k_material + "x none {" + k_mesh + k_mesh +
                                            "} xs 1 1 1 0 0 0 0 0 5 0 { i 0 wheel.aff } i 0 wheel.aff " +
                                            "k unused { visibility 1 0 1 } x empty { }");
-    // Without keys: identity, and dynamic all the same.
+    // Without keys: the identity, and dynamic nevertheless.
     EXPECT_EQ(scene.statistics().objects, 4u);
     EXPECT_EQ(scene.statistics().objects_dynamic, 4u);
     std::vector<const scene::TransformTrack*> tracks;

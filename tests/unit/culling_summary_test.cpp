@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Medians and figures of bench culling, from frames made by hand; and whole benches of small scenes.
+// Medians and figures of bench culling, from constructed frames; and complete benches of small scenes.
 #include <gtest/gtest.h>
 
 #include "bench/core/moving_lights.h"
@@ -96,7 +96,7 @@ TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
         EXPECT_EQ(deep.frames[f].paper.rays, deep.frames[f].off.rays);
         EXPECT_EQ(deep.frames[f].certified.wrong, 0u);
     }
-    // The occlusion test sees primary hits alone.
+    // The occlusion test uses primary hits only.
     EXPECT_EQ(deep.frames[0].paper.extra_tests, primary.frames[0].paper.extra_tests);
     EXPECT_GT(deep.frames.back().certified.skipped, 0u);
     EXPECT_GT(deep.bytes_per_triangle_light, 0);

@@ -48,7 +48,7 @@ TEST(Environment, MapsDirectionsAsDocumented)
     expect_near(Environment::direction_at(0.3, 0), {0, 1, 0}, 1e-6f);
     expect_near(Environment::direction_at(0, 0.5), {0, 0, 1}, 1e-6f);
 
-    // Looking up a texel's own direction gives the texel.
+    // Looking up a texel's own direction returns that texel.
     const ImageF image = sunny(64, 32);
     const Environment environment(image);
     for (int y = 0; y < 32; ++y)
@@ -83,7 +83,7 @@ TEST(Environment, UniformSkyHasUniformIrradiance)
     }
 }
 
-// Half bright, half black: irradiance / pi is (1 + cos) / 2 in closed form.
+// The upper half is bright, the lower black: irradiance / pi is (1 + cos) / 2 in closed form.
 TEST(Environment, AmbientOfAHalfBrightSkyEqualsClosedForm)
 {
     ImageF image = even(200, 100, glm::vec3(0));
@@ -114,7 +114,7 @@ TEST(MedianCut, KeepsTheEnergyInRegionsOfEqualFlux)
     }
 }
 
-// The vector irradiance of a whole environment is kept exactly, so the light through any plane is: the sum of
+// The vector irradiance of an environment is preserved exactly, and with it the light through any plane: the sum of
 // irradiance times direction equals the integral of radiance times direction.
 TEST(MedianCut, KeepsTheVectorIrradiance)
 {
@@ -133,7 +133,7 @@ TEST(MedianCut, KeepsTheVectorIrradiance)
     expect_near(glm::vec3(sum), glm::vec3(flow), 1e-3f * static_cast<float>(glm::length(flow)));
 }
 
-// A sun stronger than all the sky has lights of its own.
+// A sun stronger than the rest of the sky gets lights of its own.
 TEST(MedianCut, GivesTheSunItsOwnLight)
 {
     const Environment environment(sunny(128, 64));
@@ -157,8 +157,8 @@ TEST(MedianCut, AcceptsBlackSkiesAndSingleTexels)
     for (const EnvironmentLight& light : environment.lights(4)) EXPECT_TRUE(is_finite(light.irradiance));
 }
 
-// A furnace: in an even white sky a white surface with nothing around it is as bright as the sky. All orientations of a
-// sphere are seen; the lights see it as 16 directions do.
+// A furnace test: under a uniform white sky, an isolated white surface is as bright as the sky. All orientations of a
+// sphere are visible; the lights sample it in 16 directions.
 TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
 {
     const test::ScratchFolder scratch;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frames of a video have in common: --resume must not take those of before an edit for those after it.
+// The fingerprint of a video: --resume must not reuse frames that were rendered before an edit.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -42,7 +42,7 @@ std::shared_ptr<const scene::Environment> surroundings(float value)
     return std::make_shared<const scene::Environment>(image);
 }
 
-// One of everything.
+// A scene with one of everything.
 scene::Scene everything()
 {
     scene::Scene made;
@@ -90,7 +90,7 @@ scene::Scene everything()
 
 using Edit = std::function<void(scene::Scene&)>;
 
-// Every one shapes the image.
+// Edits that each change the image.
 const std::map<std::string, Edit>& edits()
 {
     static const std::map<std::string, Edit> all{
@@ -184,7 +184,7 @@ TEST(Fingerprint, IgnoresNames)
     EXPECT_EQ(of("a"), of("b"));
 }
 
-// A clip that numbers its own frames is the same at any rate, but for a camera that turns by the second.
+// A clip that numbers its own frames is the same at any rate, unless its camera turns by the second.
 TEST(Fingerprint, DependsOnTheFrameRateOfATurntableOnly)
 {
     auto made = std::make_shared<scene::Scene>(everything());
@@ -199,7 +199,7 @@ TEST(Fingerprint, DependsOnTheFrameRateOfATurntableOnly)
     }
 }
 
-// A video that nobody could wait for costs no more here than one of a minute.
+// An endless video costs no more here than one of a minute.
 TEST(Fingerprint, IsFastForAnEndlessClip)
 {
     auto made = std::make_shared<scene::Scene>(everything());

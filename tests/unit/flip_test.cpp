@@ -38,10 +38,10 @@ TEST(Flip, EqualImagesHaveNoError)
     for (const float error : flip_hdr(image, image, tasks).data) ASSERT_EQ(error, 0.0f);
 }
 
-// Even images have no features and are not changed by blurring, so the paper's formulas can be done by hand.
-// Black and white: HyAB = 100. The largest difference, green and blue, with L* a* b* of (87.73, -86.18, 83.18) and
-// (32.30, 79.19, -107.86), after Hunt: 55.44 + |(-101.18, 107.81)| = 203.3. In powers of 0.7: 25.12 and 41.28; the knee
-// is at 0.4 * 41.28 = 16.51, so the error is 0.95 + 0.05 * (25.12 - 16.51) / (41.28 - 16.51) = 0.9674.
+// Uniform images have no features and are not changed by blurring, so the paper's formulas have a closed form. Black
+// and white: HyAB = 100. The largest difference, green and blue, with L* a* b* of (87.73, -86.18, 83.18) and (32.30,
+// 79.19, -107.86), after Hunt: 55.44 + |(-101.18, 107.81)| = 203.3. In powers of 0.7: 25.12 and 41.28; the knee is at
+// 0.4 * 41.28 = 16.51, so the error is 0.95 + 0.05 * (25.12 - 16.51) / (41.28 - 16.51) = 0.9674.
 TEST(Flip, BlackAndWhiteEqualClosedForm)
 {
     EXPECT_NEAR(flip_of(even(40, 33, glm::vec3(0)), even(40, 33, glm::vec3(1))), 0.9674, 2e-4);
@@ -80,7 +80,7 @@ TEST(Flip, ErrorsStayInRangeAndGrowWithNoise)
     }
 }
 
-// An edge that moves is seen near itself and nowhere else: filters reach 10 pixels.
+// A moved edge changes the error near itself only: the filters reach 10 pixels.
 TEST(Flip, ErrorsAreLocal)
 {
     Tasks tasks(1);
@@ -120,7 +120,7 @@ TEST(Flip, ExposuresRangeFromBrightestToMedian)
     EXPECT_EQ(flip_exposures(even(4, 4, glm::vec3(0))).count, 2);
 }
 
-// What is too bright for one exposure is seen in another.
+// Differences that are too bright for one exposure are found in another.
 TEST(Flip, HdrFindsDifferencesThatLdrClips)
 {
     Tasks tasks(2);

@@ -59,7 +59,7 @@ TEST(Exr, RoundTripKeepsEveryBit)
     }
 }
 
-// OpenEXR would read such a value as long as its type says, and what follows as another attribute of any size.
+// OpenEXR would read such a value with the length of its type, and the rest as another attribute of any size.
 TEST(Exr, RefusesAttributesOfWrongSize)
 {
     const test::ScratchFolder scratch;
@@ -72,7 +72,7 @@ TEST(Exr, RefusesAttributesOfWrongSize)
     std::vector<std::uint8_t> longer = whole;
     longer[static_cast<std::size_t>(at - whole.begin()) + name.size()] = 40;
     EXPECT_THROW(check_exr(longer, "a.exr", {}), InputError);
-    // Lists of texts, and small images, say sizes of their own.
+    // Lists of strings and preview images contain their own sizes.
     for (const char* type : {"stringvector", "preview", "chlist"}) {
         std::vector<std::uint8_t> more(whole.begin(), whole.begin() + 8);
         for (const char* text : {"own", type}) {
@@ -132,7 +132,7 @@ TEST(Exr, DetectsTruncatedFiles)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     EXPECT_FALSE(is_whole_exr(scratch / "b.exr", {37, 21}));
     EXPECT_FALSE(is_whole_exr(scratch / "none.exr", {37, 21}));
-    // Frames of videos may be larger than what is read.
+    // Frames of videos may be larger than the reader's limit.
     const Size wide{FloatImageLimits{}.max_side + 1, 1};
     const Layer line{"", {"Y"}, std::vector<float>(static_cast<std::size_t>(wide.width))};
     write_exr(scratch / "wide.exr", wide, std::span(&line, 1));
@@ -156,7 +156,7 @@ TEST(Exr, ReadsAsManyChannelsAsItWrites)
     EXPECT_EQ(back.layers[0].channels, shadow.channels);
     EXPECT_EQ(back.layers[0].data, shadow.data);
 
-    // One more is not even written.
+    // One more is refused before writing.
     shadow.channels.emplace_back("more");
     shadow.data.resize(shadow.data.size() + 6);
     EXPECT_THROW(write_exr(scratch / "b.exr", size, std::span(&shadow, 1)), UsageError);
@@ -165,12 +165,12 @@ TEST(Exr, ReadsAsManyChannelsAsItWrites)
 
 TEST(Exr, WiderImagesAllowFewerChannels)
 {
-    // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, and does not read it.
+    // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, but cannot read it.
     EXPECT_EQ(room_in_exr({2047, 1}), 16384u);
     EXPECT_EQ(room_in_exr({2048, 1}), 16383u);
     EXPECT_EQ(room_in_exr({16384, 5000}), 2047u);
     const test::ScratchFolder scratch;
-    const Layer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before anything is looked at
+    const Layer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before any pixel is read
     EXPECT_THROW(write_exr(scratch / "a.exr", {16384, 1}, std::span(&wide, 1)), UsageError);
 }
 
@@ -231,7 +231,7 @@ TEST(Hdr, ReadsLiteralsOldRunsAndPlainPixels)
     EXPECT_EQ(old.pixel(260, 0)[0], 18.0f);
 
     const ImageF narrow = decode_hdr(test::hdr_file("-Y 1 +X 2", {2, 2, 0, 136, 8, 4, 2, 0}), "a.hdr");
-    EXPECT_EQ(narrow.pixel(0, 0)[0], 2.0f);   // too narrow for runs: a pixel that looks like their mark
+    EXPECT_EQ(narrow.pixel(0, 0)[0], 2.0f);   // too narrow for runs: a pixel that looks like their marker
     EXPECT_EQ(narrow.pixel(1, 0)[0], 0.0f);   // exponent 0 is black
 }
 
@@ -244,9 +244,9 @@ TEST(Hdr, RefusesInvalidFiles)
     EXPECT_NO_THROW(decode_hdr(test::hdr_file("-Y 1 +X 16", row), "a.hdr"));
     refused(test::hdr_file("-Y 2 +X 16", row));                               // a row is missing
     refused(test::hdr_file("-Y 1 +X 17", row));                               // another width
-    refused(test::hdr_file("+Y 1 +X 16", row));                               // from below
-    refused(test::hdr_file("-Y 1 +X 0", row));                                // nothing
-    refused(test::hdr_file("-Y 1 +X 16 ", row));                              // more
+    refused(test::hdr_file("+Y 1 +X 16", row));                               // bottom-up
+    refused(test::hdr_file("-Y 1 +X 0", row));                                // empty
+    refused(test::hdr_file("-Y 1 +X 16 ", row));                              // trailing text
     refused(test::hdr_file("-Y 1000000 +X 1000000", row));                    // beyond the limits
     refused(test::hdr_file("-Y 16000 +X 2000", row));                         // more rows than bytes
     refused(test::hdr_file("-Y 1 +X 16", row, "FORMAT=32-bit_rle_xyze\n"));   // another colour space
@@ -261,7 +261,7 @@ TEST(FloatImage, RecognisesFormatsByContent)
     const test::ScratchFolder scratch;
     Image8 gray(3, 2, 1);
     gray.data = {0, 64, 128, 192, 255, 1};
-    write_png(scratch / "a.hdr", gray);   // a name that lies
+    write_png(scratch / "a.hdr", gray);   // a misleading name
     const ImageF image = read_float_image(scratch / "a.hdr");
     EXPECT_EQ(image.channels, 3);
     EXPECT_EQ(image.pixel(1, 1)[2], 1.0f);

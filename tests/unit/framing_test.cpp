@@ -8,7 +8,7 @@
 namespace gnomon::scene {
 namespace {
 
-// Goes from the origin to `there` in one second.
+// Moves from the origin to `there` in one second.
 class Straight : public TransformTrack {
  public:
     explicit Straight(const glm::dvec3& there) : there_(there) {}
@@ -24,7 +24,7 @@ class Straight : public TransformTrack {
     glm::dvec3 there_;
 };
 
-// A cloud of triangles that stands still, and one that goes `there`.
+// A static cloud of triangles, and one that moves `there`.
 Scene clouds(std::uint64_t seed, const glm::dvec3& there)
 {
     Random random(seed);
@@ -46,7 +46,8 @@ Scene clouds(std::uint64_t seed, const glm::dvec3& there)
     return scene;
 }
 
-// How much of the image's half width and half height (4:3) the vertices reach at a time; behind the eye: infinite.
+// The fraction of the image's half width and half height (4:3) that the vertices reach at a time; infinite behind the
+// eye.
 glm::dvec2 reach(const Scene& scene, const FramingOptions& options, const glm::dvec3& eye, double time)
 {
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), options.back));

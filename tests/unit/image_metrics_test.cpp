@@ -32,7 +32,7 @@ ImageF noise(std::uint64_t seed, int channels = 3)
 
 TEST(Metrics, OffsetsEqualClosedForm)
 {
-    // One of three channels off by 0.25.
+    // One of three channels differs by 0.25.
     const ImageF b = even(3, 0.5f);
     ImageF a = b;
     for (std::size_t i = 0; i < a.data.size(); i += 3) a.data[i] += 0.25f;
@@ -67,7 +67,7 @@ TEST(Metrics, NanDiffersFromANumber)
     EXPECT_TRUE(std::isfinite(mean_squared_error(a, b)));
 }
 
-// Even images have no variance: only the luminance term is left [Wang et al. 2004, eq. 6].
+// Uniform images have no variance: only the luminance term remains [Wang et al. 2004, eq. 6].
 TEST(Ssim, UniformImagesEqualClosedForm)
 {
     Tasks tasks(1);
@@ -76,7 +76,7 @@ TEST(Ssim, UniformImagesEqualClosedForm)
     EXPECT_NEAR(ssim(even(1, 0.25f), even(1, 0.75f), 1, tasks), expected, 1e-9);
 }
 
-// A negative has the covariance of the image with its sign turned, so structure is negative where means agree.
+// An inverted image has the negated covariance, so structure is negative where the means agree.
 TEST(Ssim, InvertedImageHasNegativeStructure)
 {
     Tasks tasks(1);
@@ -102,7 +102,7 @@ TEST(Ssim, IsSymmetricAndFallsWithNoise)
     }
 }
 
-// The definition without separable sums, for one pixel size of image: a single window.
+// The definition without separable sums, for a single window of the image's size.
 TEST(Ssim, SingleWindowEqualsDefinition)
 {
     Tasks tasks(1);
@@ -152,7 +152,7 @@ TEST(Compare, ComparesEncodedAndLinearImages)
     EXPECT_NEAR(pngs.max_abs, 0.2, 1e-6);
     EXPECT_EQ(pngs.pixels_different, 1);
 
-    // The same light as OpenEXR: no difference but rounding.
+    // The same radiance as OpenEXR: no difference except rounding.
     Layer layer{"", {"R", "G", "B"}, std::vector<float>(16 * 16 * 3, linear_from_srgb8()[128])};
     io::write_exr(scratch / "a.exr", {16, 16}, std::span(&layer, 1));
     const CompareResult mixed = compare(scratch / "a.png", scratch / "a.exr");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images from files and memory: what they mean, and what is refused.
+// Images from files and memory: decoding and refusals.
 #include "io/image/image_file.h"
 
 #include <sys/stat.h>
@@ -56,9 +56,9 @@ TEST(ImageRead, ReadsBinaryPpm)
     EXPECT_EQ(image.height, 1);
     EXPECT_EQ(image.channels, 3);
     EXPECT_EQ(image.data, bytes_of("abcdef"));
-    // A pixel may look like a blank: exactly one separates it from the header.
+    // A pixel may look like whitespace: exactly one character separates it from the header.
     EXPECT_EQ(decode_image(bytes_of("P6 1 1 255\n\n\n\n"), "t").data, bytes_of("\n\n\n"));
-    // Sixteen bits are reduced, the most significant byte first; other ranges are stretched.
+    // Sixteen bits are reduced to eight, most significant byte first; other ranges are scaled.
     EXPECT_EQ(decode_image(bytes_of(std::string("P6 1 1 65535 \xff\xff\x80\x00\x00\x00", 19)), "t").data,
               (Bytes{255, 128, 0}));
     EXPECT_EQ(decode_image(bytes_of(std::string("P6 1 1 1 \x01\x00\x01", 12)), "t").data, (Bytes{255, 0, 255}));
@@ -80,7 +80,7 @@ TEST(ImageRead, ReadsPngOfAllKinds)
     EXPECT_EQ(decode_image(make_png(1, 1, 8, PNG_COLOR_TYPE_RGBA, {{1, 2, 3, 4}}), "t").data, (Bytes{1, 2, 3, 4}));
     EXPECT_EQ(decode_image(make_png(2, 1, 8, PNG_COLOR_TYPE_GRAY, {{7, 9}}), "t").channels, 1);
     EXPECT_EQ(decode_image(make_png(1, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {{7, 9}}), "t").data, (Bytes{7, 9}));
-    // One bit of grey is stretched to 0 and 255.
+    // One bit of grey is scaled to 0 and 255.
     EXPECT_EQ(decode_image(make_png(2, 1, 1, PNG_COLOR_TYPE_GRAY, {{0x40}}), "t").data, (Bytes{0, 255}));
     // A palette becomes colours, with alpha if it has any.
     const std::vector<png_color> palette{{10, 20, 30}, {40, 50, 60}};
@@ -92,7 +92,7 @@ TEST(ImageRead, ReadsPngOfAllKinds)
 
 TEST(ImageRead, SixteenBitPngKeepsItsEncoding)
 {
-    // sRGB-encoded values stay encoded: 0x8080 is 0x80, and nothing is made lighter or darker on the way.
+    // sRGB-encoded values stay encoded: 0x8080 becomes 0x80 without conversion.
     const Image8 image = decode_image(
         make_png(2, 1, 16, PNG_COLOR_TYPE_RGB, {{0x80, 0x80, 0, 0, 0xff, 0xff, 0x40, 0x40, 0x20, 0x20, 0xc0, 0xc0}}),
         "t");
@@ -141,7 +141,7 @@ TEST(ImageRead, RefusesTruncatedJpeg)
         const Bytes whole = test::jpeg_bytes({64, 64, JCS_RGB, 3, progressive}, row);
         expect_refused({whole.begin(), whole.begin() + static_cast<long>(whole.size() / 2)}, "half a JPEG");
         expect_refused({whole.begin(), whole.end() - 40}, "a JPEG without its last bytes");
-        // Without the last mark alone it is whole.
+        // It is complete if only the end marker is missing.
         EXPECT_EQ(decode_image(std::span(whole).first(whole.size() - 2), "t").data, decode_image(whole, "t").data);
     }
 }
@@ -189,7 +189,7 @@ TEST(ImageRead, ReadsRegularFilesOnly)
     EXPECT_THROW(read_image(folder / "absent.png"), InputError);
     EXPECT_THROW(read_image(folder.path()), InputError);
     ASSERT_EQ(mkfifo((folder / "fifo.png").c_str(), 0600), 0);
-    EXPECT_THROW(read_image(folder / "fifo.png"), InputError);   // and does not wait
+    EXPECT_THROW(read_image(folder / "fifo.png"), InputError);   // and does not block
     EXPECT_THROW(read_image("/dev/zero"), InputError);
 }
 

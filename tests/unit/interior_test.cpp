@@ -54,7 +54,7 @@ TEST(Interior, RoomIsSeenFromInside)
         EXPECT_GT(room->eye[axis], 0);
         EXPECT_LT(room->eye[axis], size[axis]);
     }
-    EXPECT_GT(std::abs(room->direction.x), 0.9f);   // along the longest way
+    EXPECT_GT(std::abs(room->direction.x), 0.9f);   // along the longest side
     EXPECT_EQ(room->direction.y, 0);
 }
 
@@ -74,7 +74,7 @@ TEST(Interior, StageIsSeenThroughItsOpening)
         glm::vec3 in(0);
         in[open <= high_x ? 0 : 2] = open == low_x || open == low_z ? 1.0f : -1.0f;
         EXPECT_EQ(stage->direction, in) << open;
-        EXPECT_LT(glm::dot(stage->eye - glm::vec3(2.5f), in), -2.5f) << open;   // stands before it
+        EXPECT_LT(glm::dot(stage->eye - glm::vec3(2.5f), in), -2.5f) << open;   // the eye is in front of it
     }
 }
 
@@ -99,12 +99,12 @@ TEST(Interior, SunReachesTheGroundOfACourtyard)
     Scene court = box(all & ~high_y, {12, 6, 3});
     add_default_light(court);
     ASSERT_EQ(court.lights.size(), 1u);
-    // From somewhere on the ground the way to the sun is open.
+    // The path to the sun is open from somewhere on the ground.
     const glm::vec3 to_sun = court.background.sun_direction;
     const glm::vec3 up = to_sun * (6 / to_sun.y);
     EXPECT_LT(std::abs(up.x), 12);
     EXPECT_LT(std::abs(up.z), 3);
-    EXPECT_GT(court.background.color.x, 0);   // and what bounces often is stood in for
+    EXPECT_GT(court.background.color.x, 0);   // ambient light approximates higher bounces
 }
 
 TEST(SpaceGrid, CastsAgainstFrontAndBackFaces)

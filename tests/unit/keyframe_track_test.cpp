@@ -53,7 +53,7 @@ TEST(KeyframeTrack, CubicSplinePassesKeysWithTheirTangents)
 
 TEST(KeyframeTrack, RotationsTakeTheShorterPathAtConstantSpeed)
 {
-    // 350 degrees as a quaternion of the other sign: the way is 20 degrees, not 340.
+    // 350 degrees as a quaternion with the other sign: the path is 20 degrees, not 340.
     const KeyframeTrack track({}, std::nullopt,
                               Rotations{KeyInterpolation::linear, {0, 1}, {about_z(10), -about_z(-10)}}, std::nullopt);
     for (const double u : {0.0, 0.25, 0.5, 1.0}) {

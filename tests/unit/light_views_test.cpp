@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of light views: projections and footprints, the light-space index, the atlas, and what a plan costs.
+// The parts of light views: projections and footprints, the light-space index, the atlas, and the cost of a plan.
 #include "light_views/light_views.h"
 
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ TEST(LightAtlas, GivesEveryViewItsOwnSquareWithinTheBudget)
                 EXPECT_FALSE(tile.page == atlas.tiles[b].page && tile.rect().overlaps(atlas.tiles[b].rect()))
                     << a << " and " << b << " of " << lights;
         }
-        // No page is left half empty before the last.
+        // No page but the last is less than half full.
         const std::int64_t page = static_cast<std::int64_t>(atlas.page_size) * atlas.page_size;
         EXPECT_LT((atlas.pages - 1) * page, atlas.texels());
     }
@@ -124,7 +124,7 @@ TEST(LightViews, FootprintsContainEveryDrawnTexel)
         }
     }
     EXPECT_GT(drawn, 0u);
-    EXPECT_LT(covered, 3 * drawn);   // and not much more
+    EXPECT_LT(covered, 3 * drawn);   // and not many more
 }
 
 TEST(LightViews, FacesOfAPointLightCoverEveryDirection)
@@ -155,8 +155,7 @@ TEST(LightViews, FacesOfAPointLightCoverEveryDirection)
 std::shared_ptr<const scene::Scene> still_life(int still, int dynamic_objects)
 {
     scene::Scene scene = test::scene_with_balls();
-    for (int i = 0; i < still;
-         ++i) {   // a carpet of balls, as dense everywhere, the first ones under the dynamic objects
+    for (int i = 0; i < still; ++i) {   // a layer of balls of uniform density, the first ones under the dynamic objects
         const int x = i % 10 + 10 * (i / 100 % 32), z = i / 10 % 10 + 10 * (i / 3200);
         test::add_object(scene, 0, scene::none, glm::scale(test::translation(0.1 * x, 0, 0.1 * z), glm::dvec3(0.05)));
     }
@@ -215,9 +214,9 @@ TEST(LightViews, DoesNothingWhileNothingMoves)
         return views.views()[0].plan;
     };
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
-    EXPECT_FALSE(frame(1.5).rebuild.empty());   // they stood in the static buffer until now
+    EXPECT_FALSE(frame(1.5).rebuild.empty());   // they were in the static buffer until now
     EXPECT_EQ(frame(1.5).kind, ViewPlan::Kind::idle);
-    EXPECT_EQ(frame(0.5).rebuild.size(), 0u);   // not thrown back into it at once
+    EXPECT_EQ(frame(0.5).rebuild.size(), 0u);   // not moved back into it at once
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
     EXPECT_EQ(frame(0.5).settle.size(), 3u);
@@ -255,9 +254,9 @@ TEST(LightViews, ManyLightsKeepTheirTiles)
         views.update(state);
         for (std::size_t v = 0; v < places.size(); ++v) {
             EXPECT_EQ(views.views()[v].tile.rect(), places[v]);
-            EXPECT_NE(views.views()[v].plan.kind, ViewPlan::Kind::whole);   // no view is ever made anew
+            EXPECT_NE(views.views()[v].plan.kind, ViewPlan::Kind::whole);   // no view is ever redrawn
         }
-        // The dynamic object, where it is seen; in the first frame it leaves the static buffer.
+        // Only the dynamic object, where it is visible; in the first frame it leaves the static buffer.
         if (frame > 1) {
             EXPECT_LE(views.counts().draws, views.views().size());
         }
@@ -279,7 +278,7 @@ TEST(LightViews, MobilityOverridesChangeThePlan)
     const ViewPlan& plan = views.views()[0].plan;
     EXPECT_EQ(plan.dynamics, (std::vector<scene::ObjectId>{0, 51, 52}));
     ASSERT_EQ(plan.settle.size(),
-              1u);   // the one that moved and must count as static is moved within the static buffer
+              1u);   // the object that moved and counts as static is updated within the static buffer
     EXPECT_EQ(plan.settle[0].object, 50u);
 }
 

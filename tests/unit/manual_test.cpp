@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written about options is all of them, and as the table has them.
+// The documentation of options is complete and matches the table.
 #include "cli/manual.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(Manual, ManPageDocumentsEveryOption)
     }
 }
 
-// What shows options takes their order from the table.
+// Help and guide list options in the order of the table.
 TEST(Manual, OptionsOfAGroupAreContiguous)
 {
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
@@ -44,7 +44,7 @@ TEST(Manual, OptionsOfAGroupAreContiguous)
     }
 }
 
-// `gnomon_documents FOLDER` makes it anew.
+// `gnomon_documents FOLDER` regenerates the page.
 TEST(Manual, OptionsPageOfTheGuideIsUpToDate)
 {
     std::ostringstream page;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights that never stand still, in a scene that is otherwise the same.
+// Lights that move in every frame, in an otherwise unchanged scene.
 #include <gtest/gtest.h>
 
 #include "bench/core/moving_lights.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ files feature by feature, each on the smallest file that has it.
+// Features of OBJ, each in the smallest file that uses it.
 #include <fstream>
 
 #include "gnomon/error.h"
@@ -47,12 +47,12 @@ TEST_F(ObjImport, ReadsEveryFormOfCorner)
     ASSERT_EQ(scene.meshes.size(), 1u);
     const scene::Mesh& mesh = scene.meshes[0];
     EXPECT_EQ(mesh.triangles.size(), 7u);
-    // The last two triangles with all three indices are the same vertices.
+    // The last two triangles, with all three indices, use the same vertices.
     EXPECT_EQ(mesh.triangles[3], mesh.triangles[4]);
     const std::uint32_t corner = mesh.triangles[3].y;
     EXPECT_EQ(mesh.positions[corner], glm::vec3(1, 0, 0));
-    EXPECT_EQ(mesh.normals[corner], glm::vec3(0, 0, 1));         // made unit
-    EXPECT_EQ(mesh.texcoords[0][corner], glm::vec2(1, 0.75f));   // v turned over
+    EXPECT_EQ(mesh.normals[corner], glm::vec3(0, 0, 1));         // normalised
+    EXPECT_EQ(mesh.texcoords[0][corner], glm::vec2(1, 0.75f));   // v is flipped
     EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
 }
 
@@ -115,7 +115,7 @@ TEST_F(ObjImport, ObjectsAndGroupsBecomeNodes)
     EXPECT_EQ(scene.nodes[1].name, "house/roof top");
     EXPECT_EQ(scene.nodes[2].name, "tree");
     EXPECT_EQ(scene.meshes[0].triangles.size(), 2u);
-    EXPECT_EQ(scene.meshes[2].parts.size(), 1u);   // both names are undefined: one grey
+    EXPECT_EQ(scene.meshes[2].parts.size(), 1u);   // both names are undefined: one grey material
     EXPECT_EQ(scene.statistics().triangles, 6u);
 }
 
@@ -140,7 +140,7 @@ TEST_F(ObjImport, ReadsSeveralLibrariesAndWarnsOfMissingOnes)
                                     "usemtl x\nf 1 2 3\nusemtl y\nf 1 2 4\nusemtl z\n"
                                     "f 2 3 4\n");
     ASSERT_EQ(scene.materials.size(), 3u);
-    EXPECT_EQ(scene.materials[0].base_color, glm::vec3(1, 0, 0));   // of two the first
+    EXPECT_EQ(scene.materials[0].base_color, glm::vec3(1, 0, 0));   // the first of two
     EXPECT_EQ(scene.materials[1].base_color, glm::vec3(0, 0, 1));
     EXPECT_TRUE(warned(scene, "'none.mtl'"));
     EXPECT_TRUE(warned(scene, "'z'"));
@@ -216,7 +216,7 @@ TEST_F(ObjImport, TextureRowsAreUpright)
 
 TEST_F(ObjImport, HeightMapsBecomeNormalMaps)
 {
-    // A slope up to the right: the normal leans left.
+    // A slope that rises to the right: the normal leans left.
     Image8 heights(8, 8, 1);
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x) *heights.pixel(x, y) = static_cast<std::uint8_t>(x * 30);

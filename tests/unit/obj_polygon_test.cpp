@@ -12,7 +12,7 @@ double area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const gl
     return 0.5 * glm::dot(glm::cross(glm::dvec3(b - a), glm::dvec3(c - a)), up);
 }
 
-// A polygon is filled exactly when no triangle is turned over and the areas add up to the polygon's.
+// A polygon is filled exactly if no triangle is flipped and the areas add up to the polygon's.
 void expect_filled(const std::vector<glm::vec3>& points)
 {
     PolygonTriangulator triangulator;
@@ -31,7 +31,7 @@ void expect_filled(const std::vector<glm::vec3>& points)
 TEST(ObjPolygon, FillsConcavePolygons)
 {
     expect_filled({{0, 0, 0}, {2, 0, 0}, {0.5f, 0.5f, 0}, {0, 2, 0}});   // an arrowhead
-    expect_filled({{0.5f, 0.5f, 0}, {0, 2, 0}, {0, 0, 0}, {2, 0, 0}});   // from the notch
+    expect_filled({{0.5f, 0.5f, 0}, {0, 2, 0}, {0, 0, 0}, {2, 0, 0}});   // starting at the notch
     expect_filled({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});   // a U
     expect_filled({{0, 0, 0}, {0, 1, 3}, {0, 1, 0.1f}, {0, 3, 0}, {0, 1, -0.1f}, {0, 1, -3}});
 }
@@ -79,7 +79,7 @@ TEST(ObjPolygon, GivesTwoTrianglesLessThanCorners)
 
 TEST(ObjPolygon, FillsHugePolygonsWithoutEarsInTime)
 {
-    // All corners but one on a line, to and fro: every search for an ear goes round in vain.
+    // All corners but one lie on a line, back and forth: every search for an ear fails after a full round.
     std::vector<glm::vec3> points{{0, 1, 0}};
     Random random(1);
     for (int i = 0; i < 400000; ++i) points.emplace_back(random.uniform(-1, 1), 0, 0);

@@ -75,7 +75,7 @@ TEST(OrbitCamera, PansByTheSameFractionOfTheViewAtAnyDistance)
         camera.follow(some_view(), distance);
         const glm::vec3 before = camera.pivot();
         const scene::View view = camera.view({64, 48});
-        camera.pan(0.5f, 0);   // half the height to the right: the scene follows the hand, the eye goes left
+        camera.pan(0.5f, 0);   // half the height to the right: the scene follows the pointer, the eye moves left
         const glm::vec3 went = camera.pivot() - before;
         EXPECT_LT(glm::dot(went, view.right), 0);
         EXPECT_NEAR(glm::length(went), glm::length(view.up) * distance, 1e-3f * distance);

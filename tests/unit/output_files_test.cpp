@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of output files, parts of a range, and files that are whole or not there.
+// Names of output files, chunks of a range, and files that are complete or absent.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -86,13 +86,13 @@ TEST(FramesFolder, IsRemovedIfItsManifestCannotBeWritten)
         }
         ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
         EXPECT_TRUE(refused);
-        // What is shared is left to the others.
+        // Shared files are kept for the other chunks.
         EXPECT_EQ(fs::exists(frames.path()), shared);
     }
     EXPECT_EQ(files_in(frames.path()), 0u);
 }
 
-// Two runs at once would take each other's frames for theirs, or away.
+// Two runs at the same time would take each other's frames for their own, or delete them.
 TEST(FramesFolder, BelongsToOneVideo)
 {
     const test::ScratchFolder folder;
@@ -109,15 +109,15 @@ TEST(FramesFolder, BelongsToOneVideo)
         one.remove();
         EXPECT_FALSE(fs::exists(one.path()));
         video::FramesFolder next(folder / "a.mp4");
-        next.open(other, false, false);   // of another folder by that name
+        next.open(other, false, false);   // of another folder with that name
     }
 
-    // Chunks work side by side, of one video: also before there is a first frame.
+    // Chunks of one video work in parallel, also before the first frame exists.
     video::FramesFolder first(folder / "b.mp4"), second(folder / "b.mp4"), third(folder / "b.mp4");
     first.open(video, false, true);
     second.open(video, false, true);
     EXPECT_THROW(third.open(other, false, true), UsageError);
-    EXPECT_THROW(third.open(video, true, false), MissingError) << "a video takes its frames away when it is done";
+    EXPECT_THROW(third.open(video, true, false), MissingError) << "a video deletes its frames when it is complete";
 }
 
 TEST(FramesFolder, AcceptsChunksThatStartTogether)
@@ -199,7 +199,7 @@ TEST(WritePng, ReportsTheReason)
 {
     try {
         io::write_png("/proc/no/a.png", noise(2, 2, 3));
-        FAIL() << "nothing thrown";
+        FAIL() << "no exception";
     } catch (const MissingError& error) {
         EXPECT_NE(std::string(error.what()).find("/proc/no/a.png: No such file"), std::string::npos) << error.what();
     }
@@ -227,11 +227,11 @@ TEST(WritePng, RoundTripKeepsThePixels)
     }
 }
 
-// Two images of one grey: whatever the sheet makes of them, their middle keeps its brightness.
+// Two images of the same grey: scaling them down must preserve the brightness.
 TEST(ContactSheet, DownscalesInLinearLight)
 {
     test::ScratchFolder folder;
-    Image8 stripes(2000, 40, 3);   // black and white columns: half the light, not half the code
+    Image8 stripes(2000, 40, 3);   // black and white columns: half the radiance, not half the code value
     for (int y = 0; y < stripes.height; ++y)
         for (int x = 0; x < stripes.width; ++x)
             for (int c = 0; c < 3; ++c) stripes.pixel(x, y)[c] = x % 2 ? 255 : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the published shadow culling gets wrong, and what it does not, against a full trace [Nah 2009, Fig. 5].
+// Errors of the published shadow culling against a full trace, and cases without errors [Nah 2009, Fig. 5].
 #include <gtest/gtest.h>
 
 #include "bench/culling/bench.h"
@@ -21,8 +21,8 @@ void add_triangle(scene::Scene& scene, const glm::vec3 (&p)[3])
     test::add_object(scene, static_cast<scene::MeshId>(scene.meshes.size() - 1));
 }
 
-/// A floor of one triangle, seen whole from above and lit from the side; between lamp and floor, out of view, a
-/// triangle that casts this shadow onto it.
+/// A floor of one triangle, completely visible from above and lit from the side. Between light and floor, outside the
+/// view, a triangle casts this shadow onto it.
 scene::Scene floor_under_lamp(const glm::vec3 (&shadow)[3])
 {
     const glm::vec3 lamp(9, 0, 9);
@@ -39,7 +39,7 @@ scene::Scene floor_under_lamp(const glm::vec3 (&shadow)[3])
     return scene;
 }
 
-/// The camera looks down from one place in the first frame, from another from the second on.
+/// The camera looks down from one place in the first frame, and from another from the second frame on.
 std::shared_ptr<const scene::Scene> seen_from(scene::Scene& scene, const glm::dvec3& first, const glm::dvec3& then)
 {
     const scene::NodeId node = scene.add_node("camera", scene::none);
@@ -64,8 +64,8 @@ bench::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene
 
 TEST(PaperWrongPixels, MissesAShadowBetweenPixels)
 {
-    // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four centres in the first frame; then the camera moves
-    // by half a pixel, and one centre is in it.
+    // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four pixel centres in the first frame; then the camera
+    // moves by half a pixel, and one centre lies in it.
     scene::Scene scene = floor_under_lamp({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
@@ -112,7 +112,7 @@ TEST(PaperWrongPixels, SkipsAFloorFullyInShadow)
 
 TEST(PaperWrongPixels, ZoomInShowsASmallShadowOneFrameLate)
 {
-    // From 12 to 5 away: the floor covers 5.8 times the pixels. The zoom's own frame still uses the old mode.
+    // From distance 12 to 5 the floor covers 5.8 times the pixels. The frame of the zoom still uses the old mode.
     scene::Scene scene = floor_under_lamp({{0.02f, 0.02f, 0}, {0.11f, 0.02f, 0}, {0.06f, 0.12f, 0}});
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0, 0, 5}));
     EXPECT_EQ(result.frames[0].paper.wrong, 0u);
@@ -137,7 +137,7 @@ TEST(PaperWrongPixels, MovingLightIsNeitherCulledNorWrong)
 
 TEST(PaperWrongPixels, StoresAMovingShadowOnlyAsPrinted)
 {
-    // A screen that moves shades the whole floor in the first two frames, then jumps out of the way.
+    // A moving screen shades the whole floor in the first two frames, then jumps out of the way.
     const auto with_screen = [] {
         scene::Scene scene = floor_under_lamp({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
         scene.nodes[1].transform = std::make_shared<test::JumpTrack>(1.5, glm::dmat4(1), test::translation(500, 0, 0));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, used as nobody should: an exception of ours that says why, and never a crash.
+// Misuse of the public interface: an exception with a reason, and never a crash.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -19,10 +19,10 @@ RenderOptions small()
 
 TEST(PublicInterface, MovedFromRenderersThrow)
 {
-    // NOLINTBEGIN(bugprone-use-after-move, performance-move-const-arg): that is what is asked here
+    // NOLINTBEGIN(bugprone-use-after-move, performance-move-const-arg): this is the behaviour under test
     Scene scene = load("builtin:cornell");
     const Scene taken = std::move(scene);
-    EXPECT_EQ(scene.frame_count(), taken.frame_count());   // copies share all they are
+    EXPECT_EQ(scene.frame_count(), taken.frame_count());   // copies share all data
 
     Renderer renderer(small()), other = std::move(renderer);
     EXPECT_THROW(renderer.render(taken, 1), UsageError);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Report pages as text: what goes in comes out, whole and harmless. tests/cli/report_test.cpp opens one.
+// Report pages as text: complete and escaped. tests/cli/report_test.cpp opens one in a browser.
 #include "bench/report/page.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ TEST(Chart, WritesSeriesAsLines)
     EXPECT_EQ(json["data"]["datasets"][1]["showLine"], false);
 }
 
-// Two frames after a first one that had nothing to remember.
+// Two frames after a first one with empty caches.
 WayWork three_frames()
 {
     WayWork way{"w", std::vector<FrameWork>(3)};
@@ -82,7 +82,7 @@ TEST(StageFigures, ShowSavedWork)
     EXPECT_EQ(saved.indirect, 25) << "600 rays in two frames, where the first cast 400";
     EXPECT_EQ(saved_of(way.frames[1], way.frames[0]).indirect, 75);
     EXPECT_EQ(saved_of(way.frames[2], way.frames[0]).indirect, 0) << "more than the first: nothing saved";
-    EXPECT_EQ(saved_of(FrameWork{}, FrameWork{}).shadow_skipped, 0) << "nothing asked, nothing saved";
+    EXPECT_EQ(saved_of(FrameWork{}, FrameWork{}).shadow_skipped, 0) << "no work, nothing saved";
     const Chart chart = saved_chart(way, 7);
     ASSERT_EQ(chart.series.size(), 3u);
     EXPECT_EQ(chart.series[1].points, (std::vector<std::pair<double, double>>{{8, 0}, {9, 10}}));
@@ -137,7 +137,7 @@ TEST(ReportPage, EscapesMarkup)
     const std::string html = page.html();
     EXPECT_EQ(times(html, "alert("), times(html, "script>alert(") + times(html, "script&gt;alert("));
     EXPECT_EQ(times(html, "<script>alert("), 0u);
-    EXPECT_EQ(times(html, "</script>"), 4u);   // the chart, the attachment, Chart.js and our own
+    EXPECT_EQ(times(html, "</script>"), 4u);   // the chart, the attachment, Chart.js and our own script
 }
 
 TEST(ReportPage, LoadsNoExternalResources)
@@ -159,7 +159,7 @@ TEST(ReportFile, IsCompleteOrAbsent)
         ReportFile file(folder);
         EXPECT_TRUE(std::filesystem::exists(folder));
     }
-    EXPECT_FALSE(std::filesystem::exists(scratch / "a")) << "what it made goes with it";
+    EXPECT_FALSE(std::filesystem::exists(scratch / "a")) << "its folder is removed with it";
     {
         ReportFile file(folder);
         file.write(ReportPage("t", "m"));
@@ -170,7 +170,7 @@ TEST(ReportFile, IsCompleteOrAbsent)
     {
         const ReportFile abandoned(folder);
     }
-    EXPECT_EQ(std::filesystem::file_size(folder / "index.html"), size) << "an older page stays";
+    EXPECT_EQ(std::filesystem::file_size(folder / "index.html"), size) << "an older page is kept";
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
 }
 

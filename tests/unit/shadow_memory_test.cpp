@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What remembered shadows may take: a bound that holds, and what was not seen for longest goes first.
+// The memory of the shadow cache: the limit holds, and the least recently seen records are evicted first.
 #include "shadow_culling/certified/shadow_memory.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ constexpr std::uint32_t k_level = 2;
 
 TEST(ShadowMemory, EvictsLeastRecentlySeenFirst)
 {
-    ShadowMemory memory(100, 1, 2 * 8);   // room for eight records that nothing differs in
+    ShadowMemory memory(100, 1, 2 * 8);   // room for eight records without differing states
     const std::uint32_t seen_in[] = {5, 2, 8, 1, 7, 3, 6, 4};
     for (RecordId r = 0; r < 8; ++r) {
         ASSERT_TRUE(memory.create(r, k_level, RimCodes{}));
@@ -42,7 +42,7 @@ TEST(ShadowMemory, EvictsLeastRecentlySeenFirst)
 
     memory.drop_unseen(9);
     EXPECT_FALSE(memory.full());
-    EXPECT_EQ(memory.live_records(), 4u);   // half the room is free
+    EXPECT_EQ(memory.live_records(), 4u);   // half of the memory is free
     for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), seen_in[r] > 4) << "record " << r;
 }
 
@@ -57,9 +57,7 @@ TEST(ShadowMemory, KeepsRecordsSeenInThisFrame)
     for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), r >= 2) << "record " << r;
 }
 
-// A look-up may meet a record that is just being made: then there is none yet, or it is whole. (ThreadSanitizer sees
-// whether more was read than that.)
-// What a deeper pyramid left, the table of its pieces and the levels above, is smaller than a piece.
+// The blocks that a deeper pyramid freed, its table of pieces and its upper levels, are smaller than a piece.
 TEST(ShadowMemory, DoesNotReuseSmallerFreeBlocks)
 {
     constexpr std::uint32_t k_in_pieces = shadow_culling::k_piece_levels + 1;
@@ -73,6 +71,8 @@ TEST(ShadowMemory, DoesNotReuseSmallerFreeBlocks)
     EXPECT_TRUE(memory.full());
 }
 
+// A look-up may reach a record that is being created: it finds either none or a complete one. (ThreadSanitizer reports
+// any other read.)
 TEST(ShadowMemory, LooksUpRecordsAddedByAnotherThread)
 {
     constexpr RecordId k_records = 400;
@@ -85,7 +85,7 @@ TEST(ShadowMemory, LooksUpRecordsAddedByAnotherThread)
         for (RecordId r = 0; r < k_records; ++r) {
             const ShadowMemory::Place before = memory.place(r);
             wrong[i] += before.level != 0 || before.pieces;
-            // Both have looked before either adds; nothing else is ordered by that.
+            // Both have looked up before either adds; nothing else orders them.
             arrived.fetch_add(1, std::memory_order_relaxed);
             while (arrived.load(std::memory_order_relaxed) < 2 * (r + 1) && std::chrono::steady_clock::now() < patience)
                 std::this_thread::yield();
@@ -99,7 +99,7 @@ TEST(ShadowMemory, LooksUpRecordsAddedByAnotherThread)
     EXPECT_EQ(made[0] + made[1], k_records);
 }
 
-// What every part of a level says, of one group of lights.
+// The states of all parts of a level, for one group of lights.
 std::vector<std::uint8_t> parts_of(const ShadowMemory& memory, RecordId record, std::uint32_t level, int group)
 {
     std::vector<std::uint8_t> states;
@@ -161,7 +161,7 @@ TEST(ShadowMemory, EvidenceIsFreedWhenTaken)
     EXPECT_NE(memory.evidence(8), nullptr);
 }
 
-// The slow twin: a whole pyramid, every part with a state of its own.
+// The reference implementation: a full pyramid with a state for every part.
 struct WholePyramid {
     std::uint32_t level = 0;
     std::vector<std::uint8_t> states = {0};
@@ -198,7 +198,7 @@ struct WholePyramid {
     }
 };
 
-// Writes into both as judging does.
+// Writes into both as the certificates do.
 class BothMemories {
  public:
     BothMemories(std::uint32_t level, int lights) : memory_(10, lights, 4 << 20), lights_(lights)
@@ -208,7 +208,7 @@ class BothMemories {
         for (WholePyramid& twin : twin_) twin.level = level, twin.states.assign(pyramid_size(level), 0);
     }
 
-    // Goes down from the whole triangle: PARTIAL on the way, and something at the end.
+    // Descends from the whole triangle: PARTIAL on the way, and some state at the end.
     void learn(Random& random)
     {
         const int light = static_cast<int>(random.below(static_cast<std::uint32_t>(lights_)));
@@ -260,13 +260,13 @@ class BothMemories {
             EXPECT_EQ(parts_of(memory_, 3, level, g),
                       std::vector<std::uint8_t>(whole.begin() + pyramid_offset(level), whole.end()));
         }
-        // The way that look-ups go.
+        // Look it up as the renderer does.
         LookUp points;
         points.resize(50);
         const ShadowMemory::Place place = memory_.place(3);
         points.runs.push_back({0, place.begin, 0, 0, 1, static_cast<float>(1u << place.level), place.pieces});
         for (std::size_t p = 0; p < 50; ++p) {
-            // The middle of a part, where rounding has no say.
+            // Use the middle of a part, so that rounding has no effect.
             const MicroTriangle part = micro_at(random.below(1u << (2 * level)), level);
             glm::dvec2 corner[3];
             corners_of(part, level, corner);
@@ -314,7 +314,7 @@ TEST(ShadowMemory, EqualsAFullPyramid)
     }
 }
 
-// A shadow's edge across a large triangle costs pieces along it, not the whole pyramid.
+// A shadow edge across a large triangle needs pieces along the edge, not the full pyramid.
 TEST(ShadowMemory, AllocatesOnlyWhereStatesDiffer)
 {
     Random random(6);
@@ -324,8 +324,8 @@ TEST(ShadowMemory, AllocatesOnlyWhereStatesDiffer)
     both.expect_equal(random);
 }
 
-// A camera that looks around in a scene that asks for far more than it may have: never more than the bound, never
-// wrong, and still of use.
+// A camera looks around in a scene that needs far more memory than the limit: the limit is never exceeded, no result is
+// wrong, and some are still found.
 TEST(ShadowMemory, StaysWithinItsLimit)
 {
     Random random(1);
@@ -347,7 +347,7 @@ TEST(ShadowMemory, StaysWithinItsLimit)
     std::uint64_t remembered = 0;
     std::size_t fewest = everywhere.size();
     for (int frame = 0; frame < 40; ++frame) {
-        // A window that goes on every tenth frame.
+        // The visible window moves on every tenth frame.
         test::Rehearsal::Points seen;
         for (std::size_t i = 0; i < everywhere.size() / 4; ++i)
             seen.push_back(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image of shadow states: where panels lie, which colours they have, what a renderer hands out.
+// The overlay of shadow states: panel layout, colours, and the image that a renderer returns.
 #include <gtest/gtest.h>
 
 #include "frame/state_overlay.h"
@@ -50,7 +50,7 @@ TEST(StateOverlay, WrongOverridesAllOtherMarks)
     EXPECT_NE(cell_color({StateMark::none, true, false, false}, 255), cell_color({StateMark::none}, 255));
 }
 
-// Three bits hold eight marks, of which there are seven.
+// Three bits encode eight marks, of which seven are in use.
 TEST(StateOverlay, InvalidMarkIsAnInternalError)
 {
     EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
@@ -67,7 +67,7 @@ TEST(StateOverlay, PanelsDoNotOverlap)
                 const Image8 image = frame::paint_states(map, titles, paper);
                 const Size whole = frame::overlay_size(size, static_cast<std::size_t>(lights), paper);
                 EXPECT_EQ((Size{image.width, image.height}), whole);
-                EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "videos want even sizes";
+                EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "videos need even sizes";
                 for (std::size_t p = 0; p < map.lights.size(); ++p) {
                     const frame::PanelPlace at = frame::panel_place(size, map.lights.size(), p);
                     ASSERT_LE(at.left + size.width, image.width);
@@ -97,7 +97,7 @@ TEST(StateOverlay, RendererReturnsItWithTheReportedSize)
         EXPECT_EQ(image.size, image_size(scene, options));
         EXPECT_EQ(image.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
         EXPECT_EQ(image.layers.size(), 1u);
-        // Colours come out as they were painted.
+        // The colours are exactly those that were drawn.
         const std::vector<std::uint8_t> bytes = image.to_srgb8();
         const Rgb8 legend = frame::state_color(StateMark::none);
         const auto found = std::search(bytes.begin(), bytes.end(), legend.begin(), legend.end());

@@ -18,7 +18,8 @@
 namespace gnomon {
 namespace {
 
-// None of these locks or uses atomics: what for_each orders must be enough, and ThreadSanitizer is asked whether it is.
+// None of these tests locks or uses atomics: the ordering that for_each guarantees must suffice, and ThreadSanitizer
+// checks it.
 
 TEST(Tasks, EveryIndexRunsOnceAndSeesEarlierLoops)
 {
@@ -26,7 +27,7 @@ TEST(Tasks, EveryIndexRunsOnceAndSeesEarlierLoops)
         Tasks tasks(threads);
         std::vector<int> before(1000, 0), now(1000, 0);
         for (int loop = 1; loop <= 5; ++loop) {
-            // Each reads what another body of the loop before wrote.
+            // Each body reads a value that another body of the previous loop wrote.
             tasks.for_each(now.size(), [&](std::size_t i, int) { now[i] = before[now.size() - 1 - i] + 1; });
             EXPECT_EQ(now, std::vector<int>(now.size(), loop)) << threads << " threads";
             std::swap(before, now);
@@ -79,7 +80,7 @@ TEST(Tasks, ExceptionReachesTheCallerAfterFinishedWork)
 }
 
 #if defined(GNOMON_SANITIZED_THREAD)
-// What for_each says of its order, and what is suppressed of oneTBB, must not hide a race between two of its bodies.
+// The ordering annotations of for_each and the suppressions for oneTBB must not hide a race between two of its bodies.
 template <class Touch>
 void race(const Touch& touch)
 {
@@ -87,7 +88,7 @@ void race(const Touch& touch)
     std::atomic<int> arrived = 0;
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     tasks.for_each(2, [&](std::size_t, int) {
-        arrived.fetch_add(1, std::memory_order_relaxed);   // orders nothing
+        arrived.fetch_add(1, std::memory_order_relaxed);   // relaxed: orders nothing
         while (arrived.load(std::memory_order_relaxed) < 2 && std::chrono::steady_clock::now() < patience)
             std::this_thread::yield();
         touch();
@@ -100,7 +101,7 @@ TEST(TasksDeathTest, ThreadSanitizerSeesBodiesThatRace)
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     int shared = 0;
     EXPECT_EXIT(race([&] { ++shared; }), testing::ExitedWithCode(66), "ThreadSanitizer: data race");
-    // By a function of the system's library, too.
+    // Also through a function of the C library.
     std::vector<char> bytes(4096);
     EXPECT_EXIT(race([&] { std::fill(bytes.begin(), bytes.end(), '\1'); }), testing::ExitedWithCode(66),
                 "ThreadSanitizer: data race(.|\n)*memset");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texels of many points at a time against their twin for one point.
+// Vectorised texel addresses against the scalar reference implementation.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -49,9 +49,9 @@ TEST(Texture, HonoursWrapModes)
 TEST(Texture, FiltersInLinearLight)
 {
     const Texture texture("t", four_texels(), true, {});
-    // The middle of a black and a red texel is half of red in linear light, not in sRGB.
+    // Between a black and a red texel lies half of red in linear light, not in sRGB.
     EXPECT_NEAR(texture.sample({0.5f, 0.25f}, 0).x, 0.5f, 1e-6f);
-    // The coarsest level is the mean of all, to the rounding of 8 bits.
+    // The coarsest level is the mean of all texels, to the precision of 8 bits.
     EXPECT_NEAR(texture.sample({0.3f, 0.9f}, 1000).y, 0.5f, 0.005f);
 }
 

@@ -20,7 +20,7 @@ TEST(ToneMap, IsMonotonicForGreysAndStaysInRange)
         float before = -1;
         for (float stop = -12; stop < 10; stop += 0.05f) {
             const glm::vec3 shown = tone_map(curve, glm::vec3(std::exp2(stop)));
-            // The fits of AgX and ACES leave a grey grey up to the rounding of their matrices.
+            // The fits of AgX and ACES keep greys neutral up to the rounding of their matrices.
             EXPECT_NEAR(shown.x, shown.y, 1e-3f);
             EXPECT_NEAR(shown.x, shown.z, 1e-3f);
             EXPECT_GE(shown.y, before - 1e-6f) << "curve " << static_cast<int>(curve) << " at " << stop << " stops";
@@ -36,7 +36,7 @@ TEST(ToneMap, NeutralSubtractsOnlyTheReflectionBelowTheShoulder)
 {
     for (const float grey : {0.1f, 0.18f, 0.4f, 0.79f})
         EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(grey)).x, grey - 0.04f, 1e-6f);
-    // Colour differences survive as well.
+    // Colour differences are preserved as well.
     const glm::vec3 shown = tone_map(ToneMap::neutral, {0.5f, 0.3f, 0.2f});
     EXPECT_NEAR(shown.x - shown.y, 0.2f, 1e-6f);
     EXPECT_NEAR(shown.y - shown.z, 0.1f, 1e-6f);
@@ -53,7 +53,7 @@ TEST(ToneMap, FitsEqualKnownValues)
     // Hill's rational function at 0.18: (0.18 * 0.2045786 - 0.000090537) / (0.18 * (0.983729 * 0.18 + 0.432951) +
     // 0.238081)
     EXPECT_NEAR(tone_map(ToneMap::aces, glm::vec3(0.18f)).y, 0.10557f, 2e-4f);
-    // AgX shows middle grey as middle grey, within its look.
+    // AgX maps middle grey to middle grey, within its look.
     EXPECT_NEAR(tone_map(ToneMap::agx, glm::vec3(0.18f)).y, 0.18f, 0.04f);
 }
 
@@ -124,7 +124,7 @@ TEST(EncodeSrgb8, RoundsExactly)
     int off = 0;
     for (std::size_t i = 0; i < rgb.size(); ++i) {
         const long expected = std::lround(255.0f * srgb_from_linear(std::clamp(rgb[i], 0.0f, 1.0f)));
-        // The two ways to round may part at a tie in the last bit of a float.
+        // The two roundings may differ at a tie in the last bit of a float.
         ASSERT_LE(std::abs(expected - bytes[i]), 1) << rgb[i];
         off += expected != bytes[i];
     }

@@ -24,7 +24,7 @@ std::string bytes_of(const fs::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// A square that walks over a ramp; sides are odd, and names hold what a shell or a pattern would trip over.
+// A square that moves over a ramp; sizes are odd, and names contain characters special to a shell or a pattern.
 std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
 {
     std::vector<fs::path> frames;
@@ -41,7 +41,7 @@ std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
     return frames;
 }
 
-// What `ffprobe` says about a video.
+// The output of `ffprobe` for a video.
 std::string probe(const fs::path& video, const std::string& entries)
 {
     video::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=" + entries, "-of",
@@ -97,7 +97,7 @@ TEST(VideoEncoder, ReportsMissingFfmpeg)
     expect_no_video(folder);
 }
 
-// Stands in for ffmpeg with a script of one line.
+// Replaces ffmpeg by a script of one line.
 void install_script(const fs::path& folder, const std::string& line)
 {
     const fs::path program = folder / "ffmpeg";

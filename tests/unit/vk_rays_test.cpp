@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tracing rays on the device: what is found about it, structures, the any-hit shader, masks of instances, rebuilding.
+// Tracing rays on the device: feature detection, acceleration structures, the any-hit shader, instance masks,
+// rebuilding.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -21,16 +22,16 @@ constexpr std::uint32_t k_miss[] =
 constexpr std::uint32_t k_any_hit[] =
 #include "shaders/rays.rahit.inc"
     ;
-constexpr std::uint32_t k_side = 16;   // rays
+constexpr std::uint32_t k_side = 16;   // rays per side
 
 class VulkanRays : public VulkanTest {};
 
-// Two triangles, each with a structure of its own, and a top level over both.
+// Two triangles, each with a BLAS of its own, and a TLAS over both.
 struct Stage {
     explicit Stage(const std::shared_ptr<vk::Device>& the_device, bool masked)
         : device(the_device), commands(the_device)
     {
-        // The left lower half of a unit square, and the right upper one.
+        // The lower left half of a unit square, and the upper right one.
         const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
         const std::uint32_t numbers[] = {0, 1, 2, 3, 2, 1};
         positions = vk::Buffer(device, "positions", sizeof corners);
@@ -78,7 +79,7 @@ struct Stage {
                                                     .blocks = {{"", sizeof(std::uint32_t), {}}}});
     }
 
-    // Places both, moved along x, and builds the top level.
+    // Translates both along x, and builds the TLAS.
     void place(const float (&x)[2])
     {
         VkAccelerationStructureInstanceKHR list[2]{};
@@ -102,7 +103,7 @@ struct Stage {
             });
     }
 
-    // What the grid of rays meets, as text: rows from y = 0 on.
+    // The hits of the ray grid as text: rows from y = 0 on.
     std::string ask(std::uint32_t mask)
     {
         commands.pass("trace")
@@ -135,7 +136,7 @@ struct Stage {
     vk::Pipeline pipeline;
 };
 
-// The same grid, by hand: whether a function of the place holds. Places on the diagonal belong to either triangle.
+// The expected grid from a predicate on the position. Positions on the diagonal belong to either triangle.
 template <class Impl>
 void expect_grid(const std::string& answers, const Impl& inside)
 {
@@ -174,7 +175,7 @@ TEST_F(VulkanRays, AnyHitShaderLetsRaysPass)
     expect_grid(stage.ask(2), [](float u, float v) { return u + v > 1 && 1 - u <= 0.5f; });
 }
 
-// The next trace waits for the next build: what moved is met where it is now.
+// The next trace waits for the next build: moved triangles are hit at their new places.
 TEST_F(VulkanRays, TraceWaitsForTheRebuiltTlas)
 {
     GNOMON_NEED_RAYS;
@@ -203,7 +204,7 @@ TEST_F(VulkanRays, ReflectsRayStages)
     EXPECT_EQ(any_hit.bindings[0].binding, 2u);
 }
 
-// Builds and traces wait for what they read, and for what works in the same scratch memory.
+// Builds and traces wait for what they read, and for earlier users of the same scratch memory.
 TEST(VulkanBarriers, OrderBuildsAndTraces)
 {
     const VkPipelineStageFlags2 tracing = VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR;
@@ -235,7 +236,7 @@ TEST(VulkanBarriers, OrderBuildsAndTraces)
     ASSERT_TRUE(vk::follow(scratch, use(vk::Use::build_target), false));
 }
 
-// A device without the extensions is as good for all else, and says what it lacks.
+// A device without the extensions works otherwise, and reports what it lacks.
 TEST_F(VulkanRays, AcceptsADeviceWithoutRayTracing)
 {
     static PFN_vkEnumerateDeviceExtensionProperties real;
@@ -256,7 +257,7 @@ TEST_F(VulkanRays, AcceptsADeviceWithoutRayTracing)
     EXPECT_THROW(buffer.address(), InternalError);
 }
 
-// What a build reads or writes must be declared, as everything else.
+// The inputs and outputs of a build must be declared, as for all passes.
 TEST_F(VulkanRays, RefusesUndeclaredUses)
 {
     GNOMON_NEED_RAYS;
