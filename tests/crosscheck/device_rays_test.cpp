@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays on the device against RayScene: between points of surfaces, in several scenes, before and after things move.
-//
-// Both may part where a ray meets an edge within rounding: of a triangle, or of a hole in a mask. So few may differ,
-// and each of these must be such a ray: among its neighbours, by less than any image shows, RayScene's own answers
-// differ.
+// Rays on the device against RayScene: between surface points of several scenes, before and after objects move. Both
+// may differ where a ray passes an edge of a triangle, or of a hole in a mask, within rounding. Few rays may differ,
+// and each of these must be such a ray: RayScene's own results differ among neighbouring rays that are closer than any
+// image shows.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -22,10 +21,10 @@ namespace {
 using ray::Against;
 using ray::DeviceRays;
 
-constexpr double k_differing = 1e-3;   // share of rays that may differ
-constexpr float k_neighbour = 2e-5f;   // of the scene's size: how far a ray's neighbours are
+constexpr double k_differing = 1e-3;   // fraction of rays that may differ
+constexpr float k_neighbour = 2e-5f;   // of the scene's size: the distance of neighbouring rays
 constexpr int k_neighbours = 64;
-constexpr float k_lift = 1e-3f;   // of the scene's size: how far rays begin and end from their surfaces
+constexpr float k_lift = 1e-3f;   // of the scene's size: the offset of ray origins and ends from their surfaces
 constexpr std::size_t k_rays = 20'000;
 
 class DeviceRaysVulkan : public test::VulkanTest {};
@@ -35,7 +34,7 @@ class DeviceRaysVulkan : public test::VulkanTest {};
     GTEST_SKIP() << "the device '" << device_->info().name << "' traces no rays: it lacks " \
                  << device_->info().no_rays.front()
 
-// A point of a random triangle of a random object, a little above either side.
+// A point on a random triangle of a random object, slightly above either side.
 glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& state, Random& random, float lift)
 {
     for (;;) {
@@ -66,7 +65,7 @@ ray::RayQueue surface_rays(const ray::RayScene& rays, const scene::SceneState& s
     return queue;
 }
 
-// Whether RayScene itself is of two minds about a ray, when its ends are moved by as little as rounding might.
+// Whether RayScene's own result changes if the ends of a ray are moved by about the rounding error.
 bool on_an_edge(const ray::RayScene& rays, const ray::RayQueue& queue, std::size_t i, Against against)
 {
     Random random(i);
@@ -87,7 +86,7 @@ struct Compared {
     std::size_t asked = 0, differing = 0, occluded = 0;
 };
 
-// Asks both about the same rays, against each part of the scene.
+// Traces the same rays with both, against each part of the scene.
 void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRays& device, const ray::RayScene& rays,
              const ray::RayQueue& queue, Compared& sum)
 {
@@ -107,7 +106,7 @@ void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRay
     }
 }
 
-// Follows a scene through some times.
+// Follows a scene through several times.
 Compared follow(const std::shared_ptr<vk::Device>& vulkan, const std::shared_ptr<const scene::Scene>& description,
                 const std::vector<double>& times, std::size_t count = k_rays)
 {
@@ -162,15 +161,15 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnSpheres)
     follow_frames(device_, "spheres?objects=100&dynamic=20&vertices=200", {1, 2});
 }
 
-// Masks, glass, mirrored instances, shapes that deform, with and without a moving node.
+// Masks, glass, mirrored instances, deforming meshes, with and without a moving node.
 TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnRandomScenes)
 {
     GNOMON_NEED_RAYS;
     for (const std::uint64_t seed : {11u, 12u, 13u}) follow(device_, test::make_random_scene(seed), {0.4, 0.5, 1.7, 3});
 }
 
-// Leaves whose holes come from all that may decide on them: a filtered texture that is turned, repeated and mirrored,
-// over either set of coordinates, the vertices' alpha, the material's, two cutoffs in one mesh.
+// Leaves whose holes come from all possible sources of alpha: a filtered texture that is rotated, repeated and
+// mirrored, with either set of coordinates; vertex alpha; material alpha; two cutoffs in one mesh.
 std::shared_ptr<const scene::Scene> leaf_scene()
 {
     scene::Scene scene;
@@ -190,7 +189,7 @@ std::shared_ptr<const scene::Scene> leaf_scene()
         material.alpha_mode = scene::AlphaMode::mask;
         material.alpha = 0.9f;
         material.alpha_cutoff = 0.2f + 0.1f * static_cast<float>(m);
-        if (m == 3) continue;   // by the vertices alone
+        if (m == 3) continue;   // vertex alpha only
         material.base_color_texture.texture = m - 1;
         material.base_color_texture.texcoord = static_cast<int>(m - 1);
         material.base_color_texture.rotation = 0.4f;
@@ -221,7 +220,7 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnAlphaTestedLeaves)
     follow(device_, leaf_scene(), {0, 0.2, 1});
 }
 
-// A ball, one half of which follows a moving joint, in a ring of balls that stand still.
+// A ball, one half of which follows a moving joint, in a ring of static balls.
 std::shared_ptr<const scene::Scene> skinned_scene()
 {
     scene::Scene scene;
@@ -271,7 +270,7 @@ scene::Mesh box_mesh()
     return mesh;
 }
 
-// Boxes along the axes, some of which jump at time 1; one is squeezed flat, another from then on.
+// Axis-aligned boxes, some of which jump at time 1; one has a singular transform, another from then on.
 std::shared_ptr<const scene::Scene> box_scene()
 {
     scene::Scene scene;
@@ -292,7 +291,7 @@ std::shared_ptr<const scene::Scene> box_scene()
     return test::finished(scene);
 }
 
-// Rays that RayScene is of one mind about.
+// Rays whose result RayScene does not change in their neighbourhood.
 ray::RayQueue clear_rays(const ray::RayScene& rays, const scene::SceneState& state, std::uint64_t seed)
 {
     const ray::RayQueue all = surface_rays(rays, state, seed, k_rays);
@@ -303,8 +302,8 @@ ray::RayQueue clear_rays(const ray::RayScene& rays, const scene::SceneState& sta
     return clear;
 }
 
-// Where no ray grazes an edge, every answer is the same: as built, after a jump, and after what stood still was moved
-// by hand. Only what changed is built anew.
+// For rays that pass no edge, every result is equal: after the build, after a jump, and after user overrides of static
+// objects. Only changed structures are rebuilt.
 TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
 {
     GNOMON_NEED_RAYS;
@@ -314,7 +313,7 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
     gpu_scene::GpuScene scene(device_, state);
     DeviceRays device(device_, scene, state);
     vk::Commands commands(device_);
-    EXPECT_EQ(device.work().bottom_levels, 2u);   // the mesh, and what is flat
+    EXPECT_EQ(device.work().bottom_levels, 2u);   // the mesh, and the object with a singular transform
     Compared sum;
     const auto ask = [&](std::uint64_t seed) {
         const ray::RayQueue queue = clear_rays(rays, state, seed);
@@ -346,15 +345,15 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
     ask(4);
     EXPECT_EQ(sum.differing, 0u);
 
-    // One that is made now takes for moving what the other rays do.
+    // An instance made now classifies objects as dynamic as the other rays do.
     DeviceRays late(device_, scene, state, &rays);
     compare(commands, scene, late, rays, clear_rays(rays, state, 5), sum);
     EXPECT_EQ(sum.differing, 0u);
     EXPECT_GT(late.bytes(), 10'000u);
 }
 
-// Corners that are no numbers, or beyond all that is met, take their triangles along and nothing else; a shape that
-// loses its numbers for a while meets nothing, and is whole again afterwards.
+// NaN vertices, or vertices out of range, remove their triangles and nothing else; a mesh with NaN vertices for a while
+// is not hit, and is complete again afterwards.
 TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
 {
     GNOMON_NEED_RAYS;
@@ -408,7 +407,7 @@ TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
     }
 }
 
-// More rays than go at once; rays that are none; and a scene without anything.
+// More rays than fit into one dispatch, degenerate rays, and an empty scene.
 TEST_F(DeviceRaysVulkan, AcceptsEmptyLargeAndDegenerateQueues)
 {
     GNOMON_NEED_RAYS;
@@ -430,7 +429,7 @@ TEST_F(DeviceRaysVulkan, AcceptsEmptyLargeAndDegenerateQueues)
     device.occluded(commands, scene, many, answers.data());
     EXPECT_EQ(answers, expected);
 
-    // Ends beyond what is, behind the beginning, and no numbers at all.
+    // Ends out of range, behind the origin, and NaN.
     const float inf = k_infinity, nan = std::numeric_limits<float>::quiet_NaN();
     ray::RayQueue odd;
     for (std::size_t i = 0; i < 2000; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real glTF scenes: triangles still and moving, frames, and where things are, against what is known of them.
+// Real glTF scenes: static and moving triangles, frame counts and positions, against known values.
 #include "io/load.h"
 #include "scene/state.h"
 #include "support.h"
@@ -48,7 +48,7 @@ TEST(GltfTruck, WheelsTurnAboutTheirAxlesAndNothingElseMoves)
     const glm::mat4 before = state.object_matrix(wheels[0]);
     EXPECT_EQ(state.advance(0.4).moved, wheels);
     const glm::mat4 after = state.object_matrix(wheels[0]);
-    // The axle (z) and the place stay; the spokes (x) turn.
+    // The axle (z) and the position stay; the spokes (x) rotate.
     EXPECT_LT(glm::length(after[2] - before[2]), 1e-6f);
     EXPECT_LT(glm::length(after[3] - before[3]), 1e-6f);
     EXPECT_GT(glm::length(after[0] - before[0]), 0.1f);

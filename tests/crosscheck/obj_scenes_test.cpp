@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real OBJ scenes against what is known of them: triangle counts published or counted by other programs.
+// Real OBJ scenes against known triangle counts, published or counted by other programs.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -47,7 +47,7 @@ TEST(ObjScenes, SponzaHasKnownCountsAndTextures)
     EXPECT_EQ(scene.statistics().triangles, 279163u);
     EXPECT_EQ(scene.materials.size(), 26u);
     for (const std::string& warning : scene.warnings) ADD_FAILURE() << warning;
-    // 25 colour images, three of them with a mask; each material that names one has it.
+    // 25 colour images, three of them with a mask; each material that names an image has it.
     EXPECT_EQ(scene.textures.size(), 25u);
     int masked = 0;
     for (const scene::Material& material : scene.materials) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights as bright as numbers go, and surfaces that touch a light: no layer of any image holds what is no number.
+// Lights as bright as floats allow, and surfaces that touch a light: all layers of all images are finite.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mask says of dynamic objects, and of what stands still before them, against rays.
+// The dynamic mask's results for dynamic objects, and for static objects in front of them, against rays.
 #include <gtest/gtest.h>
 
 #include "scene/builtin/builtin.h"
@@ -10,12 +10,12 @@ namespace gnomon::shadow_culling {
 namespace {
 
 struct Tally {
-    std::uint64_t free = 0, occluded = 0, unknown = 0, clear = 0;              // said
-    std::uint64_t wrongly_free = 0, wrongly_occluded = 0, wrongly_clear = 0;   // and not so
+    std::uint64_t free = 0, occluded = 0, unknown = 0, clear = 0;              // results
+    std::uint64_t wrongly_free = 0, wrongly_occluded = 0, wrongly_clear = 0;   // wrong results
     std::uint64_t free_on_dynamic = 0;
 };
 
-// Asks of all points, one light after the other, and lets rays answer the same.
+// Queries all points, one light after the other, and compares with rays.
 void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
              const std::vector<ShadowPoint>& points, const std::vector<char>& moves, Tally& tally)
 {
@@ -56,7 +56,7 @@ void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneSta
     }
 }
 
-// Dynamic objects put somewhere else in every round; the mask is told that they move from the second on.
+// Moves the dynamic objects in every round; the mask is told that they move from the second round on.
 Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
 {
     const std::size_t dynamic_objects = 2 + seed % 5;
@@ -66,7 +66,7 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
     std::vector<char> promoted(scene->objects.size(), 0);
     for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o) promoted[o] = 1;
     Random random(seed, 5);
-    // All of them by hand, so that the ray scene counts them as dynamic objects.
+    // Override all of their transforms, so that the ray scene treats them as dynamic objects.
     glm::dmat4 aside(1);
     aside[3].x = 0.1;
     for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o)
@@ -76,7 +76,7 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
     std::unique_ptr<DynamicMask> mask;
     for (int round = 0; round < rounds; ++round) {
         if (round > 0 && round % 3 != 0) move_last(*scene, state, random, dynamic_objects);
-        if (round % 4 == 3)   // a light elsewhere
+        if (round % 4 == 3)   // move a light
             for (const scene::Light& light : scene->lights) {
                 if (random.below(2)) continue;
                 glm::dmat4 place = scene->nodes[light.node].local;
@@ -121,7 +121,7 @@ TEST(DynamicMaskCulling, AgreesWithRaysOnRandomSoups)
     options.asked = 1;
     const Tally tally = ask_soups(60, options);
     expect_true(tally);
-    // Else nothing was put to the test.
+    // Otherwise nothing was tested.
     EXPECT_GT(tally.free, 50'000u);
     EXPECT_GT(tally.free_on_dynamic, 5'000u);
     EXPECT_GT(tally.occluded, 5'000u);
@@ -136,7 +136,7 @@ TEST(DynamicMaskCulling, AgreesWithRaysWithCoarseTexels)
     expect_true(ask_soups(40, options));
 }
 
-// Triangles that count as edge-on cover nothing, but are still in the way.
+// Edge-on triangles cover no texels, but still occlude.
 TEST(DynamicMaskCulling, AgreesWithRaysWithFineTexelsInEdgeOnTriangles)
 {
     MaskOptions options;
@@ -148,8 +148,8 @@ TEST(DynamicMaskCulling, AgreesWithRaysWithFineTexelsInEdgeOnTriangles)
     EXPECT_GT(tally.free, 20'000u);
 }
 
-// Rays that run along an outline, which runs along the border of texels: within rounding of either side. Far from the
-// origin, where rounding is coarse.
+// Rays along an outline that coincides with the border of texels, within rounding on either side. Far from the origin,
+// where rounding is coarse.
 void ask_along_outline(double turn, Tally& tally)
 {
     const glm::vec3 lamp(1000.3f, 1003.7f, 998.1f);
@@ -167,7 +167,7 @@ void ask_along_outline(double turn, Tally& tally)
     };
     const auto at = [&](float x, float y, float z) { return lamp + glm::vec3(x, y, z); };
     add({at(-3, -4, -3), at(3, -4, -3), at(3, -4, 3), at(-3, -4, 3)});   // the floor
-    // A plate that begins at x = 0, but for rounding, once it is turned about the lamp.
+    // A plate that starts at x = 0, up to rounding, after it is rotated about the light.
     const glm::dvec3 middle(lamp);
     const auto turned = [&](const glm::dvec3& p, double angle) {
         const glm::dvec3 q = p - middle;
@@ -202,7 +202,7 @@ void ask_along_outline(double turn, Tally& tally)
     const StaticTriangles triangles(state, rays);
     MaskOptions options;
     options.asked = 1;
-    options.texel_pixels = 0.02f;   // finer than rounding moves a ray
+    options.texel_pixels = 0.02f;   // finer than the rounding of a ray
     DynamicMask mask(state, rays, triangles, options);
     mask.begin_frame(state, rays, {at(0, 0, 9), 0.002f, 0});
     Random random(3);
@@ -232,7 +232,7 @@ TEST(DynamicMaskCullingFull, AgreesWithRaysOnAThousandSoups)
     expect_true(ask_soups(1000, options));
 }
 
-// The least height of what is inside four planes, by the tree and one triangle after the other.
+// The least height within four planes, by the tree and by a linear search.
 TEST(DynamicMaskCulling, LeastHeightEqualsALinearSearchOfAllTriangles)
 {
     std::size_t some = 0;
@@ -265,7 +265,7 @@ TEST(DynamicMaskCulling, LeastHeightEqualsALinearSearchOfAllTriangles)
                 if (!visibility::clip_triangle(sides, p, inside)) continue;
                 for (int c = 0; c < inside.count; ++c)
                     least = std::min(least, depth.at(inside.corner[static_cast<std::size_t>(c)]));
-                // The sides are those of the light's plane.
+                // The side planes contain the light.
                 for (int c = 0; c < inside.count; ++c) {
                     const glm::dvec3& corner = inside.corner[static_cast<std::size_t>(c)];
                     const glm::dvec3 q = space.in_face(face, corner);

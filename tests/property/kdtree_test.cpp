@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CountingKdTree against every triangle asked one by one, against Embree, and against trees built afresh.
+// CountingKdTree against brute force, against Embree, and against freshly built trees.
 #include "ray/kdtree/kdtree.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using scene::SceneState;
 
 constexpr Sides k_sides[] = {Sides::both, Sides::front};
 
-/// Triangles without any order: long, small, flat along an axis, in one another, and some that are no area at all.
+/// Unordered triangles: long, small, parallel to an axis plane, intersecting, and some with no area.
 scene::Mesh soup(scene::MaterialId material, std::uint64_t seed, std::uint32_t count, float reach)
 {
     scene::Mesh mesh;
@@ -50,7 +50,7 @@ scene::Mesh soup(scene::MaterialId material, std::uint64_t seed, std::uint32_t c
     return mesh;
 }
 
-/// Soups of every material, some still, some moving.
+/// Soups of every material, some static, some moving.
 std::shared_ptr<const scene::Scene> make_soups(std::uint64_t seed)
 {
     scene::Scene scene;
@@ -68,7 +68,7 @@ std::shared_ptr<const scene::Scene> make_soups(std::uint64_t seed)
     return finished(scene);
 }
 
-/// Rays along the axes, in planes where triangles and splits lie; and from such planes in any direction.
+/// Rays along the axes in the planes of triangles and splits, and from such planes in any direction.
 ray::RayQueue awkward_rays(std::uint64_t seed, std::size_t count)
 {
     Random random(seed);
@@ -115,7 +115,8 @@ Answers ask_all(const CountingKdTree& tree, const ray::RayQueue& rays)
     return answers;
 }
 
-/// Rays whose answers differ by more than the rounding of different formulas: whether anything is met, or how far off.
+/// The number of rays whose results differ by more than the rounding of different formulas: hit or miss, or the
+/// distance.
 struct Differences {
     std::size_t closest = 0, occluded = 0;
 };
@@ -135,7 +136,7 @@ Differences against_embree(const Answers& tree, const Answers& embree)
     return d;
 }
 
-/// As the product builds it; from single triangles; coarse with every upper split taken; deep.
+/// Build options: the defaults; single triangles; coarse with every upper split accepted; deep.
 std::vector<ray::KdOptions> ways_to_build()
 {
     std::vector<ray::KdOptions> ways(4);
@@ -203,11 +204,11 @@ TEST(KdTree, FindsTheNearestHitOfOneTreeOnly)
             EXPECT_TRUE(same_bits(best, tree.closest(o, tnear, d, tfar, Sides::both, counts)));
         }
     }
-    EXPECT_LE(unlike, 1u) << "Embree, but for edges of holes";
-    EXPECT_GT(hidden, 20u) << "something dynamic behind something static";
+    EXPECT_LE(unlike, 1u) << "as Embree, except at edges of holes";
+    EXPECT_GT(hidden, 20u) << "dynamic objects behind static ones";
 }
 
-/// A flat square of n x n cells in the plane z = 0.3.
+/// A planar square of n x n cells at z = 0.3.
 scene::Mesh sheet(int n)
 {
     scene::Mesh mesh;
@@ -224,7 +225,7 @@ scene::Mesh sheet(int n)
     return mesh;
 }
 
-// Corners and edges are where splits lie: rays through them must find all that meet there, whichever side they take.
+// Splits lie at corners and edges: rays through them must find all triangles there, on whichever side of the split.
 TEST(KdTree, EqualsBruteForceOnSplitPlanes)
 {
     constexpr int n = 20;
@@ -232,7 +233,8 @@ TEST(KdTree, EqualsBruteForceOnSplitPlanes)
     add_materials(scene);
     scene.meshes.push_back(sheet(n));
     add_object(scene, 0);
-    add_object(scene, 0, scene::none, translation(0, 0, 1));   // so that there is something to fall through to
+    add_object(scene, 0, scene::none,
+               translation(0, 0, 1));   // behind the sheet, so that a missed triangle changes the result
     const std::vector<glm::vec3> corners = scene.meshes[0].positions;
     const SceneState state(finished(scene), 0);
     const RayScene rays(state);
@@ -270,7 +272,7 @@ TEST(KdTree, AgreesWithEmbree)
         }
     RecordProperty("closest_differences", static_cast<int>(closest));
     RecordProperty("occluded_differences", static_cast<int>(occluded));
-    // Rays through holes' borders, and through edges of what moves (tested in another space), may go either way.
+    // Rays through the borders of holes, and through edges of moving objects (tested in object space), may differ.
     EXPECT_LE(closest, asked / 10000) << "of " << asked;
     EXPECT_LE(occluded, asked / 10000) << "of " << asked;
 }
@@ -299,13 +301,13 @@ TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)
             EXPECT_EQ(a.tests, b.tests);
             EXPECT_GT(differences(first, answers), 10u) << "nothing moved";
         }
-        // What stands still was built once.
+        // Static geometry was built once.
         EXPECT_EQ(followed.statistics().still.builds, 1u);
         EXPECT_EQ(followed.statistics().moving.builds, 5u);
         state.advance(0.1);
         rays.update(state);
         followed.update(state, rays);
-        EXPECT_EQ(followed.statistics().moving.builds, 5u) << "nothing moved, and yet it was rebuilt";
+        EXPECT_EQ(followed.statistics().moving.builds, 5u) << "rebuilt although nothing moved";
     }
 }
 
@@ -344,12 +346,12 @@ TEST(KdTree, FollowsUserOverridesAndVanishingObjects)
     state.override_transform(still, nullptr);
     go_to(3.5);
     expect_at({{0, 0}, {4, 1}, {-8, scene::none}, {-4, 2}});
-    EXPECT_EQ(tree.statistics().still.builds, 2u) << "it is dynamic by now";
+    EXPECT_EQ(tree.statistics().still.builds, 2u) << "the object is dynamic now";
 }
 
 TEST(KdTree, RaysAgainstDynamicObjectsVisitNoStaticNodes)
 {
-    // Hundreds of balls that stand still around one that moves: rays that miss its box end at once.
+    // Hundreds of static balls around a moving one: rays that miss its box end immediately.
     scene::Scene scene = scene_with_balls();
     Random random(1);
     for (int i = 0; i < 300; ++i) add_object(scene, 0, scene::none, random_placement(random, 10));
@@ -372,7 +374,7 @@ TEST(KdTree, RaysAgainstDynamicObjectsVisitNoStaticNodes)
 
 TEST(KdTree, SplitsAtBoundsOfSceneGraphNodes)
 {
-    // Two far clusters, each below a node of its own: one bound of one node parts them.
+    // Two distant clusters, each below a node of its own: one plane at a node's bounds separates them.
     scene::Scene scene = scene_with_balls();
     Random random(1);
     for (const double x : {-100.0, 100.0}) {
@@ -403,7 +405,7 @@ TEST(KdTree, EmptySceneHasNoHits)
     EXPECT_EQ(counts.tests, 0u);
 }
 
-/// From random places inside a scene's bounds to others, and back off the surfaces they meet towards the lights.
+/// Rays from random places inside a scene's bounds to others, and from the surfaces they hit to the lights.
 struct SceneRays {
     ray::RayQueue seen, shadow;
 };

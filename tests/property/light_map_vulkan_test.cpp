@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light maps on the device: kept up to date they equal new ones, to the bit, whatever moves; and images lit by them
-// are the same cold and warm.
+// Light maps on the device: updated ones equal rebuilt ones to the bit while objects move, and images lit by them are
+// the same with cold and warm caches.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light views on the device: kept up to date they equal, to the bit, light views drawn anew; and they show what the
-// slow twin on the CPU draws.
+// Light views on the device: updated ones equal redrawn ones to the bit, and agree with the CPU reference
+// implementation.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -32,7 +32,7 @@ struct Pages {
             item.push_back(commands.read_back(items, layer));
         }
     }
-    // One view's square.
+    // The tile of one view.
     SoftwareBuffer view(const Tile& tile, int page_size) const
     {
         SoftwareBuffer buffer(tile.size);
@@ -48,7 +48,7 @@ struct Pages {
     }
 };
 
-// Three views of the same: kept up to date, the same with another patience, and planned from nothing in every frame.
+// Three sets of the same views: updated, updated with another rest time, and replanned from nothing in every frame.
 void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed, int frames, bool with_twin)
 {
     const test::LightScript script = test::make_light_script(seed, frames);
@@ -101,7 +101,7 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
             }
         }
     }
-    // Rims of triangles may fall otherwise, by a sub-texel.
+    // The outlines of triangles may differ by a sub-texel.
     if (with_twin) {
         EXPECT_LT(different_from_twin, texels / 100) << texels;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// RayScene: packets against single rays, and a scene that was updated against one that was built afresh.
+// RayScene: packets against single rays, and an updated scene against a freshly built one.
 #include "ray/ray_scene.h"
 
 #include <gtest/gtest.h>
@@ -44,8 +44,8 @@ TEST(RayScene, PacketsEqualSingleRays)
     }
 }
 
-// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is occluded does not depend on which
-// others share its packet. Rays pass the rims of flat things in the planes of the axes, which are all box.
+// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is occluded does not depend on the
+// other rays of its packet. Rays pass the outlines of flat, axis-parallel objects, which fill their boxes.
 TEST(RayScene, DistantAnyHitsDoNotDependOnTheRestOfThePacket)
 {
     for (const double away : {0.0, 1e3, 1e5, 1e6})
@@ -63,7 +63,7 @@ TEST(RayScene, DistantAnyHitsDoNotDependOnTheRestOfThePacket)
             std::vector<glm::vec3> centres;
             for (int i = 0; i < 6; ++i) {
                 const glm::dvec3 at = place + glm::dvec3(3 * i, random.uniform(-1, 1), random.uniform(-2, 2));
-                // Some stand in far coordinates of their own, and are taken there by little.
+                // Some have distant vertices in object space, and small transforms.
                 glm::dmat4 m = i % 3 == 0 ? glm::dmat4(1) : random_placement(random, 0);
                 if (seed % 2 == 0) m = glm::scale(m, glm::dvec3(0.3 + i));
                 m[3] = glm::dvec4(at, 1);
@@ -111,7 +111,7 @@ TEST(RayScene, SameHitsForAnyThreadCount)
     for (const std::size_t count : wrong) EXPECT_EQ(count, 0u);
 }
 
-// The library that builds the trees must not hold everybody else to one thread.
+// Embree must not restrict other code to one thread.
 TEST(RayScene, DoesNotLimitOtherThreads)
 {
     const SceneState state(make_random_scene(1), 0);
@@ -128,7 +128,7 @@ TEST(RayScene, DoesNotLimitOtherThreads)
         }
         --inside;
     });
-    EXPECT_TRUE(together) << "one body ended before the next began";
+    EXPECT_TRUE(together) << "the bodies ran one after the other";
 }
 
 TEST(RayScene, UpdateEqualsAFreshScene)
@@ -153,7 +153,8 @@ TEST(RayScene, UpdateEqualsAFreshScene)
     }
 }
 
-// Surfaces that lie in one another: which one is reported rests on the trees alone, so they must be the same trees.
+// Intersecting coplanar surfaces: the reported one depends on the structure of the trees, so the trees must be the
+// same.
 TEST(RayScene, UpdateBreaksTiesAsAFreshSceneDoes)
 {
     scene::Scene scene = scene_with_balls();
@@ -190,7 +191,7 @@ TEST(RayScene, ObjectsAppearAndVanish)
     scene.meshes.push_back(keyed);
     const scene::NodeId blinking = add_object(scene, 0);
     scene.nodes[blinking].visibility = visibility({1, 2}, {false, true});
-    // Deforms and jumps while nobody sees it.
+    // Deforms and jumps while it is invisible.
     const scene::NodeId sleeper = add_object(scene, 1);
     scene.nodes[sleeper].transform = std::make_shared<JumpTrack>(1.5, translation(10, 0, 0), translation(20, 0, 0));
     scene.nodes[sleeper].visibility = visibility({1, 3}, {false, true});
@@ -224,7 +225,7 @@ TEST(RayScene, SkinnedObjectsFollowTheirJoints)
     const scene::NodeId joint = scene.add_node("joint", scene::none);
     scene.nodes[joint].transform = std::make_shared<JumpTrack>(1, glm::dmat4(1), translation(7, 0, 0));
     scene.skins.push_back({"", {joint}, {glm::dmat4(1)}});
-    // The node's own matrix means nothing for a skinned mesh.
+    // The transform of a skinned mesh's own node has no effect.
     const scene::NodeId node = add_object(scene, 1, scene::none, translation(-30, 0, 0));
     scene.nodes[node].skin = 0;
     SceneState state(finished(scene), 0);
@@ -239,7 +240,8 @@ TEST(RayScene, SkinnedObjectsFollowTheirJoints)
 
 TEST(RayScene, ObjectShrunkToAPointReturns)
 {
-    // At the origin nothing asks for a margin; elsewhere the place does. One part, and one of every kind of surface.
+    // At the origin no margin is needed; elsewhere the position needs one. One part, and one part of every surface
+    // class.
     for (const double x : {0.0, 7.0})
         for (const scene::Mesh& shape : {ball(two_sided), patchwork(1)}) {
             scene::Scene scene;
@@ -268,7 +270,7 @@ TEST(RayScene, ObjectShrunkToAPointReturns)
         }
 }
 
-// A limb is hidden by a joint that shrinks to a point: the rest stays.
+// A joint that shrinks to a point hides a limb: the rest stays.
 TEST(RayScene, PartlyShrunkMeshKeepsTheRest)
 {
     for (const double x : {0.0, 7.0})
@@ -332,17 +334,17 @@ TEST(RayScene, FollowsUserOverrides)
     step();
     expect_at({{0, scene::none}, {-6, 0}, {5, 1}, {10, 2}});
     EXPECT_EQ(rays.statistics().touched, 1u);
-    // One of two objects that moved as one, against its companion.
+    // One of two objects that moved together, relative to the other.
     const glm::dmat4 further = translation(8, 0, 0);
     state.override_transform(passenger, &further);
     step();
     expect_at({{10, 2}, {15, scene::none}, {18, 3}, {-6, 0}});
-    // Back to where the file has them.
+    // Back to the transform in the file.
     state.override_transform(still, nullptr);
     state.override_transform(passenger, nullptr);
     step();
     expect_at({{0, 0}, {-6, scene::none}, {15, 3}, {18, scene::none}});
-    // What was taken out still follows its anchor; a whole shelf can be moved.
+    // An overridden object still follows its anchor; a whole group can be moved.
     const glm::dmat4 left = translation(-20, 0, 0);
     state.override_transform(shelf, &left);
     step();
@@ -358,7 +360,7 @@ TEST(RayScene, UpdatesMovedObjectsOnly)
         const scene::NodeId node = add_object(scene, 0, scene::none, random_placement(random, 50));
         if (i % 100 == 0) scene.nodes[node].transform = std::make_shared<SwayTrack>(glm::dvec3(i), 1);
     }
-    const scene::NodeId late = add_object(scene, 0);   // moves, but not yet; then appears as well
+    const scene::NodeId late = add_object(scene, 0);   // moves later; then also appears
     scene.nodes[late].transform =
         std::make_shared<JumpTrack>(5, glm::dmat4(1), glm::scale(glm::dmat4(1), glm::dvec3(2)));
     scene.nodes[late].visibility = visibility({0, 5}, {false, true});
@@ -376,7 +378,7 @@ TEST(RayScene, UpdatesMovedObjectsOnly)
     EXPECT_EQ(rays.statistics().touched, 0u);
     state.advance(6);
     rays.update(state);
-    EXPECT_EQ(rays.statistics().touched, 11u) << "each must count once, whatever happened to it";
+    EXPECT_EQ(rays.statistics().touched, 11u) << "each object counts once for all of its changes";
 }
 
 TEST(RayScene, EmptySceneHasNoHits)
@@ -394,7 +396,7 @@ TEST(RayScene, EmptySceneHasNoHits)
     EXPECT_TRUE(ask(rays, ray::RayQueue()).both.empty());
 }
 
-// Many large copies share a tree; what stands flat among them cannot, and is there all the same.
+// Many large copies share one BLAS; a flat one among them cannot, and is hit nevertheless.
 TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
 {
     scene::Scene scene = scene_with_balls();
@@ -407,7 +409,7 @@ TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
     }
     const SceneState state(finished(scene), 0);
     const ray::RayScene rays(state);
-    ASSERT_GE(rays.statistics().static_triangles, std::size_t{1} << 20) << "else they are no instances";
+    ASSERT_GE(rays.statistics().static_triangles, std::size_t{1} << 20) << "otherwise they are not instanced";
     ray::RayQueue queue;
     for (int i = 0; i < k_copies; ++i) queue.push(glm::vec3(4.0f * i + 0.2f, 0.1f, 5), 0, glm::vec3(0, 0, -1), 10);
     const Answers answers = ask(rays, queue);
@@ -418,8 +420,8 @@ TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
     EXPECT_NEAR(answers.both[5].t, 5, 1e-4);
 }
 
-// Not numbers, infinite and huge corners, triangles without area, objects squeezed to nothing: neither crash nor
-// disturb what else is there.
+// NaN, infinite and huge vertices, triangles without area, objects with singular transforms: they neither crash nor
+// affect other objects.
 TEST(RayScene, SurvivesDegenerateGeometry)
 {
     scene::Scene scene = scene_with_balls();
@@ -436,13 +438,13 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         add_object(scene, mesh);
         scene.nodes[add_object(scene, mesh)].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
     }
-    // A dynamic object that shrinks to a point, and one that always is one.
+    // A dynamic object that shrinks to a point, and one that always is a point.
     const glm::dmat4 there = translation(10, 0, 0);
     const scene::NodeId shrinking = add_object(scene, 0);
     scene.nodes[shrinking].transform = std::make_shared<JumpTrack>(1, there, glm::scale(there, glm::dvec3(0)));
     const scene::NodeId point = add_object(scene, 0, scene::none, glm::scale(translation(20, 0, 0), glm::dvec3(0)));
     scene.nodes[point].animated = true;
-    // Dynamic objects of sizes no ray can be taken to, and one whose vertices go astray.
+    // Dynamic objects of sizes that rays cannot be transformed to, and one whose vertices become invalid.
     const double sizes[] = {1e-30, 1e30, 1e-12, std::nan(""), k_infinity};
     for (const double size : sizes)
         for (const glm::dvec3& shape : {glm::dvec3(1, size, 1), glm::dvec3(size)})
@@ -468,12 +470,12 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         for (const ray::Hit& hit : answers.both)
             EXPECT_TRUE(hit.object == scene::none || hit.object == 0u || (time < 1 && hit.object == 5u)) << hit.object;
     }
-    // The rest of the stray one is still there once its vertices have come back.
+    // The rest of that object is hit again once its vertices are valid.
     state.advance(2);
     rays.update(state);
     const scene::ObjectId last = static_cast<scene::ObjectId>(state.scene().objects.size() - 1);
     EXPECT_EQ(rays.closest_single({0.01f, 60, 0.02f}, 0, {0, -1, 0}, 100, ray::Sides::both).object, last);
-    // Rays without a direction or a place do no harm.
+    // Rays without a direction or an origin do no harm.
     ray::RayQueue odd;
     for (const float x : values) {
         odd.push({x, 0, 0}, 0, {0, 0, 1}, 10);

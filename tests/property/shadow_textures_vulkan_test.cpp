@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow textures on the device: coherence changes no bit, the methods agree, and items stand for all of them.
+// Shadow textures on the device: a coherent update equals a full redraw to the bit, the methods agree, and the item
+// buffer equals all textures.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -33,7 +34,7 @@ LightViewsOptions small_views(bool coherence)
     return options;
 }
 
-// One receiver's texture out of what was read back.
+// Extracts one receiver's texture from the data that was read back.
 ReceiverTexture texture_of(const GpuTextures& textures, const vk::Buffer& words, std::size_t view,
                            scene::ObjectId object, const Rect& rect)
 {
@@ -120,7 +121,7 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
     EXPECT_LT(updated, made);
 }
 
-// One square of the atlas, of both images.
+// Compares one tile of the atlas in both images.
 bool same_square(const vk::Buffer& a, const vk::Buffer& b, const light_views::Tile& tile, int page_size)
 {
     const auto mine = a.as<std::uint32_t>(), other = b.as<std::uint32_t>();
@@ -132,7 +133,7 @@ bool same_square(const vk::Buffer& a, const vk::Buffer& b, const light_views::Ti
     return true;
 }
 
-// A clip's frames one after the other: the rendering buffers of all views.
+// Renders the frames of a clip in sequence and compares the rendering buffers of all views.
 void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_ptr<const scene::Scene>& scene,
                   int first, int last)
 {
@@ -171,7 +172,7 @@ void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_p
             }
         }
     }
-    EXPECT_LT(2 * draws, all_draws);   // it did remember
+    EXPECT_LT(2 * draws, all_draws);   // it did skip draws
 }
 
 TEST_F(ShadowTexturesVulkan, VideoOfKineticEqualsAFullRedraw)
