@@ -15,7 +15,7 @@ cmake --build "$scratch/build" >/dev/null
 cd "$scratch"
 build/example_render_one_frame builtin:cornell 1 frame.png
 [[ $(head -c 4 frame.png | tail -c 3) == PNG ]]
-build/example_what_stood_still builtin:cornell 3
+build/example_reused_lighting builtin:cornell 3
 installed/bin/gnomon render builtin:cornell --size 512x512 -o program.png --quiet
 cmp frame.png program.png   # the library and the program make the same bytes
 bash -n installed/share/bash-completion/completions/gnomon
