@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drops a file on a window, as a file manager would: the sending side of XDND (version 5) and no more.
+// Drops a file on a window as a file manager does: the sending side of XDND (version 5), and nothing else.
 //
 //     drop_file WINDOW FILE      WINDOW: an X11 window's number; FILE: absolute
 //
-// Exits with 0 once the window took it, 1 if it did not within ten seconds.
+// Exits with 0 once the window has accepted it, with 1 if it has not within ten seconds.
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 

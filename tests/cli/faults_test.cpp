@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong while the program runs: full disks, files at their limit, folders that vanish, an encoder that dies,
-// signals, no memory. Each ends with its exit code and one line, leaves nothing half, and can be gone on from.
+// Failures while the program runs: full disks, files at their size limit, folders that vanish, an encoder that dies,
+// signals, too little memory. Each ends with its exit code and one line, leaves no incomplete output, and can be
+// resumed.
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 const std::string k_scene = "builtin:cornell";
 
-// A disk of a few kilobytes in memory, seen by this process and its children alone.
+// A disk of a few kilobytes in memory, visible to this process and its children only.
 class SmallDisk {
  public:
     SmallDisk()
@@ -43,7 +44,7 @@ class SmallDisk {
     bool there_ = false;
 };
 
-// Quiet, as all that are to end with one line: where a machine is slow, lines of progress would come before it.
+// Quiet, because on a slow machine progress lines would precede the one line of a failure.
 std::vector<std::string> video(const fs::path& out)
 {
     return {"render", k_scene, "-o",         out,   "--frames", "1-12",
@@ -57,7 +58,7 @@ std::string undisturbed_video()
     return bytes_of(folder / "a.mp4");
 }
 
-// Found out before the work, or by a write.
+// Detected before rendering, or by a write.
 void expect_full_disk(const Outcome& outcome)
 {
     const bool before = outcome.err.find("the disk has") != std::string::npos;
@@ -70,7 +71,7 @@ TEST(Faults, FullDiskFailsTheVideoAndLeavesNoPartOfIt)
     const SmallDisk disk;
     if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
     const std::string whole = undisturbed_video();
-    // Full from the beginning, while the frames are made, and while the video is encoded. (The size is in pages.)
+    // Full from the start, while frames are rendered, and while the video is encoded. (The size is in pages.)
     int full = 0, made = 0;
     for (const int kilobytes : {4, 16, 36, 64, 80, 1024}) {
         disk.hold(kilobytes);
@@ -125,7 +126,7 @@ TEST(Faults, FileSizeLimitFailsTheVideoAndLeavesNoPartOfIt)
             const rlimit file{bytes, bytes};
             ::setrlimit(RLIMIT_FSIZE, &file);
         };
-        // Standard error is a file too, and the first of these limits cuts it short.
+        // Standard error is a file as well, and the first of these limits truncates it.
         const Outcome outcome = RunningProgram(video(folder / "a.mp4"), {}, {}, limit).wait();
         EXPECT_EQ(outcome.code, bytes <= 4000 ? 4 : 0) << bytes << ": " << outcome.err;
         EXPECT_EQ(fs::exists(folder / "a.mp4"), outcome.code == 0);
@@ -151,7 +152,7 @@ TEST(Faults, VanishedFolderFailsTheRender)
     EXPECT_TRUE(bytes_of(folder / "gone/a.mp4") == whole);
     EXPECT_EQ(names_in(folder / "gone"), std::vector<std::string>{"a.mp4"});
 
-    // A set of images, its folder removed outright.
+    // A set of images whose folder is deleted.
     fs::create_directory(folder / "set");
     RunningProgram set(
         {"render", k_scene, "-o", folder / "set/{frame}.png", "--size", "64x48", "--frames", "1-40", "--quiet"});
@@ -166,7 +167,7 @@ TEST(Faults, DyingEncoderFailsTheVideo)
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const std::string whole = undisturbed_video();
     const std::string found = "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n";
-    const std::string last = "eval out=\\${$#}; out=${out#file:}\n";   // its last argument: where it writes
+    const std::string last = "eval out=\\${$#}; out=${out#file:}\n";   // its last argument: the output file
     for (const auto& [script, about] :
          std::map<std::string, std::string>{{"head -c 3000 >$out; kill -9 $$", "signal 9"},
                                             {"head -c 3000 >$out; kill -SEGV $$", "signal 11"},
@@ -184,7 +185,7 @@ TEST(Faults, DyingEncoderFailsTheVideo)
     }
 }
 
-// The signal comes while the scene is made, rendered, or encoded: 130, one line, no file, no encoder left running.
+// The signal arrives while the scene is loaded, rendered, or encoded: 130, one line, no file, no encoder process left.
 TEST(Faults, SignalAtAnyTimeEndsWithCode130AndNoOutput)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -200,7 +201,7 @@ TEST(Faults, SignalAtAnyTimeEndsWithCode130AndNoOutput)
         ASSERT_TRUE(wait_until([&] { return fs::exists(flag); }));
         encoding.send(signal);
         expect_failure(encoding.wait(), 130, "interrupted");
-        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest stay, no part of a video";
+        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest are kept, no partial video";
         fs::remove(flag);
         EXPECT_EQ(run(video(folder / "a.mp4")).code, 0);
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
@@ -213,14 +214,14 @@ TEST(Faults, SignalAtAnyTimeEndsWithCode130AndNoOutput)
             std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
             program.send(SIGTERM);
             const Outcome outcome = program.wait();
-            // Before the handlers stand, a signal is the system's.
+            // Before the handlers are installed, a signal ends the process directly.
             if (outcome.code != -SIGTERM) expect_failure(outcome, 130, "interrupted");
             EXPECT_TRUE(names_in(folder.path()).empty()) << out << " after " << milliseconds << " ms";
         }
     }
 }
 
-// From too little to start with to enough: an image, or one line and nothing.
+// From too little memory to start to enough: an image, or one line and no file.
 TEST(Faults, TooLittleMemoryIsOneLineAndNoOutput)
 {
     if (k_sanitized) GTEST_SKIP() << "sanitizers take address space of their own";
@@ -235,7 +236,7 @@ TEST(Faults, TooLittleMemoryIsOneLineAndNoOutput)
             RunningProgram({"render", k_scene, "-o", folder / "a.png", "--size", "64x48", "--threads", "2", "--quiet"},
                            {}, {}, limit)
                 .wait();
-        if (outcome.code == 127) continue;   // the loader's own refusal: the program has not begun
+        if (outcome.code == 127) continue;   // refused by the dynamic loader: the program has not started
         if (outcome.code == 0) {
             ++made;
             EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});

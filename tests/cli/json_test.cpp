@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The JSON documents: their keys are a contract.
+// The JSON documents: their keys are a stable interface.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -78,7 +78,7 @@ TEST(Json, KeysOfInfo)
     EXPECT_EQ(document["objects_dynamic"], 1);   // the ball
     EXPECT_GT(document["triangles"].get<int>(), document["triangles_dynamic"].get<int>());
     EXPECT_EQ(document["warnings"], json::array());
-    EXPECT_NE(outcome.err.find("triangles"), std::string::npos) << "text goes to standard error";
+    EXPECT_NE(outcome.err.find("triangles"), std::string::npos) << "text is written to standard error";
 }
 
 TEST(Json, KeysOfDevices)
@@ -103,7 +103,7 @@ TEST(Json, KeysOfBenchTrace)
     EXPECT_GE(document["rays"].get<int>(), 64 * 64);
 }
 
-// Of two cameras one sees a triangle, and the other nothing that could be in shadow.
+// One of the two cameras sees a triangle, the other nothing that could be in shadow.
 TEST(Json, BenchesUseTheNamedCamera)
 {
     const ScratchFolder folder;
@@ -183,7 +183,7 @@ TEST(Json, BenchCullingAsPrintedDiffersFromTheDefault)
     EXPECT_FALSE(read.contains("as_printed"));
     EXPECT_EQ(printed["as_printed"], true);
     EXPECT_GT(printed["extra_tests_per_pixel"].get<double>(), read["extra_tests_per_pixel"].get<double>());
-    EXPECT_NE(printed["wrong_mean"], read["wrong_mean"]) << "a moving shadow is remembered, or not";
+    EXPECT_NE(printed["wrong_mean"], read["wrong_mean"]) << "a moving shadow is stored, or not";
     expect_failure(run({"bench", "culling", "builtin:cornell", "--as-printed", "--method", "certified"}), 2,
                    "--as-printed");
 }
@@ -242,7 +242,7 @@ TEST(Config, ErrorsNameThePlaceInTheFile)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"c.json"});
 }
 
-// What was not there to be measured is null, and no 0.
+// Values that were not measured are null, not 0.
 TEST(Json, UnmeasuredFieldsAreNull)
 {
     const Outcome culling = run({"bench", "culling", "builtin:cornell", "--frames", "1-1", "--size", "16x16",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the world refuses: exit codes 3 and 4, one line, and nothing left behind. (Tests may run as root, whom no
-// permission stops: paths below a file or in /proc are refused to everyone.)
+// Errors from the system: exit codes 3 and 4, one line, and no file left. (Tests may run as root, who has all
+// permissions: paths below a file or in /proc are refused for everyone.)
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -55,7 +55,7 @@ TEST(SystemErrors, FullStandardOutput)
     }
 }
 
-// What is opened next must not take the place of what is closed, nor get its text.
+// A file opened later must not get the descriptor of a closed stream, nor its text.
 TEST(SystemErrors, ClosedStandardOutput)
 {
     const ScratchFolder folder;
@@ -71,7 +71,7 @@ TEST(SystemErrors, ClosedStandardOutput)
     EXPECT_EQ(nlohmann::json::parse(bytes_of(json))["frames"], 40);
 }
 
-// A parent that ignores the ends of its children, or closed what they need not have, takes no video from us.
+// A parent that ignores SIGCHLD, or has closed descriptors, does not prevent a video.
 TEST(VideoOutput, DoesNotDependOnInheritedSignalsAndDescriptors)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -135,7 +135,7 @@ TEST(ImageOutput, EveryOptionChangesTheImage)
         const Outcome outcome = run(arguments);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         const auto [other, fresh] = seen.emplace(bytes_of(folder / "a.png"), i);
-        EXPECT_TRUE(fresh) << testing::PrintToString(variants[i]) << " looks like "
+        EXPECT_TRUE(fresh) << testing::PrintToString(variants[i]) << " looks the same as "
                            << testing::PrintToString(variants[other->second]);
     }
 }

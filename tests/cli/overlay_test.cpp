@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --shadow-culling paper and --overlay shadow-states, as a user meets them.
+// --shadow-culling paper and --overlay shadow-states, from the user's side.
 #include "frame/state_overlay.h"
 #include "io/image/image_file.h"
 #include "run_program.h"
@@ -17,7 +17,7 @@ Words render(const std::string& out, const Words& more)
     return words;
 }
 
-// Pixels of exactly that colour.
+// The number of pixels of exactly that colour.
 std::size_t count_of(const std::filesystem::path& png, const frame::Rgb8& color)
 {
     const Image8 image = io::read_image(png);
@@ -43,7 +43,7 @@ TEST(Overlay, SingleImageIsWarmedUp)
     EXPECT_EQ(document["height"], image.height);
     EXPECT_GT(image.width, 2 * 64) << "a panel for each light";
 
-    // Without a warm-up nothing is known.
+    // Without warm-up nothing is known.
     const Outcome cold = run(render(out, {"--frame", "1", "--overlay", "shadow-states", "--warm-up", "0", "--json"}));
     EXPECT_EQ(cold.json()["frames"][0]["shadow"]["rays_skipped"], 0);
 }
@@ -72,8 +72,8 @@ TEST(Overlay, PaperCullingCountsAndShowsWrongPixels)
         run(render(out, {"--frames", "40-44", "--overlay", "shadow-states", "--shadow-culling", "paper", "--json"}));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const nlohmann::json frames = outcome.json()["frames"];
-    EXPECT_EQ(frames[0]["shadow"]["rays_wrong"], 0) << "everything is traced";
-    const std::size_t square = count_of(folder / "40.png", frame::k_wrong_color);   // the legend's
+    EXPECT_EQ(frames[0]["shadow"]["rays_wrong"], 0) << "every ray is traced";
+    const std::size_t square = count_of(folder / "40.png", frame::k_wrong_color);   // the legend's square
     EXPECT_GT(square, 0u);
     int wrong = 0;
     for (const auto& frame : frames) {
@@ -134,12 +134,12 @@ TEST(PaperCulling, WarnsThatItIsInexactAndThatChunksMayDiffer)
     EXPECT_EQ(whole.err.find("--chunk"), std::string::npos) << whole.err;
     const std::string last = bytes_of(folder / "45.png");
 
-    // A part begins with an empty memory, and the program says so.
+    // A chunk starts without history, and the program warns about it.
     const Outcome part = with({"--chunk", "2/2"});
     ASSERT_EQ(part.code, 0) << part.err;
     EXPECT_NE(part.err.find("images can differ"), std::string::npos) << part.err;
     EXPECT_NE(bytes_of(folder / "45.png"), last);
-    // With its history, it is the same again.
+    // With its history it is the same again.
     ASSERT_EQ(with({"--chunk", "2/2", "--warm-up", "3"}).code, 0);
     EXPECT_EQ(bytes_of(folder / "45.png"), last);
     ASSERT_EQ(with({"--threads", "3"}).code, 0);
@@ -147,7 +147,7 @@ TEST(PaperCulling, WarnsThatItIsInexactAndThatChunksMayDiffer)
     EXPECT_EQ(with({"--quiet"}).err, "");
 }
 
-// Frames of another memory are never taken for these.
+// Frames with another history are never reused.
 TEST(PaperCulling, DoesNotResumeAVideoWithAnotherHistory)
 {
     const ScratchFolder folder;

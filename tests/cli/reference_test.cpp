@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// render --reference and bench indirect, from outside.
+// render --reference and bench indirect, from the command line.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -100,7 +100,7 @@ TEST(BenchIndirect, KeysOfDocument)
     EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.15);
     EXPECT_GT(row["rays"].get<int>(), 0);
 
-    // From kept references: the same figures, and a file that is not whole is as good as none.
+    // With stored references the figures are the same; an incomplete file counts as none.
     const auto same_as_before = [&](const Outcome& again) {
         const json rows = again.json()["rows"];
         for (const char* key : {"nrmse", "energy_ratio", "flicker", "flicker_floor", "rays"})
@@ -120,13 +120,13 @@ TEST(BenchIndirect, RefusesUnknownMethods)
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its number is");
     for (const char* method : {"rsm:64:", "rsm:64:0", "rsm:64:nan", "rsm:64:9"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "its radius is");
-    // In a list, too, behind which the scene is still the scene.
+    // In a list as well, after which the scene is still recognised.
     expect_failure(run({"bench", "indirect", "--method", "visible", "rsm", "builtin:cornell"}), 2, "no method 'rsm'");
     expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2, "its number is");
     expect_failure(run({"bench", "indirect", "--method", "visible", "more", "builtin:cornell"}), 2, "takes 1 argument");
 }
 
-// More clusters, and more samples, come nearer to the sum that both approximate; neither reaches the reference.
+// More clusters and more samples approach the sum that both approximate; neither reaches the reference.
 TEST(BenchIndirect, ComparesMethodsWithoutVisibilityWithTheFullSum)
 {
     const Outcome outcome =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench shadow-textures: what it prints, counts that cannot lie, and what it refuses.
+// bench shadow-textures: its output, consistent counts, and refused options.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -28,7 +28,7 @@ TEST(BenchShadowTextures, CountsTheWorkOfEachMethod)
         EXPECT_NEAR(row["dynamic_percent"].get<double>(), 100.0 * row["movers"].get<int>() / objects, 1e-9);
         EXPECT_GT(row["frame_ms"].get<double>(), row["shadow_ms"].get<double>());
         if (method == "per-caster") {
-            // Every receiver, and at least itself again.
+            // Every receiver, at least for itself.
             EXPECT_EQ(row["textures_updated"], objects);
             EXPECT_GE(row["draws"], 2 * objects);
         } else if (method == "depth") {
@@ -57,7 +57,7 @@ TEST(BenchShadowTextures, DoesNotUpdateReceiversFarFromDynamicObjects)
         for (const char* same : {"touched", "draws", "copies", "textures_updated"})
             EXPECT_EQ(row[same], rows[0][same]) << same;
     }
-    EXPECT_GT(rows[0]["textures_updated"], 10);   // some that stand still are met
+    EXPECT_GT(rows[0]["textures_updated"], 10);   // some static objects receive dynamic shadows
 }
 
 TEST(BenchShadowTextures, ReportHoldsBothFigures)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wrong usage: exit code 2 and one line that helps.
+// Wrong usage: exit code 2 and one helpful line.
 #include "gnomon/version.h"
 #include "options/option_table.h"
 #include "options/option_values.h"
@@ -96,7 +96,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-// The first of an option's choices that is not among the built ones.
+// The first of an option's choices that is not built.
 std::string unbuilt_choice(const options::Option& option)
 {
     const auto among = [](const std::string& choice, std::string_view list) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Videos: whole or not there, and the same bytes however they came about.
+// Videos: complete or absent, and the same bytes however they were made.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -16,7 +16,7 @@ class Video : public testing::Test {
     }
     std::vector<std::string> arguments(const std::string& name, const std::vector<std::string>& more = {}) const
     {
-        // Quiet: where a machine is slow, lines of progress would come before the one line of a failure.
+        // Quiet, because on a slow machine progress lines would precede the one line of a failure.
         std::vector<std::string> all{"render", k_scene,  "-o",    folder / name, "--frames",
                                      "1-12",   "--size", "65x49", "--quiet"};
         all.insert(all.end(), more.begin(), more.end());
@@ -43,7 +43,7 @@ TEST_F(Video, SameBytesForAnyThreadCountAndChunks)
     make("two.mp4", {"--threads", "2"});
     for (const char* chunk : {"2/3", "1/3", "3/3"}) {   // in any order
         make("parts.mp4", {"--chunk", chunk});
-        EXPECT_FALSE(fs::exists(folder / "parts.mp4")) << "a chunk makes frames only";
+        EXPECT_FALSE(fs::exists(folder / "parts.mp4")) << "a chunk renders frames only";
     }
     EXPECT_EQ(names_in(folder / "parts.mp4.frames").size(), 13u) << "12 frames and a manifest";
     const Outcome last = run(arguments("parts.mp4", {"--resume", "--json"}));
@@ -75,7 +75,7 @@ TEST_F(Video, SameBytesAfterInterruptionAndResume)
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"b.mp4.frames"});
         for (const std::string& name : names_in(folder / "b.mp4.frames"))
             EXPECT_TRUE(name.starts_with("frame-") || name == "manifest.json") << name;
-        fs::remove(frame);   // so that the next round has to make it again
+        fs::remove(frame);   // so that the next round has to render it again
     }
     make("b.mp4", {"--samples", "64", "--resume"});
     make("whole.mp4", slow);
@@ -92,7 +92,7 @@ TEST_F(Video, LeavesNothingIfInterruptedBeforeTheFirstFrame)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-// Chunks share a folder: one that ends before anybody's first frame leaves it to the others.
+// Chunks share a folder: a chunk that ends before the first frame of any keeps it for the others.
 TEST_F(Video, InterruptedChunkKeepsTheSharedFolder)
 {
     const fs::path frames = folder / "a.mp4.frames", manifest = frames / "manifest.json";
@@ -103,7 +103,7 @@ TEST_F(Video, InterruptedChunkKeepsTheSharedFolder)
     };
     RunningProgram second(chunk("2/2"));
     ASSERT_TRUE(wait_until([&] { return fs::exists(manifest); }));
-    fs::remove(manifest);   // the first writes it again, and is known to be at work then
+    fs::remove(manifest);   // the first chunk writes it again, which shows that it is at work
     RunningProgram first(chunk("1/2"));
     ASSERT_TRUE(wait_until([&] { return fs::exists(manifest); }));
     std::ofstream(frames / ".gnomon-1-1.tmp") << "another chunk's frame, half written";
@@ -115,7 +115,7 @@ TEST_F(Video, InterruptedChunkKeepsTheSharedFolder)
     EXPECT_TRUE(fs::exists(frames / "frame-000001.png"));
 }
 
-// What ends a video is said, also where its folder is gone by then.
+// The error that ends a video is reported even if its folder has vanished.
 TEST_F(Video, ReportsTheErrorEvenIfTheFolderVanished)
 {
     RunningProgram program(
@@ -129,7 +129,7 @@ TEST_F(Video, ReportsTheErrorEvenIfTheFolderVanished)
 TEST_F(Video, RendersTruncatedFramesAgain)
 {
     make("whole.mp4");
-    make("a.mp4", {"--chunk", "1/1"});   // one chunk is the video itself
+    make("a.mp4", {"--chunk", "1/1"});   // a single chunk is the video itself
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "whole.mp4"));
 
     make("b.mp4", {"--chunk", "1/2"});
@@ -144,7 +144,7 @@ TEST_F(Video, DoesNotReuseFramesOfAnotherVideo)
 {
     make("a.mp4", {"--chunk", "1/2"});
     const auto frames = names_in(folder / "a.mp4.frames");
-    // Another exposure, size, light, scene: each is noticed, and what is there stays.
+    // Another exposure, size, light or scene is detected, and existing files are kept.
     for (const std::vector<std::string>& other : {std::vector<std::string>{"--exposure", "1"},
                                                   {"--light", "point 0 0 0 1 1 1"},
                                                   {"--samples", "2"},
@@ -157,7 +157,7 @@ TEST_F(Video, DoesNotReuseFramesOfAnotherVideo)
         expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
     }
     EXPECT_EQ(names_in(folder / "a.mp4.frames"), frames);
-    // Without --resume, a video begins anew.
+    // Without --resume, a video starts from the beginning.
     make("a.mp4", {"--exposure", "1"});
     make("b.mp4", {"--exposure", "1"});
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "b.mp4"));

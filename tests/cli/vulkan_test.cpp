@@ -33,11 +33,11 @@ TEST(VulkanProgram, DevicesWorksWithoutADriver)
     EXPECT_TRUE(outcome.json()["vulkan"]["devices"].empty());
 }
 
-// A loader that is no library stands before the real one.
+// A loader that is not a library is found before the real one.
 TEST(VulkanProgram, DevicesWorksWithoutALoader)
 {
     const ScratchFolder folder;
-    for (const char* name : {"libvulkan.so.1", "libvulkan.so"}) std::ofstream(folder / name) << "no library";
+    for (const char* name : {"libvulkan.so.1", "libvulkan.so"}) std::ofstream(folder / name) << "not a library";
     const Outcome outcome = run({"devices", "--json"}, {{"LD_LIBRARY_PATH", folder.path().string()}});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.json()["vulkan"]["missing"].get<std::string>().find("no loader"), std::string::npos);
@@ -145,8 +145,8 @@ TEST(VulkanProgram, RasterWithoutADriverIsAMissingError)
 
 #ifdef GNOMON_FAILING_VULKAN
 
-// Six frames through a loader that fails where `fault` says (failing_vulkan.cpp); "" fails nowhere. Quiet: on a busy
-// machine there would be progress to tell.
+// Renders six frames with a loader that fails as `fault` says (failing_vulkan.cpp); with "" it does not fail. Quiet: on
+// a busy machine there would be progress lines.
 Outcome video(const ScratchFolder& folder, const std::string& fault)
 {
     return run({"render", "builtin:cornell", "-o", folder / "{frame:04}.png", "--renderer", "raster", "--size", "48x48",

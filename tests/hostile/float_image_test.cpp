@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR and Radiance files that are cut short, changed, or lie: refused or read, never a crash, never much memory.
+// OpenEXR and Radiance files that are truncated, changed, or contradictory: refused or read, never a crash, never much
+// memory.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -43,7 +44,7 @@ Bytes hdr_file()
     return test::hdr_file("-Y 20 +X 200", pixels);
 }
 
-// Reads whole, or refuses with an InputError; anything else fails the test.
+// Reads completely, or refuses with an InputError; anything else fails the test.
 bool reads(const Bytes& bytes)
 {
     try {
@@ -68,7 +69,7 @@ void put_word(Bytes& bytes, std::size_t at, std::uint32_t value)
     for (int i = 0; i < 4; ++i) bytes[at + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-// Where an attribute's value begins.
+// The offset of an attribute's value.
 std::size_t value_of(const Bytes& bytes, const std::string& attribute, const std::string& type)
 {
     std::string key = attribute;
@@ -97,7 +98,8 @@ TEST(HostileExr, ReadsOrRefusesChangedBytes)
     constexpr int rounds = 3000;
     for (int round = 0; round < rounds; ++round) {
         Bytes bytes = whole;
-        const std::uint32_t reach = round % 2 ? 500 : static_cast<std::uint32_t>(bytes.size());   // half in the header
+        const std::uint32_t reach =
+            round % 2 ? 500 : static_cast<std::uint32_t>(bytes.size());   // half of the changes in the header
         for (std::uint32_t i = 0; i <= random.below(4); ++i)
             bytes[random.below(reach)] = static_cast<std::uint8_t>(random.below(256));
         refused += !reads(bytes);
@@ -107,7 +109,7 @@ TEST(HostileExr, ReadsOrRefusesChangedBytes)
 
 TEST(HostileExr, EveryDecoderSurvivesWrongData)
 {
-    // The same chunks under another name: their bytes are then nonsense to the decoder.
+    // The same chunks with another compression: their bytes are then invalid for the decoder.
     const Bytes whole = exr_file();
     const std::size_t at = value_of(whole, "compression", "compression");
     for (int compression = 0; compression < 12; ++compression) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What fuzzing begins with is accepted, and what it once found is refused or read as it ought to be.
+// The seeds of fuzzing are accepted, and inputs that once failed are refused or read as they should be.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -37,7 +37,7 @@ TEST_P(FuzzTarget, ReadsOrRefusesChangedSeeds)
     EXPECT_GT(refused, 0);
 }
 
-// --- What runs found
+// --- Regressions found by fuzzing
 
 std::string outcome(const char* target, const std::string& bytes)
 {
@@ -51,7 +51,7 @@ TEST(FuzzRegression, WarningsHaveNoControlCharacters)
 
 TEST(FuzzRegression, ClaimedPngChunkSizesAllocateNoMemory)
 {
-    // 1.4 GB of Exif, and nothing of it there: libpng would have taken the memory first.
+    // A chunk of 1.4 GB of Exif without data: libpng would have allocated the memory first.
     const std::string header("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x09\0\0\0\x05\x08\x02\0\0\0\x18\x31\x51\x3c", 33);
     const std::string chunk("\x55\0\0\x19\x65XIf\xca\x79\x97\x04", 12);
     for (const std::size_t size : {8u, 11u, 12u})
@@ -62,12 +62,13 @@ TEST(FuzzRegression, ClaimedPngChunkSizesAllocateNoMemory)
 
 TEST(FuzzRegression, RefusesOverflowingNumbersInConfigFiles)
 {
-    EXPECT_NE(outcome("config", std::string("\0{\"out\":2e308}", 14)), "");   // JSON has them, doubles have not
+    EXPECT_NE(outcome("config", std::string("\0{\"out\":2e308}", 14)),
+              "");   // valid in JSON, but out of range for a double
 }
 
 TEST(FuzzRegression, RefusesARepeatedOptionWithoutAValue)
 {
-    EXPECT_NE(outcome("options", "bench\nshadow-textures\n--objects\n--objects\n3"), "");   // went on for ever
+    EXPECT_NE(outcome("options", "bench\nshadow-textures\n--objects\n--objects\n3"), "");   // this was an endless loop
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, FuzzTarget, testing::ValuesIn(targets().begin(), targets().end()),

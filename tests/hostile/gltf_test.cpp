@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF files made to hurt: loops, long chains, deep and wide JSON, sizes that overflow, names that lead elsewhere.
+// glTF files made to do harm: loops, long chains, deep and wide JSON, sizes that overflow, file names that lead
+// outside.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -82,7 +83,7 @@ TEST_F(HostileGltf, LimitsDepthAndWidthOfJson)
     std::string deep;
     for (int i = 0; i < 100'000; ++i) deep += "{\"a\":";
     EXPECT_EQ(load(document("\"extras\":" + deep)).kind, Kind::refused);
-    // Brackets within strings nest nothing; an escaped quote ends no string.
+    // Brackets within strings do not nest; an escaped quote does not end a string.
     EXPECT_EQ(load(document("\"extras\":\"" + std::string(1000, '[') + "\\\"" + std::string(1000, '{') + "\"")).kind,
               Kind::loaded);
     std::string wide = "[";
@@ -103,7 +104,7 @@ TEST_F(HostileGltf, RefusesCountsThatOverflow)
         R"("componentType":5126,"type":"VEC3","count":)";
     expect_refused(document(count + "4611686018427387904}]"), "/accessors/0/count");
     expect_refused(document(count + "9007199254740992}]"), "/accessors/0");
-    expect_refused(document(count + "1537228672809129302}]"), "/accessors/0/count");   // 12 times it wraps to 8
+    expect_refused(document(count + "1537228672809129302}]"), "/accessors/0/count");   // times 12 it wraps to 8
     expect_refused(document(count + R"(1,"byteOffset":9007199254740988}])"), "/accessors/0/byteOffset");
     expect_refused(document(count + "-1}]"), "/accessors/0/count");
     expect_refused(document(count + "1.5}]"), "/accessors/0/count");
@@ -111,7 +112,7 @@ TEST_F(HostileGltf, RefusesCountsThatOverflow)
     expect_refused(
         document(R"("buffers":[{"byteLength":4294967296,"uri":"data:application/octet-stream;base64,AAAA"}])"),
         "/buffers/0/byteLength");
-    // Zeros need no bytes, but memory all the same.
+    // Zeros need no bytes in the file, but memory nevertheless.
     const std::string zeros = R"("accessors":[{"componentType":5126,"type":"VEC3","count":1000000000,"min":[0,0,0],)"
                               R"("max":[0,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
                               R"("nodes":[{"mesh":0}])";
@@ -169,7 +170,7 @@ TEST_F(HostileGltf, RefusesFileNamesOutsideItsFolder)
     for (const char* uri : {"sub/in side.bin", "sub/in%20side.bin", "sub/../sub/in%20side.bin", "inner.bin",
                             "data:application/octet-stream;base64,MTIzNDU2Nzg="})
         EXPECT_EQ(load(with(uri)).kind, Kind::loaded) << uri;
-    EXPECT_EQ(load(with("http://localhost:1/a.bin")).warnings, 1u);   // unused: only said
+    EXPECT_EQ(load(with("http://localhost:1/a.bin")).warnings, 1u);   // unused: only a warning
     expect_refused(with("data:application/octet-stream;base64,MTIz"), "/buffers/0/byteLength");
     expect_refused(with("data:application/octet-stream;base64,M!IzNDU2Nzg="), place);
     // Needed from the network: refused, not fetched.
@@ -193,7 +194,7 @@ TEST_F(HostileGltf, RefusesPipesAndFolders)
 
 TEST_F(HostileGltf, RefusesAHugeImageInAFewBytes)
 {
-    // A PNG of 60000 x 60000 whose pixels are a kilobyte of nothing.
+    // A PNG of 60000 x 60000 whose pixels are a kilobyte of zeros.
     std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
     png += std::string("\0\0\xea\x60\0\0\xea\x60\x08\x06\0\0\0\0\0\0\0", 17) + std::string("\0\0\x04\0IDAT", 8) +
            std::string(1024, '\0');
@@ -220,7 +221,7 @@ TEST_F(HostileGltf, RefusesUnknownRequiredExtensions)
     }
 }
 
-// A triangle with all that a test of many needs: positions, texture coordinates, joints, weights.
+// A triangle with the attributes that many tests need: positions, texture coordinates, joints, weights.
 std::string triangle_bytes()
 {
     const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, weights[] = {1, 0, 0, 0};
@@ -274,7 +275,7 @@ TEST_F(HostileGltf, ReadsAFileWithManyNamesOnce)
         "]"));
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 
-    // Images that nothing uses, in a file that is mostly something else.
+    // Unused images, in a file that mostly contains other data.
     std::ofstream(folder_ / "p.png", std::ios::binary | std::ios::app) << std::string(16 << 20, '\0');
     outcome =
         load(document("\"images\":[" + repeated(20000, [](int) { return std::string(R"({"uri":"p.png"})"); }) + "]"));
@@ -283,7 +284,7 @@ TEST_F(HostileGltf, ReadsAFileWithManyNamesOnce)
 
 TEST_F(HostileGltf, LimitsTrianglesOfInstances)
 {
-    // 24 bytes of the file each, and a hundred thousand triangles.
+    // 24 bytes of the file per instance, each with a hundred thousand triangles.
     constexpr int count = 20000, triangles = 100'000;
     std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes() + std::string(12 * triangles, '\0');
     const auto nodes = repeated(count, [](int) { return std::string("{\"mesh\":0}"); });
@@ -300,7 +301,7 @@ TEST_F(HostileGltf, LimitsTrianglesOfInstances)
 
 TEST_F(HostileGltf, LimitsSetsOfJoints)
 {
-    // Each vertex hangs on all of 32,000 joints; the sets overlap in few bytes.
+    // Each vertex depends on all of 32,000 joints; the sets overlap in few bytes.
     constexpr int vertices = 400, sets = 8000, joints = 4 * (vertices + sets);
     std::string bytes(12 * vertices, '\0');
     for (int j = 0; j < joints; ++j) bytes += {static_cast<char>(j & 0xff), static_cast<char>(j >> 8)};
@@ -335,7 +336,7 @@ TEST_F(HostileGltf, ShortensLongNamesInMessages)
     EXPECT_LT(outcome.what.size(), 500u);
 }
 
-// Every byte of a small scene replaced by something else: an answer, whatever it is, and never a crash.
+// Changes each byte of a small scene: the file loads or is refused, without a crash.
 TEST_F(HostileGltf, SurvivesChangedBytes)
 {
     GNOMON_NEED_SCENE(file, "gltf/BoxAnimated.glb");

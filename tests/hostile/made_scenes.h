@@ -14,8 +14,7 @@ namespace gnomon::test {
 enum class Expected {
     image,     // exit code 0, all values in the OpenEXR finite
     refused,   // exit code 3, one line
-    either     // image or refused; or one line and exit code 4 (too little memory) or 2 (more lights than an .exr can
-               // hold)
+    either     // image or refused; or one line and exit code 4 (memory) or 2 (too many lights for an .exr)
 };
 
 struct MadeScene {
