@@ -94,12 +94,12 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     const scene::NodeId floor =
         add_object(scene, 0, scene::none, translation(0, -6, 0) * glm::scale(glm::dmat4(1), glm::dvec3(9, 0.2, 9)));
     (void)floor;
-    std::vector<glm::dmat4> still_places;
-    std::vector<scene::MeshId> still_meshes;
+    std::vector<glm::dmat4> static_places;
+    std::vector<scene::MeshId> static_meshes;
     for (int i = 0; i < still; ++i) {
-        still_places.push_back(random_placement(random, 5));
-        still_meshes.push_back(random.below(rigid_meshes));
-        const scene::NodeId node = add_object(scene, still_meshes.back(), scene::none, still_places.back());
+        static_places.push_back(random_placement(random, 5));
+        static_meshes.push_back(random.below(rigid_meshes));
+        const scene::NodeId node = add_object(scene, static_meshes.back(), scene::none, static_places.back());
         if (i % 5 == 4) scene.nodes[node].visibility = blinking(frames, script.fps, 30, random);
     }
     // Every second dynamic object may rest exactly where a static object with the same mesh stands, so that all depths
@@ -108,8 +108,8 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
         const std::uint32_t twin = random.below(static_cast<std::uint32_t>(still));
         std::vector<glm::dmat4> places{random_placement(random, 5), random_placement(random, 5),
                                        translation(60, 3 * i, 0)};
-        if (i % 2) places.push_back(still_places[twin]);
-        const scene::NodeId node = add_object(scene, i % 2 ? still_meshes[twin] : random.below(rigid_meshes));
+        if (i % 2) places.push_back(static_places[twin]);
+        const scene::NodeId node = add_object(scene, i % 2 ? static_meshes[twin] : random.below(rigid_meshes));
         scene.nodes[node].transform =
             std::make_shared<ScriptTrack>(places, frames, script.fps, seed * 77 + static_cast<std::uint64_t>(i));
         if (i % 3 == 2) scene.nodes[node].visibility = blinking(frames, script.fps, 20, random);

@@ -68,7 +68,7 @@ inline ray::Hit look_at(const ray::RayScene& rays, float x, ray::Sides sides = r
 }
 
 /// Traces packets. @param cut  rays are traced in pieces of this length; 0: all at once
-inline Answers ask(const ray::RayScene& scene, const ray::RayQueue& rays, std::size_t cut = 0)
+inline Answers trace(const ray::RayScene& scene, const ray::RayQueue& rays, std::size_t cut = 0)
 {
     using ray::Against;
     const std::size_t n = rays.size(), piece = cut == 0 ? n : cut;
@@ -92,7 +92,7 @@ inline Answers ask(const ray::RayScene& scene, const ray::RayQueue& rays, std::s
 }
 
 /// Traces single rays.
-inline Answers ask_singly(const ray::RayScene& scene, const ray::RayQueue& rays)
+inline Answers trace_singly(const ray::RayScene& scene, const ray::RayQueue& rays)
 {
     using ray::Against;
     Answers answers;

@@ -146,7 +146,7 @@ class Rehearsal {
         return result;
     }
     /// Renders one frame: queries the memory, compares it with rays, and lets it compute certificates.
-    Outcome ask(const Points& points)
+    Outcome query(const Points& points)
     {
         using namespace shadow_culling;
         culling_.begin_frame(state_, rays_, view_);
@@ -179,7 +179,7 @@ class Rehearsal {
         Outcome outcome;
         for (int f = 0; f < frames; ++f) {
             advance(state_.time());
-            outcome += ask(chosen);
+            outcome += query(chosen);
         }
         return outcome;
     }

@@ -57,17 +57,17 @@ int main(int argc, char** argv)
         } else if (event.type == ClientMessage && event.xclient.message_type == finished) {
             return 0;   // GLFW puts a length where the protocol has a bit
         } else if (event.type == SelectionRequest) {
-            const XSelectionRequestEvent& asked = event.xselectionrequest;
-            XChangeProperty(display, asked.requestor, asked.property, asked.target, 8, PropModeReplace,
+            const XSelectionRequestEvent& request = event.xselectionrequest;
+            XChangeProperty(display, request.requestor, request.property, request.target, 8, PropModeReplace,
                             reinterpret_cast<const unsigned char*>(uris.data()), static_cast<int>(uris.size()));
             XEvent answer{};
             answer.xselection.type = SelectionNotify;
-            answer.xselection.requestor = asked.requestor;
-            answer.xselection.selection = asked.selection;
-            answer.xselection.target = asked.target;
-            answer.xselection.property = asked.property;
-            answer.xselection.time = asked.time;
-            XSendEvent(display, asked.requestor, False, NoEventMask, &answer);
+            answer.xselection.requestor = request.requestor;
+            answer.xselection.selection = request.selection;
+            answer.xselection.target = request.target;
+            answer.xselection.property = request.property;
+            answer.xselection.time = request.time;
+            XSendEvent(display, request.requestor, False, NoEventMask, &answer);
             XFlush(display);
         }
     }

@@ -155,7 +155,7 @@ def use(browser, number):
     x, y, width, height = now["area"]
     top = max(y, 10) + min(height, HEIGHT / 2) / 2
     browser.drag(x + 0.3 * width, x + 0.8 * width, top)
-    seen["picture"] = browser.evaluate(script)
+    seen["image"] = browser.evaluate(script)
     x, y, width, height = now["box"]
     for kind in ("mousePressed", "mouseReleased"):
         browser.mouse(kind, x + width / 2, y + height / 2, int(kind == "mousePressed"))
@@ -173,7 +173,7 @@ def main():
             browser.settle()
             found = browser.evaluate(LOOK)
             count = browser.evaluate("document.querySelectorAll('figure.images').length")
-            found["pictures"] = [use(browser, i) for i in range(count)]
+            found["images"] = [use(browser, i) for i in range(count)]
             if folder:
                 os.makedirs(folder, exist_ok=True)
                 tall = browser.evaluate("document.documentElement.scrollHeight")

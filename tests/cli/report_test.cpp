@@ -52,8 +52,8 @@ void expect_comparison_moves(const nlohmann::json& seen, int width)
     const double dragged = expect_at("dragged", 20, 30);
     EXPECT_EQ(seen["dragged"]["focused"], true);
     expect_at("key", dragged + 0.1, dragged + 2);
-    expect_at("picture", 79, 81);
-    EXPECT_EQ(seen["picture"]["difference"], "none");
+    expect_at("image", 79, 81);
+    EXPECT_EQ(seen["image"]["difference"], "none");
     EXPECT_EQ(seen["difference"]["difference"], "block");
     EXPECT_EQ(seen["start"]["sizes"], (nlohmann::json{width, width, width}));
 }
@@ -82,8 +82,8 @@ TEST(Report, CullingReportOpensInABrowser)
         EXPECT_FALSE(chart["title"].get<std::string>().empty());
         EXPECT_FALSE(chart["tick"].get<std::string>().empty());
     }
-    ASSERT_EQ(found["pictures"].size(), 1u);
-    expect_comparison_moves(found["pictures"][0], 64);
+    ASSERT_EQ(found["images"].size(), 1u);
+    expect_comparison_moves(found["images"][0], 64);
     ASSERT_EQ(found["downloads"].size(), 1u);
     EXPECT_EQ(found["downloads"][0]["blob"], true);
     EXPECT_EQ(nlohmann::json::parse(found["downloads"][0]["text"].get<std::string>()), outcome.json());
@@ -151,8 +151,8 @@ TEST(Report, FullReportOpensInABrowser)
     EXPECT_EQ(found["faults"], nlohmann::json::array());
     EXPECT_GE(found["charts"].size(), 12u);
     for (const nlohmann::json& chart : found["charts"]) EXPECT_GT(chart["drawn"].get<int>(), 5000) << chart;
-    ASSERT_EQ(found["pictures"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
-    for (const nlohmann::json& image : found["pictures"]) expect_comparison_moves(image, 256);
+    ASSERT_EQ(found["images"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
+    for (const nlohmann::json& image : found["images"]) expect_comparison_moves(image, 256);
 
     const nlohmann::json document = outcome.json();
     EXPECT_EQ(document["quick"], true);

@@ -24,7 +24,7 @@ using ray::DeviceRays;
 constexpr double k_differing = 1e-3;   // fraction of rays that may differ
 constexpr float k_neighbour = 2e-5f;   // of the scene's size: the distance of neighbouring rays
 constexpr int k_neighbours = 64;
-constexpr float k_lift = 1e-3f;   // of the scene's size: the offset of ray origins and ends from their surfaces
+constexpr float k_offset = 1e-3f;   // of the scene's size: the offset of ray origins and ends from their surfaces
 constexpr std::size_t k_rays = 20'000;
 
 class DeviceRaysVulkan : public test::VulkanTest {};
@@ -35,7 +35,7 @@ class DeviceRaysVulkan : public test::VulkanTest {};
                  << device_->info().no_rays.front()
 
 // A point on a random triangle of a random object, slightly above either side.
-glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& state, Random& random, float lift)
+glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& state, Random& random, float offset)
 {
     for (;;) {
         const scene::ObjectId o = random.below(static_cast<std::uint32_t>(state.scene().objects.size()));
@@ -47,7 +47,7 @@ glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& stat
         if (!(glm::length(normal) > 0)) continue;
         float u = random.uniform(), v = random.uniform();
         if (u + v > 1) u = 1 - u, v = 1 - v;
-        const float side = random.below(2) ? lift : -lift;
+        const float side = random.below(2) ? offset : -offset;
         return (1 - u - v) * p[0] + u * p[1] + v * p[2] + side * glm::normalize(normal);
     }
 }
@@ -56,10 +56,11 @@ ray::RayQueue surface_rays(const ray::RayScene& rays, const scene::SceneState& s
                            std::size_t count)
 {
     Random random(seed);
-    const float lift = k_lift * rays.bounds().diagonal();
+    const float offset = k_offset * rays.bounds().diagonal();
     ray::RayQueue queue;
     for (std::size_t i = 0; i < count; ++i) {
-        const glm::vec3 from = surface_point(rays, state, random, lift), to = surface_point(rays, state, random, lift);
+        const glm::vec3 from = surface_point(rays, state, random, offset),
+                        to = surface_point(rays, state, random, offset);
         queue.push(from, 0, to - from, 1);
     }
     return queue;
@@ -83,7 +84,7 @@ bool on_an_edge(const ray::RayScene& rays, const ray::RayQueue& queue, std::size
 }
 
 struct Compared {
-    std::size_t asked = 0, differing = 0, occluded = 0;
+    std::size_t traced = 0, differing = 0, occluded = 0;
 };
 
 // Traces the same rays with both, against each part of the scene.
@@ -96,7 +97,7 @@ void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRay
         device.occluded(commands, scene, queue, answers.data(), against);
         for (std::size_t i = 0; i < queue.size(); ++i) {
             ASSERT_LE(answers[i], 1u);
-            ++sum.asked;
+            ++sum.traced;
             sum.occluded += expected[i];
             if (answers[i] == expected[i]) continue;
             ++sum.differing;
@@ -127,11 +128,11 @@ Compared follow(const std::shared_ptr<vk::Device>& vulkan, const std::shared_ptr
         compare(commands, scene, device, rays, surface_rays(rays, state, t + 1, count), sum);
         if (testing::Test::HasFailure()) break;
     }
-    const double share = static_cast<double>(sum.differing) / static_cast<double>(sum.asked);
-    fmt::print("{} of {} answers differ ({:.1e}), {} occluded\n", sum.differing, sum.asked, share, sum.occluded);
-    EXPECT_LE(share, k_differing);
-    EXPECT_GT(sum.occluded, sum.asked / 50);
-    EXPECT_LT(sum.occluded, sum.asked);
+    const double fraction = static_cast<double>(sum.differing) / static_cast<double>(sum.traced);
+    fmt::print("{} of {} answers differ ({:.1e}), {} occluded\n", sum.differing, sum.traced, fraction, sum.occluded);
+    EXPECT_LE(fraction, k_differing);
+    EXPECT_GT(sum.occluded, sum.traced / 50);
+    EXPECT_LT(sum.occluded, sum.traced);
     return sum;
 }
 
@@ -315,7 +316,7 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
     vk::Commands commands(device_);
     EXPECT_EQ(device.work().bottom_levels, 2u);   // the mesh, and the object with a singular transform
     Compared sum;
-    const auto ask = [&](std::uint64_t seed) {
+    const auto trace = [&](std::uint64_t seed) {
         const ray::RayQueue queue = clear_rays(rays, state, seed);
         EXPECT_GT(queue.size(), 99 * k_rays / 100);
         compare(commands, scene, device, rays, queue, sum);
@@ -326,23 +327,23 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
         scene.update(commands, state);
         device.update(commands, scene, state);
     };
-    ask(1);
+    trace(1);
     step(0.5);
     EXPECT_EQ(device.work().top_levels, 0u);
     EXPECT_EQ(device.work().instances, 0u);
-    ask(2);
+    trace(2);
     step(1.5);
     EXPECT_EQ(device.work().bottom_levels, 0u);
     EXPECT_EQ(device.work().top_levels, 1u);
     EXPECT_EQ(device.work().instances, 8u);
-    ask(3);
+    trace(3);
     for (const scene::ObjectId o : {0u, 1u}) {   // one of them was flat
         const glm::dmat4 there = test::translation(2.5 * o, 0, 1);
         state.override_transform(description->objects[o].node, &there);
     }
     step(1.6);
     EXPECT_EQ(device.work().instances, 2u);
-    ask(4);
+    trace(4);
     EXPECT_EQ(sum.differing, 0u);
 
     // An instance made now classifies objects as dynamic as the other rays do.
@@ -402,8 +403,8 @@ TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
             }
             compare(commands, gpu, device, rays, queue, sum);
         }
-        EXPECT_LE(static_cast<double>(sum.differing), k_differing * static_cast<double>(sum.asked));
-        EXPECT_GT(sum.occluded, sum.asked / 20);
+        EXPECT_LE(static_cast<double>(sum.differing), k_differing * static_cast<double>(sum.traced));
+        EXPECT_GT(sum.occluded, sum.traced / 20);
     }
 }
 

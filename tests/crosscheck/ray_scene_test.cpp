@@ -16,9 +16,9 @@ namespace {
 
 constexpr double k_margin = 2e-4;   // in barycentric coordinates, cosines, and relative to the distance
 
-class Twin {
+class BruteForce {
  public:
-    explicit Twin(const scene::SceneState& state) : scene_(state.scene())
+    explicit BruteForce(const scene::SceneState& state) : scene_(state.scene())
     {
         for (scene::ObjectId o = 0; o < scene_.objects.size(); ++o) {
             if (!state.object_visible(o)) continue;
@@ -116,18 +116,18 @@ class Twin {
 
 TEST(RaySceneReference, EqualsBruteForceInDoublePrecision)
 {
-    std::size_t clear = 0, asked = 0, met = 0, dark = 0;
+    std::size_t clear = 0, traced = 0, met = 0, dark = 0;
     for (std::uint64_t seed = 11; seed <= 14; ++seed) {
         const scene::SceneState state(make_random_scene(seed), 0.7 * static_cast<double>(seed));
         const ray::RayScene scene(state);
-        const Twin twin(state);
+        const BruteForce reference(state);
         const ray::RayQueue rays = random_rays(seed, 1500);
-        const Answers answers = ask(scene, rays);
+        const Answers answers = trace(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             for (const bool front_only : {false, true}) {
                 const ray::Hit& hit = (front_only ? answers.front : answers.both)[i];
-                const double low = twin.nearest(rays, i, front_only, false, k_margin);
-                const double high = twin.nearest(rays, i, front_only, false, -k_margin);
+                const double low = reference.nearest(rays, i, front_only, false, k_margin);
+                const double high = reference.nearest(rays, i, front_only, false, -k_margin);
                 const bool found = hit.object != scene::none;
                 const double t = found ? static_cast<double>(hit.t) : static_cast<double>(k_infinity);
                 const double room = k_margin * (1 + std::abs(t));
@@ -135,25 +135,25 @@ TEST(RaySceneReference, EqualsBruteForceInDoublePrecision)
                 if (found) {
                     ASSERT_GE(t, low - room) << "too near, seed " << seed << ", ray " << i;
                     ASSERT_LE(t, high + room) << "too far, seed " << seed << ", ray " << i;
-                    ASSERT_NEAR(t, twin.distance_to(hit, rays, i, front_only), room) << "another triangle";
+                    ASSERT_NEAR(t, reference.distance_to(hit, rays, i, front_only), room) << "another triangle";
                 }
-                ++asked;
+                ++traced;
                 met += found;
                 clear += low == high || std::abs(high - low) <= room;
             }
-            const bool surely = twin.nearest(rays, i, false, true, -k_margin) < static_cast<double>(k_infinity);
-            const bool perhaps = twin.nearest(rays, i, false, true, k_margin) < static_cast<double>(k_infinity);
+            const bool surely = reference.nearest(rays, i, false, true, -k_margin) < static_cast<double>(k_infinity);
+            const bool perhaps = reference.nearest(rays, i, false, true, k_margin) < static_cast<double>(k_infinity);
             ASSERT_TRUE(answers.occluded[i] ? perhaps : !surely) << "seed " << seed << ", ray " << i;
             ASSERT_EQ(answers.occluded[i], answers.occluded_static[i] | answers.occluded_dynamic[i]);
-            ++asked;
+            ++traced;
             dark += answers.occluded[i];
             clear += surely == perhaps;
         }
     }
-    EXPECT_GE(static_cast<double>(clear), 0.97 * static_cast<double>(asked));
-    EXPECT_GT(met, asked / 12);
-    EXPECT_GT(dark, asked / 30);
-    RecordProperty("unclear", static_cast<int>(asked - clear));
+    EXPECT_GE(static_cast<double>(clear), 0.97 * static_cast<double>(traced));
+    EXPECT_GT(met, traced / 12);
+    EXPECT_GT(dark, traced / 30);
+    RecordProperty("unclear", static_cast<int>(traced - clear));
 }
 
 // Shading gets the geometry that rays hit.
@@ -162,7 +162,7 @@ TEST(RaySceneReference, CornersOfTheHitTriangleSpanTheHitPoint)
     const scene::SceneState state(make_random_scene(21), 2.2);
     const ray::RayScene scene(state);
     const ray::RayQueue rays = random_rays(3, 4000);
-    const Answers answers = ask(scene, rays);
+    const Answers answers = trace(scene, rays);
     std::size_t met = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const ray::Hit& hit = answers.both[i];
@@ -198,7 +198,7 @@ TEST(RaySceneReference, RaysWithNegativeLengthHitNothing)
     for (const float end : {-1.0f, -2e9f, -k_infinity}) {
         ray::RayQueue behind;
         for (std::size_t i = 0; i < rays.size(); ++i) behind.push(rays.origin(i), 0, rays.direction(i), end);
-        const Answers answers = ask(scene, behind), singly = ask_singly(scene, behind);
+        const Answers answers = trace(scene, behind), singly = trace_singly(scene, behind);
         EXPECT_EQ(differences(answers, singly), 0u) << end;
         EXPECT_EQ(count_hits(answers), 0u) << end;
         EXPECT_EQ(std::count(answers.occluded.begin(), answers.occluded.end(), 0), 300) << end;

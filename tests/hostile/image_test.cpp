@@ -17,7 +17,7 @@ namespace {
 
 Image8 decoded(const std::string& bytes)
 {
-    return io::decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "picture");
+    return io::decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "image");
 }
 
 void expect_refused(const std::string& bytes, const std::string& about)
@@ -26,7 +26,7 @@ void expect_refused(const std::string& bytes, const std::string& about)
         decoded(bytes);
         FAIL() << "accepted";
     } catch (const InputError& error) {
-        EXPECT_EQ(error.file(), "picture");
+        EXPECT_EQ(error.file(), "image");
         EXPECT_NE(std::string(error.what()).find(about), std::string::npos) << error.what();
     }
 }

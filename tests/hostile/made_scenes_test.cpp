@@ -128,7 +128,7 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
         if (table)
             std::printf(
                 "%-64s %-8s %5.2f s  %s\n", shown(scenes[i].name, 64).c_str(),
-                result.code == 0                       ? "picture"
+                result.code == 0                       ? "image"
                 : result.code == 3 || result.code == 2 ? "refused"
                 : result.fault.empty()                 ? "memory"
                                                        : "FAULT",

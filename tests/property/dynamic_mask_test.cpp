@@ -16,8 +16,8 @@ struct Tally {
 };
 
 // Queries all points, one light after the other, and compares with rays.
-void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
-             const std::vector<ShadowPoint>& points, const std::vector<char>& moves, Tally& tally)
+void query_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
+               const std::vector<ShadowPoint>& points, const std::vector<char>& moves, Tally& tally)
 {
     DynamicMask::Asked asked;
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
@@ -57,19 +57,19 @@ void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneSta
 }
 
 // Moves the dynamic objects in every round; the mask is told that they move from the second round on.
-Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
+Tally query_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
 {
     const std::size_t dynamic_objects = 2 + seed % 5;
     const auto scene = Soup(seed, static_cast<int>(dynamic_objects)).take();
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
-    std::vector<char> promoted(scene->objects.size(), 0);
-    for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o) promoted[o] = 1;
+    std::vector<char> moves(scene->objects.size(), 0);
+    for (std::size_t o = moves.size() - dynamic_objects; o < moves.size(); ++o) moves[o] = 1;
     Random random(seed, 5);
     // Override all of their transforms, so that the ray scene treats them as dynamic objects.
     glm::dmat4 aside(1);
     aside[3].x = 0.1;
-    for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o)
+    for (std::size_t o = moves.size() - dynamic_objects; o < moves.size(); ++o)
         state.override_transform(scene->objects[o].node, &aside);
     Tally tally;
     std::unique_ptr<StaticTriangles> triangles;
@@ -91,7 +91,7 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
         }
         const CullingView view{glm::vec3(random.uniform(-4, 4), 1, 4), 0.004f * random.uniform(0.2f, 3.0f), 0};
         mask->begin_frame(state, rays, view);
-        ask_all(*mask, *scene, state, rays, random_points(*scene, rays, random, 600), promoted, tally);
+        query_all(*mask, *scene, state, rays, random_points(*scene, rays, random, 600), moves, tally);
     }
     return tally;
 }
@@ -103,11 +103,11 @@ void expect_true(const Tally& tally)
     EXPECT_EQ(tally.wrongly_clear, 0u);
 }
 
-Tally ask_soups(std::uint64_t seeds, const MaskOptions& options)
+Tally query_soups(std::uint64_t seeds, const MaskOptions& options)
 {
     Tally sum;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-        const Tally t = ask_soup(seed, 8, options);
+        const Tally t = query_soup(seed, 8, options);
         sum.free += t.free, sum.occluded += t.occluded, sum.unknown += t.unknown, sum.clear += t.clear;
         sum.wrongly_free += t.wrongly_free, sum.wrongly_occluded += t.wrongly_occluded;
         sum.wrongly_clear += t.wrongly_clear, sum.free_on_dynamic += t.free_on_dynamic;
@@ -119,7 +119,7 @@ TEST(DynamicMaskCulling, AgreesWithRaysOnRandomSoups)
 {
     MaskOptions options;
     options.asked = 1;
-    const Tally tally = ask_soups(60, options);
+    const Tally tally = query_soups(60, options);
     expect_true(tally);
     // Otherwise nothing was tested.
     EXPECT_GT(tally.free, 50'000u);
@@ -133,7 +133,7 @@ TEST(DynamicMaskCulling, AgreesWithRaysWithCoarseTexels)
     MaskOptions options;
     options.asked = 1;
     options.texel_pixels = 40;
-    expect_true(ask_soups(40, options));
+    expect_true(query_soups(40, options));
 }
 
 // Edge-on triangles cover no texels, but still occlude.
@@ -143,16 +143,16 @@ TEST(DynamicMaskCulling, AgreesWithRaysWithFineTexelsInEdgeOnTriangles)
     options.asked = 1;
     options.texel_pixels = 0.5f;
     options.min_facing = 0.5;
-    const Tally tally = ask_soups(40, options);
+    const Tally tally = query_soups(40, options);
     expect_true(tally);
     EXPECT_GT(tally.free, 20'000u);
 }
 
 // Rays along an outline that coincides with the border of texels, within rounding on either side. Far from the origin,
 // where rounding is coarse.
-void ask_along_outline(double turn, Tally& tally)
+void query_along_outline(double turn, Tally& tally)
 {
-    const glm::vec3 lamp(1000.3f, 1003.7f, 998.1f);
+    const glm::vec3 light_place(1000.3f, 1003.7f, 998.1f);
     scene::Scene built;
     built.materials.emplace_back();
     built.materials.back().double_sided = true;
@@ -165,10 +165,10 @@ void ask_along_outline(double turn, Tally& tally)
         built.nodes[node].mesh = static_cast<scene::MeshId>(built.meshes.size());
         built.meshes.push_back(std::move(mesh));
     };
-    const auto at = [&](float x, float y, float z) { return lamp + glm::vec3(x, y, z); };
+    const auto at = [&](float x, float y, float z) { return light_place + glm::vec3(x, y, z); };
     add({at(-3, -4, -3), at(3, -4, -3), at(3, -4, 3), at(-3, -4, 3)});   // the floor
     // A plate that starts at x = 0, up to rounding, after it is rotated about the light.
-    const glm::dvec3 middle(lamp);
+    const glm::dvec3 middle(light_place);
     const auto turned = [&](const glm::dvec3& p, double angle) {
         const glm::dvec3 q = p - middle;
         return middle + glm::dvec3(std::cos(angle) * q.x + std::sin(angle) * q.z, q.y,
@@ -181,7 +181,7 @@ void ask_along_outline(double turn, Tally& tally)
     add(plate);
     scene::Light light;
     glm::dmat4 place(1);
-    place[3] = glm::dvec4(glm::dvec3(lamp), 1);
+    place[3] = glm::dvec4(glm::dvec3(light_place), 1);
     light.node = built.add_node("", scene::none, place);
     built.lights.push_back(light);
     built.finish();
@@ -198,7 +198,7 @@ void ask_along_outline(double turn, Tally& tally)
     state.override_transform(scene->objects[1].node, &moved);
     state.advance(0);
     rays.update(state);
-    const std::vector<char> promoted = {0, 1};
+    const std::vector<char> moves = {0, 1};
     const StaticTriangles triangles(state, rays);
     MaskOptions options;
     options.asked = 1;
@@ -214,13 +214,13 @@ void ask_along_outline(double turn, Tally& tally)
         point.origin = at(1e-4f * random.uniform(-1, 1), -4 + 0.01f, random.uniform(-2, 2));
         points.push_back(point);
     }
-    ask_all(mask, *scene, state, rays, points, promoted, tally);
+    query_all(mask, *scene, state, rays, points, moves, tally);
 }
 
 TEST(DynamicMaskCulling, AgreesWithRaysAlongOutlinesOnTexelBorders)
 {
     Tally tally;
-    for (int k = 1; k <= 30; ++k) ask_along_outline(0.0137 * k, tally);
+    for (int k = 1; k <= 30; ++k) query_along_outline(0.0137 * k, tally);
     expect_true(tally);
     EXPECT_GT(tally.unknown, 10'000u);
 }
@@ -229,7 +229,7 @@ TEST(DynamicMaskCullingFull, AgreesWithRaysOnAThousandSoups)
 {
     MaskOptions options;
     options.asked = 1;
-    expect_true(ask_soups(1000, options));
+    expect_true(query_soups(1000, options));
 }
 
 // The least height within four planes, by the tree and by a linear search.

@@ -177,12 +177,12 @@ TEST_P(Extremes, LightViewsEqualAFullRedraw)
             if (!view.shown) continue;
             ++shown;
             buffers[v].execute(view.plan, view.projection, state);
-            light_views::SoftwareBuffer anew(view.tile.size);
+            light_views::SoftwareBuffer redrawn(view.tile.size);
             for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
                 if (views.casters().casts(o) && state.object_visible(o))
-                    draw_object(anew, view.projection, state, o, view.projection.whole());
-            EXPECT_TRUE(buffers[v].rendering().depth == anew.depth) << "view " << v << ", frame " << frame;
-            EXPECT_TRUE(buffers[v].rendering().item == anew.item) << "view " << v << ", frame " << frame;
+                    draw_object(redrawn, view.projection, state, o, view.projection.whole());
+            EXPECT_TRUE(buffers[v].rendering().depth == redrawn.depth) << "view " << v << ", frame " << frame;
+            EXPECT_TRUE(buffers[v].rendering().item == redrawn.item) << "view " << v << ", frame " << frame;
         }
     }
     EXPECT_GT(shown, 0);

@@ -32,12 +32,12 @@ Clip render(const Scene& scene, Accelerator accelerator, ShadowCulling culling, 
     return clip;
 }
 
-std::size_t pixels_different(const std::vector<float>& a, const std::vector<float>& b, float share)
+std::size_t pixels_different(const std::vector<float>& a, const std::vector<float>& b, float tolerance)
 {
     std::size_t different = 0;
     for (std::size_t i = 0; i < a.size(); i += 3)
         for (std::size_t c = 0; c < 3; ++c)
-            if (std::abs(a[i + c] - b[i + c]) > share * (std::abs(a[i + c]) + 0.1f)) {
+            if (std::abs(a[i + c] - b[i + c]) > tolerance * (std::abs(a[i + c]) + 0.1f)) {
                 ++different;
                 break;
             }

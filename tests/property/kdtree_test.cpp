@@ -84,7 +84,7 @@ ray::RayQueue awkward_rays(std::uint64_t seed, std::size_t count)
     return rays;
 }
 
-Answers ask_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts& counts)
+Answers trace_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts& counts)
 {
     Answers answers;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -100,7 +100,7 @@ Answers ask_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts
     return answers;
 }
 
-Answers ask_all(const CountingKdTree& tree, const ray::RayQueue& rays)
+Answers trace_all(const CountingKdTree& tree, const ray::RayQueue& rays)
 {
     Answers answers;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -160,10 +160,10 @@ TEST(KdTree, EqualsBruteForce)
                 Answers all;
                 for (const ray::KdOptions& options : ways_to_build()) {
                     const CountingKdTree tree(state, rays, options);
-                    if (all.both.empty()) all = ask_all(tree, queue);
+                    if (all.both.empty()) all = trace_all(tree, queue);
                     EXPECT_GT(count_hits(all), 30u);
                     KdCounts counts;
-                    EXPECT_EQ(differences(ask_tree(tree, queue, counts), all), 0u) << "seed " << seed;
+                    EXPECT_EQ(differences(trace_tree(tree, queue, counts), all), 0u) << "seed " << seed;
                     const auto s = tree.statistics();
                     groups_split = groups_split || s.still.group_splits > 0;
                     EXPECT_LT(counts.tests, queue.size() * 5 * (s.still.triangles + s.moving.triangles) / 4);
@@ -250,16 +250,16 @@ TEST(KdTree, EqualsBruteForceOnSplitPlanes)
         }
     for (const ray::KdOptions& options : ways_to_build()) {
         const CountingKdTree tree(state, rays, options);
-        const Answers all = ask_all(tree, queue);
+        const Answers all = trace_all(tree, queue);
         EXPECT_GT(count_hits(all), 3000u);
         KdCounts counts;
-        EXPECT_EQ(differences(ask_tree(tree, queue, counts), all), 0u);
+        EXPECT_EQ(differences(trace_tree(tree, queue, counts), all), 0u);
     }
 }
 
 TEST(KdTree, AgreesWithEmbree)
 {
-    std::size_t asked = 0, closest = 0, occluded = 0;
+    std::size_t traced = 0, closest = 0, occluded = 0;
     for (std::uint64_t seed = 1; seed <= 6; ++seed)
         for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
             const SceneState state(scene, 0.3 * static_cast<double>(seed));
@@ -267,14 +267,14 @@ TEST(KdTree, AgreesWithEmbree)
             const CountingKdTree tree(state, rays);
             const ray::RayQueue queue = random_rays(seed + 50, 3000);
             KdCounts counts;
-            const Differences d = against_embree(ask_tree(tree, queue, counts), ask_singly(rays, queue));
-            asked += queue.size(), closest += d.closest, occluded += d.occluded;
+            const Differences d = against_embree(trace_tree(tree, queue, counts), trace_singly(rays, queue));
+            traced += queue.size(), closest += d.closest, occluded += d.occluded;
         }
     RecordProperty("closest_differences", static_cast<int>(closest));
     RecordProperty("occluded_differences", static_cast<int>(occluded));
     // Rays through the borders of holes, and through edges of moving objects (tested in object space), may differ.
-    EXPECT_LE(closest, asked / 10000) << "of " << asked;
-    EXPECT_LE(occluded, asked / 10000) << "of " << asked;
+    EXPECT_LE(closest, traced / 10000) << "of " << traced;
+    EXPECT_LE(occluded, traced / 10000) << "of " << traced;
 }
 
 TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)
@@ -286,7 +286,7 @@ TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)
         RayScene rays(state);
         CountingKdTree followed(state, rays);
         KdCounts first_counts;
-        const Answers first = ask_tree(followed, queue, first_counts);
+        const Answers first = trace_tree(followed, queue, first_counts);
         for (const double time : {0.7, 2.5, 4.9, 0.1}) {
             state.advance(time);
             rays.update(state);
@@ -295,8 +295,8 @@ TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)
             const RayScene fresh_rays(at_once);
             const CountingKdTree fresh(at_once, fresh_rays);
             KdCounts a, b;
-            const Answers answers = ask_tree(followed, queue, a);
-            EXPECT_EQ(differences(answers, ask_tree(fresh, queue, b)), 0u) << "seed " << seed << ", time " << time;
+            const Answers answers = trace_tree(followed, queue, a);
+            EXPECT_EQ(differences(answers, trace_tree(fresh, queue, b)), 0u) << "seed " << seed << ", time " << time;
             EXPECT_EQ(a.nodes, b.nodes);
             EXPECT_EQ(a.tests, b.tests);
             EXPECT_GT(differences(first, answers), 10u) << "nothing moved";
@@ -438,19 +438,19 @@ SceneRays rays_in(const SceneState& state, const RayScene& rays, std::uint64_t s
     return result;
 }
 
-void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, double time, std::size_t count)
+void expect_agreement_with_embree(const std::shared_ptr<const scene::Scene>& scene, double time, std::size_t count)
 {
     const SceneState state(scene, time);
     const RayScene rays(state);
     const CountingKdTree tree(state, rays);
-    const SceneRays asked = rays_in(state, rays, 7, count);
+    const SceneRays traced = rays_in(state, rays, 7, count);
     std::size_t closest = 0, occluded = 0;
-    for (const ray::RayQueue* queue : {&asked.seen, &asked.shadow}) {
+    for (const ray::RayQueue* queue : {&traced.seen, &traced.shadow}) {
         KdCounts counts;
-        const Differences d = against_embree(ask_tree(tree, *queue, counts), ask_singly(rays, *queue));
+        const Differences d = against_embree(trace_tree(tree, *queue, counts), trace_singly(rays, *queue));
         closest += d.closest, occluded += d.occluded;
     }
-    const std::size_t all = asked.seen.size() + asked.shadow.size();
+    const std::size_t all = traced.seen.size() + traced.shadow.size();
     testing::Test::RecordProperty("rays", static_cast<int>(all));
     testing::Test::RecordProperty("closest_differences", static_cast<int>(closest));
     testing::Test::RecordProperty("occluded_differences", static_cast<int>(occluded));
@@ -461,13 +461,13 @@ void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, do
 TEST(KdTree, AgreesWithEmbreeInBuiltInScenes)
 {
     for (const char* name : {"kinetic", "spheres?objects=30"})
-        expect_embrees_answers(std::make_shared<const scene::Scene>(scene::make_builtin(name)), 1.0, 1500);
+        expect_agreement_with_embree(std::make_shared<const scene::Scene>(scene::make_builtin(name)), 1.0, 1500);
 }
 
 TEST(KdTree, AgreesWithEmbreeInKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
-    expect_embrees_answers(std::make_shared<const scene::Scene>(io::load_scene(file)), 5.0, 2000);
+    expect_agreement_with_embree(std::make_shared<const scene::Scene>(io::load_scene(file)), 5.0, 2000);
 }
 
 }   // namespace

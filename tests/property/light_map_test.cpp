@@ -107,8 +107,8 @@ TEST(LightMap, StaticAndDynamicLayersEqualTheWholeScene)
         for (const int frame : {1, last / 2, last}) {
             world.go(frame);
             const LightMap layered(world.state, world.rays, options, world.tasks);
-            const LightMap twin(world.state, world.rays, whole, world.tasks);
-            EXPECT_EQ(differing(layered, twin), 0u) << name << ", frame " << frame;
+            const LightMap reference(world.state, world.rays, whole, world.tasks);
+            EXPECT_EQ(differing(layered, reference), 0u) << name << ", frame " << frame;
         }
     }
 }

@@ -19,7 +19,7 @@ LightViewsOptions small_views(int quiet_frames = 4)
 }
 
 // Draws all visible casters, or the static ones only, from scratch.
-SoftwareBuffer draw_anew(const LightView& view, const LightViews& views, const scene::SceneState& state, bool all)
+SoftwareBuffer redraw(const LightView& view, const LightViews& views, const scene::SceneState& state, bool all)
 {
     SoftwareBuffer buffer(view.tile.size);
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
@@ -62,11 +62,11 @@ void follow_script(std::uint64_t seed, int frames, Seen& seen)
             seen.rebuilds += view.plan.rebuild.size();
             if (!view.shown) continue;
             buffers[v].execute(view.plan, view.projection, state);
-            const SoftwareBuffer everything = draw_anew(view, views, state, true);
+            const SoftwareBuffer everything = redraw(view, views, state, true);
             ASSERT_EQ(buffers[v].rendering().depth, everything.depth) << "view " << v << ", frame " << frame;
             ASSERT_EQ(buffers[v].rendering().item, everything.item) << "view " << v << ", frame " << frame;
             if (!views.tracker(v).statics_known()) continue;
-            const SoftwareBuffer statics = draw_anew(view, views, state, false);
+            const SoftwareBuffer statics = redraw(view, views, state, false);
             ASSERT_TRUE(buffers[v].statics() == statics) << "view " << v << ", frame " << frame;
         }
     }

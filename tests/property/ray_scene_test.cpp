@@ -37,10 +37,10 @@ TEST(RayScene, PacketsEqualSingleRays)
         const SceneState state(make_random_scene(seed), 0.3 * static_cast<double>(seed));
         const ray::RayScene rays(state);
         const ray::RayQueue queue = random_rays(seed, 4003);   // the last packet is not full
-        const Answers single = ask_singly(rays, queue);
+        const Answers single = trace_singly(rays, queue);
         EXPECT_GT(count_hits(single), 500u);
-        EXPECT_EQ(differences(ask(rays, queue), single), 0u) << "seed " << seed;
-        EXPECT_EQ(differences(ask(rays, queue, 37), single), 0u) << "in pieces, seed " << seed;
+        EXPECT_EQ(differences(trace(rays, queue), single), 0u) << "seed " << seed;
+        EXPECT_EQ(differences(trace(rays, queue, 37), single), 0u) << "in pieces, seed " << seed;
     }
 }
 
@@ -104,10 +104,11 @@ TEST(RayScene, SameHitsForAnyThreadCount)
     const SceneState state(make_random_scene(3), 1);
     const ray::RayScene rays(state);
     const ray::RayQueue queue = random_rays(5, 4000);
-    const Answers alone = ask(rays, queue);
+    const Answers alone = trace(rays, queue);
     std::vector<std::size_t> wrong(16);
     Tasks tasks(4);
-    tasks.for_each(wrong.size(), [&](std::size_t i, int) { wrong[i] = differences(ask(rays, queue, 500 + i), alone); });
+    tasks.for_each(wrong.size(),
+                   [&](std::size_t i, int) { wrong[i] = differences(trace(rays, queue, 500 + i), alone); });
     for (const std::size_t count : wrong) EXPECT_EQ(count, 0u);
 }
 
@@ -138,7 +139,7 @@ TEST(RayScene, UpdateEqualsAFreshScene)
         const ray::RayQueue queue = random_rays(seed, 3000);
         SceneState state(scene, 0);
         ray::RayScene followed(state);
-        const Answers first = ask(followed, queue);
+        const Answers first = trace(followed, queue);
         Random random(seed);
         for (int step = 0; step < 8; ++step) {
             const double time = static_cast<double>(random.uniform(0, 6));
@@ -146,8 +147,8 @@ TEST(RayScene, UpdateEqualsAFreshScene)
             followed.update(state);
             const SceneState at_once(scene, time);
             const ray::RayScene fresh(at_once);
-            const Answers expected = ask(fresh, queue);
-            EXPECT_EQ(differences(ask(followed, queue), expected), 0u) << "seed " << seed << ", time " << time;
+            const Answers expected = trace(fresh, queue);
+            EXPECT_EQ(differences(trace(followed, queue), expected), 0u) << "seed " << seed << ", time " << time;
             EXPECT_GT(differences(first, expected), 50u) << "nothing moved";
         }
     }
@@ -179,7 +180,7 @@ TEST(RayScene, UpdateBreaksTiesAsAFreshSceneDoes)
         followed.update(state);
         const SceneState at_once(shared, time);
         const ray::RayScene fresh(at_once);
-        EXPECT_EQ(differences(ask(followed, queue), ask(fresh, queue)), 0u) << "time " << time;
+        EXPECT_EQ(differences(trace(followed, queue), trace(fresh, queue)), 0u) << "time " << time;
     }
 }
 
@@ -210,7 +211,7 @@ TEST(RayScene, ObjectsAppearAndVanish)
         EXPECT_EQ(look_at(rays, 10).object, second_seen && time < 1.5 ? 1u : scene::none) << time;
         EXPECT_EQ(look_at(rays, 20).object, second_seen && time >= 1.5 ? 1u : scene::none) << time;
         const SceneState at_once(shared, time);
-        EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(at_once), queue)), 0u) << time;
+        EXPECT_EQ(differences(trace(rays, queue), trace(ray::RayScene(at_once), queue)), 0u) << time;
     }
 }
 
@@ -259,14 +260,14 @@ TEST(RayScene, ObjectShrunkToAPointReturns)
             SceneState state(finished(scene), 0);
             ray::RayScene rays(state);
             const ray::RayQueue queue = random_rays(1, 3000, 3);
-            EXPECT_EQ(count_hits(ask(rays, queue)), 0u) << x;
+            EXPECT_EQ(count_hits(trace(rays, queue)), 0u) << x;
             state.advance(2);
             rays.update(state);
-            EXPECT_GT(count_hits(ask(rays, queue)), 0u) << x;
-            EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(state), queue)), 0u) << x;
+            EXPECT_GT(count_hits(trace(rays, queue)), 0u) << x;
+            EXPECT_EQ(differences(trace(rays, queue), trace(ray::RayScene(state), queue)), 0u) << x;
             state.advance(0.5);
             rays.update(state);
-            EXPECT_EQ(count_hits(ask(rays, queue)), 0u) << x;
+            EXPECT_EQ(count_hits(trace(rays, queue)), 0u) << x;
         }
 }
 
@@ -297,9 +298,10 @@ TEST(RayScene, PartlyShrunkMeshKeepsTheRest)
                 for (const double time : {2.0, 0.5, 3.0}) {
                     state.advance(time);
                     rays.update(state);
-                    EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(state), queue)), 0u) << x << " " << time;
+                    EXPECT_EQ(differences(trace(rays, queue), trace(ray::RayScene(state), queue)), 0u)
+                        << x << " " << time;
                 }
-                EXPECT_GT(count_hits(ask(rays, queue)), 0u);
+                EXPECT_GT(count_hits(trace(rays, queue)), 0u);
             }
 }
 
@@ -386,14 +388,14 @@ TEST(RayScene, EmptySceneHasNoHits)
     scene::Scene scene;
     SceneState state(finished(scene), 0);
     ray::RayScene rays(state);
-    const Answers answers = ask(rays, random_rays(1, 100));
+    const Answers answers = trace(rays, random_rays(1, 100));
     EXPECT_EQ(count_hits(answers), 0u);
     EXPECT_EQ(std::count(answers.occluded.begin(), answers.occluded.end(), 0), 100);
     EXPECT_TRUE(rays.bounds().empty());
     EXPECT_EQ(rays.statistics().static_triangles, 0u);
     state.advance(1);
     rays.update(state);
-    EXPECT_TRUE(ask(rays, ray::RayQueue()).both.empty());
+    EXPECT_TRUE(trace(rays, ray::RayQueue()).both.empty());
 }
 
 // Many large copies share one BLAS; a flat one among them cannot, and is hit nevertheless.
@@ -412,7 +414,7 @@ TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
     ASSERT_GE(rays.statistics().static_triangles, std::size_t{1} << 20) << "otherwise they are not instanced";
     ray::RayQueue queue;
     for (int i = 0; i < k_copies; ++i) queue.push(glm::vec3(4.0f * i + 0.2f, 0.1f, 5), 0, glm::vec3(0, 0, -1), 10);
-    const Answers answers = ask(rays, queue);
+    const Answers answers = trace(rays, queue);
     for (std::size_t i = 0; i < k_copies; ++i) {
         EXPECT_EQ(answers.both[i].object, i);
         EXPECT_TRUE(answers.occluded[i]);
@@ -464,9 +466,9 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         rays.update(state);
         EXPECT_EQ(look_at(rays, 10).object, time < 1 ? 5u : scene::none);
         EXPECT_EQ(look_at(rays, 20).object, scene::none);
-        const Answers answers = ask(rays, queue);
+        const Answers answers = trace(rays, queue);
         EXPECT_GT(count_hits(answers), 300u);
-        EXPECT_EQ(differences(answers, ask_singly(rays, queue)), 0u);
+        EXPECT_EQ(differences(answers, trace_singly(rays, queue)), 0u);
         for (const ray::Hit& hit : answers.both)
             EXPECT_TRUE(hit.object == scene::none || hit.object == 0u || (time < 1 && hit.object == 5u)) << hit.object;
     }
@@ -482,7 +484,7 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         odd.push({0, 0, 0}, 0, {x, 0, x}, 10);
         odd.push({0, 0, 0}, x, {0, 0, 1}, x);
     }
-    EXPECT_EQ(differences(ask(rays, odd), ask_singly(rays, odd)), 0u);
+    EXPECT_EQ(differences(trace(rays, odd), trace_singly(rays, odd)), 0u);
 }
 
 TEST(RayScene, BoundsFollowMovingObjects)

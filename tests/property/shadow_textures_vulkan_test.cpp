@@ -52,23 +52,23 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
 {
     const test::LightScript script = test::make_light_script(seed, frames);
     scene::SceneState state(script.scene, 0);
-    LightViews coherent(state, small_views(true)), anew(state, small_views(false));
+    LightViews coherent(state, small_views(true)), redrawn(state, small_views(false));
     light_views::CasterGeometry casters(device, state);
-    light_views::GpuLightViews coherent_buffers(device, coherent), anew_buffers(device, anew);
-    GpuTextures coherent_textures(device, coherent), by_depth(device, anew), by_casters(device, anew);
+    light_views::GpuLightViews coherent_buffers(device, coherent), redrawn_buffers(device, redrawn);
+    GpuTextures coherent_textures(device, coherent), by_depth(device, redrawn), by_casters(device, redrawn);
     vk::Commands commands(device);
     std::uint64_t updated = 0, made = 0, item_faults = 0, ties = 0;
     for (int frame = 0; frame < frames; ++frame) {
         state.advance(script.time(frame));
         coherent.update(state);
-        anew.update(state);
+        redrawn.update(state);
         casters.update(commands, state);
         coherent_buffers.record(commands, coherent, casters);
         coherent_textures.record(commands, coherent, coherent_buffers, casters, state);
-        anew_buffers.record(commands, anew, casters);
-        by_depth.record(commands, anew, anew_buffers, casters, state);
+        redrawn_buffers.record(commands, redrawn, casters);
+        by_depth.record(commands, redrawn, redrawn_buffers, casters, state);
         const bool with_casters = casters_every > 0 && frame % casters_every == 0;
-        if (with_casters) by_casters.record_per_caster(commands, anew, casters, state);
+        if (with_casters) by_casters.record_per_caster(commands, redrawn, casters, state);
         const vk::Buffer kept = commands.read_back(coherent_textures.textures()),
                          full = commands.read_back(by_depth.textures());
         const vk::Buffer between = with_casters ? commands.read_back(by_casters.textures()) : vk::Buffer();
@@ -138,30 +138,30 @@ void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_p
                   int first, int last)
 {
     scene::SceneState state(scene, scene->timeline.time_of(first));
-    LightViewsOptions kept_options, anew_options;
-    kept_options.atlas.view_size = anew_options.atlas.view_size = 128;
-    anew_options.coherence = false;
-    LightViews coherent(state, kept_options), anew(state, anew_options);
+    LightViewsOptions kept_options, redrawn_options;
+    kept_options.atlas.view_size = redrawn_options.atlas.view_size = 128;
+    redrawn_options.coherence = false;
+    LightViews coherent(state, kept_options), redrawn(state, redrawn_options);
     light_views::CasterGeometry casters(device, state);
-    light_views::GpuLightViews coherent_buffers(device, coherent), anew_buffers(device, anew);
+    light_views::GpuLightViews coherent_buffers(device, coherent), redrawn_buffers(device, redrawn);
     vk::Commands commands(device);
     std::uint64_t draws = 0, all_draws = 0;
     for (int frame = first; frame <= last; ++frame) {
         state.advance(scene->timeline.time_of(frame));
         coherent.update(state);
-        anew.update(state);
+        redrawn.update(state);
         casters.update(commands, state);
         coherent_buffers.record(commands, coherent, casters);
-        anew_buffers.record(commands, anew, casters);
+        redrawn_buffers.record(commands, redrawn, casters);
         std::vector<vk::Buffer> mine, others;
-        for (std::uint32_t page = 0; page < anew_buffers.depth().desc().layers; ++page) {
+        for (std::uint32_t page = 0; page < redrawn_buffers.depth().desc().layers; ++page) {
             mine.push_back(commands.read_back(coherent_buffers.depth(), page));
             mine.push_back(commands.read_back(coherent_buffers.item(), page));
-            others.push_back(commands.read_back(anew_buffers.depth(), page));
-            others.push_back(commands.read_back(anew_buffers.item(), page));
+            others.push_back(commands.read_back(redrawn_buffers.depth(), page));
+            others.push_back(commands.read_back(redrawn_buffers.item(), page));
         }
         commands.submit();
-        if (frame > first) draws += coherent.counts().draws, all_draws += anew.counts().draws;
+        if (frame > first) draws += coherent.counts().draws, all_draws += redrawn.counts().draws;
         for (std::size_t v = 0; v < coherent.views().size(); ++v) {
             const LightView& view = coherent.views()[v];
             if (!view.shown) continue;

@@ -125,10 +125,10 @@ TEST(Builtin, CornellHasTheSpecifiedContent)
     EXPECT_EQ(spot.profile, SpotProfile::cosine);
     EXPECT_EQ(spot.color, glm::vec3(8));
     EXPECT_FLOAT_EQ(spot.outer_angle, 0.7f);
-    const glm::dmat4 lamp = scene.world_matrix(spot.node, 0);
+    const glm::dmat4 spot_matrix = scene.world_matrix(spot.node, 0);
     const glm::dvec3 towards = glm::normalize(glm::dvec3(-1.1, -1, -1.1));
-    EXPECT_NEAR(glm::length(glm::dvec3(lamp[3]) - glm::dvec3(0.6, 0.8, 0.9)), 0, 1e-12);
-    EXPECT_NEAR(glm::dot(-glm::dvec3(lamp[2]), towards), 1, 1e-12);
+    EXPECT_NEAR(glm::length(glm::dvec3(spot_matrix[3]) - glm::dvec3(0.6, 0.8, 0.9)), 0, 1e-12);
+    EXPECT_NEAR(glm::dot(-glm::dvec3(spot_matrix[2]), towards), 1, 1e-12);
     ASSERT_EQ(scene.cameras.size(), 1u);
     EXPECT_DOUBLE_EQ(scene.cameras[0].vertical_fov, 0.62);
 

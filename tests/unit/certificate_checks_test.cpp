@@ -44,7 +44,7 @@ Outcome play(Stage stage, const CertificateOptions& rules, Teach what, int point
     const auto everywhere = rehearsal.points({0}, points);
     rehearsal.teach(everywhere, what);
     rehearsal.advance(0);
-    return rehearsal.ask(everywhere);
+    return rehearsal.query(everywhere);
 }
 
 Corners small_triangle(float z)
@@ -101,7 +101,7 @@ Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
             points.push_back(test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 400,
                                                 1e-9f * random.uniform(1, 4), true));
         rehearsal.advance(0);
-        sum += rehearsal.ask(points);
+        sum += rehearsal.query(points);
     }
     return sum;
 }
@@ -120,12 +120,12 @@ Outcome light_that_jumps(const CertificateOptions& rules, std::initializer_list<
     Outcome outcome;
     for (const double time : times) {
         rehearsal.advance(time);
-        outcome = rehearsal.ask(points);
+        outcome = rehearsal.query(points);
     }
     return outcome;
 }
 
-void move_by_hand(Rehearsal& rehearsal, scene::ObjectId object, const glm::dvec3& by)
+void override_translation(Rehearsal& rehearsal, scene::ObjectId object, const glm::dvec3& by)
 {
     const glm::dmat4 place = test::translation(by.x, by.y, by.z);
     rehearsal.state().override_transform(rehearsal.scene().objects[object].node, &place);
@@ -133,7 +133,7 @@ void move_by_hand(Rehearsal& rehearsal, scene::ObjectId object, const glm::dvec3
 }
 
 // A light in the receiver's plane, as high as ray origins, so that rounding decides which points face it.
-Outcome lamp_that_grazes(const CertificateOptions& rules)
+Outcome light_that_grazes(const CertificateOptions& rules)
 {
     Outcome sum;
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
@@ -234,7 +234,7 @@ const Scene k_scenes[] = {
      }},
 
     // --- Both
-    {"light_grazes", [](CertificateOptions& rules) { rules.graze_lifts = -1; }, lamp_that_grazes},
+    {"light_grazes", [](CertificateOptions& rules) { rules.graze_lifts = -1; }, light_that_grazes},
 
     // --- Dynamic objects
     {"dynamic_tested", without(Check::dynamic_tested),
@@ -246,7 +246,7 @@ const Scene k_scenes[] = {
          const auto points = rehearsal.points({0}, 1000);
          rehearsal.teach(points, Teach::all);
          rehearsal.advance(1);
-         return rehearsal.ask(points);
+         return rehearsal.query(points);
      }},
     {"light_moves", without(Check::light_moves),
      [](const CertificateOptions& rules) {
@@ -262,8 +262,8 @@ const Scene k_scenes[] = {
          stage.add(left_half(-5, 1));
          Rehearsal rehearsal(std::move(stage), with(rules));
          rehearsal.teach(rehearsal.points({0}, 1000), Teach::all);
-         move_by_hand(rehearsal, 0, {-15, 0, 0});
-         return rehearsal.ask(rehearsal.points({0}, 1000));
+         override_translation(rehearsal, 0, {-15, 0, 0});
+         return rehearsal.query(rehearsal.points({0}, 1000));
      }},
     {"promoted_not_occluder", without(Check::promoted_not_occluder),
      [](const CertificateOptions& rules) {   // the occluder vanishes before anything is learned
@@ -271,12 +271,12 @@ const Scene k_scenes[] = {
          stage.add(large_triangle(1));
          stage.add(small_triangle(0.9f));
          Rehearsal rehearsal(std::move(stage), with(rules));
-         move_by_hand(rehearsal, 1, {0, 0, 50});
-         rehearsal.ask({});
+         override_translation(rehearsal, 1, {0, 0, 50});
+         rehearsal.query({});
          const auto points = rehearsal.points({0}, 1000);
          rehearsal.teach(points, Teach::occluded_ones);
          rehearsal.advance(0);
-         return rehearsal.ask(points);
+         return rehearsal.query(points);
      }},
     {"promoted_shadow_gone", without(Check::promoted_shadow_gone),
      [](const CertificateOptions& rules) {
@@ -285,8 +285,8 @@ const Scene k_scenes[] = {
          Rehearsal rehearsal(std::move(stage), with(rules));
          const auto points = rehearsal.points({0}, 1000);
          rehearsal.teach(points, Teach::all);
-         move_by_hand(rehearsal, 1, {0, 0, 50});
-         return rehearsal.ask(points);
+         override_translation(rehearsal, 1, {0, 0, 50});
+         return rehearsal.query(points);
      }},
 };
 
@@ -315,15 +315,15 @@ INSTANTIATE_TEST_SUITE_P(Each, CertificateChecks, testing::ValuesIn(k_scenes),
 // The two sides of a triangle have separate states: if the back is looked up as the front, results are wrong.
 TEST(CertificateRules, SidesOfATriangleAreStoredSeparately)
 {
-    for (const bool lie : {false, true}) {
+    for (const bool wrong_key : {false, true}) {
         Rehearsal rehearsal(stage_with_receiver());
         auto points = rehearsal.points({0}, 1000, 1, true);
         rehearsal.teach(points, Teach::free_ones);
-        for (auto& p : points) p.front = p.front || lie;
+        for (auto& p : points) p.front = p.front || wrong_key;
         rehearsal.advance(0);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         EXPECT_GT(outcome.none, 0u);
-        EXPECT_EQ(outcome.wrong > 0, lie);
+        EXPECT_EQ(outcome.wrong > 0, wrong_key);
     }
 }
 
@@ -332,7 +332,7 @@ TEST(CertificateRules, SidesOfATriangleAreStoredSeparately)
 TEST(CertificateRules, RimIsAlwaysTraced)
 {
     std::uint64_t asked = 0, in_shade = 0, wrong[2] = {0, 0};
-    for (const bool lie : {false, true}) {
+    for (const bool wrong_key : {false, true}) {
         Stage stage;
         stage.add(k_receiver);
         stage.add_light({0, 0, 1}, scene::LightType::directional);
@@ -343,13 +343,13 @@ TEST(CertificateRules, RimIsAlwaysTraced)
         for (int i = 1; i < 400; ++i) {
             auto p = test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 1000, 5e-7f, true);
             in_shade += test::truly_occluded(rehearsal.state(), rehearsal.rays(), p, 0);
-            if (lie) p.v += 1e-3f;
+            if (wrong_key) p.v += 1e-3f;
             points.push_back(p);
         }
         rehearsal.advance(0);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         asked += outcome.asked;
-        wrong[lie] = outcome.wrong;
+        wrong[wrong_key] = outcome.wrong;
     }
     EXPECT_GT(in_shade, 0u);
     EXPECT_GT(asked, in_shade / 2);
@@ -360,20 +360,20 @@ TEST(CertificateRules, RimIsAlwaysTraced)
 // A point is answered by its own part: if it is looked up in another part, results are wrong.
 TEST(CertificateRules, LookUpUsesThePartOfThePoint)
 {
-    for (const bool lie : {false, true}) {
+    for (const bool wrong_key : {false, true}) {
         Stage stage = stage_with_receiver();
         stage.add(left_half(0.4f, 1));
         Rehearsal rehearsal(std::move(stage));
         rehearsal.set_view({glm::vec3(0, 0, 4), 0.01f, 0});
         auto points = rehearsal.points({0}, 3000);
         rehearsal.teach(points, Teach::all, 4);
-        if (lie)
+        if (wrong_key)
             for (auto& p : points) std::swap(p.u, p.v);
         rehearsal.advance(0);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         EXPECT_GT(outcome.none, 0u);
         EXPECT_GT(outcome.full, 0u);
-        EXPECT_EQ(outcome.wrong > 0, lie);
+        EXPECT_EQ(outcome.wrong > 0, wrong_key);
     }
 }
 
@@ -443,7 +443,7 @@ TEST(CertificateRules, DynamicOccludersAreNoEvidence)
     rehearsal.teach(points, Teach::all);
     for (const double time : {0.0, 1.0}) {
         rehearsal.advance(time);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         EXPECT_EQ(outcome.none, points.size());
         EXPECT_EQ(outcome.wrong, 0u);
     }

@@ -125,9 +125,9 @@ TEST(CullingBench, StopsWhenInterrupted)
     CullingBenchOptions options;
     options.frames = {1, 40};
     options.size = {16, 16};
-    int asked = 0;
-    EXPECT_THROW(bench_culling(scene, options, [&](const ProgressStep&) { return ++asked < 3; }), InterruptedError);
-    EXPECT_EQ(asked, 3);
+    int calls = 0;
+    EXPECT_THROW(bench_culling(scene, options, [&](const ProgressStep&) { return ++calls < 3; }), InterruptedError);
+    EXPECT_EQ(calls, 3);
 }
 
 }   // namespace

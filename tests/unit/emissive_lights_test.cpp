@@ -47,9 +47,9 @@ TEST(Emitters, KeepTheFlux)
     Scene scene;
     // Facing down, 2 x 3, under a node that moves it up and rotates it about the vertical.
     const glm::dmat4 world = glm::dmat4(glm::dmat3(0, 0, -1, 0, 1, 0, 1, 0, 0));
-    glm::dmat4 promoted = world;
-    promoted[3] = {5, 4, 1, 1};
-    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, promoted);
+    glm::dmat4 placed = world;
+    placed[3] = {5, 4, 1, 1};
+    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, placed);
     add_quad(scene, add_material(scene, {0, 0, 0}), {0, 0, -3}, {10, 0, 0}, {0, 0, 8});
     scene.finish();
     add_emitter_lights(scene);
@@ -105,9 +105,10 @@ TEST(Emitters, IrradianceEqualsThatOfTheSurface)
 TEST(Emitters, ManyEmittersKeepTheFlux)
 {
     Scene scene;
-    const MaterialId lamp = add_material(scene, glm::vec3(50));
+    const MaterialId emitter = add_material(scene, glm::vec3(50));
     for (int i = 0; i < 40; ++i)
-        add_quad(scene, lamp, {static_cast<float>(2 * i), 5, 0}, {1, 0, 0}, {0, 0, 1 + 0.1f * static_cast<float>(i)});
+        add_quad(scene, emitter, {static_cast<float>(2 * i), 5, 0}, {1, 0, 0},
+                 {0, 0, 1 + 0.1f * static_cast<float>(i)});
     scene.finish();
     EmitterOptions options;
     options.least_irradiance = 0;
@@ -127,7 +128,7 @@ TEST(Emitters, IgnoresDimAndSmallEmitters)
         scene.finish();
         if (has_light) {
             scene.lights.emplace_back();
-            scene.lights[0].node = scene.add_node("lamp", none);
+            scene.lights[0].node = scene.add_node("light", none);
             scene.finish();
         }
         add_emitter_lights(scene);

@@ -32,7 +32,7 @@ scene::Texture texture(std::uint8_t value, const scene::Sampler& sampler = {})
 {
     Image8 image(2, 2, 3);
     image.data[7] = value;
-    return {"picture", image, true, sampler};
+    return {"image", image, true, sampler};
 }
 
 std::shared_ptr<const scene::Environment> surroundings(float value)

@@ -42,10 +42,10 @@ Bytes make_jpeg(int width, int height, J_COLOR_SPACE space, int channels, std::u
 void expect_refused(const Bytes& bytes, const std::string& what, const ImageLimits& limits = {})
 {
     try {
-        decode_image(bytes, "picture", limits);
+        decode_image(bytes, "image", limits);
         FAIL() << "accepted: " << what;
     } catch (const InputError& error) {
-        EXPECT_EQ(error.file(), "picture");
+        EXPECT_EQ(error.file(), "image");
     }
 }
 
@@ -153,7 +153,7 @@ TEST(ImageRead, RefusesTruncatedAndDamagedFiles)
     for (const Bytes& good : {png, jpeg})
         for (std::size_t size = 0; size < good.size(); ++size) {
             try {
-                decode_image(std::span(good).first(size), "picture");
+                decode_image(std::span(good).first(size), "image");
             } catch (const InputError&) {
             }
         }
@@ -165,7 +165,7 @@ TEST(ImageRead, RefusesTruncatedAndDamagedFiles)
         for (int i = 0; i < 3; ++i)
             bad[random.below(static_cast<std::uint32_t>(bad.size()))] = static_cast<std::uint8_t>(random.next());
         try {
-            decode_image(bad, "picture", {.max_side = 4096, .max_pixels = 1 << 20});
+            decode_image(bad, "image", {.max_side = 4096, .max_pixels = 1 << 20});
         } catch (const InputError&) {
         }
     }

@@ -152,7 +152,7 @@ TEST(LightViews, FacesOfAPointLightCoverEveryDirection)
     }
 }
 
-std::shared_ptr<const scene::Scene> still_life(int still, int dynamic_objects)
+std::shared_ptr<const scene::Scene> static_scene(int still, int dynamic_objects)
 {
     scene::Scene scene = test::scene_with_balls();
     for (int i = 0; i < still; ++i) {   // a layer of balls of uniform density, the first ones under the dynamic objects
@@ -182,7 +182,7 @@ TEST(LightViews, CostDependsOnMovedObjectsOnly)
     options.receivers = true;
     std::uint64_t touched[2], receivers[2], draws[2];
     for (const int many : {0, 1}) {
-        scene::SceneState state(still_life(many ? 20000 : 400, 10), 0);
+        scene::SceneState state(static_scene(many ? 20000 : 400, 10), 0);
         LightViews views(state, options);
         views.update(state);
         EXPECT_EQ(views.views()[0].plan.kind, ViewPlan::Kind::whole);
@@ -202,7 +202,7 @@ TEST(LightViews, CostDependsOnMovedObjectsOnly)
 
 TEST(LightViews, DoesNothingWhileNothingMoves)
 {
-    scene::SceneState state(still_life(50, 3), 0);
+    scene::SceneState state(static_scene(50, 3), 0);
     LightViewsOptions options;
     options.quiet_frames = 3;
     LightViews views(state, options);
@@ -265,7 +265,7 @@ TEST(LightViews, ManyLightsKeepTheirTiles)
 
 TEST(LightViews, MobilityOverridesChangeThePlan)
 {
-    scene::SceneState state(still_life(50, 3), 0);
+    scene::SceneState state(static_scene(50, 3), 0);
     LightViews views(state, {});
     views.set_override(0, scene::MobilityOverride::always_dynamic);
     views.set_override(50, scene::MobilityOverride::always_static);

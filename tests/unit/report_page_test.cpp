@@ -95,7 +95,7 @@ TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
     page.table({"numbers", {"", "x"}, {{{"row", "1"}, false}, {{"row", "2"}, true}}});
     page.chart({}, "first chart");
     page.section("Two", "gnomon two");
-    page.comparison({"pictures", "a", "b", Image8(2, 2, 3), Image8(2, 2, 3), Image8(2, 2, 3)});
+    page.comparison({"images", "a", "b", Image8(2, 2, 3), Image8(2, 2, 3), Image8(2, 2, 3)});
     const std::string html = page.html();
     EXPECT_EQ(times(html, "<figure "), 3u);
     EXPECT_EQ(times(html, "<figcaption>"), 3u);

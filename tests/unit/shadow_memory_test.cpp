@@ -162,7 +162,7 @@ TEST(ShadowMemory, EvidenceIsFreedWhenTaken)
 }
 
 // The reference implementation: a full pyramid with a state for every part.
-struct WholePyramid {
+struct FullPyramid {
     std::uint32_t level = 0;
     std::vector<std::uint8_t> states = {0};
 
@@ -204,8 +204,9 @@ class BothMemories {
     BothMemories(std::uint32_t level, int lights) : memory_(10, lights, 4 << 20), lights_(lights)
     {
         memory_.create(3, level, RimCodes{});
-        twin_.resize(static_cast<std::size_t>(memory_.groups()));
-        for (WholePyramid& twin : twin_) twin.level = level, twin.states.assign(pyramid_size(level), 0);
+        reference_.resize(static_cast<std::size_t>(memory_.groups()));
+        for (FullPyramid& reference : reference_)
+            reference.level = level, reference.states.assign(pyramid_size(level), 0);
     }
 
     // Descends from the whole triangle: PARTIAL on the way, and some state at the end.
@@ -213,24 +214,24 @@ class BothMemories {
     {
         const int light = static_cast<int>(random.below(static_cast<std::uint32_t>(lights_)));
         const int group = light / k_lights_per_group, shift = 2 * (light % k_lights_per_group);
-        WholePyramid& twin = twin_[static_cast<std::size_t>(group)];
-        const std::uint32_t end = random.below(twin.level + 1);
+        FullPyramid& reference = reference_[static_cast<std::size_t>(group)];
+        const std::uint32_t end = random.below(reference.level + 1);
         MicroTriangle part;
         for (std::uint32_t k = 0;; ++k) {
-            const auto state = static_cast<ShadowState>((twin.at(part, k) >> shift) & 3);
+            const auto state = static_cast<ShadowState>((reference.at(part, k) >> shift) & 3);
             if (state == ShadowState::none || state == ShadowState::full) return;
             if (k == end && random.below(3) > 0) {
                 const ShadowState proven = random.below(2) ? ShadowState::none : ShadowState::full;
-                twin.fill(part, k, shift, proven);
+                reference.fill(part, k, shift, proven);
                 fill(part, k, group, shift, proven);
                 return;
             }
-            if (k < twin.level) {
+            if (k < reference.level) {
                 ASSERT_TRUE(memory_.open(3, part, k));
             }
-            twin.at(part, k) |= static_cast<std::uint8_t>(3u << shift);
+            reference.at(part, k) |= static_cast<std::uint8_t>(3u << shift);
             memory_.states(group)[memory_.address(3, part, k)] |= static_cast<std::uint8_t>(3u << shift);
-            if (k == end || k == twin.level) return;
+            if (k == end || k == reference.level) return;
             MicroTriangle child[4];
             children_of(part, child);
             part = child[random.below(4)];
@@ -238,9 +239,9 @@ class BothMemories {
     }
     void deepen(std::uint32_t level)
     {
-        if (level > twin_[0].level) {
+        if (level > reference_[0].level) {
             EXPECT_TRUE(memory_.deepen(3, level));
-            for (WholePyramid& twin : twin_) twin.deepen(level);
+            for (FullPyramid& reference : reference_) reference.deepen(level);
         }
     }
     void forget(int light, bool but_none)
@@ -249,14 +250,15 @@ class BothMemories {
             memory_.reopen(3, light);
         else
             memory_.forget_light(light);
-        twin_[static_cast<std::size_t>(light / k_lights_per_group)].forget(2 * (light % k_lights_per_group), but_none);
+        reference_[static_cast<std::size_t>(light / k_lights_per_group)].forget(2 * (light % k_lights_per_group),
+                                                                                but_none);
     }
 
     void expect_equal(Random& random) const
     {
-        const std::uint32_t level = twin_[0].level;
+        const std::uint32_t level = reference_[0].level;
         for (int g = 0; g < memory_.groups(); ++g) {
-            const std::vector<std::uint8_t>& whole = twin_[static_cast<std::size_t>(g)].states;
+            const std::vector<std::uint8_t>& whole = reference_[static_cast<std::size_t>(g)].states;
             EXPECT_EQ(parts_of(memory_, 3, level, g),
                       std::vector<std::uint8_t>(whole.begin() + pyramid_offset(level), whole.end()));
         }
@@ -276,11 +278,11 @@ class BothMemories {
         for (std::size_t p = 0; p < 50; ++p)
             for (int g = 0; g < memory_.groups(); ++g)
                 EXPECT_EQ(memory_.states(g)[points.slot[p]],
-                          twin_[static_cast<std::size_t>(g)]
+                          reference_[static_cast<std::size_t>(g)]
                               .states[pyramid_offset(level) + micro_index_at(points.uv[p].x, points.uv[p].y, level)]);
     }
     std::size_t bytes() const { return memory_.bytes(); }
-    std::size_t whole_bytes() const { return twin_.size() * twin_[0].states.size(); }
+    std::size_t whole_bytes() const { return reference_.size() * reference_[0].states.size(); }
 
  private:
     void fill(const MicroTriangle& part, std::uint32_t k, int group, int shift, ShadowState state)
@@ -295,7 +297,7 @@ class BothMemories {
 
     ShadowMemory memory_;
     int lights_;
-    std::vector<WholePyramid> twin_;   // by group
+    std::vector<FullPyramid> reference_;   // by group
 };
 
 TEST(ShadowMemory, EqualsAFullPyramid)
@@ -353,7 +355,7 @@ TEST(ShadowMemory, StaysWithinItsLimit)
             seen.push_back(
                 everywhere[(i + static_cast<std::size_t>(frame / 10) * everywhere.size() / 5) % everywhere.size()]);
         rehearsal.advance(0);
-        const test::Outcome outcome = rehearsal.ask(seen);
+        const test::Outcome outcome = rehearsal.query(seen);
         EXPECT_EQ(outcome.wrong, 0u) << "frame " << frame;
         remembered += outcome.none + outcome.full;
         EXPECT_LE(rehearsal.culling().bytes(), options.memory + rehearsal.culling().visible_triangles() * 32);

@@ -137,13 +137,13 @@ TEST(VideoEncoder, CanBeInterrupted)
     const std::vector<fs::path> frames = make_frames(folder, 3);
     install_script(programs.path(), "exec sleep 60");
     const ScopedPath path(programs.path().string() + ":/usr/bin:/bin");
-    int asked = 0;
-    EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
+    int calls = 0;
+    EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++calls < 20; }),
                  InterruptedError);
     expect_no_video(folder);
     // Before the rendering, too.
-    asked = 0;
-    EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);
+    calls = 0;
+    EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++calls < 20; }), InterruptedError);
 }
 
 TEST(Process, WritingToAnEndedProgramReturnsFalse)

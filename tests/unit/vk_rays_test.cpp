@@ -104,7 +104,7 @@ struct Stage {
     }
 
     // The hits of the ray grid as text: rows from y = 0 on.
-    std::string ask(std::uint32_t mask)
+    std::string trace_grid(std::uint32_t mask)
     {
         commands.pass("trace")
             .reads(top.storage(), vk::Use::traced)
@@ -159,10 +159,10 @@ TEST_F(VulkanRays, HonoursMasksOfInstances)
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
     stage.place({0, 0});
-    expect_grid(stage.ask(1), [](float u, float v) { return u + v < 1; });
-    expect_grid(stage.ask(2), [](float u, float v) { return u + v > 1; });
-    expect_grid(stage.ask(3), [](float, float) { return true; });
-    expect_grid(stage.ask(4), [](float, float) { return false; });
+    expect_grid(stage.trace_grid(1), [](float u, float v) { return u + v < 1; });
+    expect_grid(stage.trace_grid(2), [](float u, float v) { return u + v > 1; });
+    expect_grid(stage.trace_grid(3), [](float, float) { return true; });
+    expect_grid(stage.trace_grid(4), [](float, float) { return false; });
 }
 
 TEST_F(VulkanRays, AnyHitShaderLetsRaysPass)
@@ -171,8 +171,8 @@ TEST_F(VulkanRays, AnyHitShaderLetsRaysPass)
     Stage stage(device_, true);
     stage.place({0, 0});
     // The second corners are (1, 0) and (0, 1).
-    expect_grid(stage.ask(1), [](float u, float v) { return u + v < 1 && u <= 0.5f; });
-    expect_grid(stage.ask(2), [](float u, float v) { return u + v > 1 && 1 - u <= 0.5f; });
+    expect_grid(stage.trace_grid(1), [](float u, float v) { return u + v < 1 && u <= 0.5f; });
+    expect_grid(stage.trace_grid(2), [](float u, float v) { return u + v > 1 && 1 - u <= 0.5f; });
 }
 
 // The next trace waits for the next build: moved triangles are hit at their new places.
@@ -181,11 +181,11 @@ TEST_F(VulkanRays, TraceWaitsForTheRebuiltTlas)
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
     stage.place({0, 0});
-    stage.ask(3);
+    stage.trace_grid(3);
     stage.place({4, 0});
-    expect_grid(stage.ask(3), [](float u, float v) { return u + v > 1; });
+    expect_grid(stage.trace_grid(3), [](float u, float v) { return u + v > 1; });
     stage.place({0, -3});
-    expect_grid(stage.ask(3), [](float u, float v) { return u + v < 1; });
+    expect_grid(stage.trace_grid(3), [](float u, float v) { return u + v < 1; });
 }
 
 TEST_F(VulkanRays, ReflectsRayStages)
