@@ -69,7 +69,7 @@ TEST(Faults, FullDiskFailsTheVideoAndLeavesNoPartOfIt)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const SmallDisk disk;
-    if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
+    if (!disk.there()) GTEST_SKIP() << "no permission to mount a disk";
     const std::string whole = undisturbed_video();
     // Full from the start, while frames are rendered, and while the video is encoded. (The size is in pages.)
     int full = 0, made = 0;
@@ -96,7 +96,7 @@ TEST(Faults, FullDiskFailsTheVideoAndLeavesNoPartOfIt)
 TEST(Faults, FullDiskFailsEveryOtherOutput)
 {
     const SmallDisk disk;
-    if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
+    if (!disk.there()) GTEST_SKIP() << "no permission to mount a disk";
     disk.hold(4);
     const ScratchFolder folder;
     for (const char* frame : {"1", "20"})
@@ -224,7 +224,7 @@ TEST(Faults, SignalAtAnyTimeEndsWithCode130AndNoOutput)
 // From too little memory to start to enough: an image, or one line and no file.
 TEST(Faults, TooLittleMemoryIsOneLineAndNoOutput)
 {
-    if (k_sanitized) GTEST_SKIP() << "sanitizers take address space of their own";
+    if (k_sanitized) GTEST_SKIP() << "sanitizers need address space of their own";
     const ScratchFolder folder;
     int refused = 0, made = 0;
     for (const rlim_t megabytes : {50, 65, 85, 150, 190, 205, 215, 3000}) {

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Opens a report page in Chromium, headless and without a network, and uses it as a person does.
+"""Opens a report page in Chromium, headless and offline, and uses it like a person.
 
     look_at_page.py PAGE [FOLDER]
 
-Every image comparison is moved by mouse and keyboard events that the browser cannot tell from real ones, over its
-debugging pipe; its difference is switched on by a click. Prints what it saw as one JSON document: what the browser
-complained about, every chart, every comparison before and after, every download. FOLDER: screenshots of the page, a
-window's height each, come there.
+Moves every image comparison by mouse and keyboard events, sent over the browser's debugging pipe, that the browser
+treats as real ones; a click switches on its difference. Prints one JSON document: the browser's complaints, every
+chart, every comparison before and after, every download. FOLDER: receives screenshots of the page, one per window
+height.
 """
 import base64
 import json
@@ -40,7 +40,7 @@ LOOK = """(() => {
   return found;
 })()"""
 
-# Where the parts of comparison N are in the window, and what it shows.
+# The positions of the parts of comparison N in the window, and its state.
 STATE = """(() => {
   const figure = document.querySelectorAll('figure.images')[%d];
   const box = part => { const r = figure.querySelector(part).getBoundingClientRect();

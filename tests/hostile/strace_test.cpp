@@ -56,7 +56,7 @@ bool have_strace()
 
 TEST(SystemCalls, GltfOpensNothingOutsideItsFolder)
 {
-    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
     test::ScratchFolder scratch, scenes;
     std::ofstream(scenes / "in.bin") << "12345678";
     const auto write = [&](const std::string& name, const std::string& uri) {
@@ -90,7 +90,7 @@ TEST(SystemCalls, GltfOpensNothingOutsideItsFolder)
 
 TEST(SystemCalls, ObjAndAffOpenNothingOutsideTheirFolder)
 {
-    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
     test::ScratchFolder scratch, root;
     const std::filesystem::path scenes =
         root / "aff";   // a TextureFiles folder beside an AFF's folder counts as inside
@@ -130,7 +130,7 @@ TEST(SystemCalls, ObjAndAffOpenNothingOutsideTheirFolder)
 TEST(SystemCalls, ValidatorFilesOpenNothingOutsideTheirFolder)
 {
     GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
-    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
     test::ScratchFolder scratch, scenes;
     std::ofstream(scenes / "empty.gltf") << R"({"asset":{"version":"2.0"}})";
     const Trace usual = trace_info(scenes / "empty.gltf", scratch);

@@ -44,7 +44,7 @@ TEST(OrbitCamera, OrbitsItsPivotAndStaysUpright)
         const scene::View view = camera.view({64, 48});
         EXPECT_NEAR(glm::length(view.eye - pivot), 2, 1e-4f);
         expect_near(view.eye + 2.0f * view.forward, pivot, 1e-4f);
-        EXPECT_GT(view.up.y, 0) << "the sky stays above";
+        EXPECT_GT(view.up.y, 0) << "the camera stays upright";
     }
     camera.zoom(0.5f);
     EXPECT_NEAR(glm::length(camera.view({64, 48}).eye - pivot), 1, 1e-4f);

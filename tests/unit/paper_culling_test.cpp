@@ -301,7 +301,7 @@ TEST(PaperModes, FullAndNonShadowMergeToPartial)
     modes.note_shadow(0, 0, ShadowMode::non_shadow, touched);
     modes.merge_shadow(0);
     EXPECT_EQ(modes.shadow(0, 0), ShadowMode::partial_shadow);
-    EXPECT_EQ(touched.size(), 2u) << "once a frame";
+    EXPECT_EQ(touched.size(), 2u) << "once per frame";
 }
 
 // The frame.
@@ -339,7 +339,7 @@ TEST_F(PaperCullingTest, PartlyOccludedIsReset)
     see({{wide, 10}});
     culling_.end_frame(notes_);
     EXPECT_EQ(culling_.modes().occlusion(wide), k_whole);
-    EXPECT_EQ(decide(wide), ShadowDecision::dynamic_only) << "its shadow bits stayed";
+    EXPECT_EQ(decide(wide), ShadowDecision::dynamic_only) << "its shadow bits are kept";
 }
 
 TEST_F(PaperCullingTest, ZoomInByMoreThanFourResets)
@@ -356,7 +356,7 @@ TEST_F(PaperCullingTest, ZoomInByMoreThanFourResets)
     frame({{wide, 161}});
     EXPECT_EQ(culling_.modes().occlusion(wide), k_init);
     EXPECT_EQ(culling_.modes().most_pixels(wide), 161u);
-    EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::non_shadow) << "the shadow bits stay";
+    EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::non_shadow) << "the shadow bits are kept";
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
     note(wide, StaticPart::occluded);   // a shadow too small to be seen
