@@ -120,7 +120,7 @@ class Browser:
         while "Page.loadEventFired" not in self.seen:
             self.read()
 
-    def settle(self):   # two frames: what the input caused is drawn
+    def settle(self):   # waits two frames, so that the effect of the input is drawn
         self.evaluate("new Promise(f => requestAnimationFrame(() => requestAnimationFrame(() => f(0))))")
 
     def mouse(self, kind, x, y, buttons=0):

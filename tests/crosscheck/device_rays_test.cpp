@@ -346,7 +346,7 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
     trace(4);
     EXPECT_EQ(sum.differing, 0u);
 
-    // An instance made now classifies objects as dynamic as the other rays do.
+    // A DeviceRays created now treats the same objects as dynamic as the given RayScene.
     DeviceRays late(device_, scene, state, &rays);
     compare(commands, scene, late, rays, clear_rays(rays, state, 5), sum);
     EXPECT_EQ(sum.differing, 0u);

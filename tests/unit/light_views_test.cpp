@@ -85,7 +85,7 @@ TEST(LightAtlas, GivesEveryViewItsOwnSquareWithinTheBudget)
                 EXPECT_FALSE(tile.page == atlas.tiles[b].page && tile.rect().overlaps(atlas.tiles[b].rect()))
                     << a << " and " << b << " of " << lights;
         }
-        // No page but the last is less than half full.
+        // No more pages are used than the tiles need.
         const std::int64_t page = static_cast<std::int64_t>(atlas.page_size) * atlas.page_size;
         EXPECT_LT((atlas.pages - 1) * page, atlas.texels());
     }

@@ -359,7 +359,7 @@ TEST_F(PaperCullingTest, ZoomInByMoreThanFourResets)
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::non_shadow) << "the shadow bits are kept";
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
-    note(wide, StaticPart::occluded);   // a shadow too small to be seen
+    note(wide, StaticPart::occluded);   // a shadow that was too small to be seen
     see({{wide, 161}});
     culling_.end_frame(notes_);
     EXPECT_EQ(culling_.modes().occlusion(wide), k_whole);
