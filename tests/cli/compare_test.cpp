@@ -30,7 +30,7 @@ std::string sky(const ScratchFolder& folder)
     return folder / "sky.hdr";
 }
 
-TEST(CompareSubcommand, JsonHoldsAllMetrics)
+TEST(CompareSubcommand, JsonContainsAllMetrics)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), b = gray(folder, "b.png", 151);

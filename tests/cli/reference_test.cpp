@@ -149,7 +149,7 @@ TEST(BenchIndirect, ComparesMethodsWithoutVisibilityWithTheFullSum)
     }
 }
 
-TEST(BenchIndirect, ReportHoldsTablesAndImages)
+TEST(BenchIndirect, ReportContainsTablesAndImages)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"bench", "indirect", "builtin:cornell", "--frames", "1-2", "--size", "64x64", "--spp",

@@ -60,7 +60,7 @@ TEST(BenchShadowTextures, DoesNotUpdateReceiversFarFromDynamicObjects)
     EXPECT_GT(rows[0]["textures_updated"], 10);   // some static objects receive dynamic shadows
 }
 
-TEST(BenchShadowTextures, ReportHoldsBothFigures)
+TEST(BenchShadowTextures, ReportContainsBothFigures)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"bench", "shadow-textures", "--objects", "5", "10", "--dynamic", "10", "50",

@@ -13,7 +13,7 @@ struct Wrong {
     std::string about;
 };
 
-TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
+TEST(Usage, EveryUsageErrorIsOneLineAndExitCode2)
 {
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
@@ -143,7 +143,7 @@ TEST(Usage, DefaultsAreValidAndBuilt)
     }
 }
 
-TEST(Usage, HelpNamesEveryOptionAndFitsALine)
+TEST(Usage, HelpListsEveryOptionWithinTheLineWidth)
 {
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         std::vector<std::string> arguments;
@@ -171,7 +171,7 @@ TEST(Usage, HelpNamesEveryOptionAndFitsALine)
     }
 }
 
-TEST(Usage, VersionAndHelpWithoutASubcommand)
+TEST(Usage, VersionAndHelpNeedNoSubcommand)
 {
     EXPECT_EQ(run({"--version"}).out, "gnomon " + std::string(version()) + "\n");
     EXPECT_EQ(run({"info", "--version"}).out, run({"--version"}).out);

@@ -107,7 +107,7 @@ TEST(VulkanProgram, ReportsWhereIndirectLightIsComputed)
     EXPECT_FALSE(indirect("off").contains("visibility"));
 }
 
-TEST(VulkanProgram, BenchIndirectOnTheDevice)
+TEST(VulkanProgram, BenchIndirectRunsOnTheDevice)
 {
     const auto json =
         run({"bench",      "indirect", "builtin:cornell", "--renderer", "raster",   "--frames", "1-3",

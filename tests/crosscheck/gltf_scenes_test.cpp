@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Files, GltfScenes,
                                          Expected{"gltf/cannon.glb", 2468, 0, 2, 2, 41},
                                          Expected{"cornell/refpt/cornell_box.gltf", 0, 34, 1, 0, 1}));
 
-TEST(GltfTruck, WheelsTurnAboutTheirAxlesAndNothingElseMoves)
+TEST(GltfTruck, WheelsRotateAboutTheirAxlesAndNothingElseMoves)
 {
     GNOMON_NEED_SCENE(file, "gltf/CesiumMilkTruck.glb");
     auto scene = std::make_shared<scene::Scene>(io::load_scene(file));

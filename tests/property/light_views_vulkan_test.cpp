@@ -119,7 +119,7 @@ TEST_F(LightViewsVulkanFull, BuffersEqualAFullRedrawOverAThousandFrames)
     follow_script(device_, 31, 1000, false);
 }
 
-TEST_F(LightViewsVulkan, NothingIsRecordedWhileNothingMoves)
+TEST_F(LightViewsVulkan, RecordsNothingWhileNothingMoves)
 {
     scene::Scene scene = test::scene_with_balls();
     test::add_object(scene, 0);

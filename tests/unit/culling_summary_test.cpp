@@ -46,7 +46,7 @@ TEST(CullingSummary, CountsThatDifferBetweenRunsAreAnError)
     EXPECT_THROW(medians_of(runs), InternalError);
 }
 
-TEST(CullingSummary, FiguresFollowFromTheFrames)
+TEST(CullingSummary, DerivesFiguresFromTheFrames)
 {
     CullingBenchResult r;
     r.frames = {frame_of(5, 10, 40, 1000), frame_of(6, 10, 5, 500), frame_of(7, 10, 4, 100), frame_of(8, 20, 4, 300)};
@@ -102,7 +102,7 @@ TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
     EXPECT_GT(deep.bytes_per_triangle_light, 0);
 }
 
-TEST(CullingBench, WithEveryLightMovingAllRaysAreTraced)
+TEST(CullingBench, TracesAllRaysIfEveryLightMoves)
 {
     const auto scene = with_moving_lights(std::make_shared<const scene::Scene>(scene::make_builtin("kinetic")));
     CullingBenchOptions options;

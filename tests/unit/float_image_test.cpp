@@ -104,7 +104,7 @@ TEST(Exr, BytesDependOnPixelsOnly)
     EXPECT_EQ(bytes_of(scratch / "a.exr"), bytes_of(scratch / "b.exr"));
 }
 
-TEST(Exr, OneLayerOrOneChannelCanBeRead)
+TEST(Exr, ReadsSingleLayersAndChannels)
 {
     const test::ScratchFolder scratch;
     const std::vector<Layer> layers = some_layers({37, 21});

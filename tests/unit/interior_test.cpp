@@ -65,7 +65,7 @@ TEST(Interior, CourtyardHasNoRoof)
     EXPECT_FALSE(court->covered);
 }
 
-TEST(Interior, StageIsSeenThroughItsOpening)
+TEST(Interior, OpenBoxIsSeenThroughItsOpening)
 {
     for (const Side open : {low_x, high_x, low_z, high_z}) {
         const auto stage = find_interior(box(all & ~open, {5, 5, 5}));

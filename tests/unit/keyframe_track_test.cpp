@@ -31,7 +31,7 @@ TEST(KeyframeTrack, IsLinearBetweenKeysAndConstantOutside)
     EXPECT_EQ(track.parts(9).translation, glm::dvec3(1, 4, 0));
 }
 
-TEST(KeyframeTrack, StepHoldsFromItsKeyOn)
+TEST(KeyframeTrack, StepHoldsEachValueFromItsKeyOn)
 {
     const auto track = moving(KeyInterpolation::step, {0, 1, 2}, {{0, 0, 0}, {5, 0, 0}, {5, 0, 0}});
     EXPECT_EQ(track.parts(0.999).translation.x, 0);

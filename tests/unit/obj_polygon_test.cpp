@@ -36,7 +36,7 @@ TEST(ObjPolygon, FillsConcavePolygons)
     expect_filled({{0, 0, 0}, {0, 1, 3}, {0, 1, 0.1f}, {0, 3, 0}, {0, 1, -0.1f}, {0, 1, -3}});
 }
 
-TEST(ObjPolygon, FillsStarsOfAnyOrientation)
+TEST(ObjPolygon, FillsStarsInAnyOrientation)
 {
     Random random(7);
     for (int trial = 0; trial < 200; ++trial) {
@@ -55,7 +55,7 @@ TEST(ObjPolygon, FillsStarsOfAnyOrientation)
     }
 }
 
-TEST(ObjPolygon, FillsCollinearCorners)
+TEST(ObjPolygon, FillsPolygonsWithCollinearCorners)
 {
     // A rectangle with corners along its sides, starting in the middle of one.
     expect_filled({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {3, 1, 0}, {3, 2, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 0}});

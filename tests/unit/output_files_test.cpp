@@ -195,7 +195,7 @@ TEST(AtomicFile, RefusesUnwritablePaths)
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST(WritePng, ReportsTheReason)
+TEST(WritePng, ReportsTheReasonOfAFailure)
 {
     try {
         io::write_png("/proc/no/a.png", noise(2, 2, 3));

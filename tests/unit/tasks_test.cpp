@@ -96,7 +96,7 @@ void race(const Touch& touch)
     std::exit(0);
 }
 
-TEST(TasksDeathTest, ThreadSanitizerSeesBodiesThatRace)
+TEST(TasksDeathTest, ThreadSanitizerDetectsRacesBetweenBodies)
 {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     int shared = 0;

@@ -61,7 +61,7 @@ bool has(const std::string& text, const std::string& part)
     return text.find(part) != std::string::npos;
 }
 
-TEST_F(Vulkan, DevicesAreListedWithReasons)
+TEST_F(Vulkan, ListsDevicesWithReasons)
 {
     const auto devices = device_->instance().devices();
     ASSERT_FALSE(devices.empty());
