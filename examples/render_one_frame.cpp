@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shortest whole program: a scene in, one image out.
+// The shortest complete program: loads a scene and writes one image.
 //
 //   example_render_one_frame [SCENE [FRAME [OUT.png]]]
 

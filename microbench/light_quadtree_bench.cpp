@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The light quad-tree in the built-in box: the gather at every pixel of 512 x 512, on two threads; the light map
-// repaired and made anew; clusters and samples against the sum over all texels of the map (nrmse_brute).
+// updated and rebuilt; clusters and samples against the sum over all texels of the map (nrmse_brute).
 
 #include <benchmark/benchmark.h>
 
@@ -26,7 +26,7 @@ struct World {
         state.advance(scene->timeline.time_of(frame));
         rays.update(state);
     }
-    // What the camera sees at every `step`-th pixel.
+    // The surfaces that the camera sees at every `step`-th pixel.
     Receivers seen(int step)
     {
         const scene::View view = scene::make_view(state, 0, {k_size, k_size});
@@ -98,8 +98,8 @@ BENCHMARK(clusters)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-// The same sums at 64 x 64 receivers, on one thread: as printed, a pass a level over all its nodes at every receiver;
-// from the compacted cut by single steps; and by vectors. Argument: limit level.
+// The same sums at 64 x 64 receivers, on one thread: as published, with one pass per level over all its nodes at every
+// receiver; from the compacted cut, scalar; and with SIMD. Argument: limit level.
 void sparse_as_printed(benchmark::State& bench)
 {
     World world;
@@ -117,7 +117,7 @@ void sparse_as_printed(benchmark::State& bench)
 }
 BENCHMARK(sparse_as_printed)->DenseRange(4, 6)->Unit(benchmark::kMillisecond);
 
-void sparse_by_single_steps(benchmark::State& bench)
+void sparse_scalar(benchmark::State& bench)
 {
     World world;
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -129,9 +129,9 @@ void sparse_by_single_steps(benchmark::State& bench)
             benchmark::DoNotOptimize(gather_one(clusters, {receivers.x[i], receivers.y[i], receivers.z[i]},
                                                 {receivers.nx[i], receivers.ny[i], receivers.nz[i]}));
 }
-BENCHMARK(sparse_by_single_steps)->DenseRange(4, 6)->Unit(benchmark::kMillisecond);
+BENCHMARK(sparse_scalar)->DenseRange(4, 6)->Unit(benchmark::kMillisecond);
 
-void sparse_by_vectors(benchmark::State& bench)
+void sparse_simd(benchmark::State& bench)
 {
     World world;
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -140,16 +140,16 @@ void sparse_by_vectors(benchmark::State& bench)
     find_clusters(map, {7, static_cast<int>(bench.range(0))}, clusters);
     for (auto _ : bench) gather(clusters, receivers);
 }
-BENCHMARK(sparse_by_vectors)->DenseRange(4, 6)->Unit(benchmark::kMillisecond);
+BENCHMARK(sparse_simd)->DenseRange(4, 6)->Unit(benchmark::kMillisecond);
 
-void find_the_cut(benchmark::State& bench)
+void find_cut(benchmark::State& bench)
 {
     World world;
     const LightMap map(world.state, world.rays, {}, world.tasks);
     Clusters clusters;
     for (auto _ : bench) find_clusters(map, {7, static_cast<int>(bench.range(0))}, clusters);
 }
-BENCHMARK(find_the_cut)->DenseRange(4, 6)->Unit(benchmark::kMicrosecond);
+BENCHMARK(find_cut)->DenseRange(4, 6)->Unit(benchmark::kMicrosecond);
 
 // Arguments: samples, then the disk's radius in hundredths of the map's side.
 void samples(benchmark::State& bench)
@@ -165,16 +165,16 @@ BENCHMARK(samples)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-void map_made_anew(benchmark::State& bench)
+void map_rebuilt(benchmark::State& bench)
 {
     World world;
     for (auto _ : bench) benchmark::DoNotOptimize(LightMap(world.state, world.rays, {}, world.tasks).version());
 }
-BENCHMARK(map_made_anew)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(map_rebuilt)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
 
-// The ball moves; the time that scene and trees take to follow is left out. Argument: 1: tiles cast whole, against
-// everything, as if no static layer were kept.
-void map_repaired(benchmark::State& bench)
+// Updates the map while the ball moves; the time to update scene and BVHs is excluded. Argument 1: whole tiles are cast
+// against everything, as without a stored static layer.
+void map_updated(benchmark::State& bench)
 {
     World world;
     LightMapOptions options;
@@ -192,6 +192,6 @@ void map_repaired(benchmark::State& bench)
     }
     bench.counters["dirty_nodes"] = benchmark::Counter(static_cast<double>(nodes), benchmark::Counter::kAvgIterations);
 }
-BENCHMARK(map_repaired)->Arg(0)->Arg(1)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(map_updated)->Arg(0)->Arg(1)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
 
 }   // namespace

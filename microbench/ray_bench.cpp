@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays a second, singly and in packets; building; following ten dynamic objects among a hundred thousand objects.
+// Rays per second, single and in packets; building; updating ten dynamic objects among a hundred thousand objects.
 // GNOMON_BENCH_SCENE names the scene (default: the built-in courtyard).
 
 #include <benchmark/benchmark.h>
@@ -33,7 +33,7 @@ struct Setting {
     ray::RayScene rays{state};
     ray::RayQueue primary, shadow;
 
-    // One ray a pixel in tiles of four by four, and from its hit one to the first light.
+    // One ray per pixel in tiles of four by four, and from its hit one ray to the first light.
     Setting()
     {
         const scene::Camera& camera = the_scene()->cameras.front();

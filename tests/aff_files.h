@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Small AFF files for tests: a scratch folder laid out as the format wants it.
+// Small AFF files for tests, in a scratch folder with the layout that the format requires.
 
 #include <fstream>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Scenes with lights as bright as numbers go.
+// Scenes whose lights are as bright as 32-bit floats allow.
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +16,10 @@ namespace gnomon::test {
 struct BrightScene {
     std::string name;
     Scene scene;
-    float at_least;   // its brightest value is more than that
+    float at_least;   // the brightest value exceeds this
 };
 
-// A triangle that stands on a floor and ends in the light itself.
+// A triangle that stands on a floor and has a corner at the light itself.
 inline Scene light_at_a_corner()
 {
     scene::Scene scene;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A floor of small squares that reaches to the horizon: what textures look like at a slant.
+// A floor of small squares that reaches to the horizon, for textures seen at grazing angles.
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
@@ -13,7 +13,7 @@ namespace gnomon::test {
 
 constexpr int k_squares_size = 64;
 
-// Black and white, in squares of `u` by `v` texels.
+// Black and white squares of `u` by `v` texels.
 inline scene::Texture squares(int u, int v)
 {
     Image8 image(k_squares_size, k_squares_size, 3);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Radiance images made in memory.
+// Radiance images in memory.
 
 #include <cstdint>
 #include <string>
@@ -17,7 +17,7 @@ inline std::vector<std::uint8_t> hdr_file(const std::string& resolution, const s
     return bytes;
 }
 
-/// One row of equal pixels in the newer run-length scheme.
+/// One row of equal pixels in the newer run-length encoding.
 inline std::vector<std::uint8_t> even_row(int width, const std::uint8_t (&rgbe)[4])
 {
     std::vector<std::uint8_t> row{2, 2, static_cast<std::uint8_t>(width >> 8), static_cast<std::uint8_t>(width & 255)};

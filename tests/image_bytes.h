@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// PNG and JPEG files of any kind in memory, by libpng and libjpeg.
+// PNG and JPEG files of all kinds in memory, written by libpng and libjpeg.
 
 #include <jpeglib.h>
 #include <png.h>
@@ -17,12 +17,12 @@ struct PngKind {
     int width, height, depth, type;
     std::vector<png_color> palette{};
     std::vector<png_byte> palette_alpha{};
-    std::optional<png_color_16> see_through{};   // a colour
+    std::optional<png_color_16> see_through{};   // the transparent colour
     bool interlaced = false;
-    double gamma = 0;   // 0: not said
+    double gamma = 0;   // 0: not stored
 };
 
-/// @param rows  as libpng wants them; the last stands for all that are missing
+/// @param rows  in libpng's layout; the last is repeated for all missing ones
 inline std::vector<std::uint8_t> png_bytes(const PngKind& kind, const std::vector<std::vector<std::uint8_t>>& rows)
 {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -57,10 +57,10 @@ struct JpegKind {
     J_COLOR_SPACE space;
     int channels;
     bool progressive = false;
-    unsigned restart = 0;   // blocks between restart marks; 0: none
+    unsigned restart = 0;   // blocks between restart markers; 0: none
 };
 
-/// @param row  all rows are this
+/// @param row  used for all rows
 inline std::vector<std::uint8_t> jpeg_bytes(const JpegKind& kind, std::vector<std::uint8_t> row)
 {
     jpeg_compress_struct info{};

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Random scripts of motion for tests of light views: objects that start, stop, jump away and return, appear, vanish and
-// deform, exact doubles of others, and lights of every type, some of which move or blink.
+// Random animations for tests of light views: objects that start, stop, jump away and return, appear, vanish and
+// deform, exact duplicates of others, and lights of every type, some of which move or blink.
 
 #include "scene_helpers.h"
 
 namespace gnomon::test {
 
-/// Rests at one of a few placements, sways away from it, or jumps to another; a new phase every few frames.
+/// Rests at one of a few placements, sways around it, or jumps to another; a new phase starts every few frames.
 class ScriptTrack final : public scene::TransformTrack {
  public:
-    /// @param places  where it may rest; phases begin at whole frames, `fps` of them a second
+    /// @param places  resting placements; phases start at whole frames, `fps` of them per second
     ScriptTrack(std::vector<glm::dmat4> places, int frames, double fps, std::uint64_t seed)
         : places_(std::move(places)), fps_(fps)
     {
@@ -90,31 +90,31 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     scene.meshes.back().vertex_keys->times = {0.2 * frames / script.fps, 0.3 * frames / script.fps,
                                               0.5 * frames / script.fps};
 
-    // A floor that lies below everything, seen by all lights.
+    // A floor below everything else, seen by all lights.
     const scene::NodeId floor =
         add_object(scene, 0, scene::none, translation(0, -6, 0) * glm::scale(glm::dmat4(1), glm::dvec3(9, 0.2, 9)));
     (void)floor;
-    std::vector<glm::dmat4> still_places;
-    std::vector<scene::MeshId> still_meshes;
+    std::vector<glm::dmat4> static_places;
+    std::vector<scene::MeshId> static_meshes;
     for (int i = 0; i < still; ++i) {
-        still_places.push_back(random_placement(random, 5));
-        still_meshes.push_back(random.below(rigid_meshes));
-        const scene::NodeId node = add_object(scene, still_meshes.back(), scene::none, still_places.back());
+        static_places.push_back(random_placement(random, 5));
+        static_meshes.push_back(random.below(rigid_meshes));
+        const scene::NodeId node = add_object(scene, static_meshes.back(), scene::none, static_places.back());
         if (i % 5 == 4) scene.nodes[node].visibility = blinking(frames, script.fps, 30, random);
     }
-    // Every second dynamic object may rest exactly where a still object of the same mesh stands: equal depths
-    // everywhere.
+    // Every second dynamic object may rest exactly where a static object with the same mesh stands, so that all depths
+    // are equal.
     for (int i = 0; i < dynamic_objects; ++i) {
         const std::uint32_t twin = random.below(static_cast<std::uint32_t>(still));
         std::vector<glm::dmat4> places{random_placement(random, 5), random_placement(random, 5),
                                        translation(60, 3 * i, 0)};
-        if (i % 2) places.push_back(still_places[twin]);
-        const scene::NodeId node = add_object(scene, i % 2 ? still_meshes[twin] : random.below(rigid_meshes));
+        if (i % 2) places.push_back(static_places[twin]);
+        const scene::NodeId node = add_object(scene, i % 2 ? static_meshes[twin] : random.below(rigid_meshes));
         scene.nodes[node].transform =
             std::make_shared<ScriptTrack>(places, frames, script.fps, seed * 77 + static_cast<std::uint64_t>(i));
         if (i % 3 == 2) scene.nodes[node].visibility = blinking(frames, script.fps, 20, random);
     }
-    // Two dynamic objects that rest in the same places.
+    // Two dynamic objects that rest at the same places.
     for (int i = 0; i < 2; ++i) {
         const scene::NodeId node = add_object(scene, 0);
         scene.nodes[node].transform =
@@ -136,7 +136,7 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     };
     add_light(scene::LightType::spot, look_at({2, 14, 3}, {0, 0, 0}));
     add_light(scene::LightType::directional, look_at({1, 2, 0.5}, {0, 0, 0}));
-    add_light(scene::LightType::point, translation(0.3, 0.2, -0.4));   // in the midst of things
+    add_light(scene::LightType::point, translation(0.3, 0.2, -0.4));   // among the objects
     const scene::NodeId dynamic_object = add_light(scene::LightType::spot, glm::dmat4(1));
     scene.nodes[dynamic_object].transform = std::make_shared<ScriptTrack>(
         std::vector<glm::dmat4>{look_at({-9, 6, 2}, {0, 0, 0}), look_at({4, 10, -6}, {0, 0, 0})}, frames, script.fps,

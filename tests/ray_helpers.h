@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Random rays, and the answers of a RayScene to them as one thing that can be compared to the bit.
+// Random rays, and the results of a RayScene for them in one struct that can be compared to the bit.
 
 #include <cstring>
 #include <tuple>
@@ -10,7 +10,7 @@
 
 namespace gnomon::test {
 
-/// Rays between random points of a cube, some of them far-reaching, some short; directions are not unit.
+/// Rays between random points of a cube, some long and some short; directions are not normalised.
 inline ray::RayQueue random_rays(std::uint64_t seed, std::size_t count, float reach = 8)
 {
     Random random(seed);
@@ -43,7 +43,7 @@ inline bool same_bits(const ray::Hit& a, const ray::Hit& b)
     return bits(a) == bits(b);
 }
 
-/// How many rays two sets of answers disagree about.
+/// The number of rays for which two sets of results differ.
 inline std::size_t differences(const Answers& a, const Answers& b)
 {
     std::size_t count = a.both.size() == b.both.size() ? 0 : 1;
@@ -61,14 +61,14 @@ inline std::size_t count_hits(const Answers& answers)
     return count;
 }
 
-/// What stands at (x, 0), seen from far up the Z axis (a little beside, so as to miss edges and poles)?
+/// The hit at (x, 0) of a ray from far up the Z axis, slightly offset so that it misses edges and poles.
 inline ray::Hit look_at(const ray::RayScene& rays, float x, ray::Sides sides = ray::Sides::both)
 {
     return rays.closest_single({x + 0.013f, 0.017f, 50}, 0, {0, 0, -1}, 1000, sides);
 }
 
-/// By packets. @param cut  rays are asked for in pieces of this length; 0: all at once
-inline Answers ask(const ray::RayScene& scene, const ray::RayQueue& rays, std::size_t cut = 0)
+/// Traces packets. @param cut  rays are traced in pieces of this length; 0: all at once
+inline Answers trace(const ray::RayScene& scene, const ray::RayQueue& rays, std::size_t cut = 0)
 {
     using ray::Against;
     const std::size_t n = rays.size(), piece = cut == 0 ? n : cut;
@@ -91,8 +91,8 @@ inline Answers ask(const ray::RayScene& scene, const ray::RayQueue& rays, std::s
     return answers;
 }
 
-/// By single rays.
-inline Answers ask_singly(const ray::RayScene& scene, const ray::RayQueue& rays)
+/// Traces single rays.
+inline Answers trace_singly(const ray::RayScene& scene, const ray::RayQueue& rays)
 {
     using ray::Against;
     Answers answers;

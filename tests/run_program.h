@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Runs the program as a user would, and catches all it says.
+// Runs the program as a user would, and captures its output.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ inline std::string bytes_of(const std::filesystem::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Names in a folder, sorted; hidden ones too.
+/// Names of all files in a folder, sorted, hidden ones included.
 inline std::vector<std::string> names_in(const std::filesystem::path& folder)
 {
     std::vector<std::string> names;
@@ -51,10 +51,10 @@ struct Outcome {
 
 using Environment = std::map<std::string, std::string>;
 
-/// A program that runs; killed with the object if it still does.
+/// A running program; it is killed when the object is destroyed.
 class RunningProgram {
  public:
-    /// @param in_child  called in the new process before the program takes its place: limits, say
+    /// @param in_child  called in the new process before the program starts, for example to set limits
     explicit RunningProgram(const std::vector<std::string>& arguments, const Environment& environment = {},
                             const std::string& standard_output = {}, const std::function<void()>& in_child = {})
     {
@@ -70,8 +70,8 @@ class RunningProgram {
         if (process_ > 0) return;
 
         for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
-        // The tests may have been begun with signals ignored (nohup, or in the background), and what is ignored is
-        // inherited.
+        // Reset signals that the parent of the tests may have ignored (nohup, background jobs), because ignored signals
+        // are inherited.
         for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
         ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
         ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | (standard_output.empty() ? O_TRUNC : 0), 0600), STDOUT_FILENO);
@@ -109,7 +109,7 @@ inline Outcome run(const std::vector<std::string>& arguments, const Environment&
     return RunningProgram(arguments, environment).wait();
 }
 
-/// Waits for a condition, at most half a minute (times k_patience).
+/// Waits for a condition, at most 30 seconds (times k_patience).
 template <class Condition>
 bool wait_until(const Condition& condition)
 {
@@ -131,7 +131,7 @@ inline void expect_failure(const Outcome& outcome, int code, const std::string& 
     EXPECT_NE(outcome.err.find(about), std::string::npos) << "'" << about << "' in: " << outcome.err;
 }
 
-/// Whether videos can be made here.
+/// Whether ffmpeg and ffprobe are available.
 inline bool video_tools()
 {
     return std::system("ffmpeg -version >/dev/null 2>&1") == 0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a sanitizer watches: it reserves terabytes of address space, which then cannot be limited, and is slow.
+// Whether a sanitizer is active: it reserves terabytes of address space, so that address space cannot be limited, and
+// it is slow.
 #pragma once
 
-// ThreadSanitizer, by either compiler.
+// ThreadSanitizer, with either compiler.
 #if defined(__SANITIZE_THREAD__)
 #define GNOMON_SANITIZED_THREAD
 #elif defined(__has_feature)
@@ -25,7 +26,7 @@ inline constexpr bool k_sanitized = true;
 inline constexpr bool k_sanitized = false;
 #endif
 
-/// So many times the seconds that anything may take: a limit is against what never ends.
+/// Multiplies all time limits, which only have to catch what never ends.
 inline constexpr int k_patience = k_sanitized ? 20 : 1;
 
 }   // namespace gnomon::test

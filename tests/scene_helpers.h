@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Scenes made in code for tests: tracks, meshes, materials of every surface class, and whole random scenes.
+// Scenes made in code for tests: tracks, meshes, materials of every surface class, and complete random scenes.
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
@@ -13,7 +13,7 @@
 
 namespace gnomon::test {
 
-/// Turns and sways for ever, each instance in its own way.
+/// Rotates and sways without end, each instance differently.
 class SwayTrack final : public scene::TransformTrack {
  public:
     SwayTrack(const glm::dvec3& centre, std::uint64_t seed, double size = 1) : centre_(centre), size_(size)
@@ -37,7 +37,7 @@ class SwayTrack final : public scene::TransformTrack {
     double size_;
 };
 
-/// One matrix before a time, another from then on.
+/// One matrix before a time, another from that time on.
 class JumpTrack final : public scene::TransformTrack {
  public:
     JumpTrack(double time, const glm::dmat4& before, const glm::dmat4& after)
@@ -63,7 +63,7 @@ inline std::shared_ptr<scene::VisibilityTrack> visibility(std::vector<double> ti
 /// The materials of add_materials(), by index.
 enum MaterialIndex : scene::MaterialId { two_sided, one_sided, cut_out, cut_out_one_sided, glass, material_count };
 
-/// A chessboard of holes: 8 x 8 squares, every second one transparent.
+/// A chessboard mask of 8 x 8 squares, every second one transparent.
 inline scene::Texture chessboard()
 {
     Image8 image(8, 8, 4);
@@ -90,7 +90,7 @@ inline void add_materials(scene::Scene& scene)
     scene.materials[glass].transmission = 1;
 }
 
-/// A closed ball of radius 1, bumpy, wound counter-clockwise, textured by angle; the whole of one material.
+/// A closed, bumpy ball of radius 1, wound counter-clockwise, with texture coordinates by angle and one material.
 inline scene::Mesh ball(scene::MaterialId material, int rings = 6, int segments = 9, std::uint64_t seed = 1)
 {
     scene::Mesh mesh;
@@ -119,7 +119,7 @@ inline scene::Mesh ball(scene::MaterialId material, int rings = 6, int segments 
     return mesh;
 }
 
-/// A ball with one part of each material, in an order that finish() must sort.
+/// A ball with one part of each material, in an order that finish() has to sort.
 inline scene::Mesh patchwork(std::uint64_t seed = 1)
 {
     scene::Mesh mesh = ball(two_sided, 7, 10, seed);
@@ -135,7 +135,7 @@ inline scene::Mesh patchwork(std::uint64_t seed = 1)
     return mesh;
 }
 
-/// Breathes between two shapes over times 0 to 2 and 2 to 5.
+/// Adds vertex keys: the mesh changes between two shapes over times 0 to 2 and 2 to 5.
 inline void add_vertex_keys(scene::Mesh& mesh)
 {
     scene::VertexKeys keys;
@@ -154,7 +154,7 @@ inline scene::NodeId add_object(scene::Scene& scene, scene::MeshId mesh, scene::
     return node;
 }
 
-/// Somewhere in a cube of half-width `reach`, turned, stretched, and for every third seed mirrored.
+/// A placement in a cube of half-width `reach`, rotated, scaled, and mirrored for every third seed.
 inline glm::dmat4 random_placement(Random& random, float reach)
 {
     const auto inside = [&] { return static_cast<double>(random.uniform(-reach, reach)); };
@@ -171,7 +171,7 @@ inline glm::dmat4 translation(double x, double y, double z)
     return glm::translate(glm::dmat4(1), glm::dvec3(x, y, z));
 }
 
-/// A scene with the materials above and one mesh, a plain ball; no objects yet.
+/// A scene with the materials above, one ball mesh and no objects yet.
 inline scene::Scene scene_with_balls()
 {
     scene::Scene scene;

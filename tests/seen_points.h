@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Points that want indirect light, as a camera sees them.
+// Surface points seen by a camera, for which indirect light is computed.
 
 #include <functional>
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace gnomon::test {
 
-/// At every pixel of a square image, with shading as flat as the triangles.
-/// @param pixels  out, if given: where each is
-/// @param wanted  whether points of an object are; of all, if not given
+/// One point per pixel of a square image, with flat shading.
+/// @param pixels  out, if given: the pixel of each point
+/// @param wanted  whether to keep points of an object; if not given, all are kept
 inline std::vector<irradiance_cache::IndirectPoint> seen_points(const World& world, int side,
                                                                 std::vector<std::size_t>* pixels = nullptr,
                                                                 const std::function<bool(scene::ObjectId)>& wanted = {})

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Small scenes of loose triangles under lights, and the question that tests of remembered shadows ask of them: taught
-// by some points, does the memory say of all points what rays say?
+// Small scenes of loose triangles under lights. Tests teach the shadow memory with some points, and then compare its
+// answers for all points with those of rays.
 
 #include <functional>
 
@@ -13,13 +13,13 @@
 
 namespace gnomon::test {
 
-/// A scene in the making. Object n is the n-th mesh added.
+/// A scene under construction. Object n is the n-th mesh added.
 struct Stage {
     scene::Scene scene;
 
     Stage() { add_materials(scene); }
 
-    /// Loose triangles, three corners each; textured by (x, y).
+    /// Adds loose triangles, three corners each; texture coordinates are (x, y).
     scene::NodeId add(const std::vector<glm::vec3>& corners, scene::MaterialId material = two_sided,
                       std::shared_ptr<const scene::TransformTrack> track = nullptr)
     {
@@ -38,7 +38,7 @@ struct Stage {
         return node;
     }
 
-    /// A point or spot light at `place`, or a directional light from `place` towards the origin.
+    /// Adds a point or spot light at `place`, or a directional light from `place` towards the origin.
     void add_light(const glm::vec3& place, scene::LightType type = scene::LightType::point,
                    std::shared_ptr<const scene::TransformTrack> track = nullptr)
     {
@@ -49,7 +49,7 @@ struct Stage {
         scene.nodes[light.node].transform = std::move(track);
         scene.lights.push_back(light);
     }
-    /// Stands at `place` and shines towards the origin, or down along Y from there.
+    /// A matrix at `place` that points towards the origin, or down along Y if `place` is the origin.
     static glm::dmat4 shining_from(const glm::vec3& place)
     {
         const glm::vec3 z = glm::length(place) > 0 ? glm::normalize(place) : glm::vec3(0, 1, 0);
@@ -61,7 +61,7 @@ struct Stage {
     }
 };
 
-/// A shading point on a triangle as the renderer makes it; object none where the triangle has no area.
+/// A shading point on a triangle as the renderer makes it; the object is `none` if the triangle has no area.
 inline shadow_culling::ShadowPoint shadow_point(const ray::RayScene& rays, scene::ObjectId object,
                                                 std::uint32_t triangle, float u, float v, bool front)
 {
@@ -76,7 +76,7 @@ inline shadow_culling::ShadowPoint shadow_point(const ray::RayScene& rays, scene
     return p;
 }
 
-/// What rays say: the light is behind the surface, or something is in the way.
+/// Ground truth by ray: the light is behind the surface, or something occludes it.
 inline bool truly_occluded(const scene::SceneState& state, const ray::RayScene& rays,
                            const shadow_culling::ShadowPoint& p, std::size_t light)
 {
@@ -87,7 +87,7 @@ inline bool truly_occluded(const scene::SceneState& state, const ray::RayScene& 
     return rays.occluded_single(p.origin, 0, d, directional ? k_infinity : 0.9999f);
 }
 
-/// Whether a point's answer matters: a spot lights its cone alone.
+/// Whether a point's result matters: a spot light illuminates its cone only.
 inline bool in_light(const scene::SceneState& state, const shadow_culling::ShadowPoint& p, std::size_t light)
 {
     const scene::Light& described = state.scene().lights[light];
@@ -97,7 +97,7 @@ inline bool in_light(const scene::SceneState& state, const shadow_culling::Shado
 
 struct Outcome {
     std::uint64_t asked = 0, wrong = 0;
-    std::uint64_t none = 0, full = 0;   // answers that were remembered
+    std::uint64_t none = 0, full = 0;   // remembered results
     Outcome& operator+=(const Outcome& o)
     {
         asked += o.asked, wrong += o.wrong, none += o.none, full += o.full;
@@ -105,10 +105,10 @@ struct Outcome {
     }
 };
 
-/// Which points the memory learns from: one-sided evidence tempts it most.
+/// Which points the memory learns from; one-sided evidence is most likely to mislead it.
 enum class Teach { all, free_ones, occluded_ones };
 
-/// A stage at a time, and what is remembered of it.
+/// A stage at a time, and the shadow memory for it.
 class Rehearsal {
  public:
     using Points = std::vector<shadow_culling::ShadowPoint>;
@@ -121,7 +121,7 @@ class Rehearsal {
     scene::SceneState& state() { return state_; }
     const ray::RayScene& rays() const { return rays_; }
     const shadow_culling::CertifiedCulling& culling() const { return culling_; }
-    /// Wide pixels: a triangle is one part. Narrow ones: it is cut into many.
+    /// Sets the pixel width: with wide pixels a triangle is one part, with narrow ones it is divided into many.
     void set_view(const shadow_culling::CullingView& view) { view_ = view; }
 
     void advance(double time)
@@ -129,7 +129,7 @@ class Rehearsal {
         state_.advance(time);
         rays_.update(state_);
     }
-    /// Random points of some objects, `each` a triangle.
+    /// Random points on some objects, `each` per triangle.
     Points points(const std::vector<scene::ObjectId>& objects, int each, std::uint64_t seed = 1,
                   bool both_sides = false)
     {
@@ -145,8 +145,8 @@ class Rehearsal {
                 }
         return result;
     }
-    /// One frame: asks, compares with rays, and lets the memory judge.
-    Outcome ask(const Points& points)
+    /// Renders one frame: queries the memory, compares it with rays, and lets it compute certificates.
+    Outcome query(const Points& points)
     {
         using namespace shadow_culling;
         culling_.begin_frame(state_, rays_, view_);
@@ -169,7 +169,7 @@ class Rehearsal {
         culling_.end_frame(batches, one_);
         return outcome;
     }
-    /// Teaches by the points of one kind (for light 0), for some frames.
+    /// Teaches the memory with the points of one kind (for light 0), for some frames.
     Outcome teach(const Points& points, Teach what, int frames = 1)
     {
         Points chosen;
@@ -179,7 +179,7 @@ class Rehearsal {
         Outcome outcome;
         for (int f = 0; f < frames; ++f) {
             advance(state_.time());
-            outcome += ask(chosen);
+            outcome += query(chosen);
         }
         return outcome;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Random triangle soups with lights anywhere, on and inside geometry too, and points on their surfaces.
+// Random triangle soups with lights anywhere, also on and inside geometry, and points on their surfaces.
 #include <memory>
 #include <vector>
 
@@ -12,7 +12,7 @@ namespace gnomon {
 
 class Soup {
  public:
-    /// @param dynamic objects  of closed and open meshes that are meant to be moved by hand
+    /// @param dynamic_objects  the number of closed and open meshes that a test will move by user override
     explicit Soup(std::uint64_t seed, int dynamic_objects = 0) : random_(seed)
     {
         scene_.materials.emplace_back();
@@ -57,7 +57,7 @@ class Soup {
         }
         finish_mesh(std::move(mesh));
     }
-    // A closed mesh with shared corners: a ball, bumpy or convex, sometimes with a bite taken out of it.
+    // Adds a closed mesh with shared vertices: a bumpy or convex ball, sometimes with a part cut out.
     void add_ball()
     {
         constexpr std::uint32_t rings = 5, around = 8;
@@ -118,7 +118,7 @@ class Soup {
     scene::Scene scene_;
 };
 
-/// Points anywhere on the surfaces, in runs on one triangle.
+/// Random points on the surfaces, in runs on the same triangle.
 inline std::vector<shadow_culling::ShadowPoint> random_points(const scene::Scene& scene, const ray::RayScene& rays,
                                                               Random& random, int count)
 {
@@ -144,7 +144,7 @@ inline std::vector<shadow_culling::ShadowPoint> random_points(const scene::Scene
     return points;
 }
 
-/// Puts the last objects of a soup somewhere else, by hand: turned, stretched, mirrored. Some are left where they are.
+/// Moves the last objects of a soup by user override: rotated, scaled, mirrored. Some stay where they are.
 inline void move_last(const scene::Scene& scene, scene::SceneState& state, Random& random, std::size_t dynamic_objects)
 {
     for (std::size_t o = scene.objects.size() - dynamic_objects; o < scene.objects.size(); ++o) {

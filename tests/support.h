@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What tests share: where the scenes are, running the program, scratch folders.
+// Shared by all tests: the scene folder, scratch folders, environment variables.
 
 #include <gtest/gtest.h>
 
@@ -11,14 +11,14 @@
 
 namespace gnomon::test {
 
-/// Folder of real scenes: GNOMON_SCENES from the environment, else the default of the build.
+/// The folder of real scenes: GNOMON_SCENES from the environment, else the default of the build.
 inline std::filesystem::path scenes()
 {
     const char* env = std::getenv("GNOMON_SCENES");
     return env && *env ? env : GNOMON_SCENES_DEFAULT;
 }
 
-/// A fresh folder that goes with the object.
+/// A new folder that is removed with the object.
 class ScratchFolder {
  public:
     ScratchFolder()
@@ -41,7 +41,7 @@ class ScratchFolder {
     std::filesystem::path path_;
 };
 
-/// A variable of the environment, as long as the object lives.
+/// Sets an environment variable for the lifetime of the object.
 class ScopedVariable {
  public:
     ScopedVariable(std::string name, const std::string& value) : name_(std::move(name))
@@ -66,7 +66,7 @@ class ScopedVariable {
 
 }   // namespace gnomon::test
 
-/// Skips a test, aloud, where the real scenes are not at hand.
+/// Skips a test with a message if the real scenes are missing.
 #define GNOMON_NEED_SCENE(variable, relative)                                     \
     const std::filesystem::path variable = ::gnomon::test::scenes() / (relative); \
     if (!std::filesystem::exists(variable))                                       \

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Tests on a Vulkan device, validated: any message of the validation layer fails the test, also one about what was
-// left behind when the device went.
+// Tests on a Vulkan device with validation: any message of the validation layer fails the test, including messages
+// about objects that outlive the device.
 
 #include <gtest/gtest.h>
 
@@ -15,12 +15,12 @@
 
 namespace gnomon::test {
 
-/// Holds a validated device. The suites of tests that use Vulkan derive from it.
+/// Holds a device with validation. The suites that use Vulkan derive from it.
 class VulkanTest : public testing::Test {
  protected:
     VulkanTest()
     {
-        ::setenv("GNOMON_VULKAN_VALIDATION", "1", 1);   // when run by hand
+        ::setenv("GNOMON_VULKAN_VALIDATION", "1", 1);   // if the tests are started without ctest
         device_ = vk::Device::open();
         EXPECT_TRUE(device_->instance().validates());
     }
@@ -32,7 +32,7 @@ class VulkanTest : public testing::Test {
     std::shared_ptr<vk::Device> device_;
 };
 
-/// Replaces one of volk's entry points for as long as it lives.
+/// Replaces one of volk's entry points for its own lifetime.
 template <class Function>
 class Replaced {
  public:

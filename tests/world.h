@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A scene at a frame with its rays, for tests of what lies above them.
+// A scene at a frame with its rays, for tests of the layers above.
 
 #include <memory>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnomon compare, .exr out and --environment, as a user meets them.
+// gnomon compare, .exr output and --environment, from the user's side.
 #include "hdr_bytes.h"
 #include "io/image/image_file.h"
 #include "run_program.h"
@@ -30,7 +30,7 @@ std::string sky(const ScratchFolder& folder)
     return folder / "sky.hdr";
 }
 
-TEST(CompareSubcommand, JsonHoldsAllMetrics)
+TEST(CompareSubcommand, JsonContainsAllMetrics)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), b = gray(folder, "b.png", 151);
@@ -61,13 +61,13 @@ TEST(CompareSubcommand, ThresholdsDecideTheExitCode)
     expect_failure(run({"compare", a, b, "--fail-above", "psnr=14", "--quiet"}), 1, "below 14");
     expect_failure(run({"compare", a, b, "--fail-above", "ssim=0.999", "--quiet"}), 1, "ssim");
     EXPECT_EQ(run({"compare", a, a, "--fail-above", "psnr=1000", "--fail-above", "flip=0"}).code, 0);   // equal
-    // The document is whole even so.
+    // The document is complete even in this case.
     const Outcome json = run({"compare", a, b, "--metric", "flip", "--fail-above", "flip=0.01", "--json"});
     EXPECT_EQ(json.code, 1);
     EXPECT_EQ(json.json().size(), 1u);
 }
 
-TEST(CompareSubcommand, WhatCannotBeComparedIsAnError)
+TEST(CompareSubcommand, RefusesImagesThatCannotBeCompared)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 100), wide = gray(folder, "wide.png", 100, 25);
@@ -79,7 +79,7 @@ TEST(CompareSubcommand, WhatCannotBeComparedIsAnError)
     expect_failure(run({"compare", a, a, "--heatmap", folder / "no" / "folder.png"}), 4, "folder.png");
 }
 
-TEST(CompareSubcommand, HeatMapIsAPng)
+TEST(CompareSubcommand, WritesHeatMapAsPng)
 {
     const ScratchFolder folder;
     const std::string a = gray(folder, "a.png", 0), b = gray(folder, "b.png", 255);
@@ -89,7 +89,7 @@ TEST(CompareSubcommand, HeatMapIsAPng)
     EXPECT_GT(heat.pixel(5, 5)[1], 230);
 }
 
-TEST(ExrOutput, HasAllLayersAndDoesNotDependOnThreads)
+TEST(ExrOutput, HasAllLayersAndSameBytesForAnyThreadCount)
 {
     const ScratchFolder folder;
     const std::vector<std::string> common{"render", "builtin:cornell", "--size", "64x48", "--quiet"};
@@ -104,7 +104,7 @@ TEST(ExrOutput, HasAllLayersAndDoesNotDependOnThreads)
     EXPECT_TRUE(one == render("three.exr", "3"));
     for (const char* layer : {"depth", "normal", "albedo", "direct", "shadow.L0"})
         EXPECT_EQ(run({"compare", folder / "one.exr", folder / "three.exr", "--layer", layer}).code, 0) << layer;
-    // Nothing is over 1 in an albedo, and depth is not all the same: layers are not each other.
+    // Layers differ from each other: an albedo does not exceed 1, and depth is not constant.
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"one.exr", "three.exr"}));
 }
 
@@ -115,14 +115,14 @@ TEST(ExrOutput, NumberedSetsResume)
                                              "-o",     folder / "f{frame}.exr", "--resume", "--json"};
     ASSERT_EQ(run(arguments).code, 0);
     const std::string second = bytes_of(folder / "f2.exr");
-    std::filesystem::resize_file(folder / "f2.exr", second.size() / 2);   // a frame that was cut short
+    std::filesystem::resize_file(folder / "f2.exr", second.size() / 2);   // a truncated frame
     const auto json = run(arguments).json();
     EXPECT_EQ(json["frames"][0]["ms"], 0);   // kept
     EXPECT_GT(json["frames"][1]["ms"], 0);   // rendered again
     EXPECT_TRUE(bytes_of(folder / "f2.exr") == second);
 }
 
-TEST(ExrOutput, HasNoMoreLightsThanCanBeReadAgain)
+TEST(ExrOutput, RefusesMoreLightsThanTheReaderAccepts)
 {
     const ScratchFolder folder;
     std::string scene =
@@ -136,7 +136,7 @@ TEST(ExrOutput, HasNoMoreLightsThanCanBeReadAgain)
     };
     ASSERT_EQ(render("many.exr", "16359").code, 0);
     EXPECT_EQ(run({"compare", folder / "many.exr", folder / "many.exr", "--layer", "shadow.L16358"}).code, 0);
-    EXPECT_EQ(render("many.exr", "16359").json()["frames"][0]["ms"], 0) << "a whole image was made again";
+    EXPECT_EQ(render("many.exr", "16359").json()["frames"][0]["ms"], 0) << "a complete image was rendered again";
 
     const Outcome more = render("more.exr", "16360");
     expect_failure(more, 2, "more.exr: 16360 lights; an .exr of 4 x 3 pixels has room for the shadows of 16359");
@@ -159,7 +159,7 @@ TEST(EnvironmentOption, LightsTheScene)
     EXPECT_EQ(run({"compare", with, without, "--layer", "depth", "--fail-above", "rmse=0"}).code, 0);
     EXPECT_EQ(run({"compare", with, without, "--layer", "shadow.L0", "--fail-above", "rmse=0"}).code,
               0);                                                               // the file's
-    EXPECT_EQ(run({"compare", with, with, "--layer", "shadow.L16"}).code, 0);   // the last of sixteen more
+    EXPECT_EQ(run({"compare", with, with, "--layer", "shadow.L16"}).code, 0);   // the last of sixteen additional ones
 
     arguments.back() = folder / "none.hdr";
     expect_failure(run(arguments), 3, "none.hdr");

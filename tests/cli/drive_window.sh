@@ -1,29 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs a program in a window on an X server of its own, with the folder given as the current one, and sends it real
-# input events.
+# Runs a program in a window on a separate X server, in the given folder, and sends it real input events.
 #
 #     drive_window.sh FOLDER PROGRAM [ARGUMENT...] < STEPS
 #
-# Steps, a line each: xdotool commands (key p, mousemove 10 20, click 1, ...), "sleep S", "await FILE" (at most two
-# minutes), "shot FILE" (of the whole screen), "resize W H", "drop FILE" (by drag and drop; GNOMON_DROP_FILE names the
-# program that does it). GNOMON_SCREEN: its size (800x600). Exits with the program's code; 99: no window came; 98: a file
-# did not; 96: the window did not take what was dropped; 95: no X server came.
+# Steps, one per line: xdotool commands (key p, mousemove 10 20, click 1, ...), "sleep S", "await FILE" (at most two
+# minutes), "shot FILE" (a screenshot of the whole screen), "resize W H", "drop FILE" (by drag and drop, with the
+# program GNOMON_DROP_FILE). GNOMON_SCREEN: the screen's size (800x600). Exits with the program's code, or with 99: no
+# window appeared; 98: a file did not appear; 96: the window did not accept the dropped file; 95: the X server did not
+# start.
 set -u
 screen=${GNOMON_SCREEN:-800x600}
 cd "$1" || exit 97
 shift
 exec 3<&0
 display_file=$(mktemp)
-# A number of its own: one that another server has just given up may still be taken away with that one's socket.
-# -noreset: xdotool, asking for a window before the program has connected, is the last client when it leaves, and a
-# server that resets then throws out who is just connecting.
+# Use an unused display number: the socket of a number that another server has just released may still be removed.
+# -noreset: xdotool, which looks for a window before the program has connected, may be the last client to leave, and a
+# server that resets then disconnects a client that is just connecting.
 Xvfb :$((100 + $$ % 50000)) -displayfd 4 -screen 0 ${screen}x24 -nolisten tcp -noreset \
     4>"$display_file" >/dev/null 2>&1 3<&- &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$display_file"' EXIT
 for _ in $(seq 300); do [[ -s $display_file ]] && break; sleep 0.1; done
-[[ -s $display_file ]] || { echo "drive_window.sh: no X server came" >&2; exit 95; }
+[[ -s $display_file ]] || { echo "drive_window.sh: the X server did not start" >&2; exit 95; }
 DISPLAY=":$(cat "$display_file")"
 export DISPLAY
 "$@" 3<&- &

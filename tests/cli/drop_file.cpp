@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drops a file on a window, as a file manager would: the sending side of XDND (version 5) and no more.
+// Drops a file on a window as a file manager does: the sending side of XDND (version 5), and nothing else.
 //
 //     drop_file WINDOW FILE      WINDOW: an X11 window's number; FILE: absolute
 //
-// Exits with 0 once the window took it, 1 if it did not within ten seconds.
+// Exits with 0 once the window has accepted it, with 1 if it has not within ten seconds.
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 
@@ -57,17 +57,17 @@ int main(int argc, char** argv)
         } else if (event.type == ClientMessage && event.xclient.message_type == finished) {
             return 0;   // GLFW puts a length where the protocol has a bit
         } else if (event.type == SelectionRequest) {
-            const XSelectionRequestEvent& asked = event.xselectionrequest;
-            XChangeProperty(display, asked.requestor, asked.property, asked.target, 8, PropModeReplace,
+            const XSelectionRequestEvent& request = event.xselectionrequest;
+            XChangeProperty(display, request.requestor, request.property, request.target, 8, PropModeReplace,
                             reinterpret_cast<const unsigned char*>(uris.data()), static_cast<int>(uris.size()));
             XEvent answer{};
             answer.xselection.type = SelectionNotify;
-            answer.xselection.requestor = asked.requestor;
-            answer.xselection.selection = asked.selection;
-            answer.xselection.target = asked.target;
-            answer.xselection.property = asked.property;
-            answer.xselection.time = asked.time;
-            XSendEvent(display, asked.requestor, False, NoEventMask, &answer);
+            answer.xselection.requestor = request.requestor;
+            answer.xselection.selection = request.selection;
+            answer.xselection.target = request.target;
+            answer.xselection.property = request.property;
+            answer.xselection.time = request.time;
+            XSendEvent(display, request.requestor, False, NoEventMask, &answer);
             XFlush(display);
         }
     }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan loader that fails. It stands before the real one (LD_LIBRARY_PATH) and passes everything on to it, but for
-// what GNOMON_TEST_VULKAN_FAULT names, counted over the whole process:
+// A Vulkan loader that fails. It is loaded instead of the real one (LD_LIBRARY_PATH) and forwards all calls, except
+// those that GNOMON_TEST_VULKAN_FAULT names, counted over the whole process:
 //   lost:N     the N-th submission, and all after it, lose the device
-//   waiting:N  the same of waiting for a fence
-//   memory:N   the N-th allocation of device memory, and all after it, are refused
-//   feature    no device can draw indirectly more than once a call
+//   waiting:N  the N-th wait for a fence, and all after it, lose the device
+//   memory:N   the N-th allocation of device memory, and all after it, fail
+//   feature    no device supports multiDrawIndirect
 //   extension  no device has an extension
-// The program's part that is asked for is tested with it as a whole: exit code, line, files.
+// So the program as a whole is tested: exit code, message, files.
 #include <dlfcn.h>
 
 #include <atomic>
@@ -21,12 +21,12 @@ namespace {
 template <class Function>
 Function real(const char* name)
 {
-    // Under its own path, so that it is not taken for this one.
+    // By its full path, because the plain name would find this library.
     static void* const loader = ::dlopen(GNOMON_VULKAN_LOADER, RTLD_NOW | RTLD_LOCAL);
     return loader ? reinterpret_cast<Function>(::dlsym(loader, name)) : nullptr;
 }
 
-/// Whether `what` is to fail, and this is the N-th time at least.
+/// Whether this call of `what` has to fail: it is the N-th or a later one.
 bool fails(std::string_view what)
 {
     const char* const said = std::getenv("GNOMON_TEST_VULKAN_FAULT");
@@ -78,7 +78,7 @@ VkResult VKAPI_CALL fewer_extensions(VkPhysicalDevice device, const char* layer,
 
 PFN_vkVoidFunction VKAPI_CALL look_up_in_device(VkDevice device, const char* name);
 
-/// What stands for a function here; itself, unless it is one that can fail.
+/// The replacement of a function that can fail; otherwise the function itself.
 PFN_vkVoidFunction stand_in(std::string_view name, PFN_vkVoidFunction found)
 {
     if (!found) return nullptr;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong while the program runs: full disks, files at their limit, folders that vanish, an encoder that dies,
-// signals, no memory. Each ends with its exit code and one line, leaves nothing half, and can be gone on from.
+// Failures while the program runs: full disks, files at their size limit, folders that vanish, an encoder that dies,
+// signals, too little memory. Each ends with its exit code and one line, leaves no incomplete output, and can be
+// resumed.
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 const std::string k_scene = "builtin:cornell";
 
-// A disk of a few kilobytes in memory, seen by this process and its children alone.
+// A disk of a few kilobytes in memory, visible to this process and its children only.
 class SmallDisk {
  public:
     SmallDisk()
@@ -43,7 +44,7 @@ class SmallDisk {
     bool there_ = false;
 };
 
-// Quiet, as all that are to end with one line: where a machine is slow, lines of progress would come before it.
+// Quiet, because on a slow machine progress lines would precede the one line of a failure.
 std::vector<std::string> video(const fs::path& out)
 {
     return {"render", k_scene, "-o",         out,   "--frames", "1-12",
@@ -57,20 +58,20 @@ std::string undisturbed_video()
     return bytes_of(folder / "a.mp4");
 }
 
-// Found out before the work, or by a write.
+// Detected before rendering, or by a write.
 void expect_full_disk(const Outcome& outcome)
 {
     const bool before = outcome.err.find("the disk has") != std::string::npos;
     expect_failure(outcome, 4, before ? "" : "No space left on device");
 }
 
-TEST(Faults, AFullDisk)
+TEST(Faults, FullDiskFailsTheVideoAndLeavesNoPartOfIt)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const SmallDisk disk;
-    if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
+    if (!disk.there()) GTEST_SKIP() << "no permission to mount a disk";
     const std::string whole = undisturbed_video();
-    // Full from the beginning, while the frames are made, and while the video is encoded. (The size is in pages.)
+    // Full from the start, while frames are rendered, and while the video is encoded. (The size is in pages.)
     int full = 0, made = 0;
     for (const int kilobytes : {4, 16, 36, 64, 80, 1024}) {
         disk.hold(kilobytes);
@@ -92,10 +93,10 @@ TEST(Faults, AFullDisk)
     EXPECT_GT(made, 0);
 }
 
-TEST(Faults, AFullDiskForEverythingElseThatIsWritten)
+TEST(Faults, FullDiskFailsEveryOtherOutput)
 {
     const SmallDisk disk;
-    if (!disk.there()) GTEST_SKIP() << "no right to mount a disk here";
+    if (!disk.there()) GTEST_SKIP() << "no permission to mount a disk";
     disk.hold(4);
     const ScratchFolder folder;
     for (const char* frame : {"1", "20"})
@@ -115,7 +116,7 @@ TEST(Faults, AFullDiskForEverythingElseThatIsWritten)
     }
 }
 
-TEST(Faults, AFileAtItsLimit)
+TEST(Faults, FileSizeLimitFailsTheVideoAndLeavesNoPartOfIt)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -125,7 +126,7 @@ TEST(Faults, AFileAtItsLimit)
             const rlimit file{bytes, bytes};
             ::setrlimit(RLIMIT_FSIZE, &file);
         };
-        // Standard error is a file too, and the first of these limits cuts it short.
+        // Standard error is a file as well, and the first of these limits truncates it.
         const Outcome outcome = RunningProgram(video(folder / "a.mp4"), {}, {}, limit).wait();
         EXPECT_EQ(outcome.code, bytes <= 4000 ? 4 : 0) << bytes << ": " << outcome.err;
         EXPECT_EQ(fs::exists(folder / "a.mp4"), outcome.code == 0);
@@ -135,7 +136,7 @@ TEST(Faults, AFileAtItsLimit)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(Faults, AFolderThatVanishes)
+TEST(Faults, VanishedFolderFailsTheRender)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -151,7 +152,7 @@ TEST(Faults, AFolderThatVanishes)
     EXPECT_TRUE(bytes_of(folder / "gone/a.mp4") == whole);
     EXPECT_EQ(names_in(folder / "gone"), std::vector<std::string>{"a.mp4"});
 
-    // A set of images, its folder removed outright.
+    // A set of images whose folder is deleted.
     fs::create_directory(folder / "set");
     RunningProgram set(
         {"render", k_scene, "-o", folder / "set/{frame}.png", "--size", "64x48", "--frames", "1-40", "--quiet"});
@@ -161,12 +162,12 @@ TEST(Faults, AFolderThatVanishes)
     EXPECT_FALSE(fs::exists(folder / "set"));
 }
 
-TEST(Faults, AnEncoderThatDies)
+TEST(Faults, DyingEncoderFailsTheVideo)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const std::string whole = undisturbed_video();
     const std::string found = "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n";
-    const std::string last = "eval out=\\${$#}; out=${out#file:}\n";   // its last argument: where it writes
+    const std::string last = "eval out=\\${$#}; out=${out#file:}\n";   // its last argument: the output file
     for (const auto& [script, about] :
          std::map<std::string, std::string>{{"head -c 3000 >$out; kill -9 $$", "signal 9"},
                                             {"head -c 3000 >$out; kill -SEGV $$", "signal 11"},
@@ -184,8 +185,8 @@ TEST(Faults, AnEncoderThatDies)
     }
 }
 
-// The signal comes while the scene is made, rendered, or encoded: 130, one line, no file, no encoder left running.
-TEST(Faults, SignalsAtAnyTime)
+// The signal arrives while the scene is loaded, rendered, or encoded: 130, one line, no file, no encoder process left.
+TEST(Faults, SignalAtAnyTimeEndsWithCode130AndNoOutput)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder programs;
@@ -200,7 +201,7 @@ TEST(Faults, SignalsAtAnyTime)
         ASSERT_TRUE(wait_until([&] { return fs::exists(flag); }));
         encoding.send(signal);
         expect_failure(encoding.wait(), 130, "interrupted");
-        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest stay, no part of a video";
+        EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 13u) << "frames and manifest are kept, no partial video";
         fs::remove(flag);
         EXPECT_EQ(run(video(folder / "a.mp4")).code, 0);
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
@@ -213,17 +214,17 @@ TEST(Faults, SignalsAtAnyTime)
             std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
             program.send(SIGTERM);
             const Outcome outcome = program.wait();
-            // Before the handlers stand, a signal is the system's.
+            // Before the handlers are installed, a signal ends the process directly.
             if (outcome.code != -SIGTERM) expect_failure(outcome, 130, "interrupted");
             EXPECT_TRUE(names_in(folder.path()).empty()) << out << " after " << milliseconds << " ms";
         }
     }
 }
 
-// From too little to start with to enough: an image, or one line and nothing.
-TEST(Faults, TooLittleMemory)
+// From too little memory to start to enough: an image, or one line and no file.
+TEST(Faults, TooLittleMemoryIsOneLineAndNoOutput)
 {
-    if (k_sanitized) GTEST_SKIP() << "sanitizers take address space of their own";
+    if (k_sanitized) GTEST_SKIP() << "sanitizers need address space of their own";
     const ScratchFolder folder;
     int refused = 0, made = 0;
     for (const rlim_t megabytes : {50, 65, 85, 150, 190, 205, 215, 3000}) {
@@ -235,7 +236,7 @@ TEST(Faults, TooLittleMemory)
             RunningProgram({"render", k_scene, "-o", folder / "a.png", "--size", "64x48", "--threads", "2", "--quiet"},
                            {}, {}, limit)
                 .wait();
-        if (outcome.code == 127) continue;   // the loader's own refusal: the program has not begun
+        if (outcome.code == 127) continue;   // refused by the dynamic loader: the program has not started
         if (outcome.code == 0) {
             ++made;
             EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});

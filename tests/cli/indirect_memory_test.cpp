@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --indirect-memory from outside: how much is remembered changes no byte of an image.
+// --indirect-memory from the command line: the limit changes no byte of an image.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -16,7 +16,7 @@ Outcome make(const std::string& out, const std::string& megabytes)
                 megabytes});
 }
 
-TEST(IndirectMemory, SameBytesWithTheLeast)
+TEST(IndirectMemory, SameBytesWithTheSmallestLimit)
 {
     const ScratchFolder folder;
     for (const char* megabytes : {"1", "64"}) {
@@ -28,7 +28,7 @@ TEST(IndirectMemory, SameBytesWithTheLeast)
             << frame;
 }
 
-TEST(IndirectMemory, OutOfRangeIsUsage)
+TEST(IndirectMemory, RefusesValuesOutOfRange)
 {
     const ScratchFolder folder;
     for (const char* megabytes : {"0", "65537", "-3", "many"}) {
@@ -39,12 +39,12 @@ TEST(IndirectMemory, OutOfRangeIsUsage)
     }
 }
 
-// Large triangles around a small bright lamp: near light is remembered where it is seen, not on all there is.
-TEST(IndirectMemory, FollowsWhatIsSeen)
+// Large triangles around a small bright light: near-field irradiance is cached where it is seen, not on all surfaces.
+TEST(IndirectMemory, GrowsWithVisibleSurfacesOnly)
 {
     if (k_sanitized) GTEST_SKIP() << "a sanitizer needs memory of its own";
     const ScratchFolder folder;
-    constexpr int k_quads = 100;   // a side, of a metre each
+    constexpr int k_quads = 100;   // per side, of one metre each
     std::string text;
     for (int z = 0; z <= k_quads; ++z)
         for (int x = 0; x <= k_quads; ++x) text += fmt::format("v {} 0 {}\n", x - k_quads / 2, z - k_quads / 2);

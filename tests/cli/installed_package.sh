@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what was built, builds the examples against the installed copy alone, and runs them.
+# Installs the build, builds the examples against the installed copy only, and runs them.
 #
 #     installed_package.sh SOURCE BUILD
 set -euo pipefail
@@ -15,11 +15,11 @@ cmake --build "$scratch/build" >/dev/null
 cd "$scratch"
 build/example_render_one_frame builtin:cornell 1 frame.png
 [[ $(head -c 4 frame.png | tail -c 3) == PNG ]]
-build/example_what_stood_still builtin:cornell 3
+build/example_reused_lighting builtin:cornell 3
 installed/bin/gnomon render builtin:cornell --size 512x512 -o program.png --quiet
 cmp frame.png program.png   # the library and the program make the same bytes
 bash -n installed/share/bash-completion/completions/gnomon
-# The completion offers what the program takes.
+# The completion offers the program's options.
 . installed/share/bash-completion/completions/gnomon
 completed() {
     COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
@@ -32,7 +32,7 @@ completed gnomon render --shadow-cu | grep -qx -- --shadow-culling
 completed gnomon render --tonemap ag | grep -qx agx
 grep -q '^.TH GNOMON 1' installed/share/man/man1/gnomon.1
 if command -v man >/dev/null; then
-    # groff says what it cannot read.
+    # groff reports what it cannot read.
     complaints=$(man --warnings -l installed/share/man/man1/gnomon.1 2>&1 >/dev/null)
     [[ -z $complaints ]] || { echo "$complaints"; exit 1; }
 fi

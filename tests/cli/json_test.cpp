@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The JSON documents: their keys are a contract.
+// The JSON documents: their keys are a stable interface.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -17,7 +17,7 @@ std::vector<std::string> keys_of(const json& object)
 
 using Keys = std::vector<std::string>;
 
-TEST(Json, Render)
+TEST(Json, KeysOfRender)
 {
     const ScratchFolder folder;
     const std::string out = folder / "{frame:03}.png";
@@ -50,7 +50,7 @@ TEST(Json, Render)
     }
 }
 
-TEST(Json, RenderOnTheTreeThatCounts)
+TEST(Json, KeysOfRenderWithCountingKdTree)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"render", "builtin:cornell", "-o", folder / "p.png", "--frame", "2", "--size", "48x32",
@@ -64,7 +64,7 @@ TEST(Json, RenderOnTheTreeThatCounts)
     EXPECT_GT(frame["kdtree"]["primary"]["tests"].get<int>(), 0);
 }
 
-TEST(Json, Info)
+TEST(Json, KeysOfInfo)
 {
     const Outcome outcome = run({"info", "builtin:cornell", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -78,10 +78,10 @@ TEST(Json, Info)
     EXPECT_EQ(document["objects_dynamic"], 1);   // the ball
     EXPECT_GT(document["triangles"].get<int>(), document["triangles_dynamic"].get<int>());
     EXPECT_EQ(document["warnings"], json::array());
-    EXPECT_NE(outcome.err.find("triangles"), std::string::npos) << "text goes to standard error";
+    EXPECT_NE(outcome.err.find("triangles"), std::string::npos) << "text is written to standard error";
 }
 
-TEST(Json, Devices)
+TEST(Json, KeysOfDevices)
 {
     const Outcome outcome = run({"devices", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -92,7 +92,7 @@ TEST(Json, Devices)
     EXPECT_TRUE(document["vulkan"]["devices"].is_array());
 }
 
-TEST(Json, BenchTrace)
+TEST(Json, KeysOfBenchTrace)
 {
     const Outcome outcome = run({"bench", "trace", "builtin:cornell", "--size", "64x64", "--json", "--quiet"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -103,8 +103,8 @@ TEST(Json, BenchTrace)
     EXPECT_GE(document["rays"].get<int>(), 64 * 64);
 }
 
-// Of two cameras one sees a triangle, and the other nothing that could be in shadow.
-TEST(Json, BenchesLookThroughTheCameraThatWasNamed)
+// One of the two cameras sees a triangle, the other nothing that could be in shadow.
+TEST(Json, BenchesUseTheNamedCamera)
 {
     const ScratchFolder folder;
     const float corners[] = {-1, -1, 0, 1, -1, 0, 0, 1, 0};
@@ -130,7 +130,7 @@ TEST(Json, BenchesLookThroughTheCameraThatWasNamed)
     EXPECT_EQ(bench("culling", "1")["frames"][0]["off"]["rays"].get<int>(), 0);
 }
 
-TEST(Json, BenchCulling)
+TEST(Json, KeysOfBenchCulling)
 {
     const Outcome outcome = run({"bench", "culling", "builtin:cornell", "--frames", "2-4", "--size", "48x32",
                                  "--repeat", "2", "--max-depth", "2", "--moving-lights", "--json", "--quiet"});
@@ -158,7 +158,7 @@ TEST(Json, BenchCulling)
     EXPECT_EQ(document["summary"]["certified"]["wrong_total"], 0);
 }
 
-TEST(Json, BenchCullingWithoutCountsAndWithOneMethod)
+TEST(Json, KeysOfBenchCullingWithoutCountsAndWithOneMethod)
 {
     const Outcome outcome = run({"bench", "culling", "builtin:cornell", "--frames", "1-2", "--size", "48x32",
                                  "--no-counts", "--method", "certified", "--json", "--quiet"});
@@ -169,7 +169,7 @@ TEST(Json, BenchCullingWithoutCountsAndWithOneMethod)
     EXPECT_EQ(keys_of(document["summary"]), Keys{"certified"});
 }
 
-TEST(Json, BenchCullingByTheLetter)
+TEST(Json, BenchCullingAsPrintedDiffersFromTheDefault)
 {
     const auto summary = [](const std::vector<std::string>& more) {
         std::vector<std::string> words{"bench",  "culling",     "builtin:kinetic", "--frames", "60-63",  "--size",
@@ -183,12 +183,12 @@ TEST(Json, BenchCullingByTheLetter)
     EXPECT_FALSE(read.contains("as_printed"));
     EXPECT_EQ(printed["as_printed"], true);
     EXPECT_GT(printed["extra_tests_per_pixel"].get<double>(), read["extra_tests_per_pixel"].get<double>());
-    EXPECT_NE(printed["wrong_mean"], read["wrong_mean"]) << "a moving shadow is remembered, or not";
+    EXPECT_NE(printed["wrong_mean"], read["wrong_mean"]) << "a moving shadow is stored, or not";
     expect_failure(run({"bench", "culling", "builtin:cornell", "--as-printed", "--method", "certified"}), 2,
                    "--as-printed");
 }
 
-TEST(Json, ToAFileLeavesStandardOutputToText)
+TEST(Json, WrittenToAFileLeavesTextOnStandardOutput)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"info", "builtin:cornell", "--json=" + (folder / "info.json").string()});
@@ -198,7 +198,7 @@ TEST(Json, ToAFileLeavesStandardOutputToText)
     EXPECT_EQ(names_in(folder.path()), Keys{"info.json"});
 }
 
-TEST(Json, OfAFailureIsNotWritten)
+TEST(Json, IsNotWrittenOnFailure)
 {
     const ScratchFolder folder;
     expect_failure(run({"info", (folder / "no.aff").string(), "--json=" + (folder / "info.json").string()}), 3,
@@ -206,7 +206,7 @@ TEST(Json, OfAFailureIsNotWritten)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Config, SetsOptionsAndTheCommandLineWins)
+TEST(Config, SetsOptionsAndCommandLineTakesPrecedence)
 {
     const ScratchFolder folder;
     std::ofstream(folder / "c.json") << R"({"size": "20x10", "samples": 2, "json": true, "frame": 3,
@@ -218,7 +218,7 @@ TEST(Config, SetsOptionsAndTheCommandLineWins)
     EXPECT_EQ(outcome.json()["frames"][0]["frame"], 2);
 }
 
-TEST(Config, FaultsAreNamedByPlace)
+TEST(Config, ErrorsNameThePlaceInTheFile)
 {
     const ScratchFolder folder;
     const std::string file = folder / "c.json";
@@ -242,8 +242,8 @@ TEST(Config, FaultsAreNamedByPlace)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"c.json"});
 }
 
-// What was not there to be measured is null, and no 0.
-TEST(Json, OfBenchesInventsNothing)
+// Values that were not measured are null, not 0.
+TEST(Json, UnmeasuredFieldsAreNull)
 {
     const Outcome culling = run({"bench", "culling", "builtin:cornell", "--frames", "1-1", "--size", "16x16",
                                  "--no-counts", "--method", "certified", "--json"});

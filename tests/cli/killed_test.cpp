@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A video that is killed at any moment (no handler runs, no destructor) and resumed is the video of one undisturbed
-// run.
+// A video that is killed at any moment (without handlers or destructors) and resumed equals the video of one
+// undisturbed run.
 #include <fmt/format.h>
 
 #include <random>
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 constexpr int k_frames = 24;
 
 // Kills the same video once at each of `moments` random moments, from before its first frame to after its last, resumes
-// it each time, and compares bytes.
+// it each time, and compares the bytes.
 void kill_and_resume(int moments, unsigned seed)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -31,8 +31,8 @@ void kill_and_resume(int moments, unsigned seed)
     const std::string bytes = bytes_of(folder / "whole.mp4");
     ASSERT_GT(bytes.size(), 1000u);
 
-    // A moment: some time, at most what two frames take, after a frame has appeared; a fifth of them after the last,
-    // when the video is encoded.
+    // A moment is a random delay, of at most the time of two frames, after a frame has appeared; a fifth of them after
+    // the last frame, while the video is encoded.
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> after(0, k_frames + k_frames / 4);
     std::uniform_real_distribution<double> delay(0, 2 * seconds / k_frames);
@@ -59,14 +59,14 @@ void kill_and_resume(int moments, unsigned seed)
             among_frames += left.size() > 1;
             encoding += left.size() > k_frames + 1u;
         }
-        // What has the video's name is the video.
+        // A file with the video's name is the complete video.
         EXPECT_TRUE(!fs::exists(folder / name) || bytes_of(folder / name) == bytes) << "killed " << at;
         const Outcome resumed = run(arguments(name));
         ASSERT_EQ(resumed.code, 0) << "killed " << at << ": " << resumed.err;
         EXPECT_TRUE(bytes_of(folder / name) == bytes) << "killed " << at;
         EXPECT_FALSE(fs::exists(frames)) << "killed " << at;
         fs::remove(folder / name);
-        // A moment of a few instructions can leave the file that tries whether the folder can be written.
+        // A kill within a few instructions can leave the file that tests whether the folder is writable.
         for (const std::string& other : names_in(folder.path()))
             EXPECT_TRUE(other == "whole.mp4" || (other.starts_with(".gnomon-") && fs::is_empty(folder / other)))
                 << other << ", killed " << at;
@@ -76,12 +76,12 @@ void kill_and_resume(int moments, unsigned seed)
     EXPECT_GT(killed, moments / 2);
 }
 
-TEST(Killed, ResumedVideosAreTheSame)
+TEST(KilledVideo, ResumesToTheSameBytes)
 {
     kill_and_resume(5, 1);
 }
 
-TEST(KilledFull, ResumedVideosAreTheSameAtFiftyMoments)
+TEST(KilledVideoFull, ResumesToTheSameBytesAtFiftyMoments)
 {
     kill_and_resume(50, 2);
 }

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Opens a report page in Chromium, headless and without a network, and uses it as a person does.
+"""Opens a report page in Chromium, headless and offline, and uses it like a person.
 
     look_at_page.py PAGE [FOLDER]
 
-Every image comparison is moved by mouse and keyboard events that the browser cannot tell from real ones, over its
-debugging pipe; its difference is switched on by a click. Prints what it saw as one JSON document: what the browser
-complained about, every chart, every comparison before and after, every download. FOLDER: screenshots of the page, a
-window's height each, come there.
+Moves every image comparison by mouse and keyboard events, sent over the browser's debugging pipe, that the browser
+treats as real ones; a click switches on its difference. Prints one JSON document: the browser's complaints, every
+chart, every comparison before and after, every download. FOLDER: receives screenshots of the page, one per window
+height.
 """
 import base64
 import json
@@ -40,7 +40,7 @@ LOOK = """(() => {
   return found;
 })()"""
 
-# Where the parts of comparison N are in the window, and what it shows.
+# The positions of the parts of comparison N in the window, and its state.
 STATE = """(() => {
   const figure = document.querySelectorAll('figure.images')[%d];
   const box = part => { const r = figure.querySelector(part).getBoundingClientRect();
@@ -120,7 +120,7 @@ class Browser:
         while "Page.loadEventFired" not in self.seen:
             self.read()
 
-    def settle(self):   # two frames: what the input caused is drawn
+    def settle(self):   # waits two frames, so that the effect of the input is drawn
         self.evaluate("new Promise(f => requestAnimationFrame(() => requestAnimationFrame(() => f(0))))")
 
     def mouse(self, kind, x, y, buttons=0):
@@ -155,7 +155,7 @@ def use(browser, number):
     x, y, width, height = now["area"]
     top = max(y, 10) + min(height, HEIGHT / 2) / 2
     browser.drag(x + 0.3 * width, x + 0.8 * width, top)
-    seen["picture"] = browser.evaluate(script)
+    seen["image"] = browser.evaluate(script)
     x, y, width, height = now["box"]
     for kind in ("mousePressed", "mouseReleased"):
         browser.mouse(kind, x + width / 2, y + height / 2, int(kind == "mousePressed"))
@@ -173,7 +173,7 @@ def main():
             browser.settle()
             found = browser.evaluate(LOOK)
             count = browser.evaluate("document.querySelectorAll('figure.images').length")
-            found["pictures"] = [use(browser, i) for i in range(count)]
+            found["images"] = [use(browser, i) for i in range(count)]
             if folder:
                 os.makedirs(folder, exist_ok=True)
                 tall = browser.evaluate("document.documentElement.scrollHeight")

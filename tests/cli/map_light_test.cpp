@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// --indirect quadtree and rsm from outside: the same bytes of all layers for any number of threads, in parts, and
-// alone.
+// --indirect quadtree and rsm from the command line: the same bytes of all layers for any thread count, in chunks, and
+// for single frames.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -8,7 +8,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Frames 5 to 8 with layers, the ball moving.
+// Renders frames 5 to 8 with layers, in which the ball moves.
 void make(const std::string& out, const Words& more)
 {
     Words words{"render", "builtin:cornell", "-o", out, "--size", "72x64"};
@@ -17,7 +17,7 @@ void make(const std::string& out, const Words& more)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
 }
 
-TEST(MapLightFrames, SameBytesForAnyThreadsInPartsAndAlone)
+TEST(MapLightFrames, SameBytesForAnyThreadCountInChunksAndForSingleFrames)
 {
     for (const Words& method : {Words{"--indirect", "quadtree", "--receivers", "64"},
                                 Words{"--indirect", "quadtree", "--receivers", "full", "--indirect-level", "6"},

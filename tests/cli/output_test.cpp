@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the world refuses: exit codes 3 and 4, one line, and nothing left behind. (Tests may run as root, whom no
-// permission stops: paths below a file or in /proc are refused to everyone.)
+// Errors from the system: exit codes 3 and 4, one line, and no file left. (Tests may run as root, who has all
+// permissions: paths below a file or in /proc are refused for everyone.)
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -9,7 +9,7 @@ namespace {
 namespace fs = std::filesystem;
 const std::string k_scene = "builtin:cornell";
 
-TEST(Refused, FoldersThatCannotBeWritten)
+TEST(SystemErrors, UnwritableFolder)
 {
     const ScratchFolder folder;
     std::ofstream(folder / "file") << "x";
@@ -22,20 +22,20 @@ TEST(Refused, FoldersThatCannotBeWritten)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"file"});
 }
 
-TEST(Refused, AVideoInAFolderThatCannotBeWritten)
+TEST(SystemErrors, UnwritableFolderForVideo)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     expect_failure(run({"render", k_scene, "-o", "/proc/a.mp4", "--size", "8x8"}), 4, "/proc/a.mp4");
 }
 
-TEST(Refused, VideosWithoutFfmpegBeforeAnythingIsRendered)
+TEST(SystemErrors, MissingFfmpegIsFoundBeforeRendering)
 {
     const ScratchFolder folder;
     expect_failure(run({"render", k_scene, "-o", folder / "a.mp4"}, {{"PATH", "/nonexistent"}}), 4, "ffmpeg");
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Refused, ScenesThatAreNotThere)
+TEST(SystemErrors, MissingScene)
 {
     const ScratchFolder folder;
     expect_failure(run({"info", folder / "no.aff"}), 3, "no.aff");
@@ -45,7 +45,7 @@ TEST(Refused, ScenesThatAreNotThere)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"bad.aff"});
 }
 
-TEST(Refused, AFullStandardOutput)
+TEST(SystemErrors, FullStandardOutput)
 {
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"info", k_scene, "--json", "--quiet"}, {"--help"}, {"devices"}}) {
@@ -55,8 +55,8 @@ TEST(Refused, AFullStandardOutput)
     }
 }
 
-// What is opened next must not take the place of what is closed, nor get its text.
-TEST(Refused, AClosedStandardOutput)
+// A file opened later must not get the descriptor of a closed stream, nor its text.
+TEST(SystemErrors, ClosedStandardOutput)
 {
     const ScratchFolder folder;
     const fs::path json = folder / "a.json";
@@ -71,8 +71,8 @@ TEST(Refused, AClosedStandardOutput)
     EXPECT_EQ(nlohmann::json::parse(bytes_of(json))["frames"], 40);
 }
 
-// A parent that ignores the ends of its children, or closed what they need not have, takes no video from us.
-TEST(VideoOfAnyParent, IsMadeWhateverThatIgnoresOrCloses)
+// A parent that ignores SIGCHLD, or has closed descriptors, does not prevent a video.
+TEST(VideoOutput, DoesNotDependOnInheritedSignalsAndDescriptors)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -86,7 +86,7 @@ TEST(VideoOfAnyParent, IsMadeWhateverThatIgnoresOrCloses)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(Frame, HasTheSizeAskedForAndReplacesTheOldOne)
+TEST(ImageOutput, HasTheRequestedSizeAndReplacesTheOldFile)
 {
     const ScratchFolder folder;
     std::ofstream(folder / "a.png") << "old";
@@ -99,7 +99,7 @@ TEST(Frame, HasTheSizeAskedForAndReplacesTheOldOne)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
 }
 
-TEST(Frame, DoesNotDependOnThreads)
+TEST(ImageOutput, SameBytesForAnyThreadCount)
 {
     const ScratchFolder folder;
     for (const char* threads : {"1", "2", "3"})
@@ -111,7 +111,7 @@ TEST(Frame, DoesNotDependOnThreads)
     EXPECT_EQ(bytes_of(folder / "1.png"), bytes_of(folder / "3.png"));
 }
 
-TEST(Frame, OptionsChangeIt)
+TEST(ImageOutput, EveryOptionChangesTheImage)
 {
     const ScratchFolder folder;
     const std::vector<std::vector<std::string>> variants = {
@@ -135,7 +135,7 @@ TEST(Frame, OptionsChangeIt)
         const Outcome outcome = run(arguments);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         const auto [other, fresh] = seen.emplace(bytes_of(folder / "a.png"), i);
-        EXPECT_TRUE(fresh) << testing::PrintToString(variants[i]) << " looks like "
+        EXPECT_TRUE(fresh) << testing::PrintToString(variants[i]) << " looks the same as "
                            << testing::PrintToString(variants[other->second]);
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --shadow-culling paper and --overlay shadow-states, as a user meets them.
+// --shadow-culling paper and --overlay shadow-states, from the user's side.
 #include "frame/state_overlay.h"
 #include "io/image/image_file.h"
 #include "run_program.h"
@@ -17,7 +17,7 @@ Words render(const std::string& out, const Words& more)
     return words;
 }
 
-// Pixels of exactly that colour.
+// The number of pixels of exactly that colour.
 std::size_t count_of(const std::filesystem::path& png, const frame::Rgb8& color)
 {
     const Image8 image = io::read_image(png);
@@ -27,7 +27,7 @@ std::size_t count_of(const std::filesystem::path& png, const frame::Rgb8& color)
     return count;
 }
 
-TEST(Overlay, OneImageShowsAMemoryThatIsThere)
+TEST(Overlay, SingleImageIsWarmedUp)
 {
     const ScratchFolder folder;
     const std::string out = folder / "states.png";
@@ -43,12 +43,12 @@ TEST(Overlay, OneImageShowsAMemoryThatIsThere)
     EXPECT_EQ(document["height"], image.height);
     EXPECT_GT(image.width, 2 * 64) << "a panel for each light";
 
-    // Without a warm-up nothing is known.
+    // Without warm-up nothing is known.
     const Outcome cold = run(render(out, {"--frame", "1", "--overlay", "shadow-states", "--warm-up", "0", "--json"}));
     EXPECT_EQ(cold.json()["frames"][0]["shadow"]["rays_skipped"], 0);
 }
 
-TEST(Overlay, OneLightIsOnePanelWithItsLegend)
+TEST(Overlay, SingleLightIsOnePanelWithLegend)
 {
     const ScratchFolder folder;
     const std::string all = folder / "all.png", one = folder / "one.png";
@@ -64,7 +64,7 @@ TEST(Overlay, OneLightIsOnePanelWithItsLegend)
     EXPECT_GT(count_of(one, frame::state_color(trace::StateMark::none)), 20u) << "the legend's square at least";
 }
 
-TEST(Overlay, PaperCountsAndShowsItsFaults)
+TEST(Overlay, PaperCullingCountsAndShowsWrongPixels)
 {
     const ScratchFolder folder;
     const std::string out = folder / "{frame:02}.png";
@@ -72,8 +72,8 @@ TEST(Overlay, PaperCountsAndShowsItsFaults)
         run(render(out, {"--frames", "40-44", "--overlay", "shadow-states", "--shadow-culling", "paper", "--json"}));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const nlohmann::json frames = outcome.json()["frames"];
-    EXPECT_EQ(frames[0]["shadow"]["rays_wrong"], 0) << "everything is traced";
-    const std::size_t square = count_of(folder / "40.png", frame::k_wrong_color);   // the legend's
+    EXPECT_EQ(frames[0]["shadow"]["rays_wrong"], 0) << "every ray is traced";
+    const std::size_t square = count_of(folder / "40.png", frame::k_wrong_color);   // the legend's square
     EXPECT_GT(square, 0u);
     int wrong = 0;
     for (const auto& frame : frames) {
@@ -88,7 +88,7 @@ TEST(Overlay, PaperCountsAndShowsItsFaults)
     EXPECT_NE(outcome.err.find(std::to_string(wrong) + " of "), std::string::npos) << outcome.err;
 }
 
-TEST(Overlay, Videos)
+TEST(Overlay, VideosAreRepeatable)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
@@ -101,7 +101,7 @@ TEST(Overlay, Videos)
     EXPECT_EQ(names_in(folder.path()), Words{"states.mp4"});
 }
 
-TEST(Overlay, MistakesAreOneLine)
+TEST(Overlay, WrongUsageIsOneLine)
 {
     const ScratchFolder folder;
     const std::string out = folder / "a.png";
@@ -119,7 +119,7 @@ TEST(Overlay, MistakesAreOneLine)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
+TEST(PaperCulling, WarnsThatItIsInexactAndThatChunksMayDiffer)
 {
     const ScratchFolder folder;
     const std::string out = folder / "{frame:02}.png";
@@ -134,12 +134,12 @@ TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
     EXPECT_EQ(whole.err.find("--chunk"), std::string::npos) << whole.err;
     const std::string last = bytes_of(folder / "45.png");
 
-    // A part begins with an empty memory, and the program says so.
+    // A chunk starts without history, and the program warns about it.
     const Outcome part = with({"--chunk", "2/2"});
     ASSERT_EQ(part.code, 0) << part.err;
     EXPECT_NE(part.err.find("images can differ"), std::string::npos) << part.err;
     EXPECT_NE(bytes_of(folder / "45.png"), last);
-    // With its history, it is the same again.
+    // With its history it is the same again.
     ASSERT_EQ(with({"--chunk", "2/2", "--warm-up", "3"}).code, 0);
     EXPECT_EQ(bytes_of(folder / "45.png"), last);
     ASSERT_EQ(with({"--threads", "3"}).code, 0);
@@ -147,8 +147,8 @@ TEST(Paper, SaysThatItGuessesAndThatPartsMayDiffer)
     EXPECT_EQ(with({"--quiet"}).err, "");
 }
 
-// Frames of another memory are never taken for these.
-TEST(Paper, ResumesNoVideoOfAnotherMemory)
+// Frames with another history are never reused.
+TEST(PaperCulling, DoesNotResumeAVideoWithAnotherHistory)
 {
     const ScratchFolder folder;
     const std::string video = folder / "a.mp4";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// render --reference and bench indirect, from outside.
+// render --reference and bench indirect, from the command line.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -15,7 +15,7 @@ std::vector<std::string> reference(const std::string& out, std::vector<std::stri
     return arguments;
 }
 
-TEST(ReferenceImage, SaysWhatItIsAndHowNoisy)
+TEST(ReferenceImage, ReportsMethodAndNoise)
 {
     const ScratchFolder folder;
     double noise[2];
@@ -31,7 +31,7 @@ TEST(ReferenceImage, SaysWhatItIsAndHowNoisy)
     EXPECT_LT(noise[1], noise[0] / 2);
 }
 
-TEST(ReferenceImage, SameSeedSameBytes)
+TEST(ReferenceImage, SameSeedGivesSameBytes)
 {
     const ScratchFolder folder;
     const auto bytes = [&](std::vector<std::string> more) {
@@ -46,7 +46,7 @@ TEST(ReferenceImage, SameSeedSameBytes)
     EXPECT_NE(first, bytes({"--seed", "8"}));
 }
 
-TEST(ReferenceImage, NoBounceIsDirectLight)
+TEST(ReferenceImage, ZeroBouncesGiveDirectLight)
 {
     const ScratchFolder folder;
     const auto image = [&](const std::string& name, std::vector<std::string> more) {
@@ -66,7 +66,7 @@ TEST(ReferenceImage, NoBounceIsDirectLight)
     EXPECT_GT(run({"compare", one, none, "--json"}).json()["rmse"].get<double>(), 1e-3);
 }
 
-TEST(ReferenceImage, OptionsThatContradictAreRefused)
+TEST(ReferenceImage, RefusesContradictingOptions)
 {
     const ScratchFolder folder;
     expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
@@ -75,7 +75,7 @@ TEST(ReferenceImage, OptionsThatContradictAreRefused)
     expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
 }
 
-TEST(BenchIndirect, Document)
+TEST(BenchIndirect, KeysOfDocument)
 {
     const ScratchFolder folder;
     const std::filesystem::path kept = folder.path() / "kept";
@@ -100,7 +100,7 @@ TEST(BenchIndirect, Document)
     EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.15);
     EXPECT_GT(row["rays"].get<int>(), 0);
 
-    // From kept references: the same figures, and a file that is not whole is as good as none.
+    // With stored references the figures are the same; an incomplete file counts as none.
     const auto same_as_before = [&](const Outcome& again) {
         const json rows = again.json()["rows"];
         for (const char* key : {"nrmse", "energy_ratio", "flicker", "flicker_floor", "rays"})
@@ -112,7 +112,7 @@ TEST(BenchIndirect, Document)
     same_as_before(bench());
 }
 
-TEST(BenchIndirect, UnknownMethodsAreRefused)
+TEST(BenchIndirect, RefusesUnknownMethods)
 {
     for (const char* method : {"guess", "visible:3", "quadtree", "rsm"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "no method");
@@ -120,14 +120,14 @@ TEST(BenchIndirect, UnknownMethodsAreRefused)
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "the number must be");
     for (const char* method : {"rsm:64:", "rsm:64:0", "rsm:64:nan", "rsm:64:9"})
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "the radius must be");
-    // In a list, too, behind which the scene is still the scene.
+    // In a list as well, after which the scene is still recognised.
     expect_failure(run({"bench", "indirect", "--method", "visible", "rsm", "builtin:cornell"}), 2, "no method 'rsm'");
     expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2, "the number must be");
     expect_failure(run({"bench", "indirect", "--method", "visible", "more", "builtin:cornell"}), 2, "takes 1 argument");
 }
 
-// More clusters, and more samples, come nearer to the sum that both approximate; neither reaches the reference.
-TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
+// More clusters and more samples approach the sum that both approximate; neither reaches the reference.
+TEST(BenchIndirect, ComparesMethodsWithoutVisibilityWithTheFullSum)
 {
     const Outcome outcome =
         run({"bench",    "indirect", "builtin:cornell", "--frames",    "1-3",      "--size",     "96x96",
@@ -149,7 +149,7 @@ TEST(BenchIndirect, MethodsWithoutVisibilityAreJudgedByWhatTheyApproximate)
     }
 }
 
-TEST(BenchIndirect, ReportHoldsTablesAndImages)
+TEST(BenchIndirect, ReportContainsTablesAndImages)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"bench", "indirect", "builtin:cornell", "--frames", "1-2", "--size", "64x64", "--spp",

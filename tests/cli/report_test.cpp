@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A report page in a browser: Chromium, headless and without a network, must open it without a complaint and draw all
-// of it, and its comparisons must follow mouse and keyboard (look_at_page.py).
+// A report page in a browser: Chromium, headless and offline, must open it without errors and draw all of it, and its
+// comparisons must respond to mouse and keyboard (look_at_page.py).
 #include <cstdio>
 #include <map>
 
@@ -20,7 +20,7 @@ std::size_t times(const std::string& text, const std::string& word)
     return count;
 }
 
-// What a page shows and does, by look_at_page.py.
+// The content and behaviour of a page, from look_at_page.py.
 nlohmann::json look_at(const std::filesystem::path& page)
 {
     const ScratchFolder folder;
@@ -31,8 +31,8 @@ nlohmann::json look_at(const std::filesystem::path& page)
     return nlohmann::json::parse(bytes_of(out), nullptr, false);
 }
 
-// A comparison shows its left image up to where the slider is: dragged there by mouse, a step further by a key, then
-// where the mouse was dragged over the images; and the difference after a click.
+// A comparison shows its left image up to the slider: after a drag of the slider, a key press, and a drag over the
+// images; and it shows the difference after a click.
 void expect_comparison_moves(const nlohmann::json& seen, int width)
 {
     SCOPED_TRACE(seen.dump());
@@ -44,7 +44,7 @@ void expect_comparison_moves(const nlohmann::json& seen, int width)
         double hidden = -1, handle = -1;
         EXPECT_EQ(std::sscanf(now["clip"].get<std::string>().c_str(), "inset(0px %lf%% 0px 0px)", &hidden), 1);
         EXPECT_EQ(std::sscanf(now["handle"].get<std::string>().c_str(), "%lf%%", &handle), 1);
-        EXPECT_NEAR(100 - hidden, value, 0.3) << when;   // the slider has whole steps, the images have not
+        EXPECT_NEAR(100 - hidden, value, 0.3) << when;   // the slider moves in whole steps, the images do not
         EXPECT_NEAR(handle, value, 0.3) << when;
         return value;
     };
@@ -52,13 +52,13 @@ void expect_comparison_moves(const nlohmann::json& seen, int width)
     const double dragged = expect_at("dragged", 20, 30);
     EXPECT_EQ(seen["dragged"]["focused"], true);
     expect_at("key", dragged + 0.1, dragged + 2);
-    expect_at("picture", 79, 81);
-    EXPECT_EQ(seen["picture"]["difference"], "none");
+    expect_at("image", 79, 81);
+    EXPECT_EQ(seen["image"]["difference"], "none");
     EXPECT_EQ(seen["difference"]["difference"], "block");
     EXPECT_EQ(seen["start"]["sizes"], (nlohmann::json{width, width, width}));
 }
 
-TEST(Report, OfCullingOpensInABrowser)
+TEST(Report, CullingReportOpensInABrowser)
 {
     NEED_CHROMIUM;
     const ScratchFolder folder;
@@ -82,14 +82,14 @@ TEST(Report, OfCullingOpensInABrowser)
         EXPECT_FALSE(chart["title"].get<std::string>().empty());
         EXPECT_FALSE(chart["tick"].get<std::string>().empty());
     }
-    ASSERT_EQ(found["pictures"].size(), 1u);
-    expect_comparison_moves(found["pictures"][0], 64);
+    ASSERT_EQ(found["images"].size(), 1u);
+    expect_comparison_moves(found["images"][0], 64);
     ASSERT_EQ(found["downloads"].size(), 1u);
     EXPECT_EQ(found["downloads"][0]["blob"], true);
     EXPECT_EQ(nlohmann::json::parse(found["downloads"][0]["text"].get<std::string>()), outcome.json());
 }
 
-TEST(Report, ShowsThePapersValuesAndTheCommand)
+TEST(Report, ShowsPublishedValuesAndTheCommand)
 {
     const ScratchFolder folder;
     ASSERT_EQ(
@@ -102,10 +102,10 @@ TEST(Report, ShowsThePapersValuesAndTheCommand)
         EXPECT_EQ(times(html, printed), 1u) << printed;
     const std::string command = "<code>gnomon bench culling builtin:cornell --frames 1-3 --size 24x16 --report '";
     EXPECT_GT(times(html, "<figure "), 10u);
-    EXPECT_EQ(times(html, "<figure "), times(html, command)) << "a name with a blank is quoted";
+    EXPECT_EQ(times(html, "<figure "), times(html, command)) << "a name with a space is quoted";
 }
 
-// Every way's frames say where their time went; the last way's are two charts, times on top of each other and shares
+// The frames of every method show the time of each stage; the last method has two charts, stacked times and fractions
 // of work.
 void expect_frames_by_stage(const nlohmann::json& ways, const nlohmann::json& charts)
 {
@@ -132,27 +132,27 @@ void expect_frames_by_stage(const nlohmann::json& ways, const nlohmann::json& ch
     ASSERT_TRUE(by_title.count("Work saved by caching" + way)) << charts;
     EXPECT_GE(by_title["Time by stage" + way]["lines"], 7);
     EXPECT_GE(by_title["Time by stage" + way]["colors"], 8);
-    EXPECT_EQ(by_title["Time by stage" + way]["points"], 5) << "the first frame has nothing to remember";
+    EXPECT_EQ(by_title["Time by stage" + way]["points"], 5) << "the caches of the first frame are empty";
     EXPECT_EQ(by_title["Work saved by caching" + way]["lines"], 3);
     EXPECT_EQ(by_title["Work saved by caching" + way]["points"], 5);
 }
 
-// Without the papers' scenes a built-in one stands in, and the page says so.
-TEST(Report, OfEverythingOpensInABrowser)
+// Without the papers' scenes a built-in one replaces them, and the page says so.
+TEST(Report, FullReportOpensInABrowser)
 {
     NEED_CHROMIUM;
     const ScratchFolder folder;
     const Outcome outcome = run({"bench", "all", "--quick", "--threads", "2", "--report", folder / "page", "--json"},
                                 {{"GNOMON_SCENES", folder / "none"}});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.err.find("1 of 6: "), std::string::npos) << "says what it is doing";
+    EXPECT_NE(outcome.err.find("1 of 6: "), std::string::npos) << "reports its progress";
     const nlohmann::json found = look_at(folder / "page/index.html");
     ASSERT_TRUE(found.is_object());
     EXPECT_EQ(found["faults"], nlohmann::json::array());
     EXPECT_GE(found["charts"].size(), 12u);
     for (const nlohmann::json& chart : found["charts"]) EXPECT_GT(chart["drawn"].get<int>(), 5000) << chart;
-    ASSERT_EQ(found["pictures"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
-    for (const nlohmann::json& image : found["pictures"]) expect_comparison_moves(image, 256);
+    ASSERT_EQ(found["images"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
+    for (const nlohmann::json& image : found["images"]) expect_comparison_moves(image, 256);
 
     const nlohmann::json document = outcome.json();
     EXPECT_EQ(document["quick"], true);
@@ -163,11 +163,11 @@ TEST(Report, OfEverythingOpensInABrowser)
     EXPECT_EQ(times(html, "BART's Kitchen was not found"), 1u);
     EXPECT_EQ(times(html, "cached since the first of these frames. The images are identical."), 1u);
     EXPECT_EQ(times(html, "<section "), times(html, "<li>"));
-    // Every figure names what measured it.
+    // Every figure names the command that measured it.
     EXPECT_EQ(times(html, "<figure "), times(html, "<code>gnomon bench ") + times(html, "<code>gnomon render "));
 }
 
-TEST(Report, IsNotLeftBehindByAFailure)
+TEST(Report, IsRemovedOnFailure)
 {
     const ScratchFolder folder;
     expect_failure(run({"bench", "culling", "builtin:cornell", "--frames", "1-99", "--report", folder / "r"}), 2, "99");

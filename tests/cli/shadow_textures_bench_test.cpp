@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench shadow-textures: what it prints, counts that cannot lie, and what it refuses.
+// bench shadow-textures: its output, consistent counts, and refused options.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -9,7 +9,7 @@ using nlohmann::json;
 
 #ifdef GNOMON_VULKAN
 
-TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
+TEST(BenchShadowTextures, CountsTheWorkOfEachMethod)
 {
     const Outcome outcome =
         run({"bench",      "shadow-textures", "--objects", "10",     "20",     "--dynamic", "0", "50",
@@ -28,7 +28,7 @@ TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
         EXPECT_NEAR(row["dynamic_percent"].get<double>(), 100.0 * row["movers"].get<int>() / objects, 1e-9);
         EXPECT_GT(row["frame_ms"].get<double>(), row["shadow_ms"].get<double>());
         if (method == "per-caster") {
-            // Every receiver, and at least itself again.
+            // Every receiver, at least for itself.
             EXPECT_EQ(row["textures_updated"], objects);
             EXPECT_GE(row["draws"], 2 * objects);
         } else if (method == "depth") {
@@ -43,7 +43,7 @@ TEST(BenchShadowTextures, CountsWhatEachMethodDoes)
     }
 }
 
-TEST(BenchShadowTextures, WhatStandsFarFromDynamicObjectsIsNotTouched)
+TEST(BenchShadowTextures, DoesNotUpdateReceiversFarFromDynamicObjects)
 {
     const Outcome outcome =
         run({"bench", "shadow-textures", "--objects", "110", "1010", "10010", "--movers", "10", "--vertices", "60",
@@ -57,10 +57,10 @@ TEST(BenchShadowTextures, WhatStandsFarFromDynamicObjectsIsNotTouched)
         for (const char* same : {"touched", "draws", "copies", "textures_updated"})
             EXPECT_EQ(row[same], rows[0][same]) << same;
     }
-    EXPECT_GT(rows[0]["textures_updated"], 10);   // some that stand still are met
+    EXPECT_GT(rows[0]["textures_updated"], 10);   // some static objects receive dynamic shadows
 }
 
-TEST(BenchShadowTextures, ReportHoldsBothFigures)
+TEST(BenchShadowTextures, ReportContainsBothFigures)
 {
     const ScratchFolder folder;
     const Outcome outcome = run({"bench", "shadow-textures", "--objects", "5", "10", "--dynamic", "10", "50",
@@ -72,7 +72,7 @@ TEST(BenchShadowTextures, ReportHoldsBothFigures)
         EXPECT_NE(html.find(there), std::string::npos) << there;
 }
 
-TEST(BenchShadowTextures, WithoutADriverSaysSo)
+TEST(BenchShadowTextures, ReportsMissingDriver)
 {
     expect_failure(run({"bench", "shadow-textures", "--objects", "3"},
                        {{"VK_DRIVER_FILES", "/nowhere.json"}, {"VK_ICD_FILENAMES", "/nowhere.json"}}),
@@ -81,14 +81,14 @@ TEST(BenchShadowTextures, WithoutADriverSaysSo)
 
 #else
 
-TEST(BenchShadowTextures, WithoutVulkanSaysSo)
+TEST(BenchShadowTextures, ReportsBuildWithoutVulkan)
 {
     expect_failure(run({"bench", "shadow-textures", "--objects", "3"}), 4, "Vulkan");
 }
 
 #endif
 
-TEST(BenchShadowTextures, RefusesWhatMakesNoSense)
+TEST(BenchShadowTextures, RefusesInvalidOptions)
 {
     expect_failure(run({"bench", "shadow-textures", "--movers", "3", "--dynamic", "10"}), 2, "--dynamic");
     expect_failure(run({"bench", "shadow-textures", "--objects", "20", "5", "--movers", "10"}), 2, "only 5");

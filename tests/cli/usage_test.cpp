@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wrong usage: exit code 2 and one line that helps.
+// Wrong usage: exit code 2 and one helpful line.
 #include "gnomon/version.h"
 #include "options/option_table.h"
 #include "options/option_values.h"
@@ -13,7 +13,7 @@ struct Wrong {
     std::string about;
 };
 
-TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
+TEST(Usage, EveryUsageErrorIsOneLineAndExitCode2)
 {
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
@@ -96,7 +96,7 @@ TEST(Usage, EveryMistakeIsOneLineAndExitCode2)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-// The first of an option's choices that is not among the built ones.
+// The first of an option's choices that is not built.
 std::string unbuilt_choice(const options::Option& option)
 {
     const auto among = [](const std::string& choice, std::string_view list) {
@@ -108,13 +108,13 @@ std::string unbuilt_choice(const options::Option& option)
     return {};
 }
 
-TEST(Usage, BehindTwoDashesNothingIsAnOption)
+TEST(Usage, NothingAfterTwoDashesIsAnOption)
 {
     expect_failure(run({"info", "--json", "--", "-no-such-scene.obj"}), 3, "-no-such-scene.obj: cannot be opened");
     EXPECT_EQ(run({"info", "--json", "--", "builtin:cornell"}).json()["frames"], 40);
 }
 
-TEST(Usage, WhatIsNotBuiltIsRefused)
+TEST(Usage, RefusesChoicesThatAreNotBuilt)
 {
     const ScratchFolder folder;
     const std::string out = folder / "out.png";
@@ -135,7 +135,7 @@ TEST(Usage, WhatIsNotBuiltIsRefused)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Usage, DefaultsOfTheTableAreValidAndBuilt)
+TEST(Usage, DefaultsAreValidAndBuilt)
 {
     for (const options::Option& option : options::options()) {
         if (!option.built || option.fallback.empty()) continue;
@@ -143,7 +143,7 @@ TEST(Usage, DefaultsOfTheTableAreValidAndBuilt)
     }
 }
 
-TEST(Usage, HelpNamesEveryOptionAndFitsALine)
+TEST(Usage, HelpListsEveryOptionWithinTheLineWidth)
 {
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         std::vector<std::string> arguments;
@@ -171,7 +171,7 @@ TEST(Usage, HelpNamesEveryOptionAndFitsALine)
     }
 }
 
-TEST(Usage, VersionAndHelpWithoutASubcommand)
+TEST(Usage, VersionAndHelpNeedNoSubcommand)
 {
     EXPECT_EQ(run({"--version"}).out, "gnomon " + std::string(version()) + "\n");
     EXPECT_EQ(run({"info", "--version"}).out, run({"--version"}).out);
@@ -181,7 +181,7 @@ TEST(Usage, VersionAndHelpWithoutASubcommand)
         EXPECT_NE(help.out.find(subcommand.name), std::string::npos) << subcommand.name;
 }
 
-TEST(Usage, NearestWord)
+TEST(Usage, SuggestsTheNearestWord)
 {
     const std::vector<std::string> words{"render", "info", "devices"};
     EXPECT_EQ(options::nearest("rendre", words), "render");
@@ -190,7 +190,7 @@ TEST(Usage, NearestWord)
     EXPECT_EQ(options::nearest("", words), "");
 }
 
-TEST(Usage, WordsForValues)
+TEST(Usage, ParsesValuesStrictly)
 {
     EXPECT_EQ(options::parse_size("640x480"), (Size{640, 480}));
     EXPECT_EQ(options::parse_range("3-9"), (FrameRange{3, 9}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Videos: whole or not there, and the same bytes however they came about.
+// Videos: complete or absent, and the same bytes however they were made.
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -16,7 +16,7 @@ class Video : public testing::Test {
     }
     std::vector<std::string> arguments(const std::string& name, const std::vector<std::string>& more = {}) const
     {
-        // Quiet: where a machine is slow, lines of progress would come before the one line of a failure.
+        // Quiet, because on a slow machine progress lines would precede the one line of a failure.
         std::vector<std::string> all{"render", k_scene,  "-o",    folder / name, "--frames",
                                      "1-12",   "--size", "65x49", "--quiet"};
         all.insert(all.end(), more.begin(), more.end());
@@ -30,20 +30,20 @@ class Video : public testing::Test {
     ScratchFolder folder;
 };
 
-TEST_F(Video, LeavesNothingButItself)
+TEST_F(Video, LeavesNoOtherFiles)
 {
     make("a.mp4");
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
     EXPECT_NE(bytes_of(folder / "a.mp4").find("ftyp"), std::string::npos);
 }
 
-TEST_F(Video, IsTheSameForAnyThreadsAndChunks)
+TEST_F(Video, SameBytesForAnyThreadCountAndChunks)
 {
     make("one.mp4", {"--threads", "1"});
     make("two.mp4", {"--threads", "2"});
     for (const char* chunk : {"2/3", "1/3", "3/3"}) {   // in any order
         make("parts.mp4", {"--chunk", chunk});
-        EXPECT_FALSE(fs::exists(folder / "parts.mp4")) << "a chunk makes frames only";
+        EXPECT_FALSE(fs::exists(folder / "parts.mp4")) << "a chunk renders frames only";
     }
     EXPECT_EQ(names_in(folder / "parts.mp4.frames").size(), 13u) << "12 frames and a manifest";
     const Outcome last = run(arguments("parts.mp4", {"--resume", "--json"}));
@@ -56,13 +56,13 @@ TEST_F(Video, IsTheSameForAnyThreadsAndChunks)
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"one.mp4", "parts.mp4", "two.mp4"}));
 }
 
-TEST_F(Video, ChunksNeedNoFfmpeg)
+TEST_F(Video, ChunksDoNotNeedFfmpeg)
 {
     EXPECT_EQ(run(arguments("a.mp4", {"--chunk", "1/6"}), {{"PATH", "/nonexistent"}}).code, 0);
     EXPECT_EQ(names_in(folder / "a.mp4.frames").size(), 3u);
 }
 
-TEST_F(Video, InterruptedAndResumedIsTheSame)
+TEST_F(Video, SameBytesAfterInterruptionAndResume)
 {
     const std::vector<std::string> slow{"--samples", "64"};
     const fs::path frame = folder / "b.mp4.frames/frame-000003.png";
@@ -75,14 +75,14 @@ TEST_F(Video, InterruptedAndResumedIsTheSame)
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"b.mp4.frames"});
         for (const std::string& name : names_in(folder / "b.mp4.frames"))
             EXPECT_TRUE(name.starts_with("frame-") || name == "manifest.json") << name;
-        fs::remove(frame);   // so that the next round has to make it again
+        fs::remove(frame);   // so that the next round has to render it again
     }
     make("b.mp4", {"--samples", "64", "--resume"});
     make("whole.mp4", slow);
     EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
-TEST_F(Video, InterruptedBeforeItsFirstFrameLeavesNothing)
+TEST_F(Video, LeavesNothingIfInterruptedBeforeTheFirstFrame)
 {
     RunningProgram program(
         {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
@@ -92,8 +92,8 @@ TEST_F(Video, InterruptedBeforeItsFirstFrameLeavesNothing)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-// Chunks share a folder: one that ends before anybody's first frame leaves it to the others.
-TEST_F(Video, AnInterruptedChunkLeavesTheFolderToTheOthers)
+// Chunks share a folder: a chunk that ends before the first frame of any keeps it for the others.
+TEST_F(Video, InterruptedChunkKeepsTheSharedFolder)
 {
     const fs::path frames = folder / "a.mp4.frames", manifest = frames / "manifest.json";
     // One frame each, which takes a while.
@@ -103,7 +103,7 @@ TEST_F(Video, AnInterruptedChunkLeavesTheFolderToTheOthers)
     };
     RunningProgram second(chunk("2/2"));
     ASSERT_TRUE(wait_until([&] { return fs::exists(manifest); }));
-    fs::remove(manifest);   // the first writes it again, and is known to be at work then
+    fs::remove(manifest);   // the first chunk writes it again, which shows that it is at work
     RunningProgram first(chunk("1/2"));
     ASSERT_TRUE(wait_until([&] { return fs::exists(manifest); }));
     std::ofstream(frames / ".gnomon-1-1.tmp") << "another chunk's frame, half written";
@@ -115,8 +115,8 @@ TEST_F(Video, AnInterruptedChunkLeavesTheFolderToTheOthers)
     EXPECT_TRUE(fs::exists(frames / "frame-000001.png"));
 }
 
-// What ends a video is said, also where its folder is gone by then.
-TEST_F(Video, AFolderThatIsGoneHidesNoError)
+// The error that ends a video is reported even if its folder has vanished.
+TEST_F(Video, ReportsTheErrorEvenIfTheFolderVanished)
 {
     RunningProgram program(
         {"render", k_scene, "-o", folder / "a.mp4", "--size", "1024x1024", "--samples", "256", "--quiet"});
@@ -126,10 +126,10 @@ TEST_F(Video, AFolderThatIsGoneHidesNoError)
     expect_failure(program.wait(), 130, "interrupted");
 }
 
-TEST_F(Video, TornFramesAreRenderedAgain)
+TEST_F(Video, RendersTruncatedFramesAgain)
 {
     make("whole.mp4");
-    make("a.mp4", {"--chunk", "1/1"});   // one chunk is the video itself
+    make("a.mp4", {"--chunk", "1/1"});   // a single chunk is the video itself
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "whole.mp4"));
 
     make("b.mp4", {"--chunk", "1/2"});
@@ -140,11 +140,11 @@ TEST_F(Video, TornFramesAreRenderedAgain)
     EXPECT_EQ(bytes_of(folder / "b.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
-TEST_F(Video, FramesOfAnotherVideoAreNotTaken)
+TEST_F(Video, DoesNotReuseFramesOfAnotherVideo)
 {
     make("a.mp4", {"--chunk", "1/2"});
     const auto frames = names_in(folder / "a.mp4.frames");
-    // Another exposure, size, light, scene: each is noticed, and what is there stays.
+    // Another exposure, size, light or scene is detected, and existing files are kept.
     for (const std::vector<std::string>& other : {std::vector<std::string>{"--exposure", "1"},
                                                   {"--light", "point 0 0 0 1 1 1"},
                                                   {"--samples", "2"},
@@ -157,13 +157,13 @@ TEST_F(Video, FramesOfAnotherVideoAreNotTaken)
         expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
     }
     EXPECT_EQ(names_in(folder / "a.mp4.frames"), frames);
-    // Without --resume, a video begins anew.
+    // Without --resume, a video starts from the beginning.
     make("a.mp4", {"--exposure", "1"});
     make("b.mp4", {"--exposure", "1"});
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "b.mp4"));
 }
 
-TEST_F(Video, ForeignFilesAreLeftAlone)
+TEST_F(Video, KeepsForeignFiles)
 {
     fs::create_directory(folder / "a.mp4.frames");
     std::ofstream(folder / "a.mp4.frames/thesis.txt") << "precious";
@@ -171,7 +171,7 @@ TEST_F(Video, ForeignFilesAreLeftAlone)
     EXPECT_EQ(bytes_of(folder / "a.mp4.frames/thesis.txt"), "precious");
 }
 
-TEST_F(Video, AFailingEncoderLeavesTheFramesAndNoVideo)
+TEST_F(Video, KeepsFramesAndNoVideoIfTheEncoderFails)
 {
     const ScratchFolder programs;
     std::ofstream(programs / "ffmpeg") << "#!/bin/sh\ncase \"$*\" in *encoder=*) echo Encoder libx264; exit 0;; esac\n"
@@ -184,7 +184,7 @@ TEST_F(Video, AFailingEncoderLeavesTheFramesAndNoVideo)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.mp4"});
 }
 
-TEST(NumberedSet, ChunksAndResumeGiveTheSameImages)
+TEST(NumberedSet, SameImagesWithChunksAndResume)
 {
     const ScratchFolder folder;
     const auto render = [&](const std::string& name, const std::vector<std::string>& more) {

@@ -15,7 +15,7 @@ namespace {
 
 #ifdef GNOMON_VIEWER
 
-// Skips the test without an X server to run.
+// Skips the test if Xvfb or xdotool is missing.
 #define NEED_WINDOWS()                                                                             \
     if (std::system("command -v Xvfb >/dev/null 2>&1 && command -v xdotool >/dev/null 2>&1") != 0) \
     GTEST_SKIP() << "no Xvfb or no xdotool on this machine: install the Debian packages xvfb and xdotool"
@@ -41,11 +41,12 @@ Seen drive(const ScratchFolder& folder, const std::string& scene, const std::str
     return seen;
 }
 
-TEST(View, AScreenshotIsTheRenderedImageWhateverWasLookedAtBefore)
+TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
-    // Play, turn, come nearer, fly, pick, panels, overlays, other sizes; then the scene's own camera, the first frame.
+    // Play, rotate, approach, fly, pick, panels, overlays, other sizes; then the scene's own camera and the first
+    // frame.
     const Seen seen = drive(folder, "builtin:cornell", "",
                             "sleep 1\nmousemove 250 200\nmousedown 1\nmousemove 200 180\nmousemove 150 170\nmouseup 1\n"
                             "click 4\nclick 5\nkey w\nkey d\nclick 1\nsleep 0.5\nkey f\nkey o\nsleep 0.5\nkey o\n"
@@ -63,7 +64,7 @@ TEST(View, AScreenshotIsTheRenderedImageWhateverWasLookedAtBefore)
     const Image8 shot = io::read_image(folder / "gnomon-0001.png"), truth = io::read_image(folder / "render.png");
     EXPECT_EQ(shot.width, 320);
     EXPECT_EQ(shot.data, truth.data);
-    // The window shows it: its middle, away from the panel.
+    // Check the middle of the window, away from the panel.
     const Image8 screen = io::read_image(folder / "screen.png");
     int near = 0;
     for (int y = 60; y < 180; ++y)
@@ -87,8 +88,8 @@ TEST(View, ShowsTheRasterisedFrame)
     EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
 }
 
-// What a step drew into the light views is shown, and stays while images of that moment become finer.
-TEST(View, ShowsWhatWasRedrawn)
+// The texels that a step redrew in the light views are shown, and stay while the image of that moment is refined.
+TEST(View, ShowsRedrawnTexels)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
@@ -101,7 +102,7 @@ TEST(View, ShowsWhatWasRedrawn)
     const Outcome rendered = run({"render", "builtin:cornell", "--frames", "1-2", "--size", "320x240", "--renderer",
                                   "raster", "--overlay", "redrawn", "-o", folder / "redrawn-{frame:04}.png"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
-    // The ball is red in both. What it left is as the frames before were, and those are the window's own.
+    // The ball is red in both images. The area that it left equals the previous frames, which are the window's own.
     const Image8 shown = io::read_image(folder / "gnomon-0002.png"),
                  truth = io::read_image(folder / "redrawn-0002.png");
     ASSERT_EQ(shown.data.size(), truth.data.size());
@@ -122,14 +123,14 @@ TEST(View, ShowsWhatWasRedrawn)
     EXPECT_EQ(io::read_image(folder / "gnomon-0003.png").data, io::read_image(folder / "plain.png").data);
 }
 
-// Every frame once, in order, with all its pixels and all its light: the bytes of the video that is rendered, whatever
-// was shown when the recording began, and whatever becomes of the window.
-TEST(View, RecordsTheVideoThatIsRendered)
+// Every frame is recorded once, in order, in full size and fully refined: the bytes equal the rendered video, whatever
+// was shown when the recording started and whatever happens to the window.
+TEST(View, RecordingEqualsTheRenderedVideo)
 {
     NEED_WINDOWS();
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
-    // More frames than will be recorded: the clip begins again at its end.
+    // More frames than will be recorded: the clip starts again at its end.
     const Seen seen = drive(folder, "builtin:cornell", "--fps 240",
                             "sleep 1\nkey Home\nkey r\nsleep 1\nresize 400 200\nsleep 1\nkey r\n"
                             "await gnomon-0001.mp4\nkey Escape\n");
@@ -150,13 +151,13 @@ TEST(View, RecordsTheVideoThatIsRendered)
     EXPECT_TRUE(bytes_of(video) == bytes_of(folder / "rendered.mp4")) << frames << " frames";
 }
 
-TEST(View, AFrameThatFailsEndsTheRecordingAndTheVideoIsThere)
+TEST(View, FailingFrameEndsTheRecordingAndKeepsTheVideo)
 {
     NEED_WINDOWS();
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     const ScratchFolder folder;
     const ScopedVariable none("VK_DRIVER_FILES", "/nowhere.json"), none_either("VK_ICD_FILENAMES", "/nowhere.json");
-    // The panel's first option, the renderer: the second choice needs a driver.
+    // The panel's first option is the renderer; its second choice needs a driver.
     const Seen seen = drive(folder, "builtin:cornell", "--indirect off",
                             "sleep 1\nkey Home\nkey r\nsleep 1\nmousemove 150 356\nclick 1\nsleep 0.5\n"
                             "mousemove 60 379\nclick 1\nsleep 0.5\nmousemove 60 424\nclick 1\n"
@@ -168,7 +169,7 @@ TEST(View, AFrameThatFailsEndsTheRecordingAndTheVideoIsThere)
     EXPECT_GT(std::filesystem::file_size(folder / "gnomon-0001.mp4"), 1000u);
 }
 
-TEST(View, ReadsAFileAgainThatChanged)
+TEST(View, ReloadsAChangedFile)
 {
     NEED_WINDOWS();
     const ScratchFolder folder;
@@ -188,8 +189,8 @@ TEST(View, ReadsAFileAgainThatChanged)
     EXPECT_EQ(seen.json.at("loads"), 2);
 }
 
-// No video is of two scenes: it ends where its own does.
-TEST(View, ARecordingEndsWithItsScene)
+// A recording never contains two scenes: it ends with its own.
+TEST(View, RecordingEndsWhenAnotherSceneIsLoaded)
 {
     NEED_WINDOWS();
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
@@ -203,7 +204,7 @@ TEST(View, ARecordingEndsWithItsScene)
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
         write(2);
     });
-    // The first screenshot says that the scene is there, the second that it is recorded.
+    // The first screenshot shows that the scene is loaded, the second that it is being recorded.
     const Seen seen = drive(folder, "a.obj", "",
                             "sleep 1\nkey p\nawait gnomon-0001.png\nkey r\nsleep 0.2\nkey p\nawait gnomon-0002.png\n"
                             "await gnomon-0001.mp4\nkey Escape\n");
@@ -211,7 +212,7 @@ TEST(View, ARecordingEndsWithItsScene)
     EXPECT_EQ(seen.json.at("loads"), 2);
 }
 
-TEST(View, TroubleIsAnExitCodeAndOneLine)
+TEST(View, FailureIsAnExitCodeAndOneLine)
 {
     expect_failure(run({"view", "builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,
                    "cannot open a window");
@@ -227,7 +228,7 @@ TEST(View, TroubleIsAnExitCodeAndOneLine)
 
 #else
 
-TEST(View, SaysThatItWasNotBuilt)
+TEST(View, ReportsBuildWithoutViewer)
 {
     expect_failure(run({"view", "builtin:cornell"}), 4, "without a window");
 }

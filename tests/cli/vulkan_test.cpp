@@ -10,7 +10,7 @@ namespace {
 
 #ifdef GNOMON_VULKAN
 
-TEST(VulkanProgram, DevicesSayWhichIsChosenAndWhy)
+TEST(VulkanProgram, DevicesShowsTheChosenDeviceAndWhy)
 {
     const auto devices = run({"devices", "--json"}).json()["vulkan"]["devices"];
     ASSERT_FALSE(devices.empty());
@@ -24,7 +24,7 @@ TEST(VulkanProgram, DevicesSayWhichIsChosenAndWhy)
     EXPECT_EQ(chosen, 1);
 }
 
-TEST(VulkanProgram, DevicesAnswerWithoutADriver)
+TEST(VulkanProgram, DevicesWorksWithoutADriver)
 {
     const Outcome outcome =
         run({"devices", "--json"}, {{"VK_DRIVER_FILES", "/nowhere.json"}, {"VK_ICD_FILENAMES", "/nowhere.json"}});
@@ -33,17 +33,17 @@ TEST(VulkanProgram, DevicesAnswerWithoutADriver)
     EXPECT_TRUE(outcome.json()["vulkan"]["devices"].empty());
 }
 
-// A loader that is no library stands before the real one.
-TEST(VulkanProgram, DevicesAnswerWithoutALoader)
+// A loader that is not a library is found before the real one.
+TEST(VulkanProgram, DevicesWorksWithoutALoader)
 {
     const ScratchFolder folder;
-    for (const char* name : {"libvulkan.so.1", "libvulkan.so"}) std::ofstream(folder / name) << "no library";
+    for (const char* name : {"libvulkan.so.1", "libvulkan.so"}) std::ofstream(folder / name) << "not a library";
     const Outcome outcome = run({"devices", "--json"}, {{"LD_LIBRARY_PATH", folder.path().string()}});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.json()["vulkan"]["missing"].get<std::string>().find("no loader"), std::string::npos);
 }
 
-TEST(VulkanProgram, RendersByRaster)
+TEST(VulkanProgram, RendersRasterisedFrames)
 {
     const ScratchFolder folder;
     const auto json = run({"render", "builtin:cornell", "-o", folder / "a.png", "--renderer", "raster", "--size",
@@ -55,7 +55,7 @@ TEST(VulkanProgram, RendersByRaster)
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a.png"});
 }
 
-TEST(VulkanProgram, InventsNothingAboutFramesThatItKept)
+TEST(VulkanProgram, CountersOfKeptFramesAreNull)
 {
     const ScratchFolder folder;
     const auto render = [&](const char* frames) {
@@ -80,7 +80,7 @@ TEST(VulkanProgram, InventsNothingAboutFramesThatItKept)
     }
 }
 
-TEST(VulkanProgram, SaysWhereBouncedLightIsMade)
+TEST(VulkanProgram, ReportsWhereIndirectLightIsComputed)
 {
     const ScratchFolder folder;
     const auto indirect = [&](const char* how, const char* on = "auto") {
@@ -107,7 +107,7 @@ TEST(VulkanProgram, SaysWhereBouncedLightIsMade)
     EXPECT_FALSE(indirect("off").contains("visibility"));
 }
 
-TEST(VulkanProgram, BenchIndirectOnTheDevice)
+TEST(VulkanProgram, BenchIndirectRunsOnTheDevice)
 {
     const auto json =
         run({"bench",      "indirect", "builtin:cornell", "--renderer", "raster",   "--frames", "1-3",
@@ -131,7 +131,7 @@ TEST(VulkanProgram, BenchIndirectOnTheDevice)
     EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
 }
 
-TEST(VulkanProgram, RasterWithoutADriverIsMissing)
+TEST(VulkanProgram, RasterWithoutADriverIsAMissingError)
 {
     const ScratchFolder folder;
     const Outcome outcome =
@@ -145,8 +145,8 @@ TEST(VulkanProgram, RasterWithoutADriverIsMissing)
 
 #ifdef GNOMON_FAILING_VULKAN
 
-// Six frames through a loader that fails where `fault` says (failing_vulkan.cpp); "" fails nowhere. Quiet: on a busy
-// machine there would be progress to tell.
+// Renders six frames with a loader that fails as `fault` says (failing_vulkan.cpp); with "" it does not fail. Quiet: on
+// a busy machine there would be progress lines.
 Outcome video(const ScratchFolder& folder, const std::string& fault)
 {
     return run({"render", "builtin:cornell", "-o", folder / "{frame:04}.png", "--renderer", "raster", "--size", "48x48",
@@ -154,7 +154,7 @@ Outcome video(const ScratchFolder& folder, const std::string& fault)
                {{"LD_LIBRARY_PATH", GNOMON_FAILING_VULKAN}, {"GNOMON_TEST_VULKAN_FAULT", fault}});
 }
 
-TEST(VulkanProgram, FaultsAreCodeFourOneLineAndWholeFrames)
+TEST(VulkanProgram, DeviceFaultsAreCode4OneLineAndCompleteFrames)
 {
     const ScratchFolder undisturbed;
     const Outcome whole = video(undisturbed, "");
@@ -184,7 +184,7 @@ TEST(VulkanProgram, FaultsAreCodeFourOneLineAndWholeFrames)
 
 #endif
 
-TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
+TEST(VulkanProgram, RefusesOptionsOfTheOtherRenderer)
 {
     const ScratchFolder folder;
     const std::vector<std::string> base{"render", "builtin:cornell", "-o", folder / "a.png", "--size", "64x64"};
@@ -204,7 +204,7 @@ TEST(VulkanProgram, OptionsOfTheOtherRendererAreRefused)
 }
 
 #else
-TEST(VulkanProgram, LeftOut)
+TEST(VulkanProgram, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The BART scenes Kitchen and Robots against values from the format's own sample evaluator, which reads its keys as
-// 32-bit floats: hence the tolerances.
+// The BART scenes Kitchen and Robots, against values from the format's own sample evaluator, which reads its keys as
+// 32-bit floats; hence the tolerances.
 #include <map>
 #include <set>
 
@@ -17,7 +17,7 @@ struct Bart {
     AffReport report;
 };
 
-// Each scene is loaded once for all tests.
+// Load each scene once for all tests.
 const Bart& loaded(const std::filesystem::path& file)
 {
     static std::map<std::filesystem::path, Bart> scenes;
@@ -31,7 +31,7 @@ const Bart& loaded(const std::filesystem::path& file)
 #define NEED_KITCHEN GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff")
 #define NEED_ROBOTS GNOMON_NEED_SCENE(file, "bart/robots/aff/Robot.aff")
 
-// World matrices of all nodes.
+// The world matrices of all nodes.
 std::vector<glm::dmat4> world_at(const scene::Scene& scene, double time)
 {
     std::vector<glm::dmat4> world;
@@ -47,7 +47,7 @@ struct Below {
     std::size_t triangles = 0;
 };
 
-// Everything below a node; `top` may be none: the whole scene.
+// The bounds and triangle count below a node; if `top` is none, of the whole scene.
 Below below(const scene::Scene& scene, const std::vector<glm::dmat4>& world, scene::NodeId top)
 {
     Below result;
@@ -96,7 +96,7 @@ void check_camera(const scene::Scene& scene, const std::vector<CameraRow>& rows,
     }
 }
 
-TEST(BartKitchen, Camera)
+TEST(BartKitchen, CameraMatchesTheSampleEvaluator)
 {
     NEED_KITCHEN;
     const scene::Scene& scene = loaded(file).scene;
@@ -112,7 +112,7 @@ TEST(BartKitchen, Camera)
     EXPECT_EQ(scene.cameras[0].resolution, (Size{800, 600}));
 }
 
-TEST(BartRobots, Camera)
+TEST(BartRobots, CameraMatchesTheSampleEvaluator)
 {
     NEED_ROBOTS;
     check_camera(
@@ -147,7 +147,7 @@ void check_nodes(const scene::Scene& scene, const std::vector<NodeRow>& rows, do
     }
 }
 
-TEST(BartKitchen, MovingNodes)
+TEST(BartKitchen, MovingNodesMatchTheSampleEvaluator)
 {
     NEED_KITCHEN;
     std::vector<NodeRow> rows{
@@ -165,7 +165,7 @@ TEST(BartKitchen, MovingNodes)
     check_nodes(loaded(file).scene, rows, 5e-4);
 }
 
-TEST(BartRobots, MovingNodes)
+TEST(BartRobots, MovingNodesMatchTheSampleEvaluator)
 {
     NEED_ROBOTS;
     check_nodes(
@@ -271,7 +271,7 @@ void check_counts(const Bart& bart, const Counts& expected)
     EXPECT_EQ(scene.lights.size(), expected.lights);
 }
 
-TEST(BartKitchen, Counts)
+TEST(BartKitchen, CountsMatchTheFiles)
 {
     NEED_KITCHEN;
     check_counts(loaded(file), {.triangles = 110561,
@@ -291,7 +291,7 @@ TEST(BartKitchen, Counts)
                                 .lights = 6});
 }
 
-TEST(BartRobots, Counts)
+TEST(BartRobots, CountsMatchTheFiles)
 {
     NEED_ROBOTS;
     check_counts(loaded(file), {.triangles = 71708,
@@ -311,7 +311,7 @@ TEST(BartRobots, Counts)
                                 .lights = 1});
 }
 
-TEST(BartKitchen, WholeBoxAndLook)
+TEST(BartKitchen, BoundsLightsAndTimelineMatchTheFiles)
 {
     NEED_KITCHEN;
     const scene::Scene& scene = loaded(file).scene;
@@ -328,7 +328,7 @@ TEST(BartKitchen, WholeBoxAndLook)
     EXPECT_TRUE(scene.timeline.own_frames);
 }
 
-TEST(BartRobots, WholeBoxAndLook)
+TEST(BartRobots, BoundsLightsAndTimelineMatchTheFiles)
 {
     NEED_ROBOTS;
     const scene::Scene& scene = loaded(file).scene;
@@ -337,7 +337,7 @@ TEST(BartRobots, WholeBoxAndLook)
     expect_near(box.high, {164.148, 535.355, 250.097}, 2e-3, "high");
     expect_near(glm::dvec3(scene.world_matrix(scene.lights[0].node, 0)[3]), {1, 500, 1}, 0, "light");
     EXPECT_EQ(scene.ambient, glm::vec3(1));
-    // Five nodes have no keys; they are dynamic all the same, and a warning names them.
+    // Five nodes have no keys; they are dynamic nevertheless, and a warning names them.
     ASSERT_EQ(scene.warnings.size(), 1u);
     for (const std::string name : {"grip_rot1", "grip_lift1", "gun_rot2", "gun_lift2", "head_rot2"}) {
         EXPECT_NE(scene.warnings[0].find(name), std::string::npos) << name;
@@ -348,7 +348,7 @@ TEST(BartRobots, WholeBoxAndLook)
     }
 }
 
-// Every track is a finite rotation or translation in every frame, and constant where it says so.
+// Every track is a finite rotation or translation in every frame, and constant outside its changing intervals.
 void check_all_frames(const scene::Scene& scene)
 {
     std::set<const scene::TransformTrack*> tracks;
@@ -366,7 +366,7 @@ void check_all_frames(const scene::Scene& scene)
                 const double last_time = scene.timeline.time_of(frame - 1);
                 bool may_change = false;
                 for (const scene::Interval& i : changing) may_change |= i.first <= time && i.last > last_time;
-                ASSERT_TRUE(may_change || m == before) << "changes unannounced in frame " << frame;
+                ASSERT_TRUE(may_change || m == before) << "changes outside its changing intervals in frame " << frame;
             }
             before = m;
         }
@@ -385,7 +385,7 @@ TEST(BartRobots, EveryFrameIsFinite)
     check_all_frames(loaded(file).scene);
 }
 
-TEST(BartKitchen, ByLoadScene)
+TEST(BartKitchen, LoadSceneReportsProgressAndCanBeInterrupted)
 {
     NEED_KITCHEN;
     int calls = 0;

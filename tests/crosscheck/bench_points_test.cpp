@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The points that bench culling asks for shadows from come from the very rays of the traced frame.
+// The points for which bench culling casts shadow rays come from exactly the rays of the traced frame.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ void collect(const ray::RayQueue& rays, std::vector<RayValues>& out)
             {rays.ox[i], rays.oy[i], rays.oz[i], rays.tnear[i], rays.dx[i], rays.dy[i], rays.dz[i], rays.tfar[i]});
 }
 
-// Rays of the traced frame that look for their nearest hit, and those of the bench; each sorted.
+// The closest-hit rays of the traced frame, and those of the bench; each sorted.
 struct BothRays {
     std::vector<RayValues> frame, bench;
     std::size_t points = 0;
@@ -64,9 +64,9 @@ BothRays trace_both(const std::string& name, int frame, int max_depth, Size size
     return both;
 }
 
-TEST(BenchPoints, RaysAreThoseOfTheTracedFrame)
+TEST(BenchPoints, CastsTheSameRaysAsTheTracedFrame)
 {
-    const BothRays both = trace_both("kinetic", 30, 10, {200, 120});   // a pool, glass, a mirror; tiles cut off
+    const BothRays both = trace_both("kinetic", 30, 10, {200, 120});   // a pool, glass, a mirror; incomplete tiles
     EXPECT_EQ(both.reflected, both.counters.reflection_rays);
     EXPECT_EQ(both.refracted, both.counters.refraction_rays);
     EXPECT_GT(both.reflected, 100u);
@@ -76,7 +76,7 @@ TEST(BenchPoints, RaysAreThoseOfTheTracedFrame)
     EXPECT_LE(both.points, both.bench.size());
 }
 
-TEST(BenchPoints, DepthZeroIsPrimaryHitsAlone)
+TEST(BenchPoints, DepthZeroGivesPrimaryHitsOnly)
 {
     const BothRays both = trace_both("cornell", 1, 0, {70, 50});
     EXPECT_EQ(both.reflected + both.refracted, 0u);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays on the device against RayScene: between points of surfaces, in several scenes, before and after things move.
-//
-// Both may part where a ray meets an edge within rounding: of a triangle, or of a hole in a mask. So few may differ,
-// and each of these must be such a ray: among its neighbours, by less than any image shows, RayScene's own answers
-// differ.
+// Rays on the device against RayScene: between surface points of several scenes, before and after objects move. Both
+// may differ where a ray passes an edge of a triangle, or of a hole in a mask, within rounding. Few rays may differ,
+// and each of these must be such a ray: RayScene's own results differ among neighbouring rays that are closer than any
+// image shows.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -22,10 +21,10 @@ namespace {
 using ray::Against;
 using ray::DeviceRays;
 
-constexpr double k_differing = 1e-3;   // share of rays that may differ
-constexpr float k_neighbour = 2e-5f;   // of the scene's size: how far a ray's neighbours are
+constexpr double k_differing = 1e-3;   // fraction of rays that may differ
+constexpr float k_neighbour = 2e-5f;   // of the scene's size: the distance of neighbouring rays
 constexpr int k_neighbours = 64;
-constexpr float k_lift = 1e-3f;   // of the scene's size: how far rays begin and end from their surfaces
+constexpr float k_offset = 1e-3f;   // of the scene's size: the offset of ray origins and ends from their surfaces
 constexpr std::size_t k_rays = 20'000;
 
 class DeviceRaysVulkan : public test::VulkanTest {};
@@ -35,8 +34,8 @@ class DeviceRaysVulkan : public test::VulkanTest {};
     GTEST_SKIP() << "the device '" << device_->info().name << "' traces no rays: it lacks " \
                  << device_->info().no_rays.front()
 
-// A point of a random triangle of a random object, a little above either side.
-glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& state, Random& random, float lift)
+// A point on a random triangle of a random object, slightly above either side.
+glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& state, Random& random, float offset)
 {
     for (;;) {
         const scene::ObjectId o = random.below(static_cast<std::uint32_t>(state.scene().objects.size()));
@@ -48,7 +47,7 @@ glm::vec3 surface_point(const ray::RayScene& rays, const scene::SceneState& stat
         if (!(glm::length(normal) > 0)) continue;
         float u = random.uniform(), v = random.uniform();
         if (u + v > 1) u = 1 - u, v = 1 - v;
-        const float side = random.below(2) ? lift : -lift;
+        const float side = random.below(2) ? offset : -offset;
         return (1 - u - v) * p[0] + u * p[1] + v * p[2] + side * glm::normalize(normal);
     }
 }
@@ -57,16 +56,17 @@ ray::RayQueue surface_rays(const ray::RayScene& rays, const scene::SceneState& s
                            std::size_t count)
 {
     Random random(seed);
-    const float lift = k_lift * rays.bounds().diagonal();
+    const float offset = k_offset * rays.bounds().diagonal();
     ray::RayQueue queue;
     for (std::size_t i = 0; i < count; ++i) {
-        const glm::vec3 from = surface_point(rays, state, random, lift), to = surface_point(rays, state, random, lift);
+        const glm::vec3 from = surface_point(rays, state, random, offset),
+                        to = surface_point(rays, state, random, offset);
         queue.push(from, 0, to - from, 1);
     }
     return queue;
 }
 
-// Whether RayScene itself is of two minds about a ray, when its ends are moved by as little as rounding might.
+// Whether RayScene's own result changes if the ends of a ray are moved by about the rounding error.
 bool on_an_edge(const ray::RayScene& rays, const ray::RayQueue& queue, std::size_t i, Against against)
 {
     Random random(i);
@@ -84,10 +84,10 @@ bool on_an_edge(const ray::RayScene& rays, const ray::RayQueue& queue, std::size
 }
 
 struct Compared {
-    std::size_t asked = 0, differing = 0, occluded = 0;
+    std::size_t traced = 0, differing = 0, occluded = 0;
 };
 
-// Asks both about the same rays, against each part of the scene.
+// Traces the same rays with both, against each part of the scene.
 void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRays& device, const ray::RayScene& rays,
              const ray::RayQueue& queue, Compared& sum)
 {
@@ -97,7 +97,7 @@ void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRay
         device.occluded(commands, scene, queue, answers.data(), against);
         for (std::size_t i = 0; i < queue.size(); ++i) {
             ASSERT_LE(answers[i], 1u);
-            ++sum.asked;
+            ++sum.traced;
             sum.occluded += expected[i];
             if (answers[i] == expected[i]) continue;
             ++sum.differing;
@@ -107,7 +107,7 @@ void compare(vk::Commands& commands, const gpu_scene::GpuScene& scene, DeviceRay
     }
 }
 
-// Follows a scene through some times.
+// Follows a scene through several times.
 Compared follow(const std::shared_ptr<vk::Device>& vulkan, const std::shared_ptr<const scene::Scene>& description,
                 const std::vector<double>& times, std::size_t count = k_rays)
 {
@@ -128,11 +128,11 @@ Compared follow(const std::shared_ptr<vk::Device>& vulkan, const std::shared_ptr
         compare(commands, scene, device, rays, surface_rays(rays, state, t + 1, count), sum);
         if (testing::Test::HasFailure()) break;
     }
-    const double share = static_cast<double>(sum.differing) / static_cast<double>(sum.asked);
-    fmt::print("{} of {} answers differ ({:.1e}), {} occluded\n", sum.differing, sum.asked, share, sum.occluded);
-    EXPECT_LE(share, k_differing);
-    EXPECT_GT(sum.occluded, sum.asked / 50);
-    EXPECT_LT(sum.occluded, sum.asked);
+    const double fraction = static_cast<double>(sum.differing) / static_cast<double>(sum.traced);
+    fmt::print("{} of {} answers differ ({:.1e}), {} occluded\n", sum.differing, sum.traced, fraction, sum.occluded);
+    EXPECT_LE(fraction, k_differing);
+    EXPECT_GT(sum.occluded, sum.traced / 50);
+    EXPECT_LT(sum.occluded, sum.traced);
     return sum;
 }
 
@@ -144,33 +144,33 @@ Compared follow_frames(const std::shared_ptr<vk::Device>& vulkan, const char* na
     return follow(vulkan, description, times);
 }
 
-TEST_F(DeviceRaysVulkan, Cornell)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnCornell)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "cornell", {1, 2, 20});
 }
 
-TEST_F(DeviceRaysVulkan, Kinetic)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnKinetic)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "kinetic", {1, 2, 60});
 }
 
-TEST_F(DeviceRaysVulkan, Spheres)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnSpheres)
 {
     GNOMON_NEED_RAYS;
     follow_frames(device_, "spheres?objects=100&dynamic=20&vertices=200", {1, 2});
 }
 
-// Masks, glass, mirrored instances, shapes that deform, with and without a moving node.
-TEST_F(DeviceRaysVulkan, RandomScenes)
+// Masks, glass, mirrored instances, deforming meshes, with and without a moving node.
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnRandomScenes)
 {
     GNOMON_NEED_RAYS;
     for (const std::uint64_t seed : {11u, 12u, 13u}) follow(device_, test::make_random_scene(seed), {0.4, 0.5, 1.7, 3});
 }
 
-// Leaves whose holes come from all that may decide on them: a filtered texture that is turned, repeated and mirrored,
-// over either set of coordinates, the vertices' alpha, the material's, two cutoffs in one mesh.
+// Leaves whose holes come from all possible sources of alpha: a filtered texture that is rotated, repeated and
+// mirrored, with either set of coordinates; vertex alpha; material alpha; two cutoffs in one mesh.
 std::shared_ptr<const scene::Scene> leaf_scene()
 {
     scene::Scene scene;
@@ -190,7 +190,7 @@ std::shared_ptr<const scene::Scene> leaf_scene()
         material.alpha_mode = scene::AlphaMode::mask;
         material.alpha = 0.9f;
         material.alpha_cutoff = 0.2f + 0.1f * static_cast<float>(m);
-        if (m == 3) continue;   // by the vertices alone
+        if (m == 3) continue;   // vertex alpha only
         material.base_color_texture.texture = m - 1;
         material.base_color_texture.texcoord = static_cast<int>(m - 1);
         material.base_color_texture.rotation = 0.4f;
@@ -215,13 +215,13 @@ std::shared_ptr<const scene::Scene> leaf_scene()
     return test::finished(scene);
 }
 
-TEST_F(DeviceRaysVulkan, LeavesWithHoles)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnAlphaTestedLeaves)
 {
     GNOMON_NEED_RAYS;
     follow(device_, leaf_scene(), {0, 0.2, 1});
 }
 
-// A ball, one half of which follows a moving joint, in a ring of balls that stand still.
+// A ball, one half of which follows a moving joint, in a ring of static balls.
 std::shared_ptr<const scene::Scene> skinned_scene()
 {
     scene::Scene scene;
@@ -243,7 +243,7 @@ std::shared_ptr<const scene::Scene> skinned_scene()
     return test::finished(scene);
 }
 
-TEST_F(DeviceRaysVulkan, ASkinnedBall)
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnASkinnedBall)
 {
     GNOMON_NEED_RAYS;
     follow(device_, skinned_scene(), {0, 0.3, 0.4, 2});
@@ -271,7 +271,7 @@ scene::Mesh box_mesh()
     return mesh;
 }
 
-// Boxes along the axes, some of which jump at time 1; one is squeezed flat, another from then on.
+// Axis-aligned boxes, some of which jump at time 1; one has a singular transform, another from then on.
 std::shared_ptr<const scene::Scene> box_scene()
 {
     scene::Scene scene;
@@ -292,7 +292,7 @@ std::shared_ptr<const scene::Scene> box_scene()
     return test::finished(scene);
 }
 
-// Rays that RayScene is of one mind about.
+// Rays whose result RayScene does not change in their neighbourhood.
 ray::RayQueue clear_rays(const ray::RayScene& rays, const scene::SceneState& state, std::uint64_t seed)
 {
     const ray::RayQueue all = surface_rays(rays, state, seed, k_rays);
@@ -303,9 +303,9 @@ ray::RayQueue clear_rays(const ray::RayScene& rays, const scene::SceneState& sta
     return clear;
 }
 
-// Where no ray grazes an edge, every answer is the same: as built, after a jump, and after what stood still was moved
-// by hand. Only what changed is built anew.
-TEST_F(DeviceRaysVulkan, BoxesToTheRay)
+// For rays that pass no edge, every result is equal: after the build, after a jump, and after user overrides of static
+// objects. Only changed structures are rebuilt.
+TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
 {
     GNOMON_NEED_RAYS;
     const auto description = box_scene();
@@ -314,9 +314,9 @@ TEST_F(DeviceRaysVulkan, BoxesToTheRay)
     gpu_scene::GpuScene scene(device_, state);
     DeviceRays device(device_, scene, state);
     vk::Commands commands(device_);
-    EXPECT_EQ(device.work().bottom_levels, 2u);   // the mesh, and what is flat
+    EXPECT_EQ(device.work().bottom_levels, 2u);   // the mesh, and the object with a singular transform
     Compared sum;
-    const auto ask = [&](std::uint64_t seed) {
+    const auto trace = [&](std::uint64_t seed) {
         const ray::RayQueue queue = clear_rays(rays, state, seed);
         EXPECT_GT(queue.size(), 99 * k_rays / 100);
         compare(commands, scene, device, rays, queue, sum);
@@ -327,35 +327,35 @@ TEST_F(DeviceRaysVulkan, BoxesToTheRay)
         scene.update(commands, state);
         device.update(commands, scene, state);
     };
-    ask(1);
+    trace(1);
     step(0.5);
     EXPECT_EQ(device.work().top_levels, 0u);
     EXPECT_EQ(device.work().instances, 0u);
-    ask(2);
+    trace(2);
     step(1.5);
     EXPECT_EQ(device.work().bottom_levels, 0u);
     EXPECT_EQ(device.work().top_levels, 1u);
     EXPECT_EQ(device.work().instances, 8u);
-    ask(3);
+    trace(3);
     for (const scene::ObjectId o : {0u, 1u}) {   // one of them was flat
         const glm::dmat4 there = test::translation(2.5 * o, 0, 1);
         state.override_transform(description->objects[o].node, &there);
     }
     step(1.6);
     EXPECT_EQ(device.work().instances, 2u);
-    ask(4);
+    trace(4);
     EXPECT_EQ(sum.differing, 0u);
 
-    // One that is made now takes for moving what the other rays do.
+    // A DeviceRays created now treats the same objects as dynamic as the given RayScene.
     DeviceRays late(device_, scene, state, &rays);
     compare(commands, scene, late, rays, clear_rays(rays, state, 5), sum);
     EXPECT_EQ(sum.differing, 0u);
     EXPECT_GT(late.bytes(), 10'000u);
 }
 
-// Corners that are no numbers, or beyond all that is met, take their triangles along and nothing else; a shape that
-// loses its numbers for a while meets nothing, and is whole again afterwards.
-TEST_F(DeviceRaysVulkan, CornersThatAreNoNumbers)
+// NaN vertices, or vertices out of range, remove their triangles and nothing else; a mesh with NaN vertices for a while
+// is not hit, and is complete again afterwards.
+TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
 {
     GNOMON_NEED_RAYS;
     scene::Scene scene = test::scene_with_balls();
@@ -403,13 +403,13 @@ TEST_F(DeviceRaysVulkan, CornersThatAreNoNumbers)
             }
             compare(commands, gpu, device, rays, queue, sum);
         }
-        EXPECT_LE(static_cast<double>(sum.differing), k_differing * static_cast<double>(sum.asked));
-        EXPECT_GT(sum.occluded, sum.asked / 20);
+        EXPECT_LE(static_cast<double>(sum.differing), k_differing * static_cast<double>(sum.traced));
+        EXPECT_GT(sum.occluded, sum.traced / 20);
     }
 }
 
-// More rays than go at once; rays that are none; and a scene without anything.
-TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
+// More rays than fit into one dispatch, degenerate rays, and an empty scene.
+TEST_F(DeviceRaysVulkan, AcceptsEmptyLargeAndDegenerateQueues)
 {
     GNOMON_NEED_RAYS;
     const auto description = box_scene();
@@ -430,7 +430,7 @@ TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
     device.occluded(commands, scene, many, answers.data());
     EXPECT_EQ(answers, expected);
 
-    // Ends beyond what is, behind the beginning, and no numbers at all.
+    // Ends out of range, behind the origin, and NaN.
     const float inf = k_infinity, nan = std::numeric_limits<float>::quiet_NaN();
     ray::RayQueue odd;
     for (std::size_t i = 0; i < 2000; ++i) {
@@ -466,7 +466,7 @@ TEST_F(DeviceRaysVulkan, QueuesOfAllKinds)
 }   // namespace
 }   // namespace gnomon
 #else
-TEST(DeviceRaysVulkan, LeftOut)
+TEST(DeviceRaysVulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

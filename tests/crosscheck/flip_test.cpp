@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FLIP against its slow twin: the paper's two-dimensional filters, tap by tap, in double precision.
+// FLIP against its reference implementation: the paper's two-dimensional filters, tap by tap, in double precision.
 #include "image/flip.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct SlowFlip {
     int width, height;
     double ppd = 67;
 
-    // sRGB primaries and D65 [IEC 61966-2-1], with the digits that the paper's matrix has.
+    // sRGB primaries and D65 [IEC 61966-2-1], with the digits of the paper's matrix.
     static glm::dmat3 xyz_from_rgb()
     {
         return {{0.41238656, 0.21263682, 0.01933062},
@@ -102,7 +102,7 @@ struct SlowFlip {
             return (i * i / (sigma * sigma) - 1) * bell(i, j);
         };
         const auto sums = [](const std::function<double(int, int)>& kernel, int radius) {
-            std::array<double, 2> result{0, 0};   // of the positive taps, of the negative
+            std::array<double, 2> result{0, 0};   // sums of the positive taps and of the negative ones
             for (int j = -radius; j <= radius; ++j)
                 for (int i = -radius; i <= radius; ++i) result[kernel(i, j) < 0] += std::abs(kernel(i, j));
             return result;
@@ -131,7 +131,7 @@ struct SlowFlip {
     }
 };
 
-TEST(FlipTwin, AgreesOnNoiseAndShapes)
+TEST(FlipReference, AgreesOnNoiseAndShapes)
 {
     ImageF a(38, 35, 3), b(38, 35, 3);   // two bands of rows, the last one short
     Random random(6);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real glTF scenes: triangles still and moving, frames, and where things are, against what is known of them.
+// Real glTF scenes: static and moving triangles, frame counts and positions, against known values.
 #include "io/load.h"
 #include "scene/state.h"
 #include "support.h"
@@ -15,7 +15,7 @@ struct Expected {
 
 class GltfScenes : public testing::TestWithParam<Expected> {};
 
-TEST_P(GltfScenes, CountsAreKnown)
+TEST_P(GltfScenes, CountsMatchKnownValues)
 {
     const Expected& expected = GetParam();
     GNOMON_NEED_SCENE(file, expected.file);
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Files, GltfScenes,
                                          Expected{"gltf/cannon.glb", 2468, 0, 2, 2, 41},
                                          Expected{"cornell/refpt/cornell_box.gltf", 0, 34, 1, 0, 1}));
 
-TEST(GltfTruck, WheelsTurnAboutTheirAxlesAndNothingElseMoves)
+TEST(GltfTruck, WheelsRotateAboutTheirAxlesAndNothingElseMoves)
 {
     GNOMON_NEED_SCENE(file, "gltf/CesiumMilkTruck.glb");
     auto scene = std::make_shared<scene::Scene>(io::load_scene(file));
@@ -48,13 +48,13 @@ TEST(GltfTruck, WheelsTurnAboutTheirAxlesAndNothingElseMoves)
     const glm::mat4 before = state.object_matrix(wheels[0]);
     EXPECT_EQ(state.advance(0.4).moved, wheels);
     const glm::mat4 after = state.object_matrix(wheels[0]);
-    // The axle (z) and the place stay; the spokes (x) turn.
+    // The axle (z) and the position stay; the spokes (x) rotate.
     EXPECT_LT(glm::length(after[2] - before[2]), 1e-6f);
     EXPECT_LT(glm::length(after[3] - before[3]), 1e-6f);
     EXPECT_GT(glm::length(after[0] - before[0]), 0.1f);
 }
 
-TEST(GltfCornell, CameraAndColours)
+TEST(GltfCornell, CameraAndColoursMatchKnownValues)
 {
     GNOMON_NEED_SCENE(file, "cornell/refpt/cornell_box.gltf");
     const scene::Scene scene = io::load_scene(file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums over light maps against their twins: vectors against single steps, the compacted cut against the cut as printed,
-// clusters and samples against the sum over all texels.
+// Sums over light maps against their reference implementations: SIMD against scalar, the compacted cut against the
+// published cut, clusters and samples against the sum over all texels.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
@@ -15,7 +15,7 @@ namespace {
 using namespace light_quadtree;
 using test::World;
 
-// Points in the box, on no surface in particular.
+// Points in the box, not on a particular surface.
 Receivers random_receivers(std::size_t count)
 {
     Random random(7);
@@ -47,7 +47,7 @@ Receivers wall_receivers(int a_side)
     return receivers;
 }
 
-TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
+TEST(LightGather, SimdEqualsScalarToTheBit)
 {
     World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -65,8 +65,8 @@ TEST(LightGather, VectorsAndSingleStepsHaveTheSameBits)
     EXPECT_GT(lit, 500);
 }
 
-// Clusters and samples by each instruction set that this processor has and the build knows.
-TEST(LightGather, EveryInstructionSetFindsTheSameBits)
+// Clusters and samples with each instruction set that the processor and the build support.
+TEST(LightGather, SameBitsForEveryInstructionSet)
 {
     World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -88,7 +88,7 @@ TEST(LightGather, EveryInstructionSetFindsTheSameBits)
         hwy::GetChosenTarget().DeInit();
     };
     const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-    ASSERT_GE(targets.size(), 2u) << "one instruction set has nothing to be compared with";
+    ASSERT_GE(targets.size(), 2u) << "a single instruction set leaves nothing to compare";
     const std::vector<float> best = light();
     for (const std::int64_t target : targets) {
         choose(target);
@@ -98,7 +98,7 @@ TEST(LightGather, EveryInstructionSetFindsTheSameBits)
     choose(0);
 }
 
-TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
+TEST(LightGather, SampledSumsEqualScalarOnesUpToRounding)
 {
     World world("cornell");
     const LightMap map(world.state, world.rays, {}, world.tasks);
@@ -109,12 +109,12 @@ TEST(LightGather, SamplesAndSingleStepsHaveTheSameBitsNearly)
     for (std::size_t i = 0; i < receivers.size(); ++i) {
         const glm::vec3 one = sample_map_one(map, options, {receivers.x[i], receivers.y[i], receivers.z[i]},
                                              {receivers.nx[i], receivers.ny[i], receivers.nz[i]});
-        // Weights are multiplied in another order: a rounding or two.
+        // Weights are multiplied in another order, which rounds once or twice more.
         for (int c = 0; c < 3; ++c) ASSERT_NEAR(receivers.irradiance(i)[c], one[c], 2e-6f * (1e-3f + one[c])) << i;
     }
 }
 
-TEST(LightGather, TheCompactedCutSumsAsPrinted)
+TEST(LightGather, CompactedCutEqualsThePublishedCut)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name);
@@ -135,7 +135,7 @@ TEST(LightGather, TheCompactedCutSumsAsPrinted)
     }
 }
 
-TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
+TEST(LightGather, ErrorFallsWithFinerLevelsAndThresholds)
 {
     World world("cornell");
     LightMapOptions small;
@@ -168,7 +168,7 @@ TEST(LightGather, FinerLevelsAndThresholdsComeNearerToAllTexels)
     }
 }
 
-TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
+TEST(LightGather, ErrorFallsWithMoreSamples)
 {
     World world("cornell");
     LightMapOptions small;
@@ -181,7 +181,7 @@ TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
     RsmPlaces places;
     double before = 10;
     for (const int samples : {64, 512, 8192}) {
-        // A disk that holds the map wherever its centre is: the limit of many samples is the sum itself.
+        // The disk covers the map wherever its centre is: the limit of many samples is the full sum.
         sample_map(map, {samples, 1.42f}, test, 0, test.x.size(), places);
         const double error = nrmse(test, truth);
         EXPECT_LT(error, before) << samples;
@@ -190,8 +190,8 @@ TEST(LightGather, SamplesComeNearerToAllTexelsWithTheirNumber)
     EXPECT_LT(before, 0.15);
 }
 
-// A square lamp seen from above: Lambert's formula for the form factor of a parallel square.
-TEST(LightGather, AgreesWithAFormFactor)
+// A square light seen from above: Lambert's formula for the form factor of a parallel square.
+TEST(LightGather, AgreesWithAnAnalyticFormFactor)
 {
     constexpr int k_side = 64;
     Clusters lights;
@@ -207,7 +207,7 @@ TEST(LightGather, AgreesWithAFormFactor)
         }
     for (const double height : {0.5, 1.0, 3.0}) {
         const double a = 1 / height, root = std::sqrt(1 + a * a);
-        const double factor = 4 / k_pi * (a / root) * std::atan(a / root);   // four corners, both terms alike
+        const double factor = 4 / k_pi * (a / root) * std::atan(a / root);   // four corners, both terms equal
         const glm::vec3 e = gather_one(lights, {0, static_cast<float>(height), 0}, {0, -1, 0});
         EXPECT_NEAR(static_cast<double>(e.x) / factor, 1, 2e-3) << height;
     }

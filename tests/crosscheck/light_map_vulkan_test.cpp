@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light maps on the device against those that rays cast: the tree, the cut and the sums over the same texels; the maps
-// themselves; and the bounced light of whole images, by all methods.
+// Light maps on the device against ray-cast ones: the tree, the cut and the sums over the same texels; the maps
+// themselves; and the indirect light of complete images, for all methods.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -26,18 +26,19 @@ using light_quadtree::shared::GpuCluster;
 
 class LightMapVulkan : public test::VulkanTest {};
 
-constexpr float k_node_tolerance = 2e-5f;       // of a node's numbers, over what the scene measures or 1
-constexpr double k_same_validity = 1e-4;        // share of nodes whose validity may differ: on a threshold's edge
-constexpr double k_sum_tolerance = 1e-4;        // of sums over the same clusters, over the mean
-constexpr double k_sampled_tolerance = 5e-3;    // of sums over the same texels: a sample may fall on the next one
-constexpr double k_texels_that_differ = 0.01;   // share of texels where a ray and the rasteriser see different things
-constexpr double k_flux_tolerance = 0.01;       // of a map's sum of flux
-constexpr double k_image_tolerance = 0.05;      // mean difference of an image's bounced light, over its mean
+constexpr float k_node_tolerance = 2e-5f;   // of a node's values, relative to the scene's size or 1
+constexpr double k_same_validity = 1e-4;    // fraction of nodes whose validity may differ: at the edge of a threshold
+constexpr double k_sum_tolerance = 1e-4;    // of sums over the same clusters, relative to the mean
+constexpr double k_sampled_tolerance = 5e-3;   // of sums over the same texels: a sample may fall on the next texel
+constexpr double k_texels_that_differ =
+    0.01;                                    // fraction of texels where a ray and the rasteriser see different surfaces
+constexpr double k_flux_tolerance = 0.01;    // of a map's sum of flux
+constexpr double k_image_tolerance = 0.05;   // mean difference of an image's indirect light, relative to its mean
 
 std::shared_ptr<const scene::Scene> lit_scene(const std::string& name)
 {
     if (name.starts_with("builtin:")) return std::make_shared<const scene::Scene>(scene::make_builtin(name.substr(8)));
-    // Instances, mirrored ones, masked and transparent surfaces, textures; three kinds of light.
+    // Instances, mirrored ones, masked and transparent surfaces, textures; three types of light.
     scene::Scene scene = *test::make_random_scene(std::stoul(name));
     scene::add_default_camera(scene);
     const Scene lit(std::make_shared<const scene::Scene>(std::move(scene)));
@@ -66,7 +67,7 @@ struct Stage {
 
 const char* const k_scenes[] = {"builtin:cornell", "builtin:kinetic", "1", "2"};
 
-TEST_F(LightMapVulkan, TreeAndCutOverTheSameTexels)
+TEST_F(LightMapVulkan, TreeAndCutEqualTheCpuOverTheSameTexels)
 {
     for (const char* name : k_scenes) {
         SCOPED_TRACE(name);
@@ -99,7 +100,7 @@ TEST_F(LightMapVulkan, TreeAndCutOverTheSameTexels)
         EXPECT_EQ(wrong, 0u);
         EXPECT_LE(static_cast<double>(otherwise), k_same_validity * static_cast<double>(cast.nodes().size()));
 
-        // The same list in the same order, where no node is on a threshold's edge.
+        // The same list in the same order, except where a node is at the edge of a threshold.
         const Clusters& expected = stage.map.clusters();
         const std::uint64_t count = light.lights(counts);
         EXPECT_GT(count, 20u);
@@ -114,7 +115,7 @@ TEST_F(LightMapVulkan, TreeAndCutOverTheSameTexels)
     }
 }
 
-// What arrives at some pixels' surfaces, by both.
+// The irradiance at the surfaces of some pixels, by both.
 struct Sums {
     double difference = 0, mean = 0;
     std::size_t points = 0;
@@ -125,7 +126,7 @@ Sums compare_sums(const std::shared_ptr<vk::Device>& device, const std::string& 
     options.grid = 0;
     const Stage stage(name, options);
     GpuMapLight light(device, stage.state, options);
-    // Points on what the light sees, a little off.
+    // Points slightly above the surfaces that the light sees.
     light_quadtree::Receivers receivers;
     std::vector<glm::vec4> positions, normals;
     const LightMap& cast = stage.map.map();
@@ -180,7 +181,7 @@ Sums compare_sums(const std::shared_ptr<vk::Device>& device, const std::string& 
     return sums;
 }
 
-TEST_F(LightMapVulkan, SumsOverTheSameLights)
+TEST_F(LightMapVulkan, SumsEqualTheCpuOverTheSameLights)
 {
     for (const char* name : k_scenes)
         for (const MapMethod method : {MapMethod::quadtree, MapMethod::rsm}) {
@@ -193,7 +194,7 @@ TEST_F(LightMapVulkan, SumsOverTheSameLights)
         }
 }
 
-TEST_F(LightMapVulkan, DrawnTexelsAreTheCastOnes)
+TEST_F(LightMapVulkan, RasterisedTexelsEqualRayCastOnes)
 {
     for (const char* name : k_scenes) {
         SCOPED_TRACE(name);
@@ -238,7 +239,7 @@ const Layer& layer(const Frame& image, const std::string& name)
     throw std::runtime_error("no layer " + name);
 }
 
-// Mean difference of bounced light over its mean, where both see the same surface and no mirror.
+// The mean difference of indirect light relative to its mean, at pixels where both see the same surface and no mirror.
 double image_difference(const Scene& scene, int frame, RenderOptions options)
 {
     options.layers = true;
@@ -278,7 +279,7 @@ void expect_same_bounce(const Scene& scene, int frame, Indirect how, bool full, 
                    full ? ", every pixel" : "", difference);
 }
 
-TEST_F(LightMapVulkan, BouncedLightOfCornell)
+TEST_F(LightMapVulkan, IndirectLightOfCornellEqualsTheCpu)
 {
     const Scene scene = load("builtin:cornell");
     for (const Indirect how : {Indirect::quadtree, Indirect::rsm})
@@ -286,14 +287,14 @@ TEST_F(LightMapVulkan, BouncedLightOfCornell)
     expect_same_bounce(scene, 12, Indirect::visible, false, {96, 96});
 }
 
-TEST_F(LightMapVulkan, BouncedLightOfKinetic)
+TEST_F(LightMapVulkan, IndirectLightOfKineticEqualsTheCpu)
 {
     const Scene scene = load("builtin:kinetic");
     expect_same_bounce(scene, 40, Indirect::quadtree, false, {80, 60});
     expect_same_bounce(scene, 40, Indirect::visible, false, {160, 120});
 }
 
-TEST_F(LightMapVulkan, BouncedLightOfKitchen)
+TEST_F(LightMapVulkan, IndirectLightOfKitchenEqualsTheCpu)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     const Scene scene = load(file.string());
@@ -305,7 +306,7 @@ TEST_F(LightMapVulkan, BouncedLightOfKitchen)
 }   // namespace gnomon
 
 #else
-TEST(LightMapVulkan, LeftOut)
+TEST(LightMapVulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real OBJ scenes against what is known of them: triangle counts published or counted by other programs.
+// Real OBJ scenes against known triangle counts, published or counted by other programs.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -16,14 +16,14 @@ std::uint64_t triangles(const std::filesystem::path& file)
     return load_obj(file).statistics().triangles;
 }
 
-TEST(ObjScenes, StanfordCounts)
+TEST(ObjScenes, StanfordModelsHavePublishedCounts)
 {
     GNOMON_NEED_SCENE(folder, "stanford");
     EXPECT_EQ(triangles(folder / "stanford-bunny.obj"), 69451u);
     EXPECT_EQ(triangles(folder / "buddha_50k_decimated.obj"), 50000u);
 }
 
-TEST(ObjScenes, CornellBox)
+TEST(ObjScenes, CornellBoxHasKnownCounts)
 {
     GNOMON_NEED_SCENE(file, "cornell/embree/cornell_box.obj");
     const scene::Scene scene = load_obj(file);
@@ -34,7 +34,7 @@ TEST(ObjScenes, CornellBox)
     EXPECT_NEAR(box.high.z, 559.2f, 1e-3f);
 }
 
-TEST(ObjScenes, SponzaWhole)
+TEST(ObjScenes, SponzaHasKnownCountsAndTextures)
 {
     GNOMON_NEED_SCENE(file, "sponza/sponza.obj");
     const auto begin = std::chrono::steady_clock::now();
@@ -47,7 +47,7 @@ TEST(ObjScenes, SponzaWhole)
     EXPECT_EQ(scene.statistics().triangles, 279163u);
     EXPECT_EQ(scene.materials.size(), 26u);
     for (const std::string& warning : scene.warnings) ADD_FAILURE() << warning;
-    // 25 colour images, three of them with a mask; each material that names one has it.
+    // 25 colour images, three of them with a mask; each material that names an image has it.
     EXPECT_EQ(scene.textures.size(), 25u);
     int masked = 0;
     for (const scene::Material& material : scene.materials) {

@@ -185,12 +185,12 @@ void expect_same_shadows(const Scene& scene, int frame, Size size, ShadowTexture
     testing::Test::RecordProperty("shadow_pixels_equal_percent", std::to_string(100 * (1 - share)));
 }
 
-TEST_F(RasterCrosscheck, LightOfCornell)
+TEST_F(RasterCrosscheck, ColoursOfCornellEqualTheTracedFrame)
 {
     expect_same_light(load("builtin:cornell"), 12, 0.98);
 }
 
-TEST_F(RasterCrosscheck, TheBrightestLightsAreNumbers)
+TEST_F(RasterCrosscheck, BrightestLightsGiveFiniteColours)
 {
     for (const Indirect indirect : {Indirect::visible, Indirect::quadtree})
         for (const test::BrightScene& bright : test::bright_scenes({"3.4e38"})) {
@@ -203,13 +203,13 @@ TEST_F(RasterCrosscheck, TheBrightestLightsAreNumbers)
         }
 }
 
-TEST_F(RasterCrosscheck, LightOfKinetic)
+TEST_F(RasterCrosscheck, ColoursOfKineticEqualTheTracedFrame)
 {
     expect_same_light(load("builtin:kinetic"), 40, 0.7);
 }
 
 // Instances, mirrored ones, one-sided and masked surfaces, deforming meshes; glass.
-TEST_F(RasterCrosscheck, LightOfRandomScenes)
+TEST_F(RasterCrosscheck, ColoursOfRandomScenesEqualTheTracedFrame)
 {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
         SCOPED_TRACE(seed);
@@ -225,13 +225,13 @@ TEST_F(RasterCrosscheck, LightOfRandomScenes)
 }
 
 // Footprints a hundred times as long as wide, of a texture that is turned.
-TEST_F(RasterCrosscheck, LightOfAFloorToTheHorizon)
+TEST_F(RasterCrosscheck, ColoursOfAFloorToTheHorizonEqualTheTracedFrame)
 {
     expect_same_light(test::floor_to_the_horizon(), 1, 0.98);
 }
 
 // Bumps, from the front and from behind; turned with their image, but not where the file has tangents.
-TEST_F(RasterCrosscheck, LightOfNormalMaps)
+TEST_F(RasterCrosscheck, ColoursOfNormalMapsEqualTheTracedFrame)
 {
     scene::Scene scene;
     Image8 bumps(16, 16, 3);
@@ -270,7 +270,7 @@ TEST_F(RasterCrosscheck, LightOfNormalMaps)
     expect_same_light(lit, 1, 0.95);
 }
 
-TEST_F(RasterCrosscheck, LightOfFiles)
+TEST_F(RasterCrosscheck, ColoursOfSceneFilesEqualTheTracedFrame)
 {
     for (const char* name : {"gltf/CesiumMilkTruck.glb", "gltf/BoxAnimated.glb", "gltf/cannon.glb"}) {
         SCOPED_TRACE(name);
@@ -281,7 +281,7 @@ TEST_F(RasterCrosscheck, LightOfFiles)
 }
 
 // Beside bounced light, too: an image behind the windows is seen by its ambient colour, and a court is filled dimly.
-TEST_F(RasterCrosscheck, BackdropsAndTheFillOfCourts)
+TEST_F(RasterCrosscheck, BackdropsAndCourtyardFillLightEqualTheTracedFrame)
 {
     scene::Scene scene;
     scene::Material court, backdrop;
@@ -314,24 +314,24 @@ TEST_F(RasterCrosscheck, BackdropsAndTheFillOfCourts)
     EXPECT_LE(different, seen[0].size() / 100);   // at edges, of objects and shadows
 }
 
-TEST_F(RasterCrosscheck, LightOfKitchen)
+TEST_F(RasterCrosscheck, ColoursOfKitchenEqualTheTracedFrame)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     expect_same_light(load(file.string()), 200, 0.3, ShadowTextures::coherent);
 }
 
-TEST_F(RasterCrosscheck, HardShadowsOfCornell)
+TEST_F(RasterCrosscheck, HardShadowsOfCornellEqualTheTracedFrame)
 {
     for (const ShadowTextures method : {ShadowTextures::coherent, ShadowTextures::depth, ShadowTextures::per_caster})
         expect_same_shadows(load("builtin:cornell"), 12, {320, 320}, method);
 }
 
-TEST_F(RasterCrosscheck, HardShadowsOfKinetic)
+TEST_F(RasterCrosscheck, HardShadowsOfKineticEqualTheTracedFrame)
 {
     expect_same_shadows(load("builtin:kinetic"), 40, {320, 180}, ShadowTextures::coherent);
 }
 
-TEST_F(RasterCrosscheck, HardShadowsOfKitchen)
+TEST_F(RasterCrosscheck, HardShadowsOfKitchenEqualTheTracedFrame)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     const Scene scene = load(file.string());
@@ -356,7 +356,7 @@ Scene balls_over_floor(bool holes)
 }
 
 // Alpha-tested casters, apart: light falls through their holes, and there alone.
-TEST_F(RasterCrosscheck, HardShadowsOfCutOuts)
+TEST_F(RasterCrosscheck, HardShadowsOfAlphaTestedObjectsEqualTheTracedFrame)
 {
     const Size size{240, 180};
     expect_same_shadows(balls_over_floor(true), 1, size, ShadowTextures::coherent);
@@ -373,7 +373,7 @@ TEST_F(RasterCrosscheck, HardShadowsOfCutOuts)
 
 // Squeezed flat by what moves it, a thing meets no ray: it is not seen, and casts no shadow. One that cannot move does
 // both. By either frame.
-TEST_F(RasterCrosscheck, WhatIsFlatIsThereOrNotInBoth)
+TEST_F(RasterCrosscheck, SingularTransformsAreHandledAsInTheTracedFrame)
 {
     const glm::dmat4 flat = test::translation(0, 2, 0) * glm::scale(glm::dmat4(1), glm::dvec3(1.5, 0, 1.5));
     std::size_t seen[2] = {0, 0};
@@ -413,7 +413,7 @@ TEST_F(RasterCrosscheck, WhatIsFlatIsThereOrNotInBoth)
 }
 
 // What is remembered changes nothing: a video's frames are those of fresh renderers, by all three methods.
-TEST_F(RasterCrosscheck, VideoIsItsFrames)
+TEST_F(RasterCrosscheck, FramesOfAVideoEqualFreshRenderers)
 {
     const Scene scene = load("builtin:cornell");
     for (const ShadowTextures method : {ShadowTextures::coherent, ShadowTextures::depth}) {
@@ -429,7 +429,7 @@ TEST_F(RasterCrosscheck, VideoIsItsFrames)
 }
 
 // What moves is red, what it left and what it now covers is as the light views say; a frame like the last is grey.
-TEST_F(RasterCrosscheck, OverlayShowsWhatWasRedrawn)
+TEST_F(RasterCrosscheck, OverlayShowsRedrawnTexels)
 {
     const Scene scene = load("builtin:cornell");
     RenderOptions options = options_of(RenderMethod::raster, {80, 80});
@@ -466,7 +466,7 @@ void forget_large_buffers(VkPhysicalDevice device, VkPhysicalDeviceProperties* p
 }
 
 // Of 9 lights, in batches of 8, the layers of 3 fit at once.
-TEST_F(RasterCrosscheck, LayersBeyondWhatAShaderIsGivenAtOnce)
+TEST_F(RasterCrosscheck, LayersBeyondTheStorageBufferLimit)
 {
     std::vector<std::string> lights;
     for (int l = 0; l < 9; ++l) lights.push_back(fmt::format("point {} 0.5 1 {} 1 2", 0.4 * l - 2.2, 1 + l));
@@ -484,7 +484,7 @@ TEST_F(RasterCrosscheck, LayersBeyondWhatAShaderIsGivenAtOnce)
     EXPECT_THROW(Renderer(options).render(scene, 1), MissingError);
 }
 
-TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsWhole)
+TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsComplete)
 {
     const Scene scene = load("builtin:cornell");
     const RenderOptions options = options_of(RenderMethod::raster, {40, 40});
@@ -512,7 +512,7 @@ TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsWhole)
 }   // namespace
 }   // namespace gnomon
 #else
-TEST(RasterCrosscheck, LeftOut)
+TEST(RasterCrosscheck, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// RayScene against its slow twin: every triangle of the scene in double precision (Moller and Trumbore 1997), with the
-// rules of sides, masks and transparency told anew.
-//
-// Single and double precision may part at borders: of triangles, of a mask's squares, of seeing edge-on, of the ray's
-// own ends. So the twin answers twice, with all borders moved in the ray's favour by a margin and then against it, and
-// the fast answer must lie between the two; nearly all rays must be so clear that the two agree.
+// RayScene against a brute-force reference: every triangle of the scene in double precision (Moller and Trumbore 1997),
+// with an independent implementation of sides, masks and transparency. Single and double precision may differ at
+// borders: of triangles, of a mask's squares, of edge-on views, of the ray's own ends. So the reference answers twice,
+// with all borders moved by a margin in the ray's favour and against it. The result must lie between the two, and for
+// nearly all rays the two must agree.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,11 +14,11 @@
 namespace gnomon::test {
 namespace {
 
-constexpr double k_margin = 2e-4;   // in barycentric coordinates, cosines, and of the distance
+constexpr double k_margin = 2e-4;   // in barycentric coordinates, cosines, and relative to the distance
 
-class Twin {
+class BruteForce {
  public:
-    explicit Twin(const scene::SceneState& state) : scene_(state.scene())
+    explicit BruteForce(const scene::SceneState& state) : scene_(state.scene())
     {
         for (scene::ObjectId o = 0; o < scene_.objects.size(); ++o) {
             if (!state.object_visible(o)) continue;
@@ -27,7 +26,7 @@ class Twin {
             const scene::Mesh& mesh = scene_.meshes[object.mesh];
             const glm::dmat4& world = state.world(object.node);
             const auto& positions = object.deforming ? state.deformed(o).positions : mesh.positions;
-            // A mirroring matrix turns the winding, not the outside.
+            // A mirroring matrix reverses the winding, not the outside.
             const double outside = glm::determinant(glm::dmat3(world)) < 0 ? -1 : 1;
             for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
                 Triangle triangle{o, t, &mesh, &scene_.materials[mesh.part_of(t).material], {}, {}};
@@ -39,8 +38,8 @@ class Twin {
         }
     }
 
-    /// @param slack  added to what is accepted at every border; negative: taken away
-    /// @return distance of the nearest hit; infinite if none
+    /// @param slack  added to the accepted range at every border; negative: subtracted
+    /// @return distance of the nearest hit; infinite if there is none
     double nearest(const ray::RayQueue& rays, std::size_t i, bool front_only, bool shadow, double slack) const
     {
         double result = k_infinity;
@@ -51,7 +50,7 @@ class Twin {
         return result;
     }
 
-    /// The distance at which this very triangle is met, borders moved outwards.
+    /// The distance at which the ray hits this very triangle, with borders moved outwards.
     double distance_to(const ray::Hit& hit, const ray::RayQueue& rays, std::size_t i, bool front_only) const
     {
         for (const Triangle& triangle : triangles_)
@@ -79,7 +78,7 @@ class Twin {
         const double determinant = glm::dot(e1, s);
         const double cosine = glm::dot(glm::normalize(triangle.outward), glm::normalize(along));
         if (std::abs(cosine) < 1e-7) return k_infinity;
-        // Grazing rays are unclear by as much as they graze.
+        // The uncertainty of grazing rays grows with the inverse of the cosine.
         const double border = slack / std::abs(cosine);
         const double u = glm::dot(q, s) / determinant, v = glm::dot(along, r) / determinant;
         if (u < -border || v < -border || u + v > 1 + border) return k_infinity;
@@ -94,7 +93,7 @@ class Twin {
         return t;
     }
 
-    // The chessboard of scene_helpers.h: at the border of a square, there if any (all) of the neighbourhood is.
+    // The chessboard of scene_helpers.h: at the border of a square, opaque if any (all) of the neighbourhood is.
     bool there(const Triangle& triangle, double u, double v, double slack) const
     {
         const glm::uvec3 index = triangle.mesh->triangles[triangle.index];
@@ -115,20 +114,20 @@ class Twin {
     std::vector<Triangle> triangles_;
 };
 
-TEST(RaySceneTwin, AnswersAsEveryTriangleInDoublePrecision)
+TEST(RaySceneReference, EqualsBruteForceInDoublePrecision)
 {
-    std::size_t clear = 0, asked = 0, met = 0, dark = 0;
+    std::size_t clear = 0, traced = 0, met = 0, dark = 0;
     for (std::uint64_t seed = 11; seed <= 14; ++seed) {
         const scene::SceneState state(make_random_scene(seed), 0.7 * static_cast<double>(seed));
         const ray::RayScene scene(state);
-        const Twin twin(state);
+        const BruteForce reference(state);
         const ray::RayQueue rays = random_rays(seed, 1500);
-        const Answers answers = ask(scene, rays);
+        const Answers answers = trace(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             for (const bool front_only : {false, true}) {
                 const ray::Hit& hit = (front_only ? answers.front : answers.both)[i];
-                const double low = twin.nearest(rays, i, front_only, false, k_margin);
-                const double high = twin.nearest(rays, i, front_only, false, -k_margin);
+                const double low = reference.nearest(rays, i, front_only, false, k_margin);
+                const double high = reference.nearest(rays, i, front_only, false, -k_margin);
                 const bool found = hit.object != scene::none;
                 const double t = found ? static_cast<double>(hit.t) : static_cast<double>(k_infinity);
                 const double room = k_margin * (1 + std::abs(t));
@@ -136,34 +135,34 @@ TEST(RaySceneTwin, AnswersAsEveryTriangleInDoublePrecision)
                 if (found) {
                     ASSERT_GE(t, low - room) << "too near, seed " << seed << ", ray " << i;
                     ASSERT_LE(t, high + room) << "too far, seed " << seed << ", ray " << i;
-                    ASSERT_NEAR(t, twin.distance_to(hit, rays, i, front_only), room) << "another triangle";
+                    ASSERT_NEAR(t, reference.distance_to(hit, rays, i, front_only), room) << "another triangle";
                 }
-                ++asked;
+                ++traced;
                 met += found;
                 clear += low == high || std::abs(high - low) <= room;
             }
-            const bool surely = twin.nearest(rays, i, false, true, -k_margin) < static_cast<double>(k_infinity);
-            const bool perhaps = twin.nearest(rays, i, false, true, k_margin) < static_cast<double>(k_infinity);
+            const bool surely = reference.nearest(rays, i, false, true, -k_margin) < static_cast<double>(k_infinity);
+            const bool perhaps = reference.nearest(rays, i, false, true, k_margin) < static_cast<double>(k_infinity);
             ASSERT_TRUE(answers.occluded[i] ? perhaps : !surely) << "seed " << seed << ", ray " << i;
             ASSERT_EQ(answers.occluded[i], answers.occluded_static[i] | answers.occluded_dynamic[i]);
-            ++asked;
+            ++traced;
             dark += answers.occluded[i];
             clear += surely == perhaps;
         }
     }
-    EXPECT_GE(static_cast<double>(clear), 0.97 * static_cast<double>(asked));
-    EXPECT_GT(met, asked / 12);
-    EXPECT_GT(dark, asked / 30);
-    RecordProperty("unclear", static_cast<int>(asked - clear));
+    EXPECT_GE(static_cast<double>(clear), 0.97 * static_cast<double>(traced));
+    EXPECT_GT(met, traced / 12);
+    EXPECT_GT(dark, traced / 30);
+    RecordProperty("unclear", static_cast<int>(traced - clear));
 }
 
-// The geometry handed to shading is the geometry that rays meet.
-TEST(RaySceneTwin, CornersSpanWhereRaysHit)
+// Shading gets the geometry that rays hit.
+TEST(RaySceneReference, CornersOfTheHitTriangleSpanTheHitPoint)
 {
     const scene::SceneState state(make_random_scene(21), 2.2);
     const ray::RayScene scene(state);
     const ray::RayQueue rays = random_rays(3, 4000);
-    const Answers answers = ask(scene, rays);
+    const Answers answers = trace(scene, rays);
     std::size_t met = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const ray::Hit& hit = answers.both[i];
@@ -175,7 +174,7 @@ TEST(RaySceneTwin, CornersSpanWhereRaysHit)
         const glm::vec3 by_corners = (1 - hit.u - hit.v) * p[0] + hit.u * p[1] + hit.v * p[2];
         const glm::vec3 by_distance = rays.origin(i) + hit.t * rays.direction(i);
         ASSERT_LT(glm::distance(by_corners, by_distance), 1e-3f) << i;
-        // Normals turn by the inverse transpose: what was outside stays outside, whatever mirrors the object.
+        // Normals transform by the inverse transpose: the outside stays outside, even if the object is mirrored.
         const scene::Object& object = state.scene().objects[hit.object];
         const glm::dmat3 matrix(state.world(object.node));
         ASSERT_EQ(geometry.mirrored, glm::determinant(matrix) < 0) << i;
@@ -190,8 +189,8 @@ TEST(RaySceneTwin, CornersSpanWhereRaysHit)
     EXPECT_GT(met, 500u);
 }
 
-// A ray that ends behind its beginning meets nothing, by packets and by itself.
-TEST(RaySceneTwin, RaysThatEndBehindTheirBeginning)
+// A ray that ends behind its origin hits nothing, in packets and as a single ray.
+TEST(RaySceneReference, RaysWithNegativeLengthHitNothing)
 {
     const scene::SceneState state(make_random_scene(22), 1.1);
     const ray::RayScene scene(state);
@@ -199,15 +198,15 @@ TEST(RaySceneTwin, RaysThatEndBehindTheirBeginning)
     for (const float end : {-1.0f, -2e9f, -k_infinity}) {
         ray::RayQueue behind;
         for (std::size_t i = 0; i < rays.size(); ++i) behind.push(rays.origin(i), 0, rays.direction(i), end);
-        const Answers answers = ask(scene, behind), singly = ask_singly(scene, behind);
+        const Answers answers = trace(scene, behind), singly = trace_singly(scene, behind);
         EXPECT_EQ(differences(answers, singly), 0u) << end;
         EXPECT_EQ(count_hits(answers), 0u) << end;
         EXPECT_EQ(std::count(answers.occluded.begin(), answers.occluded.end(), 0), 300) << end;
     }
 }
 
-// Rays that see fronts only pass the backs of one-sided surfaces; so the far wall of a ball stays unseen from inside.
-TEST(RaySceneTwin, SidesMasksAndGlass)
+// Rays that see fronts only pass the backs of one-sided surfaces, so the far wall of a ball is not seen from inside.
+TEST(RaySceneReference, HonoursSidesMasksAndGlass)
 {
     scene::Scene description;
     add_materials(description);
@@ -231,7 +230,7 @@ TEST(RaySceneTwin, SidesMasksAndGlass)
         }
         for (const auto m : {two_sided, one_sided, glass}) {
             const float x = start + 10.0f * static_cast<float>(m);
-            // From outside all are seen; from inside one-sided surfaces stop light as well, glass never does.
+            // From outside all are hit; from inside one-sided surfaces block light as well, glass never does.
             EXPECT_EQ(look_at(rays, x, ray::Sides::front).object, 2 * m + (start > 0)) << m;
             EXPECT_EQ(rays.occluded_single({x, 0.01f, 0.02f}, 0, {0.1f, 0.2f, 1}, 2), m != glass) << m;
         }

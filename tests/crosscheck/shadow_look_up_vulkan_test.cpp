@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The look-up of shadows on the device and its twin on the CPU say the same of the same points and buffers.
+// The shadow look-up on the device equals its CPU reference for the same points and buffers.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -11,14 +11,14 @@ namespace {
 
 class ShadowLookUpVulkan : public test::VulkanTest {};
 
-constexpr std::uint32_t k_side = 48;   // of the image of points
+constexpr std::uint32_t k_side = 48;   // the side of the image of points
 
 struct Points {
     std::vector<glm::vec4> positions, normals;
     std::vector<std::uint32_t> objects;   // + 1
 };
 
-// Random points of random triangles of all visible casters, seen from a random side.
+// Random points on random triangles of all visible casters, seen from a random side.
 Points points_of(const scene::SceneState& state, const light_views::Casters& casters, std::uint64_t seed)
 {
     Points points;
@@ -66,7 +66,7 @@ vk::Image image(const std::shared_ptr<vk::Device>& device, vk::Commands& command
     return image;
 }
 
-// One view's square, as the twin has it.
+// One view's tile as a buffer of the reference implementation.
 light_views::SoftwareBuffer square(const std::vector<vk::Buffer>& depth, const std::vector<vk::Buffer>& item,
                                    const light_views::Tile& tile, int page_size)
 {
@@ -82,7 +82,7 @@ light_views::SoftwareBuffer square(const std::vector<vk::Buffer>& depth, const s
     return buffer;
 }
 
-TEST_F(ShadowLookUpVulkan, SaysWhatItsTwinSays)
+TEST_F(ShadowLookUpVulkan, EqualsTheCpuReference)
 {
     constexpr int frames = 12;
     const test::LightScript script = test::make_light_script(3, frames);
@@ -154,7 +154,7 @@ TEST_F(ShadowLookUpVulkan, SaysWhatItsTwinSays)
                 }
                 lit += expected == 1, dark += expected == 0, between += expected > 0 && expected < 1;
                 ++compared;
-                // A texel more or less where a border runs through rounding.
+                // One texel may differ where a border lies within rounding.
                 constexpr float step = 1.0f / 255;
                 different += std::abs(static_cast<float>(seen[l].as<std::uint8_t>()[i]) / 255 - expected) > step;
                 different_textures += seen_by_textures[l].as<std::uint8_t>()[i] != seen[l].as<std::uint8_t>()[i];
@@ -165,7 +165,8 @@ TEST_F(ShadowLookUpVulkan, SaysWhatItsTwinSays)
     EXPECT_GT(dark, compared / 20);
     EXPECT_GT(between, 100u);
     EXPECT_LT(different, compared / 1000) << compared;
-    // The receivers' own textures differ from the items where objects are equally near: exact doubles, in the script.
+    // The receivers' own textures differ from the items where objects have the same depth: the script's exact
+    // duplicates.
     EXPECT_LT(different_textures, compared / 100) << compared;
 }
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# From a bare Debian 12 to a video: debootstrap's smallest system in a folder, this repository's HEAD in it, and
-# `./dev demo` and `./dev test` as the README says. Everything else that is needed must be installed by ./dev itself.
+# From a minimal Debian 12 to a video: a debootstrap system in a folder, this repository's HEAD in it, then `./dev demo`
+# and `./dev test` as in the README. ./dev itself must install everything else.
 #
-# Needs root, debootstrap, git and the package archive of this machine's own apt configuration; exit 77 (skipped) without.
-# Mounts live in a mount namespace of their own and go with it, however this ends.
+# Needs root, debootstrap, git and the package archive of this machine's apt configuration; exits with 77 (skipped)
+# otherwise.
+# Mounts are in a separate mount namespace and end with it, in all cases.
 #
 # GNOMON_DEMO_ARGS: options for the demo's video (default: a short and small one).
 set -euo pipefail
@@ -13,7 +14,7 @@ source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 skip() { echo "bare_debian: skipped: $*"; exit 77; }
 fail() { echo "bare_debian: FAILED: $*"; exit 1; }
 
-# The first Debian mirror of this machine's apt, whichever of the two file formats it is written in.
+# The first Debian mirror of this machine's apt, in either of its two file formats.
 debian_mirror() {
     { cat /etc/apt/sources.list.d/*.sources 2>/dev/null | sed -n 's/^URIs: *\([^ ]*\).*/\1/p'
       cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
@@ -21,7 +22,7 @@ debian_mirror() {
         grep -v -e security | grep '/debian/*$' | head -n 1
 }
 
-# Runs in the mount namespace.
+# This part runs in the mount namespace.
 in_namespace() {
     local root=$1
     mount -t proc proc "$root/proc"
@@ -74,7 +75,7 @@ if ! debootstrap --variant=minbase "${more[@]}" bookworm "$root" "$mirror" >"$sc
     tail -n 5 "$scratch/debootstrap.log"
     skip "debootstrap could not make a system from $mirror"
 fi
-# This machine's way to the archive: sources, options, keys, names, certificates.
+# Copy this machine's access to the archive: sources, options, keys, names, certificates.
 rm -rf "$root/etc/apt"
 cp -a /etc/apt "$root/etc/apt"
 cp -a /usr/share/keyrings/. "$root/usr/share/keyrings/"

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# A minute in the viewer's window: drags, zooms, flights, every option of the panel, scrubbing, an object frozen and one
-# moved by hand, another size, a second file by drag and drop. Real input events, on an X server of its own.
+# Uses the viewer's window for a minute: drags, zooms, flights, every option of the panel, scrubbing, an object frozen
+# and one moved by the user, another size, a second file by drag and drop. Real input events, on a separate X server.
 #
 #     window_minute.sh PROGRAM DROP_FILE [FOLDER]
 #
-# With LEAKS=1 memory that was lost is looked for at the end: by the program's own sanitizer if it was built with that of
-# addresses, else by gcc's leak sanitizer, loaded into it. Libraries are then never unloaded, so that what they keep can be
-# told from what is lost, and Vulkan's validation, which loses some by itself, stays off.
+# With LEAKS=1, leaks are checked at the end: by the program's own sanitizer if it was built with AddressSanitizer, else
+# by gcc's leak sanitizer, which is preloaded. Libraries are then never unloaded, so that memory they keep is not
+# reported as lost, and Vulkan's validation, which leaks, is off.
 #
-# Fails if the program does, if Vulkan's validation has a message, if a sanitizer does, if one option could not be set, or
-# if a window frame took more than LONGEST_MS (250; not asked of a sanitizer, for which PACE makes pauses longer). Prints
-# the figures; leaves screenshots in FOLDER if one is given. Exits with 77 where Xvfb or xdotool is missing.
+# Fails if the program fails, if Vulkan's validation or a sanitizer reports a message, if an option could not be set, or
+# if a window frame took more than LONGEST_MS (250; not checked with a sanitizer, for which PACE makes pauses longer).
+# Prints the figures; leaves screenshots in FOLDER if one is given. Exits with 77 if Xvfb or xdotool is missing.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 program=$(realpath "$1")
@@ -22,11 +22,11 @@ folder=${3:-$(mktemp -d)}
 mkdir -p "$folder"
 [[ $# -ge 3 ]] || trap 'rm -rf "$folder"' EXIT
 
-# Two scenes of our own, one of them to be dropped, and an image of surroundings.
+# Two scenes, one of them to be dropped, and an environment image.
 printf 'v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$folder/second.obj"
 "$program" render "$folder/second.obj" -o "$folder/sky.png" --size 64x32 --quiet 2>/dev/null
 
-# Where the panel has its rows: in pixels, with the default font and no object picked.
+# The panel's rows in pixels, with the default font and no object picked.
 first_row=356 row=23 first_entry=28 entry=17
 
 declare -a steps=()
@@ -35,7 +35,7 @@ pause() { step "sleep $(awk "BEGIN { print $1 * ${PACE:-1} }")"; }
 click() { step "mousemove $1 $2"; step "click ${3:-1}"; pause 0.1; }
 drag() { step "mousemove $2 $3"; step "mousedown $1"; for i in 1 2 3 4 5 6; do
     step "mousemove $(($2 + ($4 - $2) * i / 6)) $(($3 + ($5 - $3) * i / 6))"; pause 0.05; done; step "mouseup $1"; }
-# A group's header opens it, its options stand below; again, and it closes.
+# A click on a group's header opens it, with its options below; a second click closes it.
 group=0
 header() { click 150 $((first_row + row * group)); pause 0.2; option=0; }
 place() { echo $((first_row + row * (group + 1) + row * option)); }
@@ -68,7 +68,7 @@ header; chosen 1; again; chosen 0; again; chosen 2; chosen 1; again; chosen 2; t
 header; chosen 1; pause 1; again; chosen 2; pause 1; again; chosen 0; again; chosen 3                 # indirect light
 typed 8; chosen 2; typed 64; typed 4; typed 0.1; typed 0.8; chosen 1; close
 
-# The ball at its first place: picked, frozen, and moved by hand while the clip plays on.
+# The ball at its first position: picked, frozen, and moved by the user while the clip plays.
 step "key c"; step "key space"; step "key Home"; pause 3
 click 315 430; pause 4; click 25 352; pause 0.5; step "key space"; drag 1 50 377 90 377; pause 1; step "shot moved.png"
 
@@ -77,10 +77,10 @@ step "drop second.obj"; pause 2; step "shot second.png"; click 600 600
 pause 0.5; step "key f"; drag 1 600 500 660 520; pause 0.5; step "key p"; step "await gnomon-0001.png"
 step "key Escape"
 
-# Loaded into the program alone: else it would look for leaks of Xvfb, too.
+# Preload into the program only: otherwise leaks of Xvfb would be checked too.
 run=("$program")
 if [[ -n ${LEAKS:-} ]]; then
-    # Without libraries of its own: a sanitizer's runtime in the program has to come before them.
+    # No libraries of its own, because a sanitizer's runtime in the program must be loaded first.
     echo 'int dlclose(void* library) { return library == 0; }' | gcc -shared -fPIC -nostdlib -x c -o "$folder/keep.so" -
     preload=$folder/keep.so
     grep -q __asan_init "$program" || preload="$(gcc -print-file-name=liblsan.so) $preload"

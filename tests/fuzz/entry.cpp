@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer's side. The environment says which target (GNOMON_FUZZ_TARGET), and, to write its seeds and leave, where to
-// (GNOMON_FUZZ_SEEDS).
+// Entry points of libFuzzer. The environment names the target (GNOMON_FUZZ_TARGET) and, to write its seeds and exit,
+// the folder for them (GNOMON_FUZZ_SEEDS).
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 
 const gnomon::fuzz::Target* g_target = nullptr;
 
-// One change in eight stays as it is: lengths and checksums may be wrong, too.
+// One change in eight is not repaired, so that wrong lengths and checksums are tested too.
 constexpr unsigned k_unrepaired = 8;
 
 void write_seeds(const std::string& folder)

@@ -22,8 +22,7 @@ void put_little(Bytes& bytes, std::size_t at, std::size_t value)
     for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-// Where the JSON that begins at `at` ends: behind the brace that closes it, filled up with blanks to a multiple of
-// four.
+// The end of the JSON that starts at `at`: after the brace that closes it, padded with spaces to a multiple of four.
 std::size_t end_of_json(const Bytes& bytes, std::size_t at)
 {
     int depth = 0;

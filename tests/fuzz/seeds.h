@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What fuzzing begins with, by target (targets.h).
+// The seeds of each fuzzing target (targets.h).
 
 #include "fuzz/targets.h"
 

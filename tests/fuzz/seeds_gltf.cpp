@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF documents with everything that the importer reads. They name t.png and data.bin, which targets.cpp lays beside
-// them.
+// glTF documents with all features that the importer reads. They refer to t.png and data.bin, which targets.cpp puts
+// into the same folder.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -12,7 +12,7 @@ namespace gnomon::fuzz {
 
 namespace {
 
-// Puts a document together: data goes into one buffer, each piece a view and an accessor of its own.
+// Builds a document: all data goes into one buffer, with a view and an accessor for each piece.
 class Document {
  public:
     template <class T>
@@ -39,7 +39,7 @@ class Document {
     {
         return accessor(values, type, 5126, count, more);
     }
-    /// An accessor whose JSON is given.
+    /// An accessor with the given JSON.
     int raw_accessor(const std::string& json)
     {
         accessors_ += "," + json;
@@ -98,7 +98,7 @@ class Document {
 const std::vector<float> k_square = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 constexpr const char* k_square_bounds = R"(,"min":[0,0,0],"max":[1,1,0])";
 
-// Meshes of every kind of attribute, a skin, morph targets, animations of all paths and interpolations.
+// Meshes with every kind of attribute, a skin, morph targets, animations of all paths and interpolations.
 std::pair<Document, std::string> moving()
 {
     Document d;

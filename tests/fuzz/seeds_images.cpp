@@ -24,7 +24,7 @@ Bytes bytes_of(const std::string& text)
     return {text.begin(), text.end()};
 }
 
-// A ramp that repeats, so that compression has something to do.
+// A repeating ramp, so that it can be compressed.
 Bytes ramp(std::size_t size)
 {
     Bytes bytes(size);
@@ -48,7 +48,7 @@ Bytes make_jpeg(const test::JpegKind& kind)
     return test::jpeg_bytes(kind, ramp(static_cast<std::size_t>(kind.width) * static_cast<std::size_t>(kind.channels)));
 }
 
-// --- OpenEXR into memory
+// --- OpenEXR in memory
 
 class MemoryStream : public Imf::OStream {
  public:

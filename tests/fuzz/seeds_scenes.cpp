@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// AFF, OBJ and MTL with every statement. They name t.ppm, t.png, part.aff and m.mtl, which targets.cpp lays beside
-// them.
+// AFF, OBJ and MTL with every statement. They refer to t.ppm, t.png, part.aff and m.mtl, which targets.cpp puts into
+// the same folder.
 #include <string>
 
 #include "fuzz/seeds.h"
@@ -58,7 +58,7 @@ const char* const k_obj_scene =
     "# all of it\r\nmtllib m.mtl\no first one\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 .5 .5 .5\nv 0 1e0 0\nv .5 .25 -1\n"
     "vt 0 0\nvt 1 0 0\nvt 1 1\nvn 0 0 1\nvn 0 0 -1\ng group\ns 1\nusemtl red\nf 1/1/1 2/2/1 3/3/1\n"
     "f -1//-1 -2//-1 -3//-1\ns off\nusemtl blue \r\nf 1 2 \\\n 3 4 5\nf 1/1 2/2 3/3 4/1\nl 1 2\np 1\nvp 0.1\n";
-// A polygon with a dent, smoothed, and one that crosses itself.
+// A concave polygon with smoothing, and one that intersects itself.
 const char* const k_obj_polygons =
     "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 .5 0\nv 0 2 0\nv 1 1 1\ns 2\nf 1 2 3 4 5\nf 1 3 2 5\nf 1 2 6\nf 6 6 6\nusemtl "
     "none\n"

@@ -15,7 +15,7 @@ Bytes bytes_of(const std::string& text)
 
 }   // namespace
 
-// The first byte chooses the subcommand, in the order of the table.
+// The first byte selects the subcommand, in the order of the table.
 std::vector<Bytes> config_seeds()
 {
     return {bytes_of(std::string("\0", 1) + R"({"out":"a.png","size":"64x48","frames":"1-3","threads":2,"json":true})"),

@@ -29,12 +29,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Images and scenes larger than this are refused here, so that time goes into many small inputs.
+// Larger images and scenes are refused here, so that the time is spent on many small inputs.
 constexpr io::ImageLimits k_image{.max_side = 2048, .max_pixels = 1u << 20};
 constexpr io::FloatImageLimits k_float_image{
     .max_side = 2048, .max_pixels = 1u << 20, .max_values = 1u << 22, .max_channels = 64};
 
-// --- A folder as scenes want it, with the files that inputs name.
+// --- A scene folder with the files that inputs refer to.
 
 class Folder {
  public:
@@ -86,7 +86,7 @@ const Folder& folder()
     return folder;
 }
 
-// --- What is held against every outcome.
+// --- Checks of every outcome.
 
 void check_message(const std::string& message)
 {
@@ -115,7 +115,7 @@ bool finite(const glm::dmat4& m)
     return true;
 }
 
-// A scene that was accepted can be evaluated at any time, and stays finite.
+// An accepted scene can be evaluated at any time, and stays finite.
 void check_scene(scene::Scene loaded)
 {
     for (const std::string& warning : loaded.warnings) check_message(warning);
@@ -201,7 +201,7 @@ std::string run_glb(Input bytes)
     return reads([&] { check_scene(io::load_gltf(file)); });
 }
 
-// The first byte chooses a subcommand.
+// The first byte selects a subcommand.
 std::string run_config(Input bytes)
 {
     if (bytes.empty()) return "no subcommand";
@@ -213,19 +213,19 @@ std::string run_config(Input bytes)
     });
 }
 
-// Words are lines. Other files than those here are not for it to open.
+// Each line is a word. No other files than those here may be opened.
 std::string run_options(Input bytes)
 {
     std::vector<std::string> words(1);
     for (const std::uint8_t c : bytes)
         c == '\n' ? (void)words.emplace_back() : words.back().push_back(static_cast<char>(c));
     for (const std::string& word : words)
-        if (word.find("config") != std::string::npos) return "not asked here";
+        if (word.find("config") != std::string::npos) return "not tested here";
     try {
         const cli::CommandLine line = cli::parse_command_line(words);
         if (line.help) cli::help_text(line.subcommand);
         return {};
-    } catch (const UsageError& error) {   // repeats words as they were given; the program makes it one line
+    } catch (const UsageError& error) {   // repeats words as they were given; the program turns it into one line
         return error.what();
     }
 }

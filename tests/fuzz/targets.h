@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Everything that reads what strangers wrote, as functions of bytes: what libFuzzer drives (entry.cpp), and what the
-// tests run over all seeds and over what was found.
+// Everything that reads foreign data, as functions of bytes. libFuzzer runs them (entry.cpp), and the tests run them
+// over all seeds and over the inputs that fuzzing found.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,17 +16,17 @@ using Bytes = std::vector<std::uint8_t>;
 
 struct Target {
     std::string_view name;
-    /// Reads the bytes. Empty: accepted, and whole (a scene is evaluated at some times). Else why they were refused as
-    /// they ought to be, in one line without control characters. An exception is a fault.
+    /// Reads the bytes. Returns an empty string if they were accepted (a scene is then evaluated at several times),
+    /// else the reason for the refusal, in one line without control characters. An exception is an error.
     std::string (*run)(std::span<const std::uint8_t> bytes);
-    /// Small inputs with something of everything, made by code; all are accepted.
+    /// Small inputs, made by code, that cover all features; all are accepted.
     std::vector<Bytes> (*seeds)();
-    /// Makes good what nobody can guess (checksums, lengths), so that changes get further. May be null.
+    /// Repairs checksums and lengths, so that mutated inputs get past these checks. May be null.
     void (*repair)(Bytes& bytes);
 };
 
 std::span<const Target> targets();
-/// nullptr if there is none.
+/// Returns nullptr if there is no such target.
 const Target* find_target(std::string_view name);
 
 }   // namespace gnomon::fuzz

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// AFF files that are wrong by accident or on purpose: an error with file, line and column; never a crash, a wait or
-// memory that the file does not account for.
+// AFF files that are wrong by accident or on purpose: an error with file, line and column; never a crash, a hang, or
+// more memory than the file justifies.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -49,7 +49,7 @@ struct Bad {
     std::string text, place;   // place: "line:column"
 };
 
-TEST(HostileAff, WrongStatementsAreNamedWithTheirPlace)
+TEST(HostileAff, ErrorsNameLineAndColumn)
 {
     const AffFolder folder;
     folder.texture("t.ppm");
@@ -166,20 +166,20 @@ TEST(HostileAff, WrongStatementsAreNamedWithTheirPlace)
              {"d x", "1:3"},
          })
         expect_error(folder, text, std::string("main.aff:") + place + ": ");
-    // The tokens in front of these must really be fine.
+    // The tokens before these are valid.
     EXPECT_EQ(error_of(folder, std::string("k a { transl 4") + track4 + "rot 4" + turn4 + "scale 4" + track4 +
                                    "visibility 1 0 1 }"),
               "accepted");
-    // A broken image is an error of its own file.
+    // A broken image is an error in its own file.
     expect_error(folder, fm + "tt bad.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", "bad.ppm:");
 }
 
-TEST(HostileAff, ErrorsInsideIncludesNameThem)
+TEST(HostileAff, ErrorsInsideIncludesNameTheIncludedFile)
 {
     const AffFolder folder;
     folder.include("part.aff", "# fine\n\n  b 1 1 oops");
     expect_error(folder, "i 0 part.aff", "part.aff:3:9: ");
-    // Braces balance in each file.
+    // Braces must balance in each file.
     folder.include("open.aff", "x a {");
     expect_error(folder, "i 0 open.aff }", "open.aff:1:5: ");
     folder.include("close.aff", "\n }");
@@ -198,10 +198,10 @@ TEST(HostileAff, MessagesShowNoControlCharacters)
     }
 }
 
-TEST(HostileAff, NamesInWarnings)
+TEST(HostileAff, WarningsShortenNamesAndRemoveControlCharacters)
 {
     const AffFolder folder;
-    // Latin-1 has control characters above 127, too.
+    // Latin-1 has control characters above 127 as well.
     const scene::Scene named = folder.load(
         "x a\x9b"
         "31m { }\nx " +
@@ -211,7 +211,7 @@ TEST(HostileAff, NamesInWarnings)
         EXPECT_EQ(warning.find("\xc2\x9b"), std::string::npos) << warning;
         EXPECT_LT(warning.size(), 1000u);
     }
-    // Each is looked for among those before.
+    // Each name is looked up among the earlier ones.
     std::string many;
     for (int i = 0; i < 200'000; ++i) many += "x " + std::to_string(i) + " { }\n";
     const std::clock_t start = std::clock();
@@ -219,7 +219,7 @@ TEST(HostileAff, NamesInWarnings)
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 8.0 * test::k_patience);
 }
 
-TEST(HostileAff, CyclesAndDepth)
+TEST(HostileAff, RefusesCyclesAndDeepNesting)
 {
     const AffFolder folder;
     folder.include("a.aff", "\ni 0 b.aff");
@@ -236,17 +236,17 @@ TEST(HostileAff, CyclesAndDepth)
     for (int i = 0; i < 100'000; ++i) deep += "x a{";
     EXPECT_TRUE(error_of(folder, deep).starts_with("main.aff:1:")) << error_of(folder, deep);
     EXPECT_TRUE(error_of(folder, deep + std::string(100'000, '}')).starts_with("main.aff:1:"));
-    // What a scene really needs is there.
+    // Depths that real scenes need are accepted.
     std::string good = k_material;
     for (int i = 0; i < 200; ++i) good += "x a{";
     EXPECT_EQ(error_of(folder, good + k_mesh + std::string(200, '}')), "accepted");
-    // Scales that multiply beyond all numbers.
+    // Scales whose product overflows.
     std::string large = k_material;
     for (int i = 0; i < 50; ++i) large += "xs 1e9 1e9 1e9 0 0 0 0 0 0 0 {";
     EXPECT_TRUE(error_of(folder, large + k_mesh + std::string(50, '}')).starts_with("main.aff:2:"));
 }
 
-TEST(HostileAff, IncludesThatMultiply)
+TEST(HostileAff, LimitsNestedIncludes)
 {
     // Ten levels of ten includes: 10^10 without a cycle.
     const AffFolder folder;
@@ -262,9 +262,9 @@ TEST(HostileAff, IncludesThatMultiply)
     EXPECT_LT(seconds.count(), 30 * test::k_patience);
 }
 
-TEST(HostileAff, ShapesThatMultiply)
+TEST(HostileAff, LimitsTrianglesOfShapes)
 {
-    // A few bytes make many triangles: cones are counted, spheres share theirs.
+    // A few bytes make many triangles: cones are counted, spheres share a mesh.
     const AffFolder folder;
     const double before = peak_megabytes();
     std::string cones = k_material, spheres = k_material;
@@ -292,7 +292,7 @@ TEST(HostileAff, CountsAreCheckedAgainstTheFile)
     EXPECT_LT(peak_megabytes() - before, 100);
 }
 
-TEST(HostileAff, OnlyRegularFilesInsideAreOpened)
+TEST(HostileAff, OpensOnlyRegularFilesInsideItsFolder)
 {
     const AffFolder folder;
     const test::ScratchFolder outside;
@@ -309,12 +309,12 @@ TEST(HostileAff, OnlyRegularFilesInsideAreOpened)
         expect_error(folder, std::string("i 0 ") + name, "main.aff:1:5: ");
     for (const std::string name : {"fifo.ppm", "out.ppm"})
         expect_error(folder, fmt::format("{}tt {} 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", k_material, name), "main.aff:2:4: ");
-    // A link that stays inside is a file like any other.
+    // A link that stays inside is accepted.
     folder.include("real.aff", "b 1 1 1");
     std::filesystem::create_symlink("real.aff", folder.aff() / "link.aff");
     EXPECT_EQ(error_of(folder, "i 0 link.aff"), "accepted");
 
-    // The folder of textures itself may not lead out.
+    // The texture folder itself may not lead outside.
     std::filesystem::remove_all(folder.textures());
     std::filesystem::create_symlink(outside.path(), folder.textures());
     expect_error(folder, k_material + "tt secret.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1", "main.aff:2:4: ");
@@ -327,7 +327,7 @@ TEST(HostileAff, OnlyRegularFilesInsideAreOpened)
     EXPECT_THROW(load_aff(""), InputError);
 }
 
-// Everything the format has, in few bytes.
+// All features of the format in few bytes.
 std::string small_scene()
 {
     return "b 1 1 1 am 2 2 2 # x\nv from 0 0 5 at 0 0 0 up 0 1 0 angle 40 hither 0.1 resolution 8 6\n"
@@ -344,7 +344,7 @@ std::string small_scene()
            "scale 4 0 1 1 1 0 0 0 1 1 2 1 0 0 0 2 1 1 1 0 0 0 3 1 1 1 0 0 0 visibility 2 0 1 1 0 }";
 }
 
-// Loads, and uses what was loaded; true if accepted. Anything but InputError fails the test by itself.
+// Loads and uses the scene; true if accepted. Anything but InputError fails the test.
 bool survives(const AffFolder& folder, const std::string& text)
 {
     try {
@@ -359,7 +359,7 @@ bool survives(const AffFolder& folder, const std::string& text)
     }
 }
 
-TEST(HostileAff, CutOffAnywhere)
+TEST(HostileAff, TruncatedAnywhereLoadsOrIsRefused)
 {
     const AffFolder folder;
     folder.texture("t.ppm");
@@ -368,11 +368,11 @@ TEST(HostileAff, CutOffAnywhere)
     ASSERT_TRUE(survives(folder, text)) << error_of(folder, text);
     std::size_t accepted = 0;
     for (std::size_t size = 0; size < text.size(); ++size) accepted += survives(folder, text.substr(0, size));
-    // Most cuts leave a statement in pieces.
+    // Most truncations leave an incomplete statement.
     EXPECT_LT(accepted, text.size() / 3);
 }
 
-TEST(HostileAff, MutationsAtRandom)
+TEST(HostileAff, RandomMutationsLoadOrAreRefused)
 {
     const AffFolder folder;
     folder.texture("t.ppm");

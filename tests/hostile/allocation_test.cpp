@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory that is refused while a file is read, or a frame rendered: every allocation in turn, by a failing operator
-// new. What comes out is std::bad_alloc (the program says "out of memory", exit code 4), nothing leaks (under
-// AddressSanitizer), no thread waits for another that gave up, and the next reading or frame is whole.
+// Failing allocations while a file is read or a frame rendered: an operator new refuses each allocation in turn. The
+// result is std::bad_alloc (the program reports "out of memory", exit code 4), nothing leaks (under AddressSanitizer),
+// no thread waits for another that gave up, and the next file or frame is complete.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -27,7 +27,7 @@
 #include "sanitized.h"
 
 namespace {
-// Allocations until one fails; 0 and below: none does.
+// The number of allocations until one fails; 0 or less: none fails.
 std::atomic<long> g_allocations_left{0};
 
 void* allocate(std::size_t size, std::size_t alignment = 0) noexcept
@@ -45,7 +45,7 @@ void* allocate_or_throw(std::size_t size, std::size_t alignment = 0)
     return memory;
 }
 
-// Never inlined: the compiler would take a free() for one that does not fit the new above it.
+// Never inlined: the compiler would warn about a free() that does not match the new above.
 [[gnu::noinline]] void give_back(void* memory) noexcept
 {
     std::free(memory);
@@ -74,7 +74,7 @@ void operator delete[](void* memory, const std::nothrow_t&) noexcept { give_back
 namespace gnomon::fuzz {
 namespace {
 
-// The first hundreds one by one; behind them, where the large files' elements are, by growing steps.
+// The first hundreds one by one; after them, where the elements of large files are, in growing steps.
 constexpr long k_each = 400;
 
 long after(long n)
@@ -82,7 +82,7 @@ long after(long n)
     return n + (n < k_each ? 1 : n / 40);
 }
 
-// What a child and its parent both see.
+// Shared by a child and its parent.
 struct Shared {
     long at = 0;   // the allocation that fails
     bool done = false;
@@ -90,10 +90,10 @@ struct Shared {
     char fault[200] = "";
 };
 
-// Lets one allocation after the other fail while a seed is read, until there is no such allocation.
+// Makes one allocation after the other fail while a seed is read, until the reading needs no further allocation.
 void fail_each(const Target& target, const Bytes& seed, Shared& shared)
 {
-    target.run(seed);   // what libraries make once is made
+    target.run(seed);   // first run: libraries allocate what they keep
     for (;; shared.at = after(shared.at)) {
         std::string outcome;
         bool thrown = false;
@@ -115,7 +115,7 @@ void fail_each(const Target& target, const Bytes& seed, Shared& shared)
     if (!again.empty()) std::snprintf(shared.fault, sizeof shared.fault, "afterwards: %s", again.c_str());
 }
 
-// Lets children refuse allocations, one child after the other: one refused in a destructor ends its child.
+// Runs failing allocations in one child process after the other: a failure in a destructor ends its child.
 class Children {
  public:
     Children() : memory_(::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
@@ -128,8 +128,8 @@ class Children {
     Children& operator=(const Children&) = delete;
 
     Shared& shared() const { return *static_cast<Shared*>(memory_); }
-    /// @param work  in the child, until it is done; goes on from the present allocation
-    /// @param next  the allocation that the next child begins with, after that which ended one
+    /// @param work  runs in the child until it is done; starts at the current allocation
+    /// @param next  the allocation at which the next child starts, after the one that ended a child
     void run(const std::function<void()>& work, const std::function<long(long)>& next)
     {
         Shared& shared = this->shared();
@@ -165,10 +165,10 @@ class Children {
     long ended_ = 0;
 };
 
-class Allocations : public testing::TestWithParam<Target> {};
+class FailingAllocations : public testing::TestWithParam<Target> {};
 
-// In a child, since some libraries take memory in destructors: then the program ends, with that same code and line.
-TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
+// In a child, because some libraries allocate in destructors: then the program ends, with the same code and message.
+TEST_P(FailingAllocations, ReadersReportOutOfMemory)
 {
     Children children;
     for (const Bytes& seed : GetParam().seeds()) {
@@ -179,15 +179,15 @@ TEST_P(Allocations, EachThatFailsIsOutOfMemoryAndNothingElse)
     children.tell();
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Allocations, testing::ValuesIn(targets().begin(), targets().end()),
+INSTANTIATE_TEST_SUITE_P(Each, FailingAllocations, testing::ValuesIn(targets().begin(), targets().end()),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
 
-// A frame of what moves, remembered shadows, bounced light; by more threads than one, which wait for each other's work.
+// A frame with dynamic objects, certified culling and indirect light, on several threads that wait for each other.
 class Frames {
  public:
     Frames() : whole_(Renderer(k_options).render(scene_, k_frame).layers[0].data) {}
 
-    /// @return how many allocations there were until one failed, or until the frame was done
+    /// @return the number of allocations until one failed, or until the frame was complete
     long render_with_allocations(long left, Shared& shared)
     {
         Renderer renderer(k_options);
@@ -217,7 +217,7 @@ class Frames {
     std::vector<float> whole_;
 };
 
-TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
+TEST(FailingRenderAllocations, EndTheFrameAndTheNextIsComplete)
 {
     constexpr int k_tries = 60, k_seconds = 120 * test::k_patience;
     Children children;
@@ -229,7 +229,7 @@ TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
             const long step = std::max(all / k_tries, 1L);
             while (shared.at < all && !shared.fault[0]) {
                 shared.at += step;
-                ::alarm(k_seconds);   // one that waits for ever is ended by a signal
+                ::alarm(k_seconds);   // ends a deadlock by a signal
                 frames.render_with_allocations(shared.at, shared);
             }
             shared.done = true;
@@ -240,8 +240,8 @@ TEST(RenderAllocations, EachThatFailsEndsTheFrameAndTheNextIsWhole)
     children.tell();
 }
 
-// What the C libraries hold does not come from operator new: where it is not given back, the process grows.
-TEST(ImageAllocations, LibrariesGiveBackTheirsWhereOursIsRefused)
+// The C libraries do not allocate with operator new: if their memory is not freed, the process grows.
+TEST(FailingImageAllocations, CLibrariesFreeTheirMemory)
 {
     constexpr int side = 1024, k_tries = 20;
     const std::vector<std::uint8_t> row(side, 77);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR and Radiance files that are cut short, changed, or lie: refused or read, never a crash, never much memory.
+// OpenEXR and Radiance files that are truncated, changed, or contradictory: refused or read, never a crash, never much
+// memory.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -43,7 +44,7 @@ Bytes hdr_file()
     return test::hdr_file("-Y 20 +X 200", pixels);
 }
 
-// Reads whole, or refuses with an InputError; anything else fails the test.
+// Reads completely, or refuses with an InputError; anything else fails the test.
 bool reads(const Bytes& bytes)
 {
     try {
@@ -68,7 +69,7 @@ void put_word(Bytes& bytes, std::size_t at, std::uint32_t value)
     for (int i = 0; i < 4; ++i) bytes[at + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-// Where an attribute's value begins.
+// The offset of an attribute's value.
 std::size_t value_of(const Bytes& bytes, const std::string& attribute, const std::string& type)
 {
     std::string key = attribute;
@@ -80,7 +81,7 @@ std::size_t value_of(const Bytes& bytes, const std::string& attribute, const std
     return static_cast<std::size_t>(at - bytes.begin()) + key.size() + 4;
 }
 
-TEST(HostileExr, EveryCutIsRefused)
+TEST(HostileExr, RefusesEveryTruncation)
 {
     const Bytes whole = exr_file();
     ASSERT_TRUE(reads(whole));
@@ -89,7 +90,7 @@ TEST(HostileExr, EveryCutIsRefused)
     EXPECT_FALSE(reads(Bytes(whole.begin(), whole.end() - 1)));
 }
 
-TEST(HostileExr, ChangedBytesAreReadOrRefused)
+TEST(HostileExr, ReadsOrRefusesChangedBytes)
 {
     const Bytes whole = exr_file();
     Random random(11);
@@ -97,7 +98,8 @@ TEST(HostileExr, ChangedBytesAreReadOrRefused)
     constexpr int rounds = 3000;
     for (int round = 0; round < rounds; ++round) {
         Bytes bytes = whole;
-        const std::uint32_t reach = round % 2 ? 500 : static_cast<std::uint32_t>(bytes.size());   // half in the header
+        const std::uint32_t reach =
+            round % 2 ? 500 : static_cast<std::uint32_t>(bytes.size());   // half of the changes in the header
         for (std::uint32_t i = 0; i <= random.below(4); ++i)
             bytes[random.below(reach)] = static_cast<std::uint8_t>(random.below(256));
         refused += !reads(bytes);
@@ -105,9 +107,9 @@ TEST(HostileExr, ChangedBytesAreReadOrRefused)
     EXPECT_GT(refused, rounds / 2);
 }
 
-TEST(HostileExr, EveryCompressionsDecoderIsReachedSafely)
+TEST(HostileExr, EveryDecoderSurvivesWrongData)
 {
-    // The same chunks under another name: their bytes are then nonsense to the decoder.
+    // The same chunks with another compression: their bytes are then invalid for the decoder.
     const Bytes whole = exr_file();
     const std::size_t at = value_of(whole, "compression", "compression");
     for (int compression = 0; compression < 12; ++compression) {
@@ -117,7 +119,7 @@ TEST(HostileExr, EveryCompressionsDecoderIsReachedSafely)
     }
 }
 
-TEST(HostileExr, ClaimsTakeNoMemory)
+TEST(HostileExr, ClaimedSizesAllocateNoMemory)
 {
     const Bytes whole = exr_file();
     const std::size_t window = value_of(whole, "dataWindow", "box2i");
@@ -134,7 +136,7 @@ TEST(HostileExr, ClaimsTakeNoMemory)
     EXPECT_LT(peak_bytes(), before + (64u << 20));
 }
 
-TEST(HostileHdr, EveryCutIsRefused)
+TEST(HostileHdr, RefusesEveryTruncation)
 {
     const Bytes whole = hdr_file();
     ASSERT_TRUE(reads(whole));
@@ -142,7 +144,7 @@ TEST(HostileHdr, EveryCutIsRefused)
         EXPECT_FALSE(reads(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)))) << size;
 }
 
-TEST(HostileHdr, ChangedBytesAreReadOrRefused)
+TEST(HostileHdr, ReadsOrRefusesChangedBytes)
 {
     const Bytes whole = hdr_file();
     Random random(12);
@@ -158,7 +160,7 @@ TEST(HostileHdr, ChangedBytesAreReadOrRefused)
     EXPECT_GT(refused, rounds / 10);
 }
 
-TEST(HostileHdr, ClaimsTakeNoMemory)
+TEST(HostileHdr, ClaimedSizesAllocateNoMemory)
 {
     const std::uint64_t before = peak_bytes();
     for (const char* resolution : {"-Y 16384 +X 2048", "-Y 2147483647 +X 2147483647", "-Y 99999999999999 +X 1",
@@ -167,7 +169,7 @@ TEST(HostileHdr, ClaimsTakeNoMemory)
     EXPECT_LT(peak_bytes(), before + (64u << 20));
 }
 
-TEST(HostileFloatImage, NoPipeIsOpened)
+TEST(HostileFloatImage, DoesNotOpenPipes)
 {
     const test::ScratchFolder scratch;
     ASSERT_EQ(::mkfifo((scratch / "pipe.exr").c_str(), 0600), 0);

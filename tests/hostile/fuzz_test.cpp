@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What fuzzing begins with is accepted, and what it once found is refused or read as it ought to be.
+// The seeds of fuzzing are accepted, and inputs that once failed are refused or read as they should be.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -12,7 +12,7 @@ namespace {
 
 class FuzzTarget : public testing::TestWithParam<Target> {};
 
-TEST_P(FuzzTarget, SeedsAreAccepted)
+TEST_P(FuzzTarget, AcceptsSeeds)
 {
     int number = 0;
     for (const Bytes& seed : GetParam().seeds()) {
@@ -21,7 +21,7 @@ TEST_P(FuzzTarget, SeedsAreAccepted)
     }
 }
 
-TEST_P(FuzzTarget, ChangedSeedsAreReadOrRefused)
+TEST_P(FuzzTarget, ReadsOrRefusesChangedSeeds)
 {
     Random random(5);
     int refused = 0;
@@ -37,21 +37,21 @@ TEST_P(FuzzTarget, ChangedSeedsAreReadOrRefused)
     EXPECT_GT(refused, 0);
 }
 
-// --- What runs found
+// --- Regressions found by fuzzing
 
 std::string outcome(const char* target, const std::string& bytes)
 {
     return find_target(target)->run(Bytes(bytes.begin(), bytes.end()));
 }
 
-TEST(FuzzFound, WarningsHaveNoControlCharacters)
+TEST(FuzzRegression, WarningsHaveNoControlCharacters)
 {
     EXPECT_EQ(outcome("aff", "f 1 1 1 1 0 1 0 1\nx i\x1b[31m { p 3 0 0 0 1 0 0 0 1 0 }"), "");
 }
 
-TEST(FuzzFound, ChunksOfPngClaimNoMemory)
+TEST(FuzzRegression, ClaimedPngChunkSizesAllocateNoMemory)
 {
-    // 1.4 GB of Exif, and nothing of it there: libpng would have taken the memory first.
+    // A chunk of 1.4 GB of Exif without data: libpng would have allocated the memory first.
     const std::string header("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x09\0\0\0\x05\x08\x02\0\0\0\x18\x31\x51\x3c", 33);
     const std::string chunk("\x55\0\0\x19\x65XIf\xca\x79\x97\x04", 12);
     for (const std::size_t size : {8u, 11u, 12u})
@@ -60,14 +60,15 @@ TEST(FuzzFound, ChunksOfPngClaimNoMemory)
                       " bytes are left");
 }
 
-TEST(FuzzFound, NumbersBeyondAllNumbersInConfigFiles)
+TEST(FuzzRegression, RefusesOverflowingNumbersInConfigFiles)
 {
-    EXPECT_NE(outcome("config", std::string("\0{\"out\":2e308}", 14)), "");   // JSON has them, doubles have not
+    EXPECT_NE(outcome("config", std::string("\0{\"out\":2e308}", 14)),
+              "");   // valid in JSON, but out of range for a double
 }
 
-TEST(FuzzFound, AnOptionThatRepeatsWithoutAValue)
+TEST(FuzzRegression, RefusesARepeatedOptionWithoutAValue)
 {
-    EXPECT_NE(outcome("options", "bench\nshadow-textures\n--objects\n--objects\n3"), "");   // went on for ever
+    EXPECT_NE(outcome("options", "bench\nshadow-textures\n--objects\n--objects\n3"), "");   // this was an endless loop
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, FuzzTarget, testing::ValuesIn(targets().begin(), targets().end()),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Loading a glTF file in a process of its own, with limits on time and memory: what a hostile file may do to it cannot
-// reach the test.
+// Loads a glTF file in a process of its own, with limits on time and memory, so that a hostile file cannot affect the
+// test.
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -19,14 +19,14 @@ namespace gnomon::test {
 
 struct Outcome {
     enum class Kind { loaded, refused, other_error, died } kind = Kind::died;
-    std::string what;   // of the exception
+    std::string what;   // text of the exception
     std::string file, place;
-    int signal = 0;   // that ended it; SIGALRM, SIGXCPU: took too long
+    int signal = 0;   // the signal that ended it; SIGALRM, SIGXCPU: took too long
     std::size_t warnings = 0;
-    long peak_kib = 0;   // of memory, as a process
+    long peak_kib = 0;   // peak memory of the process
 };
 
-/// At most 10 seconds, and 512 MiB of address space (sanitizers need more: 200 seconds, and no limit of memory).
+/// Allows 10 seconds and 512 MiB of address space (200 seconds and unlimited memory with a sanitizer).
 inline Outcome load_in_child(const std::filesystem::path& file)
 {
     constexpr rlim_t seconds = 10 * k_patience, bytes = 512ull << 20;

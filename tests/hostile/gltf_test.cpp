@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF files made to hurt: loops, long chains, deep and wide JSON, sizes that overflow, names that lead elsewhere.
+// glTF files made to do harm: loops, long chains, deep and wide JSON, sizes that overflow, file names that lead
+// outside.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -16,7 +17,7 @@ namespace {
 using test::Outcome;
 using Kind = test::Outcome::Kind;
 
-class GltfHostileMade : public testing::Test {
+class HostileGltf : public testing::Test {
  protected:
     Outcome load(const std::string& text, const std::string& name = "scene.gltf")
     {
@@ -51,13 +52,13 @@ std::string glb(std::string json, std::uint32_t claimed = 0)
     return "glTF" + u32(2) + u32(claimed ? claimed : size + 20) + u32(size) + "JSON" + json;
 }
 
-TEST_F(GltfHostileMade, SmallestFileLoads)
+TEST_F(HostileGltf, LoadsTheSmallestFile)
 {
     EXPECT_EQ(load(document("")).kind, Kind::loaded);
     EXPECT_EQ(load(glb(document("")), "a.glb").kind, Kind::loaded);
 }
 
-TEST_F(GltfHostileMade, NodeLoops)
+TEST_F(HostileGltf, RefusesNodeLoops)
 {
     expect_refused(document(R"("nodes":[{"children":[0]}])"), "/nodes/0");
     expect_refused(
@@ -67,7 +68,7 @@ TEST_F(GltfHostileMade, NodeLoops)
     expect_refused(document(R"("nodes":[{"children":[1,1]},{}])"), "/nodes/0/children/1");
 }
 
-TEST_F(GltfHostileMade, LongChainOfNodesLoads)
+TEST_F(HostileGltf, LoadsALongChainOfNodes)
 {
     std::string nodes;
     constexpr int count = 200'000;
@@ -76,13 +77,13 @@ TEST_F(GltfHostileMade, LongChainOfNodesLoads)
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, DeepAndWideJson)
+TEST_F(HostileGltf, LimitsDepthAndWidthOfJson)
 {
     expect_refused(std::string(100'000, '['), "1:129");
     std::string deep;
     for (int i = 0; i < 100'000; ++i) deep += "{\"a\":";
     EXPECT_EQ(load(document("\"extras\":" + deep)).kind, Kind::refused);
-    // Brackets within strings nest nothing; an escaped quote ends no string.
+    // Brackets within strings do not nest; an escaped quote does not end a string.
     EXPECT_EQ(load(document("\"extras\":\"" + std::string(1000, '[') + "\\\"" + std::string(1000, '{') + "\"")).kind,
               Kind::loaded);
     std::string wide = "[";
@@ -95,7 +96,7 @@ TEST_F(GltfHostileMade, DeepAndWideJson)
     EXPECT_EQ(load("\xef\xbb\xbf" + document("")).place, "1:1");
 }
 
-TEST_F(GltfHostileMade, CountsThatOverflow)
+TEST_F(HostileGltf, RefusesCountsThatOverflow)
 {
     const std::string count =
         R"("bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[{"byteLength":12,)"
@@ -103,7 +104,7 @@ TEST_F(GltfHostileMade, CountsThatOverflow)
         R"("componentType":5126,"type":"VEC3","count":)";
     expect_refused(document(count + "4611686018427387904}]"), "/accessors/0/count");
     expect_refused(document(count + "9007199254740992}]"), "/accessors/0");
-    expect_refused(document(count + "1537228672809129302}]"), "/accessors/0/count");   // 12 times it wraps to 8
+    expect_refused(document(count + "1537228672809129302}]"), "/accessors/0/count");   // times 12 it wraps to 8
     expect_refused(document(count + R"(1,"byteOffset":9007199254740988}])"), "/accessors/0/byteOffset");
     expect_refused(document(count + "-1}]"), "/accessors/0/count");
     expect_refused(document(count + "1.5}]"), "/accessors/0/count");
@@ -111,14 +112,14 @@ TEST_F(GltfHostileMade, CountsThatOverflow)
     expect_refused(
         document(R"("buffers":[{"byteLength":4294967296,"uri":"data:application/octet-stream;base64,AAAA"}])"),
         "/buffers/0/byteLength");
-    // Zeros need no bytes, but memory all the same.
+    // Zeros need no bytes in the file, but memory nevertheless.
     const std::string zeros = R"("accessors":[{"componentType":5126,"type":"VEC3","count":1000000000,"min":[0,0,0],)"
                               R"("max":[0,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
                               R"("nodes":[{"mesh":0}])";
     expect_refused(document(zeros), "/meshes/0/primitives/0/attributes/POSITION");
 }
 
-TEST_F(GltfHostileMade, OneAccessorUsedOften)
+TEST_F(HostileGltf, LimitsMemoryOfASharedAccessor)
 {
     std::string primitives;
     for (int i = 0; i < 20'000; ++i) primitives += R"({"attributes":{"POSITION":0}},)";
@@ -130,7 +131,7 @@ TEST_F(GltfHostileMade, OneAccessorUsedOften)
     EXPECT_EQ(outcome.kind, Kind::refused) << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, FramesOfGlb)
+TEST_F(HostileGltf, RefusesBrokenGlbHeaders)
 {
     expect_refused(glb(document("")).substr(0, 11), "byte 11", "a.glb");
     expect_refused(glb(document("")).substr(0, 30), "byte 8", "a.glb");
@@ -148,7 +149,7 @@ TEST_F(GltfHostileMade, FramesOfGlb)
         EXPECT_EQ(load(framed.substr(0, length), "a.glb").kind, Kind::refused) << length;
 }
 
-TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
+TEST_F(HostileGltf, RefusesFileNamesOutsideItsFolder)
 {
     const test::ScratchFolder outside;
     std::ofstream(outside / "secret.bin") << "12345678";
@@ -169,7 +170,7 @@ TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
     for (const char* uri : {"sub/in side.bin", "sub/in%20side.bin", "sub/../sub/in%20side.bin", "inner.bin",
                             "data:application/octet-stream;base64,MTIzNDU2Nzg="})
         EXPECT_EQ(load(with(uri)).kind, Kind::loaded) << uri;
-    EXPECT_EQ(load(with("http://localhost:1/a.bin")).warnings, 1u);   // unused: only said
+    EXPECT_EQ(load(with("http://localhost:1/a.bin")).warnings, 1u);   // unused: only a warning
     expect_refused(with("data:application/octet-stream;base64,MTIz"), "/buffers/0/byteLength");
     expect_refused(with("data:application/octet-stream;base64,M!IzNDU2Nzg="), place);
     // Needed from the network: refused, not fetched.
@@ -182,7 +183,7 @@ TEST_F(GltfHostileMade, NamesThatLeadElsewhere)
     EXPECT_NE(remote.what.find("remote"), std::string::npos) << remote.what;
 }
 
-TEST_F(GltfHostileMade, TheFileItselfIsNoFile)
+TEST_F(HostileGltf, RefusesPipesAndFolders)
 {
     ASSERT_EQ(mkfifo((folder_ / "fifo.gltf").c_str(), 0600), 0);
     std::filesystem::create_directory(folder_ / "folder.gltf");
@@ -191,9 +192,9 @@ TEST_F(GltfHostileMade, TheFileItselfIsNoFile)
     EXPECT_EQ(test::load_in_child(folder_ / "missing.gltf").kind, Kind::refused);
 }
 
-TEST_F(GltfHostileMade, HugeImageInAFewBytes)
+TEST_F(HostileGltf, RefusesAHugeImageInAFewBytes)
 {
-    // A PNG of 60000 x 60000 whose pixels are a kilobyte of nothing.
+    // A PNG of 60000 x 60000 whose pixels are a kilobyte of zeros.
     std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
     png += std::string("\0\0\xea\x60\0\0\xea\x60\x08\x06\0\0\0\0\0\0\0", 17) + std::string("\0\0\x04\0IDAT", 8) +
            std::string(1024, '\0');
@@ -206,7 +207,7 @@ TEST_F(GltfHostileMade, HugeImageInAFewBytes)
     expect_refused(document(used), "/images/0");
 }
 
-TEST_F(GltfHostileMade, RequiredExtensions)
+TEST_F(HostileGltf, RefusesUnknownRequiredExtensions)
 {
     for (const char* name :
          {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_meshopt_compression", "KHR_materials_clearcoat",
@@ -220,7 +221,7 @@ TEST_F(GltfHostileMade, RequiredExtensions)
     }
 }
 
-// A triangle with all that a test of many needs: positions, texture coordinates, joints, weights.
+// A triangle with the attributes that many tests need: positions, texture coordinates, joints, weights.
 std::string triangle_bytes()
 {
     const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, weights[] = {1, 0, 0, 0};
@@ -244,7 +245,7 @@ std::string repeated(int count, Each each)
     return list;
 }
 
-TEST_F(GltfHostileMade, OneFileUnderManyNamesIsReadOnce)
+TEST_F(HostileGltf, ReadsAFileWithManyNamesOnce)
 {
     constexpr int count = 60;
     std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes();
@@ -274,16 +275,16 @@ TEST_F(GltfHostileMade, OneFileUnderManyNamesIsReadOnce)
         "]"));
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 
-    // Images that nothing uses, in a file that is mostly something else.
+    // Unused images, in a file that mostly contains other data.
     std::ofstream(folder_ / "p.png", std::ios::binary | std::ios::app) << std::string(16 << 20, '\0');
     outcome =
         load(document("\"images\":[" + repeated(20000, [](int) { return std::string(R"({"uri":"p.png"})"); }) + "]"));
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, InstancesAreCounted)
+TEST_F(HostileGltf, LimitsTrianglesOfInstances)
 {
-    // 24 bytes of the file each, and a hundred thousand triangles.
+    // 24 bytes of the file per instance, each with a hundred thousand triangles.
     constexpr int count = 20000, triangles = 100'000;
     std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes() + std::string(12 * triangles, '\0');
     const auto nodes = repeated(count, [](int) { return std::string("{\"mesh\":0}"); });
@@ -298,9 +299,9 @@ TEST_F(GltfHostileMade, InstancesAreCounted)
     EXPECT_EQ(outcome.place, "/nodes/1343") << outcome.what;
 }
 
-TEST_F(GltfHostileMade, ManySetsOfJoints)
+TEST_F(HostileGltf, LimitsSetsOfJoints)
 {
-    // Each vertex hangs on all of 32,000 joints; the sets overlap in few bytes.
+    // Each vertex depends on all of 32,000 joints; the sets overlap in few bytes.
     constexpr int vertices = 400, sets = 8000, joints = 4 * (vertices + sets);
     std::string bytes(12 * vertices, '\0');
     for (int j = 0; j < joints; ++j) bytes += {static_cast<char>(j & 0xff), static_cast<char>(j >> 8)};
@@ -327,7 +328,7 @@ TEST_F(GltfHostileMade, ManySetsOfJoints)
     EXPECT_EQ(outcome.kind, Kind::loaded) << outcome.what << outcome.signal;
 }
 
-TEST_F(GltfHostileMade, LongNamesInMessages)
+TEST_F(HostileGltf, ShortensLongNamesInMessages)
 {
     const std::string name(1 << 20, 'z');
     const Outcome outcome = load(document("\"extensions\":{\"" + name + "\":{}}"));
@@ -335,8 +336,8 @@ TEST_F(GltfHostileMade, LongNamesInMessages)
     EXPECT_LT(outcome.what.size(), 500u);
 }
 
-// Every byte of a small scene replaced by something else: an answer, whatever it is, and never a crash.
-TEST_F(GltfHostileMade, BrokenBytes)
+// Changes each byte of a small scene: the file loads or is refused, without a crash.
+TEST_F(HostileGltf, SurvivesChangedBytes)
 {
     GNOMON_NEED_SCENE(file, "gltf/BoxAnimated.glb");
     std::ifstream stream(file, std::ios::binary);

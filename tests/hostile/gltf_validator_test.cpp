@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Khronos glTF validator's test files, each with the report that the validator gives: what it finds wrong must be
-// refused with a place, what it finds right must load.
+// The test files of the Khronos glTF validator, each with the validator's report: invalid files must be refused with a
+// place, valid files must load.
 
 #include <fstream>
 #include <map>
@@ -16,7 +16,7 @@ namespace {
 
 using test::Outcome;
 
-// Families of codes of which at least 95 % of the files must be refused.
+// Families of codes for which at least 95 % of the files must be refused.
 bool counts(const std::string& code)
 {
     for (const char* family : {"ACCESSOR_", "BUFFER_", "GLB_", "MESH_PRIMITIVE_", "NODE_"})
@@ -24,7 +24,7 @@ bool counts(const std::string& code)
     return code == "INVALID_JSON" || code == "UNRESOLVED_REFERENCE";
 }
 
-// A JSON pointer, or where there is none yet: line and column of broken JSON, a byte of a GLB.
+// A JSON pointer, or, where there is none, the line and column of broken JSON, or a byte of a GLB.
 bool is_place(const std::string& place)
 {
     static const std::regex form("/.*|\\d+:\\d+|byte \\d+");
@@ -35,7 +35,7 @@ struct Row {
     int files = 0, refused = 0;
 };
 
-TEST(GltfHostile, ValidatorFiles)
+TEST(GltfValidatorFiles, InvalidAreRefusedAndValidLoad)
 {
     GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
     std::map<std::string, Row> table;
@@ -89,8 +89,8 @@ TEST(GltfHostile, ValidatorFiles)
                 counted.refused);
     EXPECT_GE(counted.refused * 100, counted.files * 95);
 
-    // The codes on which importing relies are committed, with what they stand for: none of them may go unlooked at
-    // because a family's name changed.
+    // The codes on which the importer relies are listed in a file with their meaning, so that none is skipped because
+    // the name of a family changed.
     std::ifstream list(std::string(GNOMON_SOURCE_DIR) + "/tests/hostile/gltf_codes.txt");
     std::set<std::string> listed;
     for (std::string line; std::getline(list, line);)

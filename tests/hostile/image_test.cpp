@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images of few bytes that would keep a reader busy, or take much memory.
+// Small images that would take a reader much time or memory.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 Image8 decoded(const std::string& bytes)
 {
-    return io::decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "picture");
+    return io::decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "image");
 }
 
 void expect_refused(const std::string& bytes, const std::string& about)
@@ -26,7 +26,7 @@ void expect_refused(const std::string& bytes, const std::string& about)
         decoded(bytes);
         FAIL() << "accepted";
     } catch (const InputError& error) {
-        EXPECT_EQ(error.file(), "picture");
+        EXPECT_EQ(error.file(), "image");
         EXPECT_NE(std::string(error.what()).find(about), std::string::npos) << error.what();
     }
 }
@@ -41,39 +41,41 @@ std::string segment(char mark, const std::string& data)
     return std::string("\xff") + mark + half(data.size() + 2) + data;
 }
 
-// A grey progressive JPEG, all black: a bit a block, then scans of a few bytes that say "nothing here" of all blocks.
+// A grey progressive JPEG, all black: one bit per block, then scans of a few bytes that encode no change for all
+// blocks.
 std::string many_scans(std::size_t side, int scans)
 {
     const std::string table(15, '\0');   // no codes of 2 bits and more
-    std::string bytes = "\xff\xd8" + segment('\xdb', std::string(1, '\0') + std::string(64, '\1')) +
-                        segment('\xc2', "\x08" + half(side) + half(side) + std::string("\1\1\x11\0", 4)) +
-                        segment('\xc4', std::string("\0\1", 2) + table + std::string(1, '\0')) +
-                        segment('\xc4', "\x10\1" + table + "\xe0");   // the one code: 16,384 blocks and more are done
+    std::string bytes =
+        "\xff\xd8" + segment('\xdb', std::string(1, '\0') + std::string(64, '\1')) +
+        segment('\xc2', "\x08" + half(side) + half(side) + std::string("\1\1\x11\0", 4)) +
+        segment('\xc4', std::string("\0\1", 2) + table + std::string(1, '\0')) +
+        segment('\xc4', "\x10\1" + table + "\xe0");   // the only code: 16,384 blocks or more are finished
     bytes += segment('\xda', std::string("\1\1\0\0\0\0", 6)) + std::string(side * side / 512, '\0');
     for (int scan = 1; scan < scans; ++scan) bytes += segment('\xda', std::string("\1\1\0\1\x3f\0", 6)) + half(0);
     return bytes + "\xff\xd9";
 }
 
-TEST(HostileImage, AJpegRefinedForEver)
+TEST(HostileImage, RefusesEndlessProgressiveJpegScans)
 {
     EXPECT_EQ(decoded(many_scans(64, 100)).width, 64);
     expect_refused(many_scans(64, 101), "more than 100 scans");
     expect_refused(many_scans(64, 20000), "more than 100 scans");
 }
 
-TEST(HostileImage, PixelsThatTheBytesCannotHold)
+TEST(HostileImage, RefusesMorePixelsThanTheBytesCanHold)
 {
-    // A header, and nothing to speak of behind it.
+    // A header with almost no data after it.
     expect_refused(many_scans(4096, 2).substr(0, 1000), "4096 x 4096 pixels cannot be in 1000 bytes");
     expect_refused(made_png(8192, 8192, false), "8192 x 8192 pixels cannot be in");
-    // What is packed as well as it can be is read.
+    // Optimally compressed data is read.
     EXPECT_EQ(decoded(many_scans(4096, 1)).width, 4096);
     std::vector<std::uint8_t> row(4096);
     const auto png = png_bytes({4096, 4096, 1, PNG_COLOR_TYPE_GRAY}, {row});
     EXPECT_EQ(decoded({png.begin(), png.end()}).width, 4096);
 }
 
-TEST(HostileImage, TextsThatAreNotUnpacked)
+TEST(HostileImage, DoesNotUnpackTextChunks)
 {
     const auto chunk = [](const std::string& type, const std::string& data) {
         const std::string both = type + data;
@@ -81,7 +83,7 @@ TEST(HostileImage, TextsThatAreNotUnpacked)
         return word(data.size()) + both +
                word(::crc32(0, reinterpret_cast<const Bytef*>(both.data()), static_cast<uInt>(both.size())));
     };
-    // Eight megabytes in each, in eight thousand bytes.
+    // Eight megabytes each, in eight thousand bytes.
     const std::string text(7'900'000, 'a');
     std::string packed(::compressBound(text.size()), '\0');
     uLongf size = packed.size();

@@ -15,7 +15,7 @@ namespace gnomon::test {
 namespace {
 using Json = nlohmann::json;
 
-// Where each piece of data stands in the one buffer, in floats.
+// The offset of each piece of data in the only buffer, in floats.
 struct Sound {
     Json json;
     std::vector<float> data;
@@ -82,7 +82,7 @@ Sound sound()
     add_accessor(s, "moves", "VEC3", {1, 0, 0, 1, 1, 0, 0, 1, 1}, 3);
     add_accessor(s, "turns", "VEC4", {0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0}, 4);
     add_accessor(s, "morph weights", "SCALAR", {0, 1, .5f}, 1);
-    // Indices and joints, as bytes in the place of floats.
+    // Indices and joints, as bytes at the positions of floats.
     float bytes[2 + 4];
     const std::uint8_t indices[8] = {0, 2, 1, 0, 3, 2, 0, 0}, joints[16] = {};
     std::memcpy(bytes, indices, 8);
@@ -118,7 +118,7 @@ class Maker {
                               return files_of(s.json.dump(), s.data);
                           }});
     }
-    /// The value is JSON text, which need not be sound itself.
+    /// The value is JSON text, which need not be valid itself.
     void set(const std::string& pointer, const std::string& value, Expected expected = Expected::either)
     {
         scenes.push_back(
@@ -132,8 +132,8 @@ class Maker {
     }
 };
 
-// Every number of the document by every kind of bad number. Which are right is the importer's own tests' business:
-// here each ends well or is refused.
+// Replaces every number of the document by every kind of bad number. The importer's own tests decide which are valid;
+// here each loads or is refused.
 void add_numbers(Maker& m)
 {
     const char* const k_values[] = {"-1",
@@ -220,7 +220,7 @@ void add_numbers(Maker& m)
         for (int k = 0; k < 5; ++k) m.set(pointer, k_values[turn++ % std::size(k_values)]);
 }
 
-// Floats in the buffer that are no numbers, or no sensible ones.
+// NaN, infinite and extreme floats in the buffer.
 void add_floats(Maker& m)
 {
     const std::pair<const char*, float> values[] = {{"NaN", std::numeric_limits<float>::quiet_NaN()},
@@ -297,7 +297,7 @@ std::vector<MadeScene> made_gltf_scenes()
         }
     });
 
-    // Worlds.
+    // Sizes of the scene.
     for (const char* size : {"0", "1e-30", "1e-6", "1e-4", "1e4", "1e6", "1e12", "1e30"})
         m.add(fmt::format("a world scaled by {}", size), either, [size](Sound& s) {
             const double k = std::stod(size);
@@ -355,11 +355,11 @@ std::vector<MadeScene> made_gltf_scenes()
     image_scene("an image of 1 x 16384", either, [] { return made_png(1, 16384, true); });
     image_scene("an image of 5000 x 5000 of nothing", either, [] { return made_png(5000, 5000, true); });
     image_scene("an image that is cut off", refused, [] { return made_png(64, 64, true).substr(0, 60); });
-    // Of no format that is read: said, and left out.
+    // An unknown format: a warning, and the image is omitted.
     image_scene("an image that is a text", either, [] { return std::string("hello"); });
     image_scene("an empty image", either, [] { return std::string(); });
 
-    // Names of files.
+    // File names.
     for (const char* place : {"/buffers/0/uri", "/images/0/uri"})
         for (const char* uri : {"",
                                 ".",

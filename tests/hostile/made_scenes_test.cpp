@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hundreds of bad scenes (made_scenes.h), each rendered by the program with all layers, within 10 s of processor time
-// and 512 MB of memory. What comes out is an image in which every number is finite, or exit code 3 and one line; the
-// full run prints the table.
+// Renders hundreds of malformed scenes (made_scenes.h) with all layers, within 10 s of processor time and 512 MB of
+// memory. The result is an image with finite values only, or exit code 3 and one line; the full run prints the table.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -20,16 +19,16 @@ namespace fs = std::filesystem;
 constexpr rlim_t k_memory = 512ull << 20;   // bytes of address space
 constexpr rlim_t k_seconds = 10 * k_patience;
 
-// What goes beyond that memory, and whose want of it is what is tested. A sanitizer, which cannot be limited, would
-// render it: a layer a light, gigabytes and hours; five million triangles in one place.
+// Scenes that need more than that memory, and must fail for that reason. A sanitizer, whose memory cannot be limited,
+// would render them: one layer per light, gigabytes and hours; five million triangles in one place.
 const std::set<std::string> k_beyond_memory{"gltf/100000 lights", "obj/a face of 10 MB", "aff/30000 lights",
                                             "aff/1000000 lights"};
 
 struct Result {
     int code = 0;
     double seconds = 0;
-    std::string line;    // what it said
-    std::string fault;   // empty: all is well
+    std::string line;    // its message
+    std::string fault;   // empty: as expected
 };
 
 void limit()
@@ -89,11 +88,11 @@ Result render(const MadeScene& scene)
         if (fs::exists(out)) result.fault = "a file is left";
         if (scene.expected == Expected::image) result.fault = "ought to be shown";
     } else if (outcome.code == 4 && scene.expected == Expected::either) {
-        // More than fits into the memory it may have.
+        // More than the allowed memory.
         if (lines != 1 || outcome.err.find("memory") == std::string::npos) result.fault = "not one line about memory";
         if (fs::exists(out)) result.fault = "a file is left";
     } else if (outcome.code == 2 && scene.expected == Expected::either) {
-        // More lights than an .exr has room for.
+        // More lights than an .exr can hold.
         if (lines != 1 || outcome.err.find(" lights; an .exr of ") == std::string::npos)
             result.fault = "not one line about lights";
         if (fs::exists(out)) result.fault = "a file is left";
@@ -110,7 +109,7 @@ std::string shown(std::string text, std::size_t width)
     return text.size() <= width ? text : text.substr(0, width - 3) + "...";
 }
 
-// Every `step`-th scene, the sound one among them.
+// Renders every `step`-th scene, the valid one among them.
 void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool table)
 {
     int images = 0, refused = 0, no_memory = 0, faults = 0;
@@ -129,7 +128,7 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
         if (table)
             std::printf(
                 "%-64s %-8s %5.2f s  %s\n", shown(scenes[i].name, 64).c_str(),
-                result.code == 0                       ? "picture"
+                result.code == 0                       ? "image"
                 : result.code == 3 || result.code == 2 ? "refused"
                 : result.fault.empty()                 ? "memory"
                                                        : "FAULT",
@@ -140,28 +139,28 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
                 faults, longest);
 }
 
-TEST(MadeScenes, ASampleOfGltf)
+TEST(MadeScenes, SampleOfGltfRendersOrIsRefused)
 {
     render_all(made_gltf_scenes(), 13, false);
 }
-TEST(MadeScenes, ASampleOfObj)
+TEST(MadeScenes, SampleOfObjRendersOrIsRefused)
 {
     render_all(made_obj_scenes(), 13, false);
 }
-TEST(MadeScenes, ASampleOfAff)
+TEST(MadeScenes, SampleOfAffRendersOrIsRefused)
 {
     render_all(made_aff_scenes(), 13, false);
 }
 
-TEST(MadeScenesFull, Gltf)
+TEST(MadeScenesFull, AllGltfRenderOrAreRefused)
 {
     render_all(made_gltf_scenes(), 1, true);
 }
-TEST(MadeScenesFull, Obj)
+TEST(MadeScenesFull, AllObjRenderOrAreRefused)
 {
     render_all(made_obj_scenes(), 1, true);
 }
-TEST(MadeScenesFull, Aff)
+TEST(MadeScenesFull, AllAffRenderOrAreRefused)
 {
     render_all(made_aff_scenes(), 1, true);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ with MTL, and AFF: formats of words, so every number of a sound scene is made every kind of bad number in turn.
+// OBJ with MTL, and AFF: in text formats every number of a valid scene is replaced by every kind of bad number in turn.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ struct Token {
     std::size_t begin, size;
 };
 
-// Words that are, or contain and begin with, a number.
+// Words that are, contain, or begin with a number.
 std::vector<Token> numbers_of(const std::string& text)
 {
     std::vector<Token> found;
@@ -106,7 +106,7 @@ std::vector<Token> numbers_of(const std::string& text)
     return found;
 }
 
-// Two bad values for every number, other ones each time.
+// Two bad values for every number, different ones each time.
 template <class FilesOf>
 void add_numbers(std::vector<MadeScene>& scenes, const std::string& format, const std::string& text,
                  const FilesOf& files_of)
@@ -155,7 +155,7 @@ std::vector<MadeScene> made_obj_scenes()
         for (int i = 0; i < 20'000; ++i) text += "f 1 2 3\n";
         return text;
     });
-    // A ray meets them all; ten times as many would take ten times as long.
+    // A ray hits them all; ten times as many would take ten times as long.
     add("5000 triangles in one place", image, [] {
         std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
         for (int i = 0; i < 5'000; ++i) text += "f 1 2 3\n";
@@ -237,7 +237,7 @@ std::vector<MadeScene> made_aff_scenes()
             for (int i = 0; i < count; ++i) text += "s 0 0 0 1\n";
             return text;
         });
-    // Of glass that mirrors, too: each ray becomes two at each hit, a thousand a pixel, and each of them meets all.
+    // Mirroring glass as well: each ray splits into two at each hit, a thousand per pixel, and each of them hits all.
     for (const int count : {200, 50'000})
         add(fmt::format("{} mirrors in one another", count), either, [count] {
             std::string text = std::string(k_aff) + "f 1 1 1 0 1 10 1 1.5\n";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ and MTL files that mean harm, or are simply broken: every import runs in a child process with bounded time and
-// memory, and ends in a scene or in an InputError. Nothing outside the scene's folder is opened.
+// OBJ and MTL files that are malicious or broken: every import runs in a child process with limited time and memory,
+// and ends in a scene or in an InputError. No file outside the scene's folder is opened.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -52,7 +52,7 @@ Outcome import_in_child(const std::filesystem::path& file)
     return WEXITSTATUS(status) == 0 ? Outcome::loaded : WEXITSTATUS(status) == 3 ? Outcome::refused : Outcome::died;
 }
 
-// Small, and with something of everything.
+// Small, with all features.
 const char* const k_complete_obj =
     "# all of it\r\nmtllib m.mtl\no first one\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 .5 .5 .5\nv 0 1e0 0\nv .5 .25 -1\n"
     "vt 0 0\nvt 1 0 0\nvt 1 1\nvn 0 0 1\nvn 0 0 -1\ng group\ns 1\nusemtl red\nf 1/1/1 2/2/1 3/3/1\n"
@@ -67,7 +67,7 @@ void write(const std::filesystem::path& file, const std::string& bytes)
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
-TEST(ObjHostile, KnownFiles)
+TEST(HostileObj, SurvivesKnownMaliciousFiles)
 {
     GNOMON_NEED_SCENE(folder, "hostile/obj");
     int files = 0, refused = 0;
@@ -80,7 +80,7 @@ TEST(ObjHostile, KnownFiles)
         EXPECT_NE(outcome, Outcome::died) << entry.path();
         EXPECT_LT(seconds.count(), k_seconds);
         refused += outcome == Outcome::refused;
-        // The only one of them that breaks the format: it has a face and no vertex.
+        // Only this one violates the format: it has a face and no vertex.
         EXPECT_EQ(outcome == Outcome::refused, entry.path().filename() == "invalid-relative-texture-index.obj")
             << entry.path();
     }
@@ -88,7 +88,7 @@ TEST(ObjHostile, KnownFiles)
     EXPECT_EQ(files, 24);
 }
 
-TEST(ObjHostile, CutOffAnywhere)
+TEST(HostileObj, TruncatedAnywhereLoadsOrIsRefused)
 {
     test::ScratchFolder folder;
     const std::string whole = k_complete_obj, materials = k_complete_mtl;
@@ -106,7 +106,7 @@ TEST(ObjHostile, CutOffAnywhere)
     }
 }
 
-TEST(ObjHostile, SeededMutations)
+TEST(HostileObj, RandomMutationsLoadOrAreRefused)
 {
     test::ScratchFolder folder;
     Random random(2026);
@@ -139,12 +139,12 @@ TEST(ObjHostile, SeededMutations)
         loaded += outcome == Outcome::loaded, refused += outcome == Outcome::refused;
     }
     std::printf("%d loaded, %d refused\n", loaded, refused);
-    // Both happen, or the mutations test nothing.
+    // Both must occur, or the mutations test nothing.
     EXPECT_GT(loaded, 50);
     EXPECT_GT(refused, 50);
 }
 
-TEST(ObjHostile, LargeInOneRespect)
+TEST(HostileObj, SurvivesFilesThatAreLargeInOneRespect)
 {
     test::ScratchFolder folder;
     const auto repeated = [](const std::string& text, int times) {
@@ -176,7 +176,7 @@ TEST(ObjHostile, LargeInOneRespect)
     }
 }
 
-TEST(ObjHostile, ManyTexturesThatDoNotExist)
+TEST(HostileObj, ReportsManyMissingTexturesQuickly)
 {
     test::ScratchFolder folder;
     constexpr int count = 80'000;
@@ -187,13 +187,13 @@ TEST(ObjHostile, ManyTexturesThatDoNotExist)
     }
     write(folder / "a.mtl", materials);
     write(folder / "a.obj", faces);
-    // Each is looked for among those that were told of.
+    // Each name is looked up among the reported ones.
     const std::clock_t start = std::clock();
     EXPECT_EQ(load_obj(folder / "a.obj").warnings.size(), static_cast<std::size_t>(count));
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 3.5 * test::k_patience);
 }
 
-TEST(ObjHostile, OneFileUnderManyNames)
+TEST(HostileObj, ReadsAFileWithManyNamesOnce)
 {
     test::ScratchFolder folder;
     const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -204,7 +204,7 @@ TEST(ObjHostile, OneFileUnderManyNames)
     write(folder / "a.obj", libraries + triangle + "f 1 2 3\n");
     EXPECT_EQ(import_in_child(folder / "a.obj"), Outcome::loaded);
 
-    // One image, each time of another relief.
+    // One image, each time with another bump scale.
     const auto png = test::png_bytes({2048, 2048, 1, PNG_COLOR_TYPE_GRAY}, {std::vector<std::uint8_t>(256)});
     write(folder / "p.png", {png.begin(), png.end()});
     std::string faces;
@@ -223,7 +223,7 @@ TEST(ObjHostile, OneFileUnderManyNames)
     }
 }
 
-// What an import says about the one file that it names.
+// The warning of an import about the only file that it names.
 std::string warning_about(const std::filesystem::path& file)
 {
     std::string all;
@@ -231,12 +231,12 @@ std::string warning_about(const std::filesystem::path& file)
     return all;
 }
 
-TEST(ObjHostile, NamesThatLeadElsewhere)
+TEST(HostileObj, OpensNoFileOutsideItsFolder)
 {
     test::ScratchFolder outer;
     std::filesystem::create_directory(outer / "scene");
     const std::filesystem::path folder = outer / "scene";
-    // A material file that would be seen to have been read: it holds an error.
+    // A material file with an error, which would show that it was read.
     write(outer / "secret.mtl", "newmtl red\nKd not a colour\n");
     std::filesystem::create_symlink("../secret.mtl", folder / "link.mtl");
     std::filesystem::create_directory_symlink("..", folder / "up");
@@ -273,7 +273,7 @@ TEST(ObjHostile, NamesThatLeadElsewhere)
     EXPECT_EQ(import_in_child("/dev/zero"), Outcome::refused);
     EXPECT_EQ(import_in_child(folder / "none.obj"), Outcome::refused);
 
-    // Inside, by a link and by a detour, is allowed.
+    // A link or a detour inside the folder is allowed.
     write(folder / "real.mtl", "newmtl red\nKd 1 0 0\n");
     std::filesystem::create_symlink("real.mtl", folder / "inside.mtl");
     for (const char* name : {"inside.mtl", "directory.mtl/../real.mtl", "./real.mtl"}) {

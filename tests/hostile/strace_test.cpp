@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What loading a scene asks of the system: no file outside the scene's folder, no socket.
+// The system calls of loading a scene: no file outside the scene's folder, no socket.
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -14,7 +14,7 @@ namespace {
 
 #ifdef GNOMON_PROGRAM
 
-// Paths that loading opened between two marks in the trace, and whether there was a socket.
+// The paths that loading opened between two marks in the trace, and whether it created a socket.
 struct Trace {
     std::vector<std::string> opened;
     bool socket = false;
@@ -27,7 +27,7 @@ Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& 
         "strace -f -e trace=open,openat,openat2,creat,socket,connect -o '{}' '{}' info '{}' >/dev/null 2>&1",
         log.string(), GNOMON_PROGRAM, scene.string());
     const int status = std::system(command.c_str());
-    (void)status;   // refused files end with an error, as they should
+    (void)status;   // refused files end with an error, as expected
     Trace trace;
     std::ifstream stream(log);
     const std::regex open_call("(?:open|openat|openat2|creat)\\((?:AT_FDCWD, )?\"([^\"]*)\"");
@@ -40,7 +40,7 @@ Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& 
     return trace;
 }
 
-// The kernel's own files; of ThreadSanitizer the one that it makes as each program starts.
+// Kernel files, and the one that ThreadSanitizer creates as each program starts.
 bool is_system(const std::string& path)
 {
     return path.starts_with("/proc/") || path.starts_with("/sys/") ||
@@ -54,16 +54,16 @@ bool have_strace()
     return std::system(command.c_str()) == 0;
 }
 
-TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
+TEST(SystemCalls, GltfOpensNothingOutsideItsFolder)
 {
-    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
     test::ScratchFolder scratch, scenes;
     std::ofstream(scenes / "in.bin") << "12345678";
     const auto write = [&](const std::string& name, const std::string& uri) {
         std::ofstream(scenes / name) << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":8,"uri":")" + uri +
                                             "\"}]}";
     };
-    // The program's own start (libraries, machine) is what it opens for a file that names nothing.
+    // A file that names nothing shows what the program opens at its start (libraries, machine).
     std::ofstream(scenes / "empty.gltf") << R"({"asset":{"version":"2.0"}})";
     const Trace usual = trace_info(scenes / "empty.gltf", scratch);
     ASSERT_FALSE(usual.opened.empty());
@@ -88,13 +88,14 @@ TEST(Strace, LoadingOpensNothingOutsideTheScenesFolder)
     }
 }
 
-TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
+TEST(SystemCalls, ObjAndAffOpenNothingOutsideTheirFolder)
 {
-    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
     test::ScratchFolder scratch, root;
-    const std::filesystem::path scenes = root / "aff";   // an AFF's sibling TextureFiles counts as inside
+    const std::filesystem::path scenes =
+        root / "aff";   // a TextureFiles folder beside an AFF's folder counts as inside
     std::filesystem::create_directory(scenes);
-    // With a texture, since threads load libraries of the system.
+    // With a texture, because threads load system libraries.
     std::ofstream(scenes / "m.mtl") << "newmtl a\nmap_Kd none.ppm\n";
     std::ofstream(scenes / "empty.obj") << "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const Trace usual = trace_info(scenes / "empty.obj", scratch);
@@ -126,10 +127,10 @@ TEST(Strace, ObjAndAffOpenNothingOutsideTheScenesFolder)
     }
 }
 
-TEST(Strace, ValidatorFilesOpenNothingOutsideTheirFolder)
+TEST(SystemCalls, ValidatorFilesOpenNothingOutsideTheirFolder)
 {
     GNOMON_NEED_SCENE(folder, "hostile/gltf-validator");
-    if (!have_strace()) GTEST_SKIP() << "no strace, or it may not trace here";
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
     test::ScratchFolder scratch, scenes;
     std::ofstream(scenes / "empty.gltf") << R"({"asset":{"version":"2.0"}})";
     const Trace usual = trace_info(scenes / "empty.gltf", scratch);

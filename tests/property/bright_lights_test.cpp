@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights as bright as numbers go, and surfaces that touch a light: no layer of any image holds what is no number.
+// Lights as bright as floats allow, and surfaces that touch a light: all layers of all images are finite.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ void expect_finite(const RenderOptions& options, const char* what)
     }
 }
 
-TEST(BrightLights, EveryNumberIsOne)
+TEST(BrightLights, AllLayersAreFinite)
 {
     RenderOptions options;
     options.threads = 2;

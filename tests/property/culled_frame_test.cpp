@@ -43,26 +43,26 @@ void expect_same(const Scene& scene, FrameRange frames)
     EXPECT_TRUE(std::equal(cold.begin(), cold.end(), plain.end() - static_cast<std::ptrdiff_t>(cold.size())));
 }
 
-TEST(CulledFrame, SameAsTracedOnBuiltinScenes)
+TEST(CulledFrame, EqualsTheFullTraceOnBuiltinScenes)
 {
     expect_same(load("builtin:cornell"), {1, 12});
     expect_same(load("builtin:kinetic"), {40, 46});
     expect_same(load("builtin:spheres?objects=60&dynamic=20&vertices=200"), {1, 8});
 }
 
-TEST(CulledFrame, SameAsTracedOnKitchenWithTheCarMoving)
+TEST(CulledFrame, EqualsTheFullTraceOnKitchenWithTheCarMoving)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     expect_same(load(file.string()), {196, 204});
 }
 
-TEST(CulledFrame, SameAsTracedOnRobots)
+TEST(CulledFrame, EqualsTheFullTraceOnRobots)
 {
     GNOMON_NEED_SCENE(file, "bart/robots/aff/Robot.aff");
     expect_same(load(file.string()), {200, 206});
 }
 
-TEST(CulledFrame, LeavesRaysOutFromTheSecondFrameOn)
+TEST(CulledFrame, SkipsRaysFromTheSecondFrameOn)
 {
     const Scene scene = load("builtin:cornell");
     Renderer renderer({.size = {160, 120}, .threads = 1});
@@ -74,7 +74,7 @@ TEST(CulledFrame, LeavesRaysOutFromTheSecondFrameOn)
 }
 
 // Frames that do not wait for certificates, as in the viewer: judging stops anywhere and goes on later.
-TEST(CulledFrame, SameWheneverItsRaysAreJudged)
+TEST(CulledFrame, SameForAnyNumberOfCertificatesPerFrame)
 {
     const auto scene =
         std::make_shared<const scene::Scene>(scene::make_builtin("spheres?objects=60&dynamic=20&vertices=500"));
@@ -160,7 +160,7 @@ std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipp
 }
 
 // A static object taken by hand stops casting the shadow that was remembered, and casts its own where it is.
-TEST(CertifiedCulling, FollowsStaticObjectsMovedByHand)
+TEST(CertifiedCulling, FollowsUserOverridesOfStaticObjects)
 {
     const auto scene = std::make_shared<scene::Scene>(scene::make_cornell());
     scene::SceneState state(scene, 0);
@@ -213,7 +213,7 @@ scene::View small_view(Size size, float away, float pixel)
 
 // Dynamic objects without volume, as where they are hidden by a scale of 0, and dynamic objects squeezed aslant by
 // another's scale, which rays meet roughly or not at all: what is said of them without rays is what rays say.
-TEST(CertifiedCulling, IsRightAboutDynamicObjectsThatAreSqueezed)
+TEST(CertifiedCulling, IsExactForDynamicObjectsWithSingularTransforms)
 {
     std::uint64_t skipped = 0;
     for (const double thin : {0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1}) {
@@ -244,7 +244,7 @@ TEST(CertifiedCulling, IsRightAboutDynamicObjectsThatAreSqueezed)
 }
 
 // Who is taken by hand out of a group that moves casts its shadow from where it is.
-TEST(CertifiedCulling, FollowsPassengersTakenOutOfTheirGroup)
+TEST(CertifiedCulling, FollowsUserOverridesWithinAMovingGroup)
 {
     scene::Scene made = test::scene_with_balls();
     test::add_object(made, 0, scene::none, glm::scale(test::translation(0, -2, 0), glm::dvec3(4, 0.2, 4)));   // a floor
@@ -276,7 +276,7 @@ TEST(CertifiedCulling, FollowsPassengersTakenOutOfTheirGroup)
     }
 }
 
-TEST(CertifiedCulling, NeverWrongOnRandomSoups)
+TEST(CertifiedCulling, IsExactOnRandomSoups)
 {
     std::uint64_t wrong = 0, skipped = 0;
     for (std::uint64_t seed = 1; seed <= 60; ++seed) wrong += wrong_answers(seed, 12, skipped);
@@ -285,7 +285,7 @@ TEST(CertifiedCulling, NeverWrongOnRandomSoups)
 }
 
 // Dynamic objects come and go, and stand still every third round.
-TEST(CertifiedCulling, NeverWrongOnRandomSoupsWithDynamicObjects)
+TEST(CertifiedCulling, IsExactOnRandomSoupsWithDynamicObjects)
 {
     std::uint64_t wrong = 0, skipped = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) wrong += wrong_answers(seed, 12, skipped, 3 + seed % 4);
@@ -293,14 +293,14 @@ TEST(CertifiedCulling, NeverWrongOnRandomSoupsWithDynamicObjects)
     EXPECT_GT(skipped, 25'000u);
 }
 
-TEST(CertifiedCullingFull, NeverWrongOnAThousandRandomSoupsWithDynamicObjects)
+TEST(CertifiedCullingFull, IsExactOnAThousandRandomSoupsWithDynamicObjects)
 {
     std::uint64_t wrong = 0, skipped = 0;
     for (std::uint64_t seed = 1; seed <= 1000; ++seed) wrong += wrong_answers(seed, 12, skipped, 3 + seed % 4);
     EXPECT_EQ(wrong, 0u);
 }
 
-TEST(CertifiedCullingFull, NeverWrongOnAThousandRandomSoups)
+TEST(CertifiedCullingFull, IsExactOnAThousandRandomSoups)
 {
     std::uint64_t wrong = 0, skipped = 0;
     for (std::uint64_t seed = 1; seed <= 1000; ++seed) wrong += wrong_answers(seed, 12, skipped);

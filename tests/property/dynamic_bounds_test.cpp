@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which dynamic objects can shadow a patch of points: the tree of their boxes against all boxes, while they move,
-// deform, hide and are moved by hand; and no ray that something dynamic blocks is ever left out.
+// Selects the dynamic objects that can shadow a patch of points: the tree of bounding boxes against a linear search,
+// while objects move, deform, hide and are moved by user override. No ray that a dynamic object occludes may be left
+// out.
 #include "shadow_culling/dynamic_mask/dynamic_bounds.h"
 
 #include <gtest/gtest.h>
@@ -41,11 +42,11 @@ Query random_query(Random& random, float reach)
     query.points.add(query.points.low + anywhere(random.below(2) ? 0.3f : 3.0f));
     query.directional = random.below(3) == 0;
     query.light = query.directional ? glm::normalize(anywhere(1)) : anywhere(1.5f * reach);
-    if (random.below(4) == 0) query.light[static_cast<int>(random.below(3))] = 0;   // along an axis' plane
+    if (random.below(4) == 0) query.light[static_cast<int>(random.below(3))] = 0;   // in the plane of an axis
     return query;
 }
 
-TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
+TEST(DynamicBounds, EqualsALinearSearchOfAllBoxes)
 {
     std::size_t selected_in_all = 0, missed = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -66,7 +67,7 @@ TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
                 EXPECT_EQ(sorted(by_tree), sorted(of_all));
                 selected_in_all += of_all.size();
 
-                // A ray from within that something dynamic blocks meets one of the boxes.
+                // A ray from inside that a dynamic object occludes hits one of the boxes.
                 const glm::vec3 from = query.points.centre();
                 const glm::vec3 along = query.directional ? query.light : query.light - from;
                 const float end = query.directional ? k_infinity : 1;
@@ -75,7 +76,7 @@ TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
                         return shadow_culling::segment_meets(box, from, along, end);
                     });
             }
-            if (step == 5)   // one of a group is moved out of it
+            if (step == 5)   // one object is moved out of its group
                 state.override_transform(scene->objects[scene->groups[0].objects.back()].node, &aside);
             state.advance(0.4 * (step + 1));
             rays.update(state);
@@ -86,8 +87,8 @@ TEST(DynamicBounds, SelectsWhatAllBoxesAskedOneByOneSelect)
     EXPECT_GT(selected_in_all, 3000u);
 }
 
-// Rays that come from afar are rounded by more than what is small and near the origin.
-TEST(DynamicBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
+// Rays from far away are rounded by more than the size of small objects near the origin.
+TEST(DynamicBounds, DistantRaysHitTheBoxesOfTheirOccluders)
 {
     scene::Scene made = scene_with_balls();
     scene::Mesh cube;
@@ -106,7 +107,7 @@ TEST(DynamicBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
     Random random(3);
     std::size_t occluded = 0, missed = 0, selected = 0;
     for (int i = 0; i < 40'000; ++i) {
-        // By an edge of the cube.
+        // Beside an edge of the cube.
         const glm::dvec3 edge(random.below(2) ? 0.5 : -0.5, random.below(2) ? 0.5 : -0.5,
                               static_cast<double>(random.uniform(-0.5f, 0.5f)));
         const glm::dvec3 by = edge + glm::dvec3(static_cast<double>(random.uniform(-5e-4f, 5e-4f)), 0, 0);
@@ -124,9 +125,9 @@ TEST(DynamicBounds, RaysFromAfarMeetTheBoxesOfWhatBlocksThem)
     EXPECT_EQ(missed, 0u);
 }
 
-TEST(DynamicBounds, CostFollowsWhatIsNear)
+TEST(DynamicBounds, CostDependsOnNearbyObjectsOnly)
 {
-    // Small dynamic objects all over a plain, under a lamp: a patch of points looks at those between it and the lamp.
+    // Small dynamic objects on a large plain, under a light: a patch of points tests those between it and the light.
     std::vector<std::size_t> looked_at;
     for (const int side : {10, 40}) {
         scene::Scene scene = scene_with_balls();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mask says of dynamic objects, and of what stands still before them, against rays.
+// The dynamic mask's results for dynamic objects, and for static objects in front of them, against rays.
 #include <gtest/gtest.h>
 
 #include "scene/builtin/builtin.h"
@@ -10,14 +10,14 @@ namespace gnomon::shadow_culling {
 namespace {
 
 struct Tally {
-    std::uint64_t free = 0, occluded = 0, unknown = 0, clear = 0;              // said
-    std::uint64_t wrongly_free = 0, wrongly_occluded = 0, wrongly_clear = 0;   // and not so
+    std::uint64_t free = 0, occluded = 0, unknown = 0, clear = 0;              // results
+    std::uint64_t wrongly_free = 0, wrongly_occluded = 0, wrongly_clear = 0;   // wrong results
     std::uint64_t free_on_dynamic = 0;
 };
 
-// Asks of all points, one light after the other, and lets rays answer the same.
-void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
-             const std::vector<ShadowPoint>& points, const std::vector<char>& moves, Tally& tally)
+// Queries all points, one light after the other, and compares with rays.
+void query_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneState& state, const ray::RayScene& rays,
+               const std::vector<ShadowPoint>& points, const std::vector<char>& moves, Tally& tally)
 {
     DynamicMask::Asked asked;
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
@@ -56,27 +56,27 @@ void ask_all(DynamicMask& mask, const scene::Scene& scene, const scene::SceneSta
     }
 }
 
-// Dynamic objects put somewhere else in every round; the mask is told that they move from the second on.
-Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
+// Moves the dynamic objects in every round; the mask is told that they move from the second round on.
+Tally query_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
 {
     const std::size_t dynamic_objects = 2 + seed % 5;
     const auto scene = Soup(seed, static_cast<int>(dynamic_objects)).take();
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
-    std::vector<char> promoted(scene->objects.size(), 0);
-    for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o) promoted[o] = 1;
+    std::vector<char> moves(scene->objects.size(), 0);
+    for (std::size_t o = moves.size() - dynamic_objects; o < moves.size(); ++o) moves[o] = 1;
     Random random(seed, 5);
-    // All of them by hand, so that the ray scene counts them as dynamic objects.
+    // Override all of their transforms, so that the ray scene treats them as dynamic objects.
     glm::dmat4 aside(1);
     aside[3].x = 0.1;
-    for (std::size_t o = promoted.size() - dynamic_objects; o < promoted.size(); ++o)
+    for (std::size_t o = moves.size() - dynamic_objects; o < moves.size(); ++o)
         state.override_transform(scene->objects[o].node, &aside);
     Tally tally;
     std::unique_ptr<StaticTriangles> triangles;
     std::unique_ptr<DynamicMask> mask;
     for (int round = 0; round < rounds; ++round) {
         if (round > 0 && round % 3 != 0) move_last(*scene, state, random, dynamic_objects);
-        if (round % 4 == 3)   // a light elsewhere
+        if (round % 4 == 3)   // move a light
             for (const scene::Light& light : scene->lights) {
                 if (random.below(2)) continue;
                 glm::dmat4 place = scene->nodes[light.node].local;
@@ -91,7 +91,7 @@ Tally ask_soup(std::uint64_t seed, int rounds, const MaskOptions& options)
         }
         const CullingView view{glm::vec3(random.uniform(-4, 4), 1, 4), 0.004f * random.uniform(0.2f, 3.0f), 0};
         mask->begin_frame(state, rays, view);
-        ask_all(*mask, *scene, state, rays, random_points(*scene, rays, random, 600), promoted, tally);
+        query_all(*mask, *scene, state, rays, random_points(*scene, rays, random, 600), moves, tally);
     }
     return tally;
 }
@@ -103,11 +103,11 @@ void expect_true(const Tally& tally)
     EXPECT_EQ(tally.wrongly_clear, 0u);
 }
 
-Tally ask_soups(std::uint64_t seeds, const MaskOptions& options)
+Tally query_soups(std::uint64_t seeds, const MaskOptions& options)
 {
     Tally sum;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-        const Tally t = ask_soup(seed, 8, options);
+        const Tally t = query_soup(seed, 8, options);
         sum.free += t.free, sum.occluded += t.occluded, sum.unknown += t.unknown, sum.clear += t.clear;
         sum.wrongly_free += t.wrongly_free, sum.wrongly_occluded += t.wrongly_occluded;
         sum.wrongly_clear += t.wrongly_clear, sum.free_on_dynamic += t.free_on_dynamic;
@@ -115,44 +115,44 @@ Tally ask_soups(std::uint64_t seeds, const MaskOptions& options)
     return sum;
 }
 
-TEST(DynamicMaskCulling, SaysWhatRaysSayOnRandomSoups)
+TEST(DynamicMaskCulling, AgreesWithRaysOnRandomSoups)
 {
     MaskOptions options;
     options.asked = 1;
-    const Tally tally = ask_soups(60, options);
+    const Tally tally = query_soups(60, options);
     expect_true(tally);
-    // Else nothing was put to the test.
+    // Otherwise nothing was tested.
     EXPECT_GT(tally.free, 50'000u);
     EXPECT_GT(tally.free_on_dynamic, 5'000u);
     EXPECT_GT(tally.occluded, 5'000u);
     EXPECT_GT(tally.clear, 5'000u);
 }
 
-TEST(DynamicMaskCulling, CoarseTexelsToo)
+TEST(DynamicMaskCulling, AgreesWithRaysWithCoarseTexels)
 {
     MaskOptions options;
     options.asked = 1;
     options.texel_pixels = 40;
-    expect_true(ask_soups(40, options));
+    expect_true(query_soups(40, options));
 }
 
-// Triangles that count as edge-on cover nothing, but are still in the way.
-TEST(DynamicMaskCulling, FineTexelsWithinTrianglesThatCountAsEdgeOn)
+// Edge-on triangles cover no texels, but still occlude.
+TEST(DynamicMaskCulling, AgreesWithRaysWithFineTexelsInEdgeOnTriangles)
 {
     MaskOptions options;
     options.asked = 1;
     options.texel_pixels = 0.5f;
     options.min_facing = 0.5;
-    const Tally tally = ask_soups(40, options);
+    const Tally tally = query_soups(40, options);
     expect_true(tally);
     EXPECT_GT(tally.free, 20'000u);
 }
 
-// Rays that run along an outline, which runs along the border of texels: within rounding of either side. Far from the
-// origin, where rounding is coarse.
-void ask_along_outline(double turn, Tally& tally)
+// Rays along an outline that coincides with the border of texels, within rounding on either side. Far from the origin,
+// where rounding is coarse.
+void query_along_outline(double turn, Tally& tally)
 {
-    const glm::vec3 lamp(1000.3f, 1003.7f, 998.1f);
+    const glm::vec3 light_place(1000.3f, 1003.7f, 998.1f);
     scene::Scene built;
     built.materials.emplace_back();
     built.materials.back().double_sided = true;
@@ -165,10 +165,10 @@ void ask_along_outline(double turn, Tally& tally)
         built.nodes[node].mesh = static_cast<scene::MeshId>(built.meshes.size());
         built.meshes.push_back(std::move(mesh));
     };
-    const auto at = [&](float x, float y, float z) { return lamp + glm::vec3(x, y, z); };
+    const auto at = [&](float x, float y, float z) { return light_place + glm::vec3(x, y, z); };
     add({at(-3, -4, -3), at(3, -4, -3), at(3, -4, 3), at(-3, -4, 3)});   // the floor
-    // A plate that begins at x = 0, but for rounding, once it is turned about the lamp.
-    const glm::dvec3 middle(lamp);
+    // A plate that starts at x = 0, up to rounding, after it is rotated about the light.
+    const glm::dvec3 middle(light_place);
     const auto turned = [&](const glm::dvec3& p, double angle) {
         const glm::dvec3 q = p - middle;
         return middle + glm::dvec3(std::cos(angle) * q.x + std::sin(angle) * q.z, q.y,
@@ -181,7 +181,7 @@ void ask_along_outline(double turn, Tally& tally)
     add(plate);
     scene::Light light;
     glm::dmat4 place(1);
-    place[3] = glm::dvec4(glm::dvec3(lamp), 1);
+    place[3] = glm::dvec4(glm::dvec3(light_place), 1);
     light.node = built.add_node("", scene::none, place);
     built.lights.push_back(light);
     built.finish();
@@ -198,11 +198,11 @@ void ask_along_outline(double turn, Tally& tally)
     state.override_transform(scene->objects[1].node, &moved);
     state.advance(0);
     rays.update(state);
-    const std::vector<char> promoted = {0, 1};
+    const std::vector<char> moves = {0, 1};
     const StaticTriangles triangles(state, rays);
     MaskOptions options;
     options.asked = 1;
-    options.texel_pixels = 0.02f;   // finer than rounding moves a ray
+    options.texel_pixels = 0.02f;   // finer than the rounding of a ray
     DynamicMask mask(state, rays, triangles, options);
     mask.begin_frame(state, rays, {at(0, 0, 9), 0.002f, 0});
     Random random(3);
@@ -214,26 +214,26 @@ void ask_along_outline(double turn, Tally& tally)
         point.origin = at(1e-4f * random.uniform(-1, 1), -4 + 0.01f, random.uniform(-2, 2));
         points.push_back(point);
     }
-    ask_all(mask, *scene, state, rays, points, promoted, tally);
+    query_all(mask, *scene, state, rays, points, moves, tally);
 }
 
-TEST(DynamicMaskCulling, RaysAlongOutlinesOnTheBordersOfTexels)
+TEST(DynamicMaskCulling, AgreesWithRaysAlongOutlinesOnTexelBorders)
 {
     Tally tally;
-    for (int k = 1; k <= 30; ++k) ask_along_outline(0.0137 * k, tally);
+    for (int k = 1; k <= 30; ++k) query_along_outline(0.0137 * k, tally);
     expect_true(tally);
     EXPECT_GT(tally.unknown, 10'000u);
 }
 
-TEST(DynamicMaskCullingFull, SaysWhatRaysSayOnAThousandSoups)
+TEST(DynamicMaskCullingFull, AgreesWithRaysOnAThousandSoups)
 {
     MaskOptions options;
     options.asked = 1;
-    expect_true(ask_soups(1000, options));
+    expect_true(query_soups(1000, options));
 }
 
-// The least height of what is inside four planes, by the tree and one triangle after the other.
-TEST(DynamicMaskCulling, LeastHeightIsThatOfAllTriangles)
+// The least height within four planes, by the tree and by a linear search.
+TEST(DynamicMaskCulling, LeastHeightEqualsALinearSearchOfAllTriangles)
 {
     std::size_t some = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -265,7 +265,7 @@ TEST(DynamicMaskCulling, LeastHeightIsThatOfAllTriangles)
                 if (!visibility::clip_triangle(sides, p, inside)) continue;
                 for (int c = 0; c < inside.count; ++c)
                     least = std::min(least, depth.at(inside.corner[static_cast<std::size_t>(c)]));
-                // The sides are those of the light's plane.
+                // The side planes contain the light.
                 for (int c = 0; c < inside.count; ++c) {
                     const glm::dvec3& corner = inside.corner[static_cast<std::size_t>(c)];
                     const glm::dvec3 q = space.in_face(face, corner);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ten thousand frames of Kitchen by one renderer: the clip forwards, pauses, jumps, its lights going on and off. Memory
-// stays flat after a while, and at random frames the image is that of a renderer that has seen nothing before.
+// Ten thousand frames of Kitchen with one renderer: the clip forwards, pauses, jumps, lights switched on and off.
+// Memory settles, and at random frames the image equals that of a new renderer.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -26,7 +26,7 @@ double resident_megabytes()
     return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-// Its lights go on and off, each in its own rhythm, the first one excepted.
+// All lights but the first blink, each with its own period.
 Scene blinking_kitchen(const std::filesystem::path& file)
 {
     auto scene = std::make_shared<scene::Scene>(io::load_scene(file));
@@ -59,10 +59,10 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
     const Scene scene = blinking_kitchen(file);
     Renderer renderer(small());
     Random random(8);
-    double settled = 0, late = 0;   // greatest within the third and the last quarter
+    double settled = 0, late = 0;   // maximum within the third and the last quarter
     int frame = 1, checked = 0;
     for (int i = 0; i < frames; ++i) {
-        // Forwards; one time in ten it waits, now and then it jumps.
+        // Advance; one time in ten pause, rarely jump.
         const std::uint32_t choice = random.below(100);
         if (choice == 0)
             frame = 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(scene.frame_count())));
@@ -86,19 +86,19 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
         "%d frames, %d checked against a cold renderer; at most %.1f MB in the third quarter, %.1f MB in the last\n",
         frames, checked, settled, late);
     EXPECT_GT(checked, 0);
-    // What the allocator keeps back and forth; a sanitizer keeps what was freed.
+    // The allocator's reserve varies; a sanitizer keeps freed memory.
     if (!test::k_sanitized) {
         EXPECT_LT(late, 1.02 * settled + 4);
     }
 }
 
-TEST(Endurance, AHundredAndTwentyFramesOfKitchen)
+TEST(Endurance, MemoryAndImagesStayStableOver120FramesOfKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     endure(file, 120, 6);
 }
 
-TEST(EnduranceFull, TenThousandFramesOfKitchen)
+TEST(EnduranceFull, MemoryAndImagesStayStableOver10000FramesOfKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     endure(file, 10'000, 60);

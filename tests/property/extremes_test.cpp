@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Worlds from a tenth of a millimetre to a thousand kilometres, at the origin and far from it: remembered shadows
-// change no bit, light views kept equal those drawn anew, and no layer of any image holds what is no number.
+// Scenes from a tenth of a millimetre to a thousand kilometres, at the origin and far from it: certified culling is
+// exact, updated light views equal redrawn ones, and all layers of all images are finite.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ namespace {
 
 constexpr int k_frames = 8;
 
-// The same room at any size and place: a floor, a wall, a mirror, glass, a column, a ball that flies, a slab that turns
-// and stands still for a while; a light above and one between the things.
+// The same room at any size and place: a floor, a wall, a mirror, glass, a column, a flying ball, a slab that rotates
+// and rests for a while; one light above and one between the objects.
 std::string room(double size, double offset)
 {
     const auto at = [&](double x, double y, double z) {
@@ -47,7 +47,7 @@ std::string room(double size, double offset)
 }
 
 struct World {
-    double size, offset;   // a unit; how many of them from the origin
+    double size, offset;   // the size of a unit; the distance from the origin in units
 };
 
 constexpr World k_worlds[] = {{1, 0},    {1e-4, 0}, {1e-2, 0},    {1e2, 0},   {1e4, 0},    {1e6, 0},
@@ -83,7 +83,7 @@ void expect_finite(const Frame& image, const std::string& what)
     }
 }
 
-TEST_P(Extremes, RememberedShadowsAreExactAndEveryNumberIsOne)
+TEST_P(Extremes, CertifiedCullingIsExactAndLayersAreFinite)
 {
     const Scene scene = this->scene();
     ASSERT_EQ(scene.frame_count(), k_frames);
@@ -101,11 +101,11 @@ TEST_P(Extremes, RememberedShadowsAreExactAndEveryNumberIsOne)
         skipped += remembered[i].counters.shadow.rays_skipped;
         rays += remembered[i].counters.shadow.rays;
     }
-    // Up to 1e9 units everything is met by rays; beyond, nothing.
+    // Up to 1e9 units rays hit everything; beyond, nothing.
     EXPECT_TRUE(rays > 10'000 || GetParam().size * GetParam().offset > 9e8);
     std::printf("%llu of %llu shadow rays left out\n", static_cast<unsigned long long>(skipped),
                 static_cast<unsigned long long>(rays));
-    // Light has no distance in AFF: at the origin the room looks the same at every size.
+    // AFF's lights have no distance falloff: at the origin the room looks the same at every size.
     if (GetParam().offset != 0) return;
     folder_.write(folder_.main(), room(1, 0));
     const std::vector<float> as_it_is = frames_of(load(folder_.main().string()), {})[0].layers[0].data;
@@ -115,15 +115,15 @@ TEST_P(Extremes, RememberedShadowsAreExactAndEveryNumberIsOne)
         difference += std::abs(static_cast<double>(here[i]) - static_cast<double>(as_it_is[i]));
         mean += static_cast<double>(as_it_is[i]);
     }
-    EXPECT_LT(difference / mean, 0.03);   // bounced light is remembered on a lattice of powers of two
+    EXPECT_LT(difference / mean, 0.03);   // cache points lie on lattices with power-of-two spacing
 }
 
-TEST_P(Extremes, BouncedLightIsTheSameForAnyNumberOfThreadsColdAndWarm)
+TEST_P(Extremes, IndirectLightHasSameBytesForAnyThreadCountColdAndWarm)
 {
     const Scene scene = this->scene();
     const auto bounced = [&](int threads, std::initializer_list<int> frames) {
         RenderOptions options;
-        // Where floats are coarse many rays pass within rounding of something: enough of them to meet some.
+        // Where floats are coarse, rays pass objects within rounding: enough rays are needed for some to do so.
         options.size = GetParam().offset > 1e4 ? Size{320, 240} : Size{96, 72};
         options.threads = threads;
         options.layers = true;
@@ -132,7 +132,7 @@ TEST_P(Extremes, BouncedLightIsTheSameForAnyNumberOfThreadsColdAndWarm)
         for (const int frame : frames) last = renderer.render(scene, frame);
         for (const Layer& layer : last.layers)
             if (layer.name == "indirect") return layer.data;
-        ADD_FAILURE() << "no such layer";
+        ADD_FAILURE() << "layer not found";
         return std::vector<float>();
     };
     const std::vector<float> one = bounced(1, {5});
@@ -140,7 +140,7 @@ TEST_P(Extremes, BouncedLightIsTheSameForAnyNumberOfThreadsColdAndWarm)
     EXPECT_TRUE(one == bounced(2, {8, 1, 5}));
 }
 
-TEST_P(Extremes, EveryWayOfIndirectLightStaysFinite)
+TEST_P(Extremes, EveryIndirectMethodStaysFinite)
 {
     const Scene scene = this->scene();
     for (const Indirect indirect : {Indirect::visible, Indirect::quadtree, Indirect::rsm}) {
@@ -158,7 +158,7 @@ TEST_P(Extremes, EveryWayOfIndirectLightStaysFinite)
     expect_finite(Renderer(reference).render(scene, 2), "reference");
 }
 
-TEST_P(Extremes, LightViewsEqualThoseDrawnAnew)
+TEST_P(Extremes, LightViewsEqualAFullRedraw)
 {
     const auto scene = this->scene().inside();
     scene::SceneState state(scene, scene->timeline.time_of(1));
@@ -177,12 +177,12 @@ TEST_P(Extremes, LightViewsEqualThoseDrawnAnew)
             if (!view.shown) continue;
             ++shown;
             buffers[v].execute(view.plan, view.projection, state);
-            light_views::SoftwareBuffer anew(view.tile.size);
+            light_views::SoftwareBuffer redrawn(view.tile.size);
             for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
                 if (views.casters().casts(o) && state.object_visible(o))
-                    draw_object(anew, view.projection, state, o, view.projection.whole());
-            EXPECT_TRUE(buffers[v].rendering().depth == anew.depth) << "view " << v << ", frame " << frame;
-            EXPECT_TRUE(buffers[v].rendering().item == anew.item) << "view " << v << ", frame " << frame;
+                    draw_object(redrawn, view.projection, state, o, view.projection.whole());
+            EXPECT_TRUE(buffers[v].rendering().depth == redrawn.depth) << "view " << v << ", frame " << frame;
+            EXPECT_TRUE(buffers[v].rendering().item == redrawn.item) << "view " << v << ", frame " << frame;
         }
     }
     EXPECT_GT(shown, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole frames on the kd-tree that counts: the images of Embree up to edges, counts that do not depend on threads,
-// and savings by culling that show in them.
+// Complete frames on the counting kd-tree: the images of Embree up to edges, counts that do not depend on threads, and
+// the savings of culling.
 #include <gtest/gtest.h>
 
 #include "gnomon/gnomon.h"
@@ -32,19 +32,19 @@ Clip render(const Scene& scene, Accelerator accelerator, ShadowCulling culling, 
     return clip;
 }
 
-std::size_t pixels_different(const std::vector<float>& a, const std::vector<float>& b, float share)
+std::size_t pixels_different(const std::vector<float>& a, const std::vector<float>& b, float tolerance)
 {
     std::size_t different = 0;
     for (std::size_t i = 0; i < a.size(); i += 3)
         for (std::size_t c = 0; c < 3; ++c)
-            if (std::abs(a[i + c] - b[i + c]) > share * (std::abs(a[i + c]) + 0.1f)) {
+            if (std::abs(a[i + c] - b[i + c]) > tolerance * (std::abs(a[i + c]) + 0.1f)) {
                 ++different;
                 break;
             }
     return different;
 }
 
-TEST(KdTreeFrame, IsTheImageOfEmbreeUpToEdges)
+TEST(KdTreeFrame, EqualsTheEmbreeImageUpToEdges)
 {
     for (const char* name : {"builtin:cornell", "builtin:kinetic"}) {
         SCOPED_TRACE(name);
@@ -55,7 +55,7 @@ TEST(KdTreeFrame, IsTheImageOfEmbreeUpToEdges)
         const Clip direct_kdtree = render(scene, Accelerator::kdtree, ShadowCulling::off, 1, Indirect::off);
         for (std::size_t f = 0; f < embree.color.size(); ++f) {
             EXPECT_LE(pixels_different(direct_embree.color[f], direct_kdtree.color[f], 1e-3f), 96u * 72 / 200) << f;
-            // A ray that meets an edge on one tree and misses it on the other tints all that is interpolated from it.
+            // A ray that hits an edge on one tree and misses it on the other affects all values interpolated from it.
             EXPECT_LE(pixels_different(embree.color[f], kdtree.color[f], 2e-2f), 96u * 72 / 200) << f;
             EXPECT_FALSE(embree.counters[f].kdtree.has_value());
             ASSERT_TRUE(kdtree.counters[f].kdtree.has_value());
@@ -65,12 +65,13 @@ TEST(KdTreeFrame, IsTheImageOfEmbreeUpToEdges)
             EXPECT_GT(counters.kdtree->shadow.nodes, counters.shadow.rays);
             EXPECT_GE(counters.kdtree->reflection.nodes, counters.reflection_rays);
             EXPECT_GE(counters.kdtree->refraction.nodes, counters.refraction_rays);
-            EXPECT_GT(counters.kdtree->indirect.nodes, counters.indirect.rays) << "and the rays that find its points";
+            EXPECT_GT(counters.kdtree->indirect.nodes, counters.indirect.rays)
+                << "including the rays that find its points";
         }
     }
 }
 
-TEST(KdTreeFrame, CountsDoNotDependOnThreadsAndShowWhatCullingSaves)
+TEST(KdTreeFrame, CountsAreSameForAnyThreadCountAndFallWithCulling)
 {
     const Scene scene = load("builtin:cornell");
     const Clip off = render(scene, Accelerator::kdtree, ShadowCulling::off, 1);
@@ -89,7 +90,7 @@ TEST(KdTreeFrame, CountsDoNotDependOnThreadsAndShowWhatCullingSaves)
             EXPECT_EQ(last.primary, all.primary);
         }
         if (culling == ShadowCulling::certified) {
-            EXPECT_EQ(one.color, off.color) << "exact on this tree, too";
+            EXPECT_EQ(one.color, off.color) << "exact on this tree as well";
             EXPECT_LT(last.shadow.nodes, all.shadow.nodes / 2);
         }
     }

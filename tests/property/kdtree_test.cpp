@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CountingKdTree against every triangle asked one by one, against Embree, and against trees built afresh.
+// CountingKdTree against brute force, against Embree, and against freshly built trees.
 #include "ray/kdtree/kdtree.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using scene::SceneState;
 
 constexpr Sides k_sides[] = {Sides::both, Sides::front};
 
-/// Triangles without any order: long, small, flat along an axis, in one another, and some that are no area at all.
+/// Unordered triangles: long, small, parallel to an axis plane, intersecting, and some with no area.
 scene::Mesh soup(scene::MaterialId material, std::uint64_t seed, std::uint32_t count, float reach)
 {
     scene::Mesh mesh;
@@ -50,7 +50,7 @@ scene::Mesh soup(scene::MaterialId material, std::uint64_t seed, std::uint32_t c
     return mesh;
 }
 
-/// Soups of every material, some still, some moving.
+/// Soups of every material, some static, some moving.
 std::shared_ptr<const scene::Scene> make_soups(std::uint64_t seed)
 {
     scene::Scene scene;
@@ -68,7 +68,7 @@ std::shared_ptr<const scene::Scene> make_soups(std::uint64_t seed)
     return finished(scene);
 }
 
-/// Rays along the axes, in planes where triangles and splits lie; and from such planes in any direction.
+/// Rays along the axes in the planes of triangles and splits, and from such planes in any direction.
 ray::RayQueue awkward_rays(std::uint64_t seed, std::size_t count)
 {
     Random random(seed);
@@ -84,7 +84,7 @@ ray::RayQueue awkward_rays(std::uint64_t seed, std::size_t count)
     return rays;
 }
 
-Answers ask_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts& counts)
+Answers trace_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts& counts)
 {
     Answers answers;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -100,7 +100,7 @@ Answers ask_tree(const CountingKdTree& tree, const ray::RayQueue& rays, KdCounts
     return answers;
 }
 
-Answers ask_all(const CountingKdTree& tree, const ray::RayQueue& rays)
+Answers trace_all(const CountingKdTree& tree, const ray::RayQueue& rays)
 {
     Answers answers;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -115,7 +115,8 @@ Answers ask_all(const CountingKdTree& tree, const ray::RayQueue& rays)
     return answers;
 }
 
-/// Rays whose answers differ by more than the rounding of different formulas: whether anything is met, or how far off.
+/// The number of rays whose results differ by more than the rounding of different formulas: hit or miss, or the
+/// distance.
 struct Differences {
     std::size_t closest = 0, occluded = 0;
 };
@@ -135,7 +136,7 @@ Differences against_embree(const Answers& tree, const Answers& embree)
     return d;
 }
 
-/// As the product builds it; from single triangles; coarse with every upper split taken; deep.
+/// Build options: the defaults; single triangles; coarse with every upper split accepted; deep.
 std::vector<ray::KdOptions> ways_to_build()
 {
     std::vector<ray::KdOptions> ways(4);
@@ -148,7 +149,7 @@ std::vector<ray::KdOptions> ways_to_build()
     return ways;
 }
 
-TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
+TEST(KdTree, EqualsBruteForce)
 {
     bool groups_split = false;
     for (std::uint64_t seed = 1; seed <= 4; ++seed)
@@ -159,10 +160,10 @@ TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
                 Answers all;
                 for (const ray::KdOptions& options : ways_to_build()) {
                     const CountingKdTree tree(state, rays, options);
-                    if (all.both.empty()) all = ask_all(tree, queue);
+                    if (all.both.empty()) all = trace_all(tree, queue);
                     EXPECT_GT(count_hits(all), 30u);
                     KdCounts counts;
-                    EXPECT_EQ(differences(ask_tree(tree, queue, counts), all), 0u) << "seed " << seed;
+                    EXPECT_EQ(differences(trace_tree(tree, queue, counts), all), 0u) << "seed " << seed;
                     const auto s = tree.statistics();
                     groups_split = groups_split || s.still.group_splits > 0;
                     EXPECT_LT(counts.tests, queue.size() * 5 * (s.still.triangles + s.moving.triangles) / 4);
@@ -172,7 +173,7 @@ TEST(KdTree, AnswersAsAllTrianglesAskedOneByOne)
     EXPECT_TRUE(groups_split);
 }
 
-TEST(KdTree, FindsTheNearestOfOneTreeAlone)
+TEST(KdTree, FindsTheNearestHitOfOneTreeOnly)
 {
     std::size_t hidden = 0, unlike = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -203,11 +204,11 @@ TEST(KdTree, FindsTheNearestOfOneTreeAlone)
             EXPECT_TRUE(same_bits(best, tree.closest(o, tnear, d, tfar, Sides::both, counts)));
         }
     }
-    EXPECT_LE(unlike, 1u) << "Embree, but for edges of holes";
-    EXPECT_GT(hidden, 20u) << "something dynamic behind something static";
+    EXPECT_LE(unlike, 1u) << "as Embree, except at edges of holes";
+    EXPECT_GT(hidden, 20u) << "dynamic objects behind static ones";
 }
 
-/// A flat square of n x n cells in the plane z = 0.3.
+/// A planar square of n x n cells at z = 0.3.
 scene::Mesh sheet(int n)
 {
     scene::Mesh mesh;
@@ -224,15 +225,16 @@ scene::Mesh sheet(int n)
     return mesh;
 }
 
-// Corners and edges are where splits lie: rays through them must find all that meet there, whichever side they take.
-TEST(KdTree, AnswersAsAllTrianglesWhereSplitsLie)
+// Splits lie at corners and edges: rays through them must find all triangles there, on whichever side of the split.
+TEST(KdTree, EqualsBruteForceOnSplitPlanes)
 {
     constexpr int n = 20;
     scene::Scene scene;
     add_materials(scene);
     scene.meshes.push_back(sheet(n));
     add_object(scene, 0);
-    add_object(scene, 0, scene::none, translation(0, 0, 1));   // so that there is something to fall through to
+    add_object(scene, 0, scene::none,
+               translation(0, 0, 1));   // behind the sheet, so that a missed triangle changes the result
     const std::vector<glm::vec3> corners = scene.meshes[0].positions;
     const SceneState state(finished(scene), 0);
     const RayScene rays(state);
@@ -248,16 +250,16 @@ TEST(KdTree, AnswersAsAllTrianglesWhereSplitsLie)
         }
     for (const ray::KdOptions& options : ways_to_build()) {
         const CountingKdTree tree(state, rays, options);
-        const Answers all = ask_all(tree, queue);
+        const Answers all = trace_all(tree, queue);
         EXPECT_GT(count_hits(all), 3000u);
         KdCounts counts;
-        EXPECT_EQ(differences(ask_tree(tree, queue, counts), all), 0u);
+        EXPECT_EQ(differences(trace_tree(tree, queue, counts), all), 0u);
     }
 }
 
-TEST(KdTree, AnswersAsEmbreeDoes)
+TEST(KdTree, AgreesWithEmbree)
 {
-    std::size_t asked = 0, closest = 0, occluded = 0;
+    std::size_t traced = 0, closest = 0, occluded = 0;
     for (std::uint64_t seed = 1; seed <= 6; ++seed)
         for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
             const SceneState state(scene, 0.3 * static_cast<double>(seed));
@@ -265,17 +267,17 @@ TEST(KdTree, AnswersAsEmbreeDoes)
             const CountingKdTree tree(state, rays);
             const ray::RayQueue queue = random_rays(seed + 50, 3000);
             KdCounts counts;
-            const Differences d = against_embree(ask_tree(tree, queue, counts), ask_singly(rays, queue));
-            asked += queue.size(), closest += d.closest, occluded += d.occluded;
+            const Differences d = against_embree(trace_tree(tree, queue, counts), trace_singly(rays, queue));
+            traced += queue.size(), closest += d.closest, occluded += d.occluded;
         }
     RecordProperty("closest_differences", static_cast<int>(closest));
     RecordProperty("occluded_differences", static_cast<int>(occluded));
-    // Rays through holes' borders, and through edges of what moves (tested in another space), may go either way.
-    EXPECT_LE(closest, asked / 10000) << "of " << asked;
-    EXPECT_LE(occluded, asked / 10000) << "of " << asked;
+    // Rays through the borders of holes, and through edges of moving objects (tested in object space), may differ.
+    EXPECT_LE(closest, traced / 10000) << "of " << traced;
+    EXPECT_LE(occluded, traced / 10000) << "of " << traced;
 }
 
-TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
+TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)
 {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const auto scene = make_random_scene(seed);
@@ -284,7 +286,7 @@ TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
         RayScene rays(state);
         CountingKdTree followed(state, rays);
         KdCounts first_counts;
-        const Answers first = ask_tree(followed, queue, first_counts);
+        const Answers first = trace_tree(followed, queue, first_counts);
         for (const double time : {0.7, 2.5, 4.9, 0.1}) {
             state.advance(time);
             rays.update(state);
@@ -293,23 +295,23 @@ TEST(KdTree, FollowsAnUpdateToTheBitAndTheCount)
             const RayScene fresh_rays(at_once);
             const CountingKdTree fresh(at_once, fresh_rays);
             KdCounts a, b;
-            const Answers answers = ask_tree(followed, queue, a);
-            EXPECT_EQ(differences(answers, ask_tree(fresh, queue, b)), 0u) << "seed " << seed << ", time " << time;
+            const Answers answers = trace_tree(followed, queue, a);
+            EXPECT_EQ(differences(answers, trace_tree(fresh, queue, b)), 0u) << "seed " << seed << ", time " << time;
             EXPECT_EQ(a.nodes, b.nodes);
             EXPECT_EQ(a.tests, b.tests);
             EXPECT_GT(differences(first, answers), 10u) << "nothing moved";
         }
-        // What stands still was built once.
+        // Static geometry was built once.
         EXPECT_EQ(followed.statistics().still.builds, 1u);
         EXPECT_EQ(followed.statistics().moving.builds, 5u);
         state.advance(0.1);
         rays.update(state);
         followed.update(state, rays);
-        EXPECT_EQ(followed.statistics().moving.builds, 5u) << "nothing moved, and yet it was rebuilt";
+        EXPECT_EQ(followed.statistics().moving.builds, 5u) << "rebuilt although nothing moved";
     }
 }
 
-TEST(KdTree, FollowsWhatIsMovedByHandAndWhatVanishes)
+TEST(KdTree, FollowsUserOverridesAndVanishingObjects)
 {
     scene::Scene scene = scene_with_balls();
     const scene::NodeId still = add_object(scene, 0);
@@ -344,12 +346,12 @@ TEST(KdTree, FollowsWhatIsMovedByHandAndWhatVanishes)
     state.override_transform(still, nullptr);
     go_to(3.5);
     expect_at({{0, 0}, {4, 1}, {-8, scene::none}, {-4, 2}});
-    EXPECT_EQ(tree.statistics().still.builds, 2u) << "it is dynamic by now";
+    EXPECT_EQ(tree.statistics().still.builds, 2u) << "the object is dynamic now";
 }
 
-TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
+TEST(KdTree, RaysAgainstDynamicObjectsVisitNoStaticNodes)
 {
-    // Hundreds of balls that stand still around one that moves: rays that miss its box end at once.
+    // Hundreds of static balls around a moving one: rays that miss its box end immediately.
     scene::Scene scene = scene_with_balls();
     Random random(1);
     for (int i = 0; i < 300; ++i) add_object(scene, 0, scene::none, random_placement(random, 10));
@@ -370,9 +372,9 @@ TEST(KdTree, RaysAgainstDynamicObjectsTouchNothingStatic)
     EXPECT_GT(everything.tests, 100u);
 }
 
-TEST(KdTree, SplitsAtTheBoundsOfWhatTheHierarchyJoins)
+TEST(KdTree, SplitsAtBoundsOfSceneGraphNodes)
 {
-    // Two far clusters, each below a node of its own: one bound of one node parts them.
+    // Two distant clusters, each below a node of its own: one plane at a node's bounds separates them.
     scene::Scene scene = scene_with_balls();
     Random random(1);
     for (const double x : {-100.0, 100.0}) {
@@ -389,7 +391,7 @@ TEST(KdTree, SplitsAtTheBoundsOfWhatTheHierarchyJoins)
     EXPECT_EQ(CountingKdTree(state, rays, options).statistics().still.group_splits, 0u);
 }
 
-TEST(KdTree, AnEmptySceneLetsEverythingPass)
+TEST(KdTree, EmptySceneHasNoHits)
 {
     scene::Scene scene;
     add_materials(scene);
@@ -403,7 +405,7 @@ TEST(KdTree, AnEmptySceneLetsEverythingPass)
     EXPECT_EQ(counts.tests, 0u);
 }
 
-/// From random places inside a scene's bounds to others, and back off the surfaces they meet towards the lights.
+/// Rays from random places inside a scene's bounds to others, and from the surfaces they hit to the lights.
 struct SceneRays {
     ray::RayQueue seen, shadow;
 };
@@ -436,19 +438,19 @@ SceneRays rays_in(const SceneState& state, const RayScene& rays, std::uint64_t s
     return result;
 }
 
-void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, double time, std::size_t count)
+void expect_agreement_with_embree(const std::shared_ptr<const scene::Scene>& scene, double time, std::size_t count)
 {
     const SceneState state(scene, time);
     const RayScene rays(state);
     const CountingKdTree tree(state, rays);
-    const SceneRays asked = rays_in(state, rays, 7, count);
+    const SceneRays traced = rays_in(state, rays, 7, count);
     std::size_t closest = 0, occluded = 0;
-    for (const ray::RayQueue* queue : {&asked.seen, &asked.shadow}) {
+    for (const ray::RayQueue* queue : {&traced.seen, &traced.shadow}) {
         KdCounts counts;
-        const Differences d = against_embree(ask_tree(tree, *queue, counts), ask_singly(rays, *queue));
+        const Differences d = against_embree(trace_tree(tree, *queue, counts), trace_singly(rays, *queue));
         closest += d.closest, occluded += d.occluded;
     }
-    const std::size_t all = asked.seen.size() + asked.shadow.size();
+    const std::size_t all = traced.seen.size() + traced.shadow.size();
     testing::Test::RecordProperty("rays", static_cast<int>(all));
     testing::Test::RecordProperty("closest_differences", static_cast<int>(closest));
     testing::Test::RecordProperty("occluded_differences", static_cast<int>(occluded));
@@ -456,16 +458,16 @@ void expect_embrees_answers(const std::shared_ptr<const scene::Scene>& scene, do
     EXPECT_LE(occluded, all / 2000) << "of " << all;
 }
 
-TEST(KdTree, AnswersAsEmbreeDoesInBuiltInScenes)
+TEST(KdTree, AgreesWithEmbreeInBuiltInScenes)
 {
     for (const char* name : {"kinetic", "spheres?objects=30"})
-        expect_embrees_answers(std::make_shared<const scene::Scene>(scene::make_builtin(name)), 1.0, 1500);
+        expect_agreement_with_embree(std::make_shared<const scene::Scene>(scene::make_builtin(name)), 1.0, 1500);
 }
 
-TEST(KdTree, AnswersAsEmbreeDoesInTheKitchen)
+TEST(KdTree, AgreesWithEmbreeInKitchen)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
-    expect_embrees_answers(std::make_shared<const scene::Scene>(io::load_scene(file)), 5.0, 2000);
+    expect_agreement_with_embree(std::make_shared<const scene::Scene>(io::load_scene(file)), 5.0, 2000);
 }
 
 }   // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light map and its pyramid: repaired equals made anew, to the bit; only what moved is touched; what it says of
-// surfaces is true.
+// The light map and its pyramid: an update equals a rebuild to the bit, updates only texels of moved objects, and the
+// map's content agrees with the surfaces.
 #include <gtest/gtest.h>
 
 #include "base/bits.h"
@@ -17,7 +17,7 @@ using light_quadtree::LightMapOptions;
 using light_quadtree::LightNode;
 using test::World;
 
-// Nodes or validity bits that differ.
+// The number of nodes or validity bits that differ.
 std::size_t differing(const LightMap& a, const LightMap& b)
 {
     if (a.nodes().size() != b.nodes().size()) return ~std::size_t{0};
@@ -27,7 +27,7 @@ std::size_t differing(const LightMap& a, const LightMap& b)
     return count;
 }
 
-// Goes through frames at random and compares with a map made anew in each.
+// Steps through random frames and compares with a rebuilt map in each.
 void follow_random_frames(const char* name, int frames, int side, std::uint64_t seed)
 {
     World world(scene::make_builtin(name));
@@ -47,15 +47,15 @@ void follow_random_frames(const char* name, int frames, int side, std::uint64_t 
     EXPECT_GT(dirty, 0u) << name;
 }
 
-TEST(LightMap, RepairedEqualsANewOne)
+TEST(LightMap, UpdateEqualsARebuild)
 {
     follow_random_frames("cornell", 12, 256, 1);
     follow_random_frames("spheres?objects=40&dynamic=25", 6, 128, 2);
     follow_random_frames("kinetic", 3, 64, 3);
 }
 
-// Balls at random, and places within them, as spot and directional lights see them.
-TEST(LightMap, ABallsFootprintHoldsTheBall)
+// Random spheres, and places within them, as seen by spot and directional lights.
+TEST(LightMap, FootprintContainsTheSphere)
 {
     Random random(11);
     scene::Light light;
@@ -95,8 +95,8 @@ TEST(LightMap, ABallsFootprintHoldsTheBall)
     EXPECT_GT(inside, 2000);
 }
 
-// Rays at dynamic objects, cut off where the static layer begins, against rays at everything, at all texels.
-TEST(LightMap, LayersTogetherAreTheWholeScene)
+// Rays against dynamic objects, limited to the depth of the static layer, equal rays against everything, at all texels.
+TEST(LightMap, StaticAndDynamicLayersEqualTheWholeScene)
 {
     for (const char* name : {"cornell", "spheres?objects=40&dynamic=25", "kinetic"}) {
         World world(scene::make_builtin(name));
@@ -107,18 +107,18 @@ TEST(LightMap, LayersTogetherAreTheWholeScene)
         for (const int frame : {1, last / 2, last}) {
             world.go(frame);
             const LightMap layered(world.state, world.rays, options, world.tasks);
-            const LightMap twin(world.state, world.rays, whole, world.tasks);
-            EXPECT_EQ(differing(layered, twin), 0u) << name << ", frame " << frame;
+            const LightMap reference(world.state, world.rays, whole, world.tasks);
+            EXPECT_EQ(differing(layered, reference), 0u) << name << ", frame " << frame;
         }
     }
 }
 
-TEST(LightMapFull, RepairedEqualsANewOneOverAThousandFrames)
+TEST(LightMapFull, UpdateEqualsARebuildOverAThousandFrames)
 {
     follow_random_frames("cornell", 1000, 512, 4);
 }
 
-TEST(LightMap, OnlyWhatMovedIsTouched)
+TEST(LightMap, UpdatesOnlyTexelsOfMovedObjects)
 {
     World world(scene::make_builtin("cornell"));
     LightMap map(world.state, world.rays, {}, world.tasks);
@@ -136,12 +136,12 @@ TEST(LightMap, OnlyWhatMovedIsTouched)
     EXPECT_GT(map.version(), version);
 }
 
-TEST(LightMap, FollowsWhatStoodStillAndIsMovedByHand)
+TEST(LightMap, FollowsUserOverridesOfStaticObjects)
 {
     World world(scene::make_builtin("cornell"));
     LightMap map(world.state, world.rays, {}, world.tasks);
     const auto& objects = world.scene->objects;
-    scene::ObjectId block = scene::none;   // the one that is found last: not a wall's
+    scene::ObjectId block = scene::none;   // the last one found: not a wall
     for (scene::ObjectId o = 0; o < objects.size(); ++o)
         if (!objects[o].dynamic) block = o;
     ASSERT_NE(block, scene::none);
@@ -157,7 +157,7 @@ TEST(LightMap, FollowsWhatStoodStillAndIsMovedByHand)
     }
 }
 
-TEST(LightMap, ALightThatMovesMakesItsMapAnew)
+TEST(LightMap, MovingLightRebuildsItsMap)
 {
     World world(scene::make_builtin("cornell"));
     LightMap map(world.state, world.rays, {}, world.tasks);
@@ -172,8 +172,9 @@ TEST(LightMap, ALightThatMovesMakesItsMapAnew)
     EXPECT_EQ(differing(map, fresh), 0u);
 }
 
-// In a closed room every direction of a point light ends on a surface: all of its light becomes flux, times the albedo.
-TEST(LightMap, HoldsAllOfThePointLightsFlux)
+// In a closed room every direction of a point light ends on a surface, so all of its light becomes flux, times the
+// albedo.
+TEST(LightMap, HoldsAllFluxOfAPointLight)
 {
     scene::Scene made = scene::make_builtin("cornell");
     for (scene::Material& material : made.materials) material.base_color = glm::vec3(1);
@@ -191,16 +192,16 @@ TEST(LightMap, HoldsAllOfThePointLightsFlux)
         hit += map.node(view.node(0, 0, 0)).members;
         all += static_cast<double>(view.side()) * view.side();
     }
-    EXPECT_LT(hit, all);   // the room is open in front
+    EXPECT_LT(hit, all);   // the room is open at the front
     EXPECT_GT(hit, 0.5 * all);
-    // Texels of a cube's faces see unequal angles; the open front bounds the sum from above.
+    // Texels of a cube's faces cover unequal solid angles; the open front bounds the sum from above.
     EXPECT_LT(sum.x, 4 * k_pi);
     EXPECT_GT(sum.x, 4 * k_pi * 0.5);
     EXPECT_NEAR(sum.y / sum.x, 2, 1e-3);
     EXPECT_NEAR(sum.z / sum.x, 3, 1e-3);
 }
 
-TEST(LightMap, AnInvalidNodeHasChildrenThatDiffer)
+TEST(LightMap, NodeIsInvalidIfItsChildrenDiffer)
 {
     using light_quadtree::Validity;
     LightNode four[4];
@@ -214,14 +215,14 @@ TEST(LightMap, AnInvalidNodeHasChildrenThatDiffer)
     four[1].normal = {0, 1, 0};
     EXPECT_FALSE(is_valid(four, mean_of(four), validity));
     four[1] = four[0];
-    four[3] = {};   // nothing hit
+    four[3] = {};   // no hit
     EXPECT_FALSE(is_valid(four, mean_of(four), validity));
-    EXPECT_FLOAT_EQ(mean_of(four).normal.z, 1);   // means are over what was hit
+    EXPECT_FLOAT_EQ(mean_of(four).normal.z, 1);   // means are taken over texels with a hit
     for (LightNode& child : four) child = {};
     EXPECT_TRUE(is_valid(four, mean_of(four), validity));
 }
 
-// Every texel with flux lies below exactly one cluster, and the clusters' flux is the map's.
+// Every texel with flux lies below exactly one cluster, and the flux of the clusters is that of the map.
 TEST(LightMap, ClustersAreADisjointCut)
 {
     World world(scene::make_builtin("cornell"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light maps on the device: kept up to date they equal new ones, to the bit, whatever moves; and images lit by them
-// are the same cold and warm.
+// Light maps on the device: updated ones equal rebuilt ones to the bit while objects move, and images lit by them are
+// the same with cold and warm caches.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -35,38 +35,39 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
     vk::Commands commands(device);
     kept.record(commands, scene, state);
     commands.submit();
-    std::uint64_t redrawn = 0, everything = 0;
+    std::uint64_t updated_texels = 0, rebuilt_texels = 0;
     for (int frame = 1; frame < frames; ++frame) {
         state.advance(script.time(frame));
         scene.update(commands, state);
         kept.record(commands, scene, state);
-        GpuLightMap anew(device, state, options, levels);
-        anew.record(commands, scene, state);
+        GpuLightMap rebuilt(device, state, options, levels);
+        rebuilt.record(commands, scene, state);
         const vk::Buffer nodes = commands.read_back(kept.nodes()), valid = commands.read_back(kept.valid()),
-                         counts = commands.read_back(kept.counts()), new_nodes = commands.read_back(anew.nodes()),
-                         new_valid = commands.read_back(anew.valid()), new_counts = commands.read_back(anew.counts());
+                         counts = commands.read_back(kept.counts()), new_nodes = commands.read_back(rebuilt.nodes()),
+                         new_valid = commands.read_back(rebuilt.valid()),
+                         new_counts = commands.read_back(rebuilt.counts());
         commands.submit();
         ASSERT_TRUE(same_bytes(nodes, new_nodes)) << "frame " << frame;
         ASSERT_TRUE(same_bytes(valid, new_valid)) << "frame " << frame;
         ASSERT_TRUE(same_bytes(counts, new_counts)) << "frame " << frame;
-        redrawn += kept.work().texels, everything += anew.work().texels;
+        updated_texels += kept.work().texels, rebuilt_texels += rebuilt.work().texels;
     }
-    EXPECT_GT(redrawn, 0u);
-    EXPECT_LT(redrawn, everything);
+    EXPECT_GT(updated_texels, 0u);
+    EXPECT_LT(updated_texels, rebuilt_texels);
 }
 
-TEST_F(LightMapVulkanProperty, RepairedEqualsANewOne)
+TEST_F(LightMapVulkanProperty, UpdateEqualsARebuild)
 {
     follow_script(device_, 3, 10);
     follow_script(device_, 4, 10);
 }
 
-TEST_F(LightMapVulkanFull, RepairedEqualsANewOneOverManyFrames)
+TEST_F(LightMapVulkanFull, UpdateEqualsARebuildOverManyFrames)
 {
     follow_script(device_, 5, 300);
 }
 
-TEST_F(LightMapVulkanProperty, ImagesAreTheSameColdAndWarm)
+TEST_F(LightMapVulkanProperty, SameImagesColdAndWarm)
 {
     const Scene scene = load("builtin:cornell");
     for (const Indirect how : {Indirect::quadtree, Indirect::rsm, Indirect::visible}) {
@@ -84,7 +85,7 @@ TEST_F(LightMapVulkanProperty, ImagesAreTheSameColdAndWarm)
 }   // namespace gnomon
 
 #else
-TEST(LightMapVulkanProperty, LeftOut)
+TEST(LightMapVulkanProperty, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light views kept up to date equal, to the bit, light views drawn anew, whatever moves and however mobility is read.
+// Updated light views equal redrawn ones to the bit, whatever moves and whichever objects count as dynamic.
 #include "light_views/light_views.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@ LightViewsOptions small_views(int quiet_frames = 4)
     return options;
 }
 
-// All visible casters, or the static ones alone, in one go.
-SoftwareBuffer draw_anew(const LightView& view, const LightViews& views, const scene::SceneState& state, bool all)
+// Draws all visible casters, or the static ones only, from scratch.
+SoftwareBuffer redraw(const LightView& view, const LightViews& views, const scene::SceneState& state, bool all)
 {
     SoftwareBuffer buffer(view.tile.size);
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
@@ -48,7 +48,7 @@ void follow_script(std::uint64_t seed, int frames, Seen& seen)
     std::vector<SoftwareView> buffers = buffers_for(views);
     Random random(seed);
     for (int frame = 0; frame < frames; ++frame) {
-        // Go forward; now and then stand still, or jump back a little.
+        // Advance; sometimes pause, or jump back a little.
         const int at = random.below(20) == 0 ? std::max(0, frame - 3) : frame;
         state.advance(script.time(at));
         if (random.below(10) == 0)
@@ -62,21 +62,21 @@ void follow_script(std::uint64_t seed, int frames, Seen& seen)
             seen.rebuilds += view.plan.rebuild.size();
             if (!view.shown) continue;
             buffers[v].execute(view.plan, view.projection, state);
-            const SoftwareBuffer everything = draw_anew(view, views, state, true);
+            const SoftwareBuffer everything = redraw(view, views, state, true);
             ASSERT_EQ(buffers[v].rendering().depth, everything.depth) << "view " << v << ", frame " << frame;
             ASSERT_EQ(buffers[v].rendering().item, everything.item) << "view " << v << ", frame " << frame;
             if (!views.tracker(v).statics_known()) continue;
-            const SoftwareBuffer statics = draw_anew(view, views, state, false);
+            const SoftwareBuffer statics = redraw(view, views, state, false);
             ASSERT_TRUE(buffers[v].statics() == statics) << "view " << v << ", frame " << frame;
         }
     }
 }
 
-TEST(LightViews, BuffersEqualAFullRedrawWhateverMoves)
+TEST(LightViews, BuffersEqualAFullRedraw)
 {
     Seen seen;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) follow_script(seed, 60, seen);
-    // The scripts were rich enough to mean something.
+    // The scripts were varied enough.
     for (const std::uint64_t count : seen.kinds) EXPECT_GT(count, 10u);
     EXPECT_GT(seen.settles, 50u);
     EXPECT_GT(seen.rebuilds, 50u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light views on the device: kept up to date they equal, to the bit, light views drawn anew; and they show what the
-// slow twin on the CPU draws.
+// Light views on the device: updated ones equal redrawn ones to the bit, and agree with the CPU reference
+// implementation.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -32,7 +32,7 @@ struct Pages {
             item.push_back(commands.read_back(items, layer));
         }
     }
-    // One view's square.
+    // The tile of one view.
     SoftwareBuffer view(const Tile& tile, int page_size) const
     {
         SoftwareBuffer buffer(tile.size);
@@ -48,33 +48,34 @@ struct Pages {
     }
 };
 
-// Three views of the same: kept up to date, the same with another patience, and planned from nothing in every frame.
-void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed, int frames, bool with_twin)
+// Three sets of the same views: updated, updated with another rest time, and replanned from nothing in every frame.
+void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed, int frames, bool with_reference)
 {
     const test::LightScript script = test::make_light_script(seed, frames);
     scene::SceneState state(script.scene, 0);
     const int patience = seed % 2 ? 1 : 5;
-    LightViews kept(state, small_views(patience)), patient(state, small_views(9)), anew(state, small_views(patience));
+    LightViews kept(state, small_views(patience)), patient(state, small_views(9)),
+        redrawn(state, small_views(patience));
     CasterGeometry casters(device, state);
-    GpuLightViews kept_gpu(device, kept), patient_gpu(device, patient), anew_gpu(device, anew);
+    GpuLightViews kept_gpu(device, kept), patient_gpu(device, patient), redrawn_gpu(device, redrawn);
     vk::Commands commands(device);
     const int page_size = kept.atlas().page_size;
-    std::uint64_t different_from_twin = 0, texels = 0;
+    std::uint64_t different_from_reference = 0, texels = 0;
     for (int frame = 0; frame < frames; ++frame) {
         state.advance(script.time(frame));
         kept.update(state);
         patient.update(state);
-        anew.forget();
-        anew.update(state);
+        redrawn.forget();
+        redrawn.update(state);
         casters.update(commands, state);
         kept_gpu.record(commands, kept, casters);
         patient_gpu.record(commands, patient, casters);
-        anew_gpu.record(commands, anew, casters);
+        redrawn_gpu.record(commands, redrawn, casters);
         const Pages rendering(commands, kept_gpu.depth(), kept_gpu.item()),
-            expected(commands, anew_gpu.depth(), anew_gpu.item()),
+            expected(commands, redrawn_gpu.depth(), redrawn_gpu.item()),
             patient_rendering(commands, patient_gpu.depth(), patient_gpu.item()),
             statics(commands, kept_gpu.static_depth(), kept_gpu.static_item()),
-            expected_statics(commands, anew_gpu.static_depth(), anew_gpu.static_item());
+            expected_statics(commands, redrawn_gpu.static_depth(), redrawn_gpu.static_item());
         commands.submit();
         for (std::size_t v = 0; v < kept.views().size(); ++v) {
             const LightView& view = kept.views()[v];
@@ -88,26 +89,26 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
                 ASSERT_TRUE(statics.view(view.tile, page_size) == expected_statics.view(view.tile, page_size))
                     << "view " << v << ", frame " << frame;
             }
-            if (!with_twin || frame % 10) continue;
-            SoftwareBuffer twin(view.tile.size);
+            if (!with_reference || frame % 10) continue;
+            SoftwareBuffer reference(view.tile.size);
             for (scene::ObjectId o = 0; o < script.scene->objects.size(); ++o)
                 if (kept.casters().casts(o) && state.object_visible(o))
-                    draw_object(twin, view.projection, state, o, view.projection.whole());
-            for (std::size_t i = 0; i < twin.depth.size(); ++i) {
+                    draw_object(reference, view.projection, state, o, view.projection.whole());
+            for (std::size_t i = 0; i < reference.depth.size(); ++i) {
                 ++texels;
-                const bool same =
-                    twin.item[i] == mine.item[i] && std::abs(twin.depth[i] - mine.depth[i]) <= 1e-3f * twin.depth[i];
-                different_from_twin += !same;
+                const bool same = reference.item[i] == mine.item[i] &&
+                                  std::abs(reference.depth[i] - mine.depth[i]) <= 1e-3f * reference.depth[i];
+                different_from_reference += !same;
             }
         }
     }
-    // Rims of triangles may fall otherwise, by a sub-texel.
-    if (with_twin) {
-        EXPECT_LT(different_from_twin, texels / 100) << texels;
+    // The outlines of triangles may differ by a sub-texel.
+    if (with_reference) {
+        EXPECT_LT(different_from_reference, texels / 100) << texels;
     }
 }
 
-TEST_F(LightViewsVulkan, BuffersEqualAFullRedrawWhateverMoves)
+TEST_F(LightViewsVulkan, BuffersEqualAFullRedraw)
 {
     follow_script(device_, 1, 15, true);
     follow_script(device_, 2, 30, false);
@@ -118,7 +119,7 @@ TEST_F(LightViewsVulkanFull, BuffersEqualAFullRedrawOverAThousandFrames)
     follow_script(device_, 31, 1000, false);
 }
 
-TEST_F(LightViewsVulkan, NothingIsRecordedWhileNothingMoves)
+TEST_F(LightViewsVulkan, RecordsNothingWhileNothingMoves)
 {
     scene::Scene scene = test::scene_with_balls();
     test::add_object(scene, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames lit from light maps: the same bytes whatever came before and for any number of threads; sparse receivers stay
-// near to every pixel's own sum, and are kept while nothing moves.
+// Frames lit by light maps: the same bytes after any earlier frames and for any thread count; sparse receivers
+// approximate the sum at every pixel, and are kept while nothing moves.
 #include <gtest/gtest.h>
 
 #include "light_quadtree/map_light.h"
@@ -28,7 +28,7 @@ MapLightOptions small(MapMethod method, int grid)
     return options;
 }
 
-// The indirect layer of the last of some frames.
+// The indirect layer of the last of several frames.
 Lit lit_after(const std::vector<int>& frames, int threads, const MapLightOptions& options, int size = 96)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
@@ -51,7 +51,7 @@ Lit lit_after(const std::vector<int>& frames, int threads, const MapLightOptions
     return {buffers.indirect.data, light.counters()};
 }
 
-TEST(MapLight, SameBytesColdAndWarmForAnyNumberOfThreads)
+TEST(MapLight, SameBytesColdAndWarmForAnyThreadCount)
 {
     for (const MapMethod method : {MapMethod::quadtree, MapMethod::rsm}) {
         const MapLightOptions options = small(method, 16);
@@ -61,7 +61,7 @@ TEST(MapLight, SameBytesColdAndWarmForAnyNumberOfThreads)
     }
 }
 
-TEST(MapLight, SparseReceiversAreNearToEveryPixelsOwnSum)
+TEST(MapLight, SparseReceiversApproximateTheSumAtEveryPixel)
 {
     const Lit sparse = lit_after({1}, 2, small(MapMethod::quadtree, 24)),
               full = lit_after({1}, 2, small(MapMethod::quadtree, 0));
@@ -78,7 +78,7 @@ TEST(MapLight, SparseReceiversAreNearToEveryPixelsOwnSum)
     EXPECT_GT(error, 0) << "nothing was interpolated";
 }
 
-TEST(MapLight, TheGridIsKeptWhileNothingMoves)
+TEST(MapLight, KeepsTheReceiverGridWhileNothingMoves)
 {
     const MapLightOptions options = small(MapMethod::quadtree, 24);
     EXPECT_TRUE(lit_after({1, 1}, 1, options).counters.kept_grid);

@@ -42,7 +42,7 @@ RenderOptions options_of(ShadowCulling culling)
     return options;
 }
 
-TEST(PaperFrame, IsTheSameForAnyNumberOfThreads)
+TEST(PaperFrame, SameForAnyThreadCount)
 {
     for (const char* name : {"builtin:cornell", "builtin:kinetic", "builtin:spheres?objects=60&dynamic=20"}) {
         SCOPED_TRACE(name);
@@ -68,7 +68,7 @@ TEST(PaperFrame, IsTheSameForAnyNumberOfThreads)
     }
 }
 
-TEST(PaperFrame, BeginsWithAFullTraceAndAsksTheSameQuestions)
+TEST(PaperFrame, FirstFrameIsAFullTraceWithTheSameShadowRays)
 {
     const Scene scene = load("builtin:kinetic");
     const Clip off = render(scene, {40, 43}, options_of(ShadowCulling::off));
@@ -85,7 +85,7 @@ TEST(PaperFrame, BeginsWithAFullTraceAndAsksTheSameQuestions)
 }
 
 // At primary hits alone, the shadow layer holds every answer: what differs from a full trace is what is counted.
-TEST(PaperFrame, CountsEveryWrongAnswer)
+TEST(PaperFrame, CountsEveryWrongShadow)
 {
     const Scene scene = load("builtin:kinetic");
     RenderOptions options = options_of(ShadowCulling::off);
@@ -152,7 +152,7 @@ TEST(PaperFrame, MarksEveryWrongPixel)
     EXPECT_GT(behind, 0u);
 }
 
-TEST(PaperFrame, CertifiedCullingIsNeverWrongInTheSameCheck)
+TEST(PaperFrame, CertifiedCullingPassesTheSameCheck)
 {
     const Scene scene = load("builtin:kinetic");
     RenderOptions options = options_of(ShadowCulling::certified);
@@ -163,7 +163,7 @@ TEST(PaperFrame, CertifiedCullingIsNeverWrongInTheSameCheck)
 }
 
 // An overlay changes nothing of what it shows.
-TEST(PaperFrame, HistoryIsAllThatMatters)
+TEST(PaperFrame, DependsOnEarlierFramesAndNotOnTheOverlay)
 {
     const Scene scene = load("builtin:kinetic");
     const Clip all = render(scene, {40, 45}, options_of(ShadowCulling::paper));
@@ -178,7 +178,7 @@ TEST(PaperFrame, HistoryIsAllThatMatters)
         EXPECT_EQ(all.counters[f].shadow.rays_skipped, shown.counters[f].shadow.rays_skipped);
 }
 
-TEST(PaperFrame, AnInterruptedFrameIsForgotten)
+TEST(PaperFrame, InterruptedFrameLeavesNoTrace)
 {
     const Scene scene = load("builtin:kinetic");
     Renderer stopped(options_of(ShadowCulling::paper)), fresh(options_of(ShadowCulling::paper));

@@ -63,7 +63,7 @@ void expect_warm_is_cold(const RenderOptions& options)
     EXPECT_FALSE(cold.data == last_of({before}).data);
 }
 
-TEST(PromotedView, WarmIsCold)
+TEST(PromotedView, SameImageWarmAndCold)
 {
     RenderOptions options;
     for (const Indirect indirect : {Indirect::visible, Indirect::quadtree}) {
@@ -75,7 +75,7 @@ TEST(PromotedView, WarmIsCold)
 #ifdef GNOMON_VULKAN
 class PromotedViewVulkan : public test::VulkanTest {};
 
-TEST_F(PromotedViewVulkan, WarmIsCold)
+TEST_F(PromotedViewVulkan, SameImageWarmAndCold)
 {
     RenderOptions options;
     options.renderer = RenderMethod::raster;
@@ -84,7 +84,7 @@ TEST_F(PromotedViewVulkan, WarmIsCold)
     expect_warm_is_cold(options);
 }
 #else
-TEST(PromotedViewVulkan, LeftOut)
+TEST(PromotedViewVulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

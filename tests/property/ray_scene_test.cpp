@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// RayScene: packets against single rays, and a scene that was updated against one that was built afresh.
+// RayScene: packets against single rays, and an updated scene against a freshly built one.
 #include "ray/ray_scene.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using scene::SceneState;
 
-TEST(RayQueue, HasRoomForAWholePacketFromAnyRayOn)
+TEST(RayQueue, HasRoomForAWholePacketAtAnyIndex)
 {
     for (const std::size_t reserved : {0, 1, 15, 16, 17, 100}) {
         ray::RayQueue queue;
@@ -31,22 +31,22 @@ TEST(RayQueue, HasRoomForAWholePacketFromAnyRayOn)
     }
 }
 
-TEST(RayScene, PacketsAnswerAsSingleRaysDo)
+TEST(RayScene, PacketsEqualSingleRays)
 {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         const SceneState state(make_random_scene(seed), 0.3 * static_cast<double>(seed));
         const ray::RayScene rays(state);
         const ray::RayQueue queue = random_rays(seed, 4003);   // the last packet is not full
-        const Answers single = ask_singly(rays, queue);
+        const Answers single = trace_singly(rays, queue);
         EXPECT_GT(count_hits(single), 500u);
-        EXPECT_EQ(differences(ask(rays, queue), single), 0u) << "seed " << seed;
-        EXPECT_EQ(differences(ask(rays, queue, 37), single), 0u) << "in pieces, seed " << seed;
+        EXPECT_EQ(differences(trace(rays, queue), single), 0u) << "seed " << seed;
+        EXPECT_EQ(differences(trace(rays, queue, 37), single), 0u) << "in pieces, seed " << seed;
     }
 }
 
-// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is occluded does not depend on which
-// others share its packet. Rays pass the rims of flat things in the planes of the axes, which are all box.
-TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
+// Far from the origin, where boxes and rays are rounded coarsely: whether a ray is occluded does not depend on the
+// other rays of its packet. Rays pass the outlines of flat, axis-parallel objects, which fill their boxes.
+TEST(RayScene, DistantAnyHitsDoNotDependOnTheRestOfThePacket)
 {
     for (const double away : {0.0, 1e3, 1e5, 1e6})
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -63,7 +63,7 @@ TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
             std::vector<glm::vec3> centres;
             for (int i = 0; i < 6; ++i) {
                 const glm::dvec3 at = place + glm::dvec3(3 * i, random.uniform(-1, 1), random.uniform(-2, 2));
-                // Some stand in far coordinates of their own, and are taken there by little.
+                // Some have distant vertices in object space, and small transforms.
                 glm::dmat4 m = i % 3 == 0 ? glm::dmat4(1) : random_placement(random, 0);
                 if (seed % 2 == 0) m = glm::scale(m, glm::dvec3(0.3 + i));
                 m[3] = glm::dvec4(at, 1);
@@ -99,20 +99,21 @@ TEST(RayScene, AnyHitsFarAwayDependOnTheRayAlone)
         }
 }
 
-TEST(RayScene, AnsweringFromManyThreadsChangesNothing)
+TEST(RayScene, SameHitsForAnyThreadCount)
 {
     const SceneState state(make_random_scene(3), 1);
     const ray::RayScene rays(state);
     const ray::RayQueue queue = random_rays(5, 4000);
-    const Answers alone = ask(rays, queue);
+    const Answers alone = trace(rays, queue);
     std::vector<std::size_t> wrong(16);
     Tasks tasks(4);
-    tasks.for_each(wrong.size(), [&](std::size_t i, int) { wrong[i] = differences(ask(rays, queue, 500 + i), alone); });
+    tasks.for_each(wrong.size(),
+                   [&](std::size_t i, int) { wrong[i] = differences(trace(rays, queue, 500 + i), alone); });
     for (const std::size_t count : wrong) EXPECT_EQ(count, 0u);
 }
 
-// The library that builds the trees must not hold everybody else to one thread.
-TEST(RayScene, LeavesOtherThreadsAtWork)
+// Embree must not restrict other code to one thread.
+TEST(RayScene, DoesNotLimitOtherThreads)
 {
     const SceneState state(make_random_scene(1), 0);
     const ray::RayScene rays(state);
@@ -128,17 +129,17 @@ TEST(RayScene, LeavesOtherThreadsAtWork)
         }
         --inside;
     });
-    EXPECT_TRUE(together) << "one body ended before the next began";
+    EXPECT_TRUE(together) << "the bodies ran one after the other";
 }
 
-TEST(RayScene, FollowsAnUpdateToTheBit)
+TEST(RayScene, UpdateEqualsAFreshScene)
 {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const auto scene = make_random_scene(seed);
         const ray::RayQueue queue = random_rays(seed, 3000);
         SceneState state(scene, 0);
         ray::RayScene followed(state);
-        const Answers first = ask(followed, queue);
+        const Answers first = trace(followed, queue);
         Random random(seed);
         for (int step = 0; step < 8; ++step) {
             const double time = static_cast<double>(random.uniform(0, 6));
@@ -146,15 +147,16 @@ TEST(RayScene, FollowsAnUpdateToTheBit)
             followed.update(state);
             const SceneState at_once(scene, time);
             const ray::RayScene fresh(at_once);
-            const Answers expected = ask(fresh, queue);
-            EXPECT_EQ(differences(ask(followed, queue), expected), 0u) << "seed " << seed << ", time " << time;
+            const Answers expected = trace(fresh, queue);
+            EXPECT_EQ(differences(trace(followed, queue), expected), 0u) << "seed " << seed << ", time " << time;
             EXPECT_GT(differences(first, expected), 50u) << "nothing moved";
         }
     }
 }
 
-// Surfaces that lie in one another: which one is reported rests on the trees alone, so they must be the same trees.
-TEST(RayScene, BreaksTiesAsAFreshSceneDoes)
+// Intersecting coplanar surfaces: the reported one depends on the structure of the trees, so the trees must be the
+// same.
+TEST(RayScene, UpdateBreaksTiesAsAFreshSceneDoes)
 {
     scene::Scene scene = scene_with_balls();
     scene::Mesh doubled = ball(two_sided, 12, 16);
@@ -178,11 +180,11 @@ TEST(RayScene, BreaksTiesAsAFreshSceneDoes)
         followed.update(state);
         const SceneState at_once(shared, time);
         const ray::RayScene fresh(at_once);
-        EXPECT_EQ(differences(ask(followed, queue), ask(fresh, queue)), 0u) << "time " << time;
+        EXPECT_EQ(differences(trace(followed, queue), trace(fresh, queue)), 0u) << "time " << time;
     }
 }
 
-TEST(RayScene, AppearsAndVanishes)
+TEST(RayScene, ObjectsAppearAndVanish)
 {
     scene::Scene scene = scene_with_balls();
     scene::Mesh keyed = ball(two_sided);
@@ -190,7 +192,7 @@ TEST(RayScene, AppearsAndVanishes)
     scene.meshes.push_back(keyed);
     const scene::NodeId blinking = add_object(scene, 0);
     scene.nodes[blinking].visibility = visibility({1, 2}, {false, true});
-    // Deforms and jumps while nobody sees it.
+    // Deforms and jumps while it is invisible.
     const scene::NodeId sleeper = add_object(scene, 1);
     scene.nodes[sleeper].transform = std::make_shared<JumpTrack>(1.5, translation(10, 0, 0), translation(20, 0, 0));
     scene.nodes[sleeper].visibility = visibility({1, 3}, {false, true});
@@ -209,11 +211,11 @@ TEST(RayScene, AppearsAndVanishes)
         EXPECT_EQ(look_at(rays, 10).object, second_seen && time < 1.5 ? 1u : scene::none) << time;
         EXPECT_EQ(look_at(rays, 20).object, second_seen && time >= 1.5 ? 1u : scene::none) << time;
         const SceneState at_once(shared, time);
-        EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(at_once), queue)), 0u) << time;
+        EXPECT_EQ(differences(trace(rays, queue), trace(ray::RayScene(at_once), queue)), 0u) << time;
     }
 }
 
-TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
+TEST(RayScene, SkinnedObjectsFollowTheirJoints)
 {
     scene::Scene scene = scene_with_balls();
     scene::Mesh mesh = ball(two_sided);
@@ -224,7 +226,7 @@ TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
     const scene::NodeId joint = scene.add_node("joint", scene::none);
     scene.nodes[joint].transform = std::make_shared<JumpTrack>(1, glm::dmat4(1), translation(7, 0, 0));
     scene.skins.push_back({"", {joint}, {glm::dmat4(1)}});
-    // The node's own matrix means nothing for a skinned mesh.
+    // The transform of a skinned mesh's own node has no effect.
     const scene::NodeId node = add_object(scene, 1, scene::none, translation(-30, 0, 0));
     scene.nodes[node].skin = 0;
     SceneState state(finished(scene), 0);
@@ -237,9 +239,10 @@ TEST(RayScene, SkinnedObjectsAreMetWhereTheirJointsAre)
     EXPECT_EQ(look_at(rays, 7).object, 0u);
 }
 
-TEST(RayScene, WhatShrinksToAPointComesBack)
+TEST(RayScene, ObjectShrunkToAPointReturns)
 {
-    // At the origin nothing asks for a margin; elsewhere the place does. One part, and one of every kind of surface.
+    // At the origin no margin is needed; elsewhere the position needs one. One part, and one part of every surface
+    // class.
     for (const double x : {0.0, 7.0})
         for (const scene::Mesh& shape : {ball(two_sided), patchwork(1)}) {
             scene::Scene scene;
@@ -257,19 +260,19 @@ TEST(RayScene, WhatShrinksToAPointComesBack)
             SceneState state(finished(scene), 0);
             ray::RayScene rays(state);
             const ray::RayQueue queue = random_rays(1, 3000, 3);
-            EXPECT_EQ(count_hits(ask(rays, queue)), 0u) << x;
+            EXPECT_EQ(count_hits(trace(rays, queue)), 0u) << x;
             state.advance(2);
             rays.update(state);
-            EXPECT_GT(count_hits(ask(rays, queue)), 0u) << x;
-            EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(state), queue)), 0u) << x;
+            EXPECT_GT(count_hits(trace(rays, queue)), 0u) << x;
+            EXPECT_EQ(differences(trace(rays, queue), trace(ray::RayScene(state), queue)), 0u) << x;
             state.advance(0.5);
             rays.update(state);
-            EXPECT_EQ(count_hits(ask(rays, queue)), 0u) << x;
+            EXPECT_EQ(count_hits(trace(rays, queue)), 0u) << x;
         }
 }
 
-// A limb is hidden by a joint that shrinks to a point: the rest stays.
-TEST(RayScene, WhatShrinksInPartLeavesTheRest)
+// A joint that shrinks to a point hides a limb: the rest stays.
+TEST(RayScene, PartlyShrunkMeshKeepsTheRest)
 {
     for (const double x : {0.0, 7.0})
         for (const unsigned every : {2u, 3u, 7u, 1000u})
@@ -295,13 +298,14 @@ TEST(RayScene, WhatShrinksInPartLeavesTheRest)
                 for (const double time : {2.0, 0.5, 3.0}) {
                     state.advance(time);
                     rays.update(state);
-                    EXPECT_EQ(differences(ask(rays, queue), ask(ray::RayScene(state), queue)), 0u) << x << " " << time;
+                    EXPECT_EQ(differences(trace(rays, queue), trace(ray::RayScene(state), queue)), 0u)
+                        << x << " " << time;
                 }
-                EXPECT_GT(count_hits(ask(rays, queue)), 0u);
+                EXPECT_GT(count_hits(trace(rays, queue)), 0u);
             }
 }
 
-TEST(RayScene, FollowsWhatIsMovedByHand)
+TEST(RayScene, FollowsUserOverrides)
 {
     scene::Scene scene = scene_with_balls();
     const scene::NodeId shelf = scene.add_node("shelf", scene::none);
@@ -332,17 +336,17 @@ TEST(RayScene, FollowsWhatIsMovedByHand)
     step();
     expect_at({{0, scene::none}, {-6, 0}, {5, 1}, {10, 2}});
     EXPECT_EQ(rays.statistics().touched, 1u);
-    // One of two objects that moved as one, against its companion.
+    // One of two objects that moved together, relative to the other.
     const glm::dmat4 further = translation(8, 0, 0);
     state.override_transform(passenger, &further);
     step();
     expect_at({{10, 2}, {15, scene::none}, {18, 3}, {-6, 0}});
-    // Back to where the file has them.
+    // Back to the transform in the file.
     state.override_transform(still, nullptr);
     state.override_transform(passenger, nullptr);
     step();
     expect_at({{0, 0}, {-6, scene::none}, {15, 3}, {18, scene::none}});
-    // What was taken out still follows its anchor; a whole shelf can be moved.
+    // An overridden object still follows its anchor; a whole group can be moved.
     const glm::dmat4 left = translation(-20, 0, 0);
     state.override_transform(shelf, &left);
     step();
@@ -350,7 +354,7 @@ TEST(RayScene, FollowsWhatIsMovedByHand)
     expect_at({{0, scene::none}, {5, scene::none}, {-20, 0}, {-15, 1}, {12, 2}, {17, 3}});
 }
 
-TEST(RayScene, TouchesWhatMovesAndNothingElse)
+TEST(RayScene, UpdatesMovedObjectsOnly)
 {
     scene::Scene scene = scene_with_balls();
     Random random(1);
@@ -358,7 +362,7 @@ TEST(RayScene, TouchesWhatMovesAndNothingElse)
         const scene::NodeId node = add_object(scene, 0, scene::none, random_placement(random, 50));
         if (i % 100 == 0) scene.nodes[node].transform = std::make_shared<SwayTrack>(glm::dvec3(i), 1);
     }
-    const scene::NodeId late = add_object(scene, 0);   // moves, but not yet; then appears as well
+    const scene::NodeId late = add_object(scene, 0);   // moves later; then also appears
     scene.nodes[late].transform =
         std::make_shared<JumpTrack>(5, glm::dmat4(1), glm::scale(glm::dmat4(1), glm::dvec3(2)));
     scene.nodes[late].visibility = visibility({0, 5}, {false, true});
@@ -376,26 +380,26 @@ TEST(RayScene, TouchesWhatMovesAndNothingElse)
     EXPECT_EQ(rays.statistics().touched, 0u);
     state.advance(6);
     rays.update(state);
-    EXPECT_EQ(rays.statistics().touched, 11u) << "each must count once, whatever happened to it";
+    EXPECT_EQ(rays.statistics().touched, 11u) << "each object counts once for all of its changes";
 }
 
-TEST(RayScene, AnEmptySceneLetsEverythingPass)
+TEST(RayScene, EmptySceneHasNoHits)
 {
     scene::Scene scene;
     SceneState state(finished(scene), 0);
     ray::RayScene rays(state);
-    const Answers answers = ask(rays, random_rays(1, 100));
+    const Answers answers = trace(rays, random_rays(1, 100));
     EXPECT_EQ(count_hits(answers), 0u);
     EXPECT_EQ(std::count(answers.occluded.begin(), answers.occluded.end(), 0), 100);
     EXPECT_TRUE(rays.bounds().empty());
     EXPECT_EQ(rays.statistics().static_triangles, 0u);
     state.advance(1);
     rays.update(state);
-    EXPECT_TRUE(ask(rays, ray::RayQueue()).both.empty());
+    EXPECT_TRUE(trace(rays, ray::RayQueue()).both.empty());
 }
 
-// Many large copies share a tree; what stands flat among them cannot, and is there all the same.
-TEST(RayScene, MeetsTheFlatOneOfManyCopies)
+// Many large copies share one BLAS; a flat one among them cannot, and is hit nevertheless.
+TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
 {
     scene::Scene scene = scene_with_balls();
     scene.meshes.assign(1, ball(two_sided, 256, 260));
@@ -407,10 +411,10 @@ TEST(RayScene, MeetsTheFlatOneOfManyCopies)
     }
     const SceneState state(finished(scene), 0);
     const ray::RayScene rays(state);
-    ASSERT_GE(rays.statistics().static_triangles, std::size_t{1} << 20) << "else they are no instances";
+    ASSERT_GE(rays.statistics().static_triangles, std::size_t{1} << 20) << "otherwise they are not instanced";
     ray::RayQueue queue;
     for (int i = 0; i < k_copies; ++i) queue.push(glm::vec3(4.0f * i + 0.2f, 0.1f, 5), 0, glm::vec3(0, 0, -1), 10);
-    const Answers answers = ask(rays, queue);
+    const Answers answers = trace(rays, queue);
     for (std::size_t i = 0; i < k_copies; ++i) {
         EXPECT_EQ(answers.both[i].object, i);
         EXPECT_TRUE(answers.occluded[i]);
@@ -418,8 +422,8 @@ TEST(RayScene, MeetsTheFlatOneOfManyCopies)
     EXPECT_NEAR(answers.both[5].t, 5, 1e-4);
 }
 
-// Not numbers, infinite and huge corners, triangles without area, objects squeezed to nothing: neither crash nor
-// disturb what else is there.
+// NaN, infinite and huge vertices, triangles without area, objects with singular transforms: they neither crash nor
+// affect other objects.
 TEST(RayScene, SurvivesDegenerateGeometry)
 {
     scene::Scene scene = scene_with_balls();
@@ -436,13 +440,13 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         add_object(scene, mesh);
         scene.nodes[add_object(scene, mesh)].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
     }
-    // A dynamic object that shrinks to a point, and one that always is one.
+    // A dynamic object that shrinks to a point, and one that always is a point.
     const glm::dmat4 there = translation(10, 0, 0);
     const scene::NodeId shrinking = add_object(scene, 0);
     scene.nodes[shrinking].transform = std::make_shared<JumpTrack>(1, there, glm::scale(there, glm::dvec3(0)));
     const scene::NodeId point = add_object(scene, 0, scene::none, glm::scale(translation(20, 0, 0), glm::dvec3(0)));
     scene.nodes[point].animated = true;
-    // Dynamic objects of sizes no ray can be taken to, and one whose vertices go astray.
+    // Dynamic objects of sizes that rays cannot be transformed to, and one whose vertices become invalid.
     const double sizes[] = {1e-30, 1e30, 1e-12, std::nan(""), k_infinity};
     for (const double size : sizes)
         for (const glm::dvec3& shape : {glm::dvec3(1, size, 1), glm::dvec3(size)})
@@ -462,28 +466,28 @@ TEST(RayScene, SurvivesDegenerateGeometry)
         rays.update(state);
         EXPECT_EQ(look_at(rays, 10).object, time < 1 ? 5u : scene::none);
         EXPECT_EQ(look_at(rays, 20).object, scene::none);
-        const Answers answers = ask(rays, queue);
+        const Answers answers = trace(rays, queue);
         EXPECT_GT(count_hits(answers), 300u);
-        EXPECT_EQ(differences(answers, ask_singly(rays, queue)), 0u);
+        EXPECT_EQ(differences(answers, trace_singly(rays, queue)), 0u);
         for (const ray::Hit& hit : answers.both)
             EXPECT_TRUE(hit.object == scene::none || hit.object == 0u || (time < 1 && hit.object == 5u)) << hit.object;
     }
-    // The rest of the stray one is still there once its vertices have come back.
+    // The rest of that object is hit again once its vertices are valid.
     state.advance(2);
     rays.update(state);
     const scene::ObjectId last = static_cast<scene::ObjectId>(state.scene().objects.size() - 1);
     EXPECT_EQ(rays.closest_single({0.01f, 60, 0.02f}, 0, {0, -1, 0}, 100, ray::Sides::both).object, last);
-    // Rays without a direction or a place do no harm.
+    // Rays without a direction or an origin do no harm.
     ray::RayQueue odd;
     for (const float x : values) {
         odd.push({x, 0, 0}, 0, {0, 0, 1}, 10);
         odd.push({0, 0, 0}, 0, {x, 0, x}, 10);
         odd.push({0, 0, 0}, x, {0, 0, 1}, x);
     }
-    EXPECT_EQ(differences(ask(rays, odd), ask_singly(rays, odd)), 0u);
+    EXPECT_EQ(differences(trace(rays, odd), trace_singly(rays, odd)), 0u);
 }
 
-TEST(RayScene, BoundsFollow)
+TEST(RayScene, BoundsFollowMovingObjects)
 {
     scene::Scene scene = scene_with_balls();
     add_object(scene, 0);

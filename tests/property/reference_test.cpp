@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference: right where the answer is known, honest about its error, the same for any number of threads.
+// The reference path tracer: exact where the result is known, with a reported error that is right, and the same for any
+// thread count.
 #include "reference/reference.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +42,7 @@ IrradiancePoint point_at(const glm::vec3& position, const glm::vec3& normal, std
     return point;
 }
 
-// A rectangle in y = 0 around the origin, half as wide as `half`.
+// A rectangle in y = 0 around the origin, with half its side lengths in `half`.
 scene::Mesh rectangle(const glm::vec2& half)
 {
     scene::Mesh mesh;
@@ -51,7 +52,7 @@ scene::Mesh rectangle(const glm::vec2& half)
     return mesh;
 }
 
-// The inside of a cube of half-width 1, every wall of material 0.
+// The inside of a cube of half-width 1; every wall has material 0.
 scene::Scene closed_room()
 {
     scene::Scene scene;
@@ -80,9 +81,9 @@ scene::LightId add_sun(scene::Scene& scene, const glm::vec3& direction, const gl
     return static_cast<scene::LightId>(scene.lights.size() - 1);
 }
 
-// A furnace: in a closed room whose walls shine with radiance 1 and reflect a share of what they get, every point gets
-// the same from everywhere: pi at once, and pi times the share to the n-th power after n bounces.
-TEST(Reference, FurnaceOfShiningWalls)
+// A furnace: in a closed room whose walls emit radiance 1 and have the same albedo everywhere, every point gets the
+// same irradiance: pi without a bounce, and pi times the n-th power of the albedo from the n-th bounce.
+TEST(Reference, FurnaceOfEmissiveWallsIsExact)
 {
     scene::Scene scene = closed_room();
     scene.materials[0].emissive = glm::vec3(1);
@@ -105,8 +106,8 @@ TEST(Reference, FurnaceOfShiningWalls)
     }
 }
 
-// The same with many bounces, where paths end at random: right on average.
-TEST(Reference, FurnaceWithPathsThatEndAtRandom)
+// The same with many bounces and Russian roulette: exact on average.
+TEST(Reference, FurnaceWithRussianRouletteIsUnbiased)
 {
     scene::Scene scene = closed_room();
     scene.materials[0].emissive = glm::vec3(1);
@@ -120,9 +121,9 @@ TEST(Reference, FurnaceWithPathsThatEndAtRandom)
     EXPECT_LT(e.indirect_error.x, 0.03);
 }
 
-// White things in a white world are not seen: light from everywhere, all of it sent on. (Without the ball's smooth
-// normals: what they send below the surface is lost.)
-TEST(Reference, WhiteFurnaceOfTheSurroundings)
+// White objects in a uniform white environment are invisible: all incident light is reflected. (Without the ball's
+// smooth normals, which lose the light reflected below the surface.)
+TEST(Reference, WhiteObjectsVanishInAWhiteEnvironment)
 {
     scene::Scene scene;
     scene.background.color = glm::vec3(1);
@@ -152,7 +153,7 @@ double form_factor(double a, double b, double distance)
     return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * k_pi);
 }
 
-TEST(Reference, AnalyticFormFactor)
+TEST(Reference, AgreesWithAnAnalyticFormFactor)
 {
     for (const scene::ShadingModel model : {scene::ShadingModel::metallic_roughness, scene::ShadingModel::whitted}) {
         scene::Scene scene;
@@ -165,7 +166,7 @@ TEST(Reference, AnalyticFormFactor)
         const World world(test::finished(scene));
         ReferenceOptions options;
         options.samples = 1 << 14;
-        // A point of no surface, so that it is in nobody's way; over the middle, and over a corner.
+        // A point on no surface, so that nothing occludes it; over the middle, and over a corner.
         const double whole = 4 * form_factor(0.8, 0.5, 0.7), corner = form_factor(1.6, 1.0, 0.7);
         const auto e = world.irradiance(
             {point_at({0, 0.7f, 0}, {0, -1, 0}), point_at({0.8f, 0.7f, -0.5f}, {0, -1, 0}, 2)}, options);
@@ -185,8 +186,8 @@ TEST(Reference, AnalyticFormFactor)
     }
 }
 
-// Glass between does not block light, here as for shadow rays; what is behind is met.
-TEST(Reference, PassesGlass)
+// Glass in between does not block light, here as for shadow rays; the surface behind it is hit.
+TEST(Reference, GlassDoesNotBlockLight)
 {
     const auto irradiance = [](bool glass) {
         scene::Scene scene;
@@ -227,9 +228,9 @@ std::vector<IrradiancePoint> points_of_cornell(const World& world, int side)
     return points;
 }
 
-// Two seeds differ by as much as both say they may: over many points, z has mean 0 and variance 1, a little more with
-// the 30 degrees of freedom that it is estimated with (30 / 28).
-TEST(Reference, SeedsDifferByTheirError)
+// Two seeds differ by as much as both report: over many points, z has mean 0 and variance 1, slightly more with the 30
+// degrees of freedom of its estimate (30 / 28).
+TEST(Reference, SeedsDifferByTheReportedError)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 3);
     const auto points = points_of_cornell(world, 24);
@@ -255,8 +256,8 @@ TEST(Reference, SeedsDifferByTheirError)
     EXPECT_LT(worst, 6);
 }
 
-// The error falls as paths are added, at least as fast as random numbers promise.
-TEST(Reference, MorePathsLessError)
+// The error falls as paths are added, at least as fast as for random sampling.
+TEST(Reference, ErrorFallsWithMorePaths)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 1);
     const auto points = points_of_cornell(world, 12);
@@ -272,8 +273,8 @@ TEST(Reference, MorePathsLessError)
     EXPECT_LT(error[1], error[0] / 3);
 }
 
-// Lamps are asked one at a time; together they give what each gives alone.
-TEST(Reference, LightsAddUp)
+// Lights are sampled one at a time; the sum equals the separate results.
+TEST(Reference, SumOfSingleLightsEqualsAllLights)
 {
     const auto scene_with = [](int mask) {
         scene::Scene scene = closed_room();
@@ -310,7 +311,7 @@ TEST(Reference, LightsAddUp)
         }
 }
 
-TEST(Reference, SameBytesForAnyNumberOfThreadsAndAnyCompany)
+TEST(Reference, SameBytesForAnyThreadCountAndAnyOtherPoints)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), 2);
     const auto points = points_of_cornell(world, 10);
@@ -328,7 +329,7 @@ TEST(Reference, SameBytesForAnyNumberOfThreadsAndAnyCompany)
     EXPECT_NE(world.irradiance({points[17]}, options, 1)[0].indirect, one[17].indirect);
 }
 
-TEST(Reference, StopsWhenAsked)
+TEST(Reference, StopsWhenInterrupted)
 {
     const World world(std::make_shared<const scene::Scene>(scene::make_builtin("cornell")));
     const auto points = points_of_cornell(world, 10);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow textures: the three methods agree, coherence changes nothing, and items stand for all of them.
+// Shadow textures: the three methods agree, a coherent update equals a full redraw, and the item buffer equals all
+// textures.
 #include "shadow_textures/software_textures.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ LightViewsOptions small_views(int quiet_frames)
     return options;
 }
 
-// Calls body(view, rendering buffer, v) for every shown view of every frame.
+// Calls body(view, rendering buffer, v) for every visible view of every frame.
 template <class Body>
 void follow(std::uint64_t seed, int frames, int step, const Body& body)
 {
@@ -70,14 +71,14 @@ void follow_coherently(std::uint64_t seed, int frames, std::uint64_t& updated, s
            });
 }
 
-TEST(ShadowTextures, CoherenceChangesNothing)
+TEST(ShadowTextures, CoherentUpdateEqualsAFullRedraw)
 {
     std::uint64_t updated = 0, made = 0;
     for (std::uint64_t seed = 1; seed <= 2; ++seed) follow_coherently(seed, 40, updated, made);
-    EXPECT_LT(updated, made * 3 / 4);   // much moves in these scripts
+    EXPECT_LT(updated, made * 3 / 4);   // the scripts move many objects
 }
 
-TEST(ShadowTexturesFull, CoherenceChangesNothingOverAThousandFrames)
+TEST(ShadowTexturesFull, CoherentUpdateEqualsAFullRedrawOverAThousandFrames)
 {
     std::uint64_t updated = 0, made = 0;
     follow_coherently(21, 1000, updated, made);
@@ -101,9 +102,9 @@ TEST(ShadowTextures, MethodsAgree)
     EXPECT_GT(lit, 1000u);
 }
 
-// One item buffer holds what all textures of a view hold: a set bit and the receiver's own number mean the same, but
-// where several objects are equally near; there the highest of those whose bit is set is the item.
-TEST(ShadowTextures, ItemsStandForAllTextures)
+// One item buffer holds all textures of a view: a set bit and the receiver's own number are equivalent, except where
+// several objects have the same depth; there the item is the highest of those whose bit is set.
+TEST(ShadowTextures, ItemBufferEqualsAllTexturesOfAView)
 {
     std::uint64_t texels = 0, ties = 0;
     follow(2, 60, 7,
@@ -133,7 +134,7 @@ TEST(ShadowTextures, ItemsStandForAllTextures)
                }
            });
     EXPECT_GT(texels, 10000u);
-    EXPECT_GT(ties, 100u);   // the scripts hold exact doubles
+    EXPECT_GT(ties, 100u);   // the scripts contain exact duplicates
     EXPECT_LT(ties, texels / 4);
 }
 

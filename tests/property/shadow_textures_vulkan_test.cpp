@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow textures on the device: coherence changes no bit, the methods agree, and items stand for all of them.
+// Shadow textures on the device: a coherent update equals a full redraw to the bit, the methods agree, and the item
+// buffer equals all textures.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -33,7 +34,7 @@ LightViewsOptions small_views(bool coherence)
     return options;
 }
 
-// One receiver's texture out of what was read back.
+// Extracts one receiver's texture from the data that was read back.
 ReceiverTexture texture_of(const GpuTextures& textures, const vk::Buffer& words, std::size_t view,
                            scene::ObjectId object, const Rect& rect)
 {
@@ -51,23 +52,23 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
 {
     const test::LightScript script = test::make_light_script(seed, frames);
     scene::SceneState state(script.scene, 0);
-    LightViews coherent(state, small_views(true)), anew(state, small_views(false));
+    LightViews coherent(state, small_views(true)), redrawn(state, small_views(false));
     light_views::CasterGeometry casters(device, state);
-    light_views::GpuLightViews coherent_buffers(device, coherent), anew_buffers(device, anew);
-    GpuTextures coherent_textures(device, coherent), by_depth(device, anew), by_casters(device, anew);
+    light_views::GpuLightViews coherent_buffers(device, coherent), redrawn_buffers(device, redrawn);
+    GpuTextures coherent_textures(device, coherent), by_depth(device, redrawn), by_casters(device, redrawn);
     vk::Commands commands(device);
     std::uint64_t updated = 0, made = 0, item_faults = 0, ties = 0;
     for (int frame = 0; frame < frames; ++frame) {
         state.advance(script.time(frame));
         coherent.update(state);
-        anew.update(state);
+        redrawn.update(state);
         casters.update(commands, state);
         coherent_buffers.record(commands, coherent, casters);
         coherent_textures.record(commands, coherent, coherent_buffers, casters, state);
-        anew_buffers.record(commands, anew, casters);
-        by_depth.record(commands, anew, anew_buffers, casters, state);
+        redrawn_buffers.record(commands, redrawn, casters);
+        by_depth.record(commands, redrawn, redrawn_buffers, casters, state);
         const bool with_casters = casters_every > 0 && frame % casters_every == 0;
-        if (with_casters) by_casters.record_per_caster(commands, anew, casters, state);
+        if (with_casters) by_casters.record_per_caster(commands, redrawn, casters, state);
         const vk::Buffer kept = commands.read_back(coherent_textures.textures()),
                          full = commands.read_back(by_depth.textures());
         const vk::Buffer between = with_casters ? commands.read_back(by_casters.textures()) : vk::Buffer();
@@ -120,7 +121,7 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
     EXPECT_LT(updated, made);
 }
 
-// One square of the atlas, of both images.
+// Compares one tile of the atlas in both images.
 bool same_square(const vk::Buffer& a, const vk::Buffer& b, const light_views::Tile& tile, int page_size)
 {
     const auto mine = a.as<std::uint32_t>(), other = b.as<std::uint32_t>();
@@ -132,35 +133,35 @@ bool same_square(const vk::Buffer& a, const vk::Buffer& b, const light_views::Ti
     return true;
 }
 
-// A clip's frames one after the other: the rendering buffers of all views.
+// Renders the frames of a clip in sequence and compares the rendering buffers of all views.
 void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_ptr<const scene::Scene>& scene,
                   int first, int last)
 {
     scene::SceneState state(scene, scene->timeline.time_of(first));
-    LightViewsOptions kept_options, anew_options;
-    kept_options.atlas.view_size = anew_options.atlas.view_size = 128;
-    anew_options.coherence = false;
-    LightViews coherent(state, kept_options), anew(state, anew_options);
+    LightViewsOptions kept_options, redrawn_options;
+    kept_options.atlas.view_size = redrawn_options.atlas.view_size = 128;
+    redrawn_options.coherence = false;
+    LightViews coherent(state, kept_options), redrawn(state, redrawn_options);
     light_views::CasterGeometry casters(device, state);
-    light_views::GpuLightViews coherent_buffers(device, coherent), anew_buffers(device, anew);
+    light_views::GpuLightViews coherent_buffers(device, coherent), redrawn_buffers(device, redrawn);
     vk::Commands commands(device);
     std::uint64_t draws = 0, all_draws = 0;
     for (int frame = first; frame <= last; ++frame) {
         state.advance(scene->timeline.time_of(frame));
         coherent.update(state);
-        anew.update(state);
+        redrawn.update(state);
         casters.update(commands, state);
         coherent_buffers.record(commands, coherent, casters);
-        anew_buffers.record(commands, anew, casters);
+        redrawn_buffers.record(commands, redrawn, casters);
         std::vector<vk::Buffer> mine, others;
-        for (std::uint32_t page = 0; page < anew_buffers.depth().desc().layers; ++page) {
+        for (std::uint32_t page = 0; page < redrawn_buffers.depth().desc().layers; ++page) {
             mine.push_back(commands.read_back(coherent_buffers.depth(), page));
             mine.push_back(commands.read_back(coherent_buffers.item(), page));
-            others.push_back(commands.read_back(anew_buffers.depth(), page));
-            others.push_back(commands.read_back(anew_buffers.item(), page));
+            others.push_back(commands.read_back(redrawn_buffers.depth(), page));
+            others.push_back(commands.read_back(redrawn_buffers.item(), page));
         }
         commands.submit();
-        if (frame > first) draws += coherent.counts().draws, all_draws += anew.counts().draws;
+        if (frame > first) draws += coherent.counts().draws, all_draws += redrawn.counts().draws;
         for (std::size_t v = 0; v < coherent.views().size(); ++v) {
             const LightView& view = coherent.views()[v];
             if (!view.shown) continue;
@@ -171,31 +172,31 @@ void follow_video(const std::shared_ptr<vk::Device>& device, const std::shared_p
             }
         }
     }
-    EXPECT_LT(2 * draws, all_draws);   // it did remember
+    EXPECT_LT(2 * draws, all_draws);   // it did skip draws
 }
 
-TEST_F(ShadowTexturesVulkan, VideoOfKineticIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkan, VideoOfKineticEqualsAFullRedraw)
 {
     follow_video(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 38, 41);
 }
 
-TEST_F(ShadowTexturesVulkanFull, VideoOfKineticIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkanFull, VideoOfKineticEqualsAFullRedraw)
 {
     follow_video(device_, std::make_shared<const scene::Scene>(scene::make_kinetic()), 1, 120);
 }
 
-TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenIsAsDrawnAnew)
+TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenEqualsAFullRedraw)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
     follow_video(device_, load(file.string()).inside(), 1, 800);
 }
 
-TEST_F(ShadowTexturesVulkan, CoherenceChangesNoBitAndMethodsAgree)
+TEST_F(ShadowTexturesVulkan, CoherentUpdateEqualsAFullRedrawAndMethodsAgree)
 {
     follow_script(device_, 1, 15, 7);
 }
 
-TEST_F(ShadowTexturesVulkanFull, CoherenceChangesNoBitOverAThousandFrames)
+TEST_F(ShadowTexturesVulkanFull, CoherentUpdateEqualsAFullRedrawOverAThousandFrames)
 {
     follow_script(device_, 5, 1000, 100);
 }

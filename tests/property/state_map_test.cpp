@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The overlay of shadow states shows what is so: its marks are those of the memory itself, and what they say of a
-// point, rays say too.
+// The overlay of shadow states is correct: its marks are those of the shadow memory, and agree with rays.
 #include <gtest/gtest.h>
 
 #include "ray/origin.h"
@@ -18,14 +17,14 @@ namespace {
 using shadow_culling::ShadowPoint;
 using trace::StateMark;
 
-// The first hits of an image.
+// The primary hits of an image.
 struct FirstHits {
     std::vector<ShadowPoint> points;
     std::vector<std::pair<int, int>> pixels;
 };
 
-// In the traced frame's own packets, tile by tile and along a Z curve: others may differ in which of two surfaces in
-// one place they meet, and in a hit's last bits, and so in its part.
+// Traced in the packets of the traced frame, tile by tile along a Z curve: other packets may differ in which of two
+// coplanar surfaces they hit, and in the last bits of a hit, and so in its part.
 FirstHits first_hits(const ray::RayScene& rays, const scene::View& view)
 {
     constexpr int k_tile = 32;
@@ -118,7 +117,7 @@ StateMark mark_of(shadow_culling::ShadowState state)
     return StateMark::unknown;
 }
 
-TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
+TEST_F(StateMapTest, ShowsCertifiedStatesThatAgreeWithRays)
 {
     for (scene::Scene& made : std::array{scene::make_kinetic(), scene::make_cornell()}) {
         start(std::move(made), 20);
@@ -127,7 +126,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
         for (int frame = 20; frame < 25; ++frame) {
             go_to(frame);
             const FirstHits hits = first_hits(*rays, view);
-            // What the memory says before the frame adds to it.
+            // The state before the frame adds to it.
             culling.begin_frame(*state, *rays, {view.eye, view.pixel_spread, view.pixel_width});
             const auto batch = culling.make_batch();
             culling.classify(*batch, hits.points);
@@ -160,7 +159,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
                     }
                     ++compared;
                 }
-            for (std::size_t l = 0; l < states.lights.size(); ++l)   // no surface, no mark
+            for (std::size_t l = 0; l < states.lights.size(); ++l)   // without a surface there is no mark
                 EXPECT_EQ(std::count_if(states.panel(l), states.panel(l) + states.pixels(),
                                         [](std::uint8_t byte) { return byte != 0; }),
                           static_cast<std::ptrdiff_t>(hits.points.size()));
@@ -172,7 +171,7 @@ TEST_F(StateMapTest, ShowsTheStatesOfCertifiedCullingAndTheyAreTrue)
     }
 }
 
-TEST_F(StateMapTest, ShowsTheModesOfThePublishedCulling)
+TEST_F(StateMapTest, ShowsModesOfThePublishedCulling)
 {
     using shadow_culling::OcclusionMode;
     start(scene::make_kinetic(), 20);
@@ -205,7 +204,7 @@ TEST_F(StateMapTest, ShowsTheModesOfThePublishedCulling)
                 ASSERT_EQ(cell.mark, k_marks[static_cast<std::size_t>(then.shadow(primitive, l))])
                     << "frame " << frame << " at " << x << ", " << y;
                 EXPECT_EQ(cell.untrusted, then.occlusion(primitive) != OcclusionMode::fully_rendered);
-                // A traced answer cannot be wrong.
+                // A traced result cannot be wrong.
                 const bool culled = !cell.untrusted && (cell.mark == StateMark::none || cell.mark == StateMark::full);
                 EXPECT_FALSE(cell.wrong && !culled);
             }

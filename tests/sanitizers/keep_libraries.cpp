@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of every program that is built with the sanitizer of addresses or of threads: no library is ever unloaded.
+// Linked into every program built with AddressSanitizer or ThreadSanitizer: libraries are never unloaded.
 //
-// Leaks are looked for at the very end. What a library keeps in its own variables would then count as lost, had it been
-// unloaded, and without a name of the library that could be suppressed. Vulkan's loader unloads drivers and layers.
+// Leaks are searched at the very end. Memory that an unloaded library keeps in its own variables would count as lost,
+// and could not be suppressed by the library's name. Vulkan's loader unloads drivers and layers.
 //
-// ThreadSanitizer ends a program that unloads a library that its suppressions name.
+// ThreadSanitizer ends a program that unloads a library named in its suppressions.
 
 extern "C" int dlclose(void* library);
 

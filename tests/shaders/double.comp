@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Doubles numbers; what is in `limits` says how many.
+// Doubles numbers; their count is in `limits`.
 layout(local_size_x = 64) in;
 layout(binding = 0, std430) readonly buffer Source { uint source[]; };
 layout(binding = 1, std430) buffer Target { uint target[]; };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// A triangle at a depth, moved by instance.
+// A triangle at a given depth, translated per instance.
 layout(location = 0) in vec3 position;
 layout(location = 0) flat out uint instance;
 void main()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every statement of AFF on small files.
+// Every statement of AFF, in small files.
 #include "aff_files.h"
 #include "scene/state.h"
 
@@ -20,7 +20,7 @@ void expect_near(const glm::dvec3& value, const glm::dvec3& expected, double tol
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], expected[c], tolerance) << "coordinate " << c;
 }
 
-// The sum of the triangles' areas, and of their volumes against the origin (positive if wound outwards).
+// The sum of the triangles' areas, and of their signed volumes about the origin (positive if wound outwards).
 struct Measure {
     double area = 0, volume = 0;
 };
@@ -35,7 +35,7 @@ Measure measure(const scene::Mesh& mesh)
     return result;
 }
 
-// How well normals agree with the triangles' own: the least cosine.
+// The least cosine between vertex normals and triangle normals.
 double worst_normal(const scene::Mesh& mesh)
 {
     double worst = 1;
@@ -47,7 +47,7 @@ double worst_normal(const scene::Mesh& mesh)
     return worst;
 }
 
-TEST(AffImport, TextMayBeLaidOutInManyWays)
+TEST(AffImport, IgnoresTheLayoutOfTheText)
 {
     const AffFolder folder;
     const std::string plain = k_material + "x a { " + k_mesh + " }";
@@ -63,7 +63,7 @@ TEST(AffImport, TextMayBeLaidOutInManyWays)
     }
 }
 
-TEST(AffImport, CameraFromView)
+TEST(AffImport, ReadsTheCamera)
 {
     const AffFolder folder;
     scene::Scene scene = folder.load("v from 1 2 3 at 1 2 -7 up 0.3 5 0 angle 60 hither 0.00001 resolution 320 200");
@@ -77,7 +77,7 @@ TEST(AffImport, CameraFromView)
     expect_near(glm::dvec3(m[1]), glm::normalize(glm::dvec3(0.3, 5, 0)));
     EXPECT_NEAR(glm::determinant(glm::dmat3(m)), 1, 1e-12);
 
-    // An upward vector along the view is replaced.
+    // An up vector parallel to the view direction is replaced.
     scene = folder.load("v from 0 0 0 at 0 9 0 up 0 1 0 angle 60 hither 0.5 resolution 1 1");
     const glm::dmat4 upward = scene.world_matrix(scene.cameras[0].node, 0);
     expect_near(-glm::dvec3(upward[2]), {0, 1, 0});
@@ -102,7 +102,7 @@ TEST(AffImport, CameraTrackOverridesPartByPart)
     expect_near(glm::dvec3(matrix(shift + " " + turn)[3]), {5, 5, 5});
 }
 
-TEST(AffImport, LightsAndTheirTracks)
+TEST(AffImport, ReadsLightsAndTheirTracks)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(
@@ -121,13 +121,13 @@ TEST(AffImport, LightsAndTheirTracks)
     };
     expect_near(at(0, 0), {1, 2, 3});
     expect_near(at(1, 0), {4, 5, 6});
-    // The track's translation is added; its rotation does nothing.
+    // The track's translation is added; its rotation has no effect.
     expect_near(at(2, 0), {1, 2, 0});
     expect_near(at(2, 9), {1, 4, 0});
     expect_near(at(3, 9), {7, 8, 9});
 }
 
-TEST(AffImport, SurroundingsAndTime)
+TEST(AffImport, ReadsBackgroundAndTimeline)
 {
     const AffFolder folder;
     scene::Scene scene = folder.load("b .1 .2 .3 am 2 3 4 a 1 3 5");
@@ -149,7 +149,7 @@ TEST(AffImport, SurroundingsAndTime)
     EXPECT_EQ(scene.timeline.time_of(1), 2);
 }
 
-TEST(AffImport, Materials)
+TEST(AffImport, ReadsMaterials)
 {
     const AffFolder folder;
     scene::Scene scene = folder.load("fm .1 .2 .3  .4 .5 .6  .7 .8 .9  12 .25 1.5\n" + k_mesh);
@@ -164,14 +164,14 @@ TEST(AffImport, Materials)
     EXPECT_EQ(m.ior, 1.5f);
     EXPECT_FALSE(m.one_sided());
 
-    // Index of refraction 0 is read as 1; what is opaque has one side; f scales its colour.
+    // Index of refraction 0 is read as 1; opaque materials are one-sided; f scales the colour.
     scene = folder.load("f 1 .5 0 .5 .25 3 0 0 " + k_mesh);
     EXPECT_EQ(scene.materials[0].base_color, glm::vec3(.5f, .25f, 0));
     EXPECT_EQ(scene.materials[0].specular, glm::vec3(.25f));
     EXPECT_EQ(scene.materials[0].ior, 1);
     EXPECT_TRUE(scene.materials[0].one_sided());
 
-    // Equal materials are one, and the current one survives braces and includes.
+    // Equal materials are merged, and the current one stays in effect across braces and includes.
     folder.include("red.aff", "fm 1 0 0 1 0 0 0 0 0 0 0 0");
     scene = folder.load("xs 1 1 1 0 0 0 0 0 0 0 { i 0 red.aff } " + k_mesh + k_material + k_mesh + k_material + k_mesh);
     ASSERT_EQ(scene.materials.size(), 2u);
@@ -184,7 +184,7 @@ TEST(AffImport, Materials)
     EXPECT_EQ(scene.materials[0].base_color, glm::vec3(.5f));
 }
 
-TEST(AffImport, Spheres)
+TEST(AffImport, TessellatesSpheres)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material + "s 1 2 3 2\ns 0 0 0 -1\ns 5 5 5 1");
@@ -198,12 +198,12 @@ TEST(AffImport, Spheres)
         const double scale = glm::determinant(glm::dmat3(scene.world_matrix(scene.objects[object].node, 0)));
         return measure(mesh).volume * scale;
     };
-    // A negative radius turns the front inwards. The volume falls short a little: it is a polyhedron.
+    // A negative radius turns the front inwards. The volume is slightly too small, because the shape is a polyhedron.
     EXPECT_NEAR(whole(1), -4 * k_pi / 3, 0.05);
     EXPECT_NEAR(whole(2), 4 * k_pi / 3, 0.05);
 }
 
-TEST(AffImport, Cones)
+TEST(AffImport, TessellatesCones)
 {
     const AffFolder folder;
     const double slant = std::sqrt(10.0);
@@ -218,7 +218,7 @@ TEST(AffImport, Cones)
         ASSERT_EQ(scene.objects.size(), 1u);
         const scene::Mesh& mesh = scene.meshes[0];
         EXPECT_NEAR(measure(mesh).area, area, 0.01 * area) << text;
-        // The side's normals stand on the side: a cone's triangles are flat where it is round, hence not quite 1.
+        // The side's normals are those of the smooth cone, so their cosine with the flat triangles is slightly below 1.
         EXPECT_GT(worst_normal(mesh), 0.97) << text;
         const bool inside = text.find('-') != std::string::npos;
         for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -232,10 +232,10 @@ TEST(AffImport, Cones)
     }
 }
 
-TEST(AffImport, Polygons)
+TEST(AffImport, ReadsPolygons)
 {
     const AffFolder folder;
-    // A square and a triangle of one material are one object; normals need another; braces and materials part them.
+    // A square and a triangle with the same material form one object; normals, braces and materials start another.
     scene::Scene scene = folder.load(k_material + "p 4 0 0 0 1 0 0 1 1 0 0 1 0\np 3 0 0 1 1 0 1 0 1 1\n");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.meshes[0].triangles.size(), 3u);
@@ -245,7 +245,7 @@ TEST(AffImport, Polygons)
     scene = folder.load(k_material + "pp 3 0 0 0 0 0 5  1 0 0 0 0 0  0 1 0 0 3 4");
     ASSERT_EQ(scene.meshes[0].normals.size(), 3u);
     expect_near(scene.meshes[0].normals[0], {0, 0, 1});
-    expect_near(scene.meshes[0].normals[1], {0, 0, 1});   // had no length: the triangle's own
+    expect_near(scene.meshes[0].normals[1], {0, 0, 1});   // it had no length: the triangle's normal
     expect_near(scene.meshes[0].normals[2], {0, .6, .8});
 
     scene = folder.load(k_material + "p 3 0 0 0 1 0 0 0 1 0 x a { p 3 0 0 0 1 0 0 0 1 0 } p 3 0 0 0 1 0 0 0 1 0");
@@ -253,7 +253,7 @@ TEST(AffImport, Polygons)
     EXPECT_EQ(scene.statistics().triangles_dynamic, 1u);
 }
 
-TEST(AffImport, TexturedTriangles)
+TEST(AffImport, ReadsTexturedTriangles)
 {
     const AffFolder folder;
     folder.texture("two.ppm");
@@ -273,7 +273,7 @@ TEST(AffImport, TexturedTriangles)
     EXPECT_GT(scene.textures[0].sample({0.75f, 0.5f}, 0).z, 0.99f);
 }
 
-TEST(AffImport, TrianglesWithKeysOfTheirOwn)
+TEST(AffImport, ReadsTrianglesWithVertexKeys)
 {
     const AffFolder folder;
     const std::string first =
@@ -295,7 +295,7 @@ TEST(AffImport, TrianglesWithKeysOfTheirOwn)
     EXPECT_EQ(state.deformed(0).positions[0].z, 4);
 }
 
-TEST(AffImport, MeshesWithSeparateIndices)
+TEST(AffImport, ReadsMeshesWithSeparateIndices)
 {
     const AffFolder folder;
     folder.texture("two.ppm");
@@ -306,7 +306,7 @@ TEST(AffImport, MeshesWithSeparateIndices)
                                            "triangles 2  0 1 2  0 0 1  0 1 2   0 1 2  0 0 0  0 1 2");
     ASSERT_EQ(scene.objects.size(), 1u);
     const scene::Mesh& mesh = scene.meshes[0];
-    // Position 2 occurs with two normals; position 3 not at all.
+    // Position 2 occurs with two normals, position 3 not at all.
     EXPECT_EQ(mesh.positions.size(), 4u);
     for (std::size_t t = 0; t < 2; ++t) {
         const glm::uvec3 triangle = mesh.triangles[t];
@@ -318,7 +318,7 @@ TEST(AffImport, MeshesWithSeparateIndices)
     }
 }
 
-TEST(AffImport, EqualIncludesShareTheirMeshes)
+TEST(AffImport, RepeatedIncludesShareTheirMeshes)
 {
     const AffFolder folder;
     folder.include("part.aff", k_mesh + k_mesh);
@@ -326,23 +326,23 @@ TEST(AffImport, EqualIncludesShareTheirMeshes)
     const scene::Scene scene =
         folder.load(k_material + "i 0 part.aff xs 2 2 2 0 0 0 0 5 0 0 { i 0 part.aff } " + other + "i 0 part.aff");
     EXPECT_EQ(scene.objects.size(), 6u);
-    EXPECT_EQ(scene.meshes.size(), 4u);   // two parts in two materials
+    EXPECT_EQ(scene.meshes.size(), 4u);   // two parts with different materials
     expect_near(box_of(scene).high, {7, 2, 0});
 }
 
-TEST(AffImport, DetailLevels)
+TEST(AffImport, SelectsDetailLevels)
 {
     const AffFolder folder;
     folder.include("mesh.aff", k_mesh);
     const std::string text =
         k_material + "i 0 mesh.aff i 2 mesh.aff i 3 missing.aff d 2 i 2 mesh.aff i 1 mesh.aff i 3 missing.aff";
     EXPECT_EQ(folder.load(text).objects.size(), 3u);
-    // A level set in an include holds after it.
+    // A level that is set in an include stays in effect after it.
     folder.include("level.aff", "d 1");
     EXPECT_EQ(folder.load(k_material + "i 0 level.aff i 1 mesh.aff").objects.size(), 1u);
 }
 
-TEST(AffImport, StaticTransformsScaleTurnAndShift)
+TEST(AffImport, StaticTransformsScaleRotateAndTranslate)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material +
@@ -350,14 +350,14 @@ TEST(AffImport, StaticTransformsScaleTurnAndShift)
                                            "0 0 1 0 0 0 1 triangles 1 0 1 2 } }");
     ASSERT_EQ(scene.objects.size(), 1u);
     const glm::dmat4 m = scene.world_matrix(scene.objects[0].node, 0);
-    // Scale first, then turn about z, then shift, then the outer transform.
+    // Scale first, then rotate about z, then translate, then apply the outer transform.
     expect_near(transform_point(m, glm::dvec3(1, 0, 0)), {110, 22, 30});
     expect_near(transform_point(m, glm::dvec3(0, 1, 0)), {107, 20, 30});
     expect_near(transform_point(m, glm::dvec3(0, 0, 1)), {110, 20, 34});
     EXPECT_FALSE(scene.objects[0].dynamic);
 }
 
-TEST(AffImport, AnimatedTransformsAndSharedNames)
+TEST(AffImport, ReadsAnimatedTransformsAndSharedNames)
 {
     const AffFolder folder;
     const std::string keys = "k wheel { transl 4  0 0 0 0 0 0 0  1 0 0 0 0 0 0  2 1 0 0 0 0 0  3 1 0 0 0 0 0 }\n";
@@ -365,7 +365,7 @@ TEST(AffImport, AnimatedTransformsAndSharedNames)
     const scene::Scene scene = folder.load(k_material + "x none {" + k_mesh + k_mesh +
                                            "} xs 1 1 1 0 0 0 0 0 5 0 { i 0 wheel.aff } i 0 wheel.aff " +
                                            "k unused { visibility 1 0 1 } x empty { }");
-    // Without keys: identity, and dynamic all the same.
+    // Without keys: the identity, and dynamic nevertheless.
     EXPECT_EQ(scene.statistics().objects, 4u);
     EXPECT_EQ(scene.statistics().objects_dynamic, 4u);
     std::vector<const scene::TransformTrack*> tracks;
@@ -383,14 +383,14 @@ TEST(AffImport, AnimatedTransformsAndSharedNames)
     expect_near(again.bounds(5).high, {9, 1, 0});
 }
 
-TEST(AffImport, NamesBecomeUtf8)
+TEST(AffImport, ConvertsNamesToUtf8)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material + "x \xe5rm { " + k_mesh + "}");
     EXPECT_EQ(scene.nodes[0].name, "\xc3\xa5rm");
 }
 
-TEST(AffImport, KindsOfFilesByExtension)
+TEST(AffImport, RecognisesTheFileExtension)
 {
     const AffFolder folder;
     folder.load("");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tracks of AFF through small files, against the formulas written out a second time, slowly.
+// AFF tracks from small files, compared with a second, slow implementation of the formulas.
 #include <algorithm>
 #include <array>
 
@@ -69,7 +69,7 @@ glm::dvec3 slow_position(const std::vector<Key>& keys, double time)
                            a / 2 * (1 - k1.t) * (1 - k1.c) * (1 - k1.b) * (point_of(k2) - point_of(k1));
     const glm::dvec3 in = b / 2 * (1 - k2.t) * (1 - k2.c) * (1 + k2.b) * (point_of(k2) - point_of(k1)) +
                           b / 2 * (1 - k2.t) * (1 + k2.c) * (1 - k2.b) * (point_of(k3) - point_of(k2));
-    // Hermite's basis.
+    // Evaluate the Hermite basis.
     return (2 * u * u * u - 3 * u * u + 1) * point_of(k1) + (u * u * u - 2 * u * u + u) * out +
            (3 * u * u - 2 * u * u * u) * point_of(k2) + (u * u * u - u * u) * in;
 }
@@ -79,7 +79,7 @@ void expect_near(const glm::dvec3& value, const glm::dvec3& expected, double tol
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(value[c], expected[c], tolerance) << what << ", coordinate " << c;
 }
 
-// Between two times where nothing is announced, nothing may change.
+// Checks that the track is constant between two times outside its changing intervals.
 void check_announcements(const scene::TransformTrack& track, double first, double last, int steps)
 {
     const std::vector<scene::Interval> changing = track.changing();
@@ -125,7 +125,7 @@ TEST(AffTrack, PositionsFollowTheFormula)
     }
 }
 
-TEST(AffTrack, FirstAndLastKeyOnlyShape)
+TEST(AffTrack, FirstAndLastKeyOnlySetTangents)
 {
     const std::vector<Key> keys{{0, {9, 0, 0, 0}}, {1, {1, 0, 0, 0}}, {2, {2, 0, 0, 0}}, {3, {9, 0, 0, 0}}};
     const auto track = track_of(text_of("transl", keys, 3));
@@ -138,7 +138,7 @@ TEST(AffTrack, FirstAndLastKeyOnlyShape)
     EXPECT_LT(changing[0].last, 2.0001);
 }
 
-TEST(AffTrack, JumpsAndRestsAreAnnounced)
+TEST(AffTrack, ChangingIntervalsIncludeJumpsAndExcludeRests)
 {
     // Rest, jump at 2, rest; a jump right after the first time; a jump at the end.
     const auto at = [](double time, double x) { return Key{time, {x, 0, 0, 0}, 1, 0, 0}; };
@@ -150,12 +150,12 @@ TEST(AffTrack, JumpsAndRestsAreAnnounced)
         check_announcements(*track, 0.5, 5.5, 10);
         check_announcements(*track, 0, 5, 500);
     }
-    // The long rest is not announced as change.
+    // The long rest is not part of a changing interval.
     const auto track = track_of(text_of("transl", {at(0, 1), at(1, 1), at(2, 1), at(2, 5), at(3, 5), at(4, 5)}, 3));
     for (const scene::Interval& interval : track->changing()) EXPECT_LT(interval.last - interval.first, 0.01);
 }
 
-TEST(AffTrack, TimesMayGoBack)
+TEST(AffTrack, AcceptsDecreasingKeyTimes)
 {
     const std::vector<Key> keys{{0, {0, 0, 0, 0}},  {1, {1, 0, 0, 0}},  {48, {2, 0, 0, 0}},
                                 {42, {3, 0, 0, 0}}, {50, {4, 0, 0, 0}}, {60, {5, 0, 0, 0}}};
@@ -165,7 +165,7 @@ TEST(AffTrack, TimesMayGoBack)
     check_announcements(*track, 0, 61, 61 * 4);
 }
 
-// --- Rotations: the formulas once more, in matrices of four numbers.
+// --- Rotations: the formulas again, as matrices of four numbers.
 
 using Four = std::array<double, 4>;   // w x y z
 
@@ -260,7 +260,7 @@ TEST(AffTrack, RotationsFollowTheFormula)
         for (std::uint32_t i = 0, n = 4 + random.below(6); i < n; ++i) {
             if (i > 0 && random.below(4) != 0) time += 0.25 * (1 + random.below(8));
             glm::dvec3 axis(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-            // Half of the axes are of length 1, the others are not.
+            // Half of the axes have length 1, the others do not.
             axis = random.below(2) ? glm::normalize(axis) : 1.1 * axis;
             Key key{time, {axis.x, axis.y, axis.z, random.uniform(-400, 400)}};
             if (random.below(2))
@@ -271,9 +271,9 @@ TEST(AffTrack, RotationsFollowTheFormula)
     }
 }
 
-TEST(AffTrack, WheelsTurnOn)
+TEST(AffTrack, RotationsContinueBeyondFullTurns)
 {
-    // Angles that grow by 90 degrees past full turns: key quaternions change sign on the way.
+    // Angles grow by 90 degrees beyond full turns, so that key quaternions change sign on the way.
     std::vector<Key> keys;
     for (int i = 0; i < 12; ++i) keys.push_back({double(i), {0, 0, 1, 90.0 * i}});
     check_rotation(keys, -1, 12, 0.03125);
@@ -283,7 +283,7 @@ TEST(AffTrack, WheelsTurnOn)
         const glm::dmat4 m = track->evaluate(t);
         double degrees = glm::degrees(std::atan2(m[0][1], m[0][0]));
         while (degrees < before - 180) degrees += 360;
-        ASSERT_GT(degrees, before - 1e-9) << "the wheel turns back at " << t;
+        ASSERT_GT(degrees, before - 1e-9) << "the wheel turns backwards at " << t;
         ASSERT_LT(degrees, before + 30);
         before = degrees;
     }
@@ -302,7 +302,7 @@ TEST(AffTrack, AxesAreNotNormalised)
     EXPECT_NEAR(angle_at_key(1), 60, 1e-9);
     EXPECT_NEAR(angle_at_key(0.9), 60, 1e-9);
 
-    // Between keys it matters: the real parts of the blended quaternions are not those of unit ones.
+    // Between keys it matters, because the real parts of the blended quaternions differ from those of unit quaternions.
     std::vector<Key> keys;
     for (int i = 0; i < 4; ++i) keys.push_back({double(i), {0, 0.9, 0, 40.0 * i}});
     const glm::dmat4 m = track_of(text_of("rot", keys, 4))->evaluate(1.5);
@@ -311,7 +311,7 @@ TEST(AffTrack, AxesAreNotNormalised)
 
 TEST(AffTrack, RealPartsBeyondOneAreClamped)
 {
-    // A long axis makes quaternions whose blend has a real part beyond 1.
+    // A long axis gives quaternions whose blend has a real part beyond 1.
     const std::vector<Key> keys{{0, {0, 3, 0, 5}}, {1, {0, 3, 0, 5}}, {2, {0, 3, 0, -5}}, {3, {0, 3, 0, -5}}};
     const auto track = track_of(text_of("rot", keys, 4));
     for (double t = 0; t <= 3; t += 0.01) {
@@ -321,7 +321,7 @@ TEST(AffTrack, RealPartsBeyondOneAreClamped)
     }
 }
 
-TEST(AffTrack, PartsAreAppliedScaleFirst)
+TEST(AffTrack, AppliesScaleFirst)
 {
     const std::string keys =
         text_of("transl", {{0, {10, 0, 0, 0}}, {1, {10, 0, 0, 0}}, {2, {10, 0, 0, 0}}, {3, {10, 0, 0, 0}}}, 3) +
@@ -334,7 +334,7 @@ TEST(AffTrack, PartsAreAppliedScaleFirst)
     EXPECT_TRUE(track->changing().empty());
 }
 
-TEST(AffTrack, VisibilityIsAStep)
+TEST(AffTrack, VisibilityIsAStepFunction)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(k_material + "x a {" + k_mesh + "} k a { visibility 3  1 0  2 1  2 0 }");
@@ -344,7 +344,7 @@ TEST(AffTrack, VisibilityIsAStep)
     EXPECT_TRUE(track->evaluate(0.5));
     EXPECT_FALSE(track->evaluate(1));
     EXPECT_FALSE(track->evaluate(1.9));
-    EXPECT_FALSE(track->evaluate(2));   // of two at one time the later holds
+    EXPECT_FALSE(track->evaluate(2));   // of two at the same time the later one holds
 }
 
 }   // namespace

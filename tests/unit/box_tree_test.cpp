@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BoxTree against all boxes asked one by one, while they move, appear and vanish; and what it costs.
+// BoxTree against a linear search of all boxes while they move, appear and vanish; and its cost.
 #include "base/box_tree.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> found_one_by_one(const std::vector<Box3>& boxes, cons
     return found;
 }
 
-TEST(BoxTree, FindsWhatAllBoxesAskedOneByOneFind)
+TEST(BoxTree, EqualsALinearSearchOfAllBoxes)
 {
     for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 100u, 1000u}) {
         Random random(count + 1);
@@ -74,9 +74,10 @@ TEST(BoxTree, FindsWhatAllBoxesAskedOneByOneFind)
     }
 }
 
-TEST(BoxTree, LooksAtWhatIsNear)
+TEST(BoxTree, VisitsNearbyNodesOnly)
 {
-    // Boxes that lie in a square, sixteen times as many each time: a query of a few of them looks at a few more nodes.
+    // Boxes in a square, sixteen times as many each time: a query that finds a few of them visits only a few more
+    // nodes.
     for (const int side : {16, 64, 256}) {
         std::vector<Box3> boxes;
         for (int y = 0; y < side; ++y)
@@ -93,9 +94,9 @@ TEST(BoxTree, LooksAtWhatIsNear)
     }
 }
 
-TEST(BoxTree, StaysGoodWhileEverythingMoves)
+TEST(BoxTree, StaysBalancedWhileEverythingMoves)
 {
-    // Everything begins in one place and ends far apart, one box after the other.
+    // Everything starts at one place and ends far apart, one box after the other.
     Random random(3);
     constexpr std::uint32_t k_count = 4096;
     std::vector<Box3> boxes(k_count, Box3{glm::vec3(0), glm::vec3(0.1f)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The built-in scenes are what other figures are measured on: their content is fixed, and hashed here.
+// Benchmarks are measured on the built-in scenes, so their content is fixed, and hashed here.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace gnomon::scene {
 namespace {
 
-// Everything that can reach a pixel: geometry, materials, textures, lights, and all transforms at every tenth frame.
+// Everything that can affect a pixel: geometry, materials, textures, lights, and all transforms at every tenth frame.
 std::uint64_t content_hash(const Scene& scene)
 {
     std::uint64_t h = 1;
@@ -50,7 +50,7 @@ void expect_sound(const Scene& scene)
         EXPECT_NO_THROW(check_mesh(mesh)) << mesh.name;
         EXPECT_FALSE(mesh.triangles.empty()) << mesh.name;
         for (const glm::vec3& p : mesh.positions) ASSERT_TRUE(is_finite(p)) << mesh.name;
-        // Normals are unit, and on the front of every triangle.
+        // Check that normals have unit length and lie on the front of every triangle.
         for (const glm::vec3& n : mesh.normals) ASSERT_NEAR(glm::length(n), 1, 1e-3) << mesh.name;
         for (const glm::uvec3& t : mesh.triangles) {
             const glm::vec3 face =
@@ -63,7 +63,7 @@ void expect_sound(const Scene& scene)
             ASSERT_TRUE(all_finite(scene.world_matrix(n, scene.timeline.time_of(frame)))) << scene.nodes[n].name;
 }
 
-// Six times the volume inside, positive when faces look outwards.
+// Six times the enclosed volume, positive when faces point outwards.
 double signed_volume(const Mesh& mesh)
 {
     double sum = 0;
@@ -80,7 +80,7 @@ const Mesh& mesh_named(const Scene& scene, const std::string& name)
     throw std::runtime_error("no mesh " + name);
 }
 
-TEST(Builtin, CornellIsWhatWasAgreed)
+TEST(Builtin, CornellHasTheSpecifiedContent)
 {
     const Scene scene = make_builtin("cornell");
     EXPECT_EQ(scene.timeline.frames, 40);
@@ -107,7 +107,7 @@ TEST(Builtin, CornellIsWhatWasAgreed)
     expect_box("short block", {-0.275f, -0.275f, -0.275f}, {0.275f, 0.275f, 0.275f});
     EXPECT_NEAR(signed_volume(mesh_named(scene, "ball")), 4.0 / 3 * k_pi * std::pow(0.12, 3), 1e-4);
 
-    // The ball is the only thing that moves, exactly as the formula says.
+    // Only the ball moves, exactly as the formula says.
     ASSERT_EQ(scene.statistics().objects_dynamic, 1u);
     for (const Object& object : scene.objects) {
         if (!object.dynamic) continue;
@@ -125,14 +125,14 @@ TEST(Builtin, CornellIsWhatWasAgreed)
     EXPECT_EQ(spot.profile, SpotProfile::cosine);
     EXPECT_EQ(spot.color, glm::vec3(8));
     EXPECT_FLOAT_EQ(spot.outer_angle, 0.7f);
-    const glm::dmat4 lamp = scene.world_matrix(spot.node, 0);
+    const glm::dmat4 spot_matrix = scene.world_matrix(spot.node, 0);
     const glm::dvec3 towards = glm::normalize(glm::dvec3(-1.1, -1, -1.1));
-    EXPECT_NEAR(glm::length(glm::dvec3(lamp[3]) - glm::dvec3(0.6, 0.8, 0.9)), 0, 1e-12);
-    EXPECT_NEAR(glm::dot(-glm::dvec3(lamp[2]), towards), 1, 1e-12);
+    EXPECT_NEAR(glm::length(glm::dvec3(spot_matrix[3]) - glm::dvec3(0.6, 0.8, 0.9)), 0, 1e-12);
+    EXPECT_NEAR(glm::dot(-glm::dvec3(spot_matrix[2]), towards), 1, 1e-12);
     ASSERT_EQ(scene.cameras.size(), 1u);
     EXPECT_DOUBLE_EQ(scene.cameras[0].vertical_fov, 0.62);
 
-    // Triangles of blocks turned about +Y: the tall block's first corner.
+    // The blocks are rotated about +Y: check the tall block's first corner.
     for (const Node& node : scene.nodes) {
         if (node.name != "tall block") continue;
         const glm::dvec3 x(node.local[0]);
@@ -141,7 +141,7 @@ TEST(Builtin, CornellIsWhatWasAgreed)
     }
 }
 
-TEST(Builtin, SpheresHaveTheCountsAskedFor)
+TEST(Builtin, SpheresHaveTheRequestedCounts)
 {
     const Scene scene = make_builtin("spheres?objects=300&dynamic=10");
     EXPECT_EQ(scene.timeline.frames, 240);
@@ -181,7 +181,7 @@ TEST(Builtin, SpheresStayInTheirCubeAndTheirPathsClose)
     }
 }
 
-TEST(Builtin, ACrowdIsTheSameAroundTheDynamicObjectsHoweverLarge)
+TEST(Builtin, CrowdAroundDynamicObjectsDoesNotDependOnSceneSize)
 {
     const Scene few = make_builtin("spheres?objects=110&movers=10&crowd=1"),
                 many = make_builtin("spheres?objects=3000&movers=10&crowd=1");
@@ -190,14 +190,14 @@ TEST(Builtin, ACrowdIsTheSameAroundTheDynamicObjectsHoweverLarge)
         ASSERT_EQ(scene->meshes.size(), 2u);
         EXPECT_LT(scene->meshes[1].positions.size(), 50u);
     }
-    // As the light sees them: across its axis, a unit before it.
+    // In light space: position across the light's axis at unit distance.
     const glm::dmat4 to_light = glm::inverse(few.world_matrix(few.lights[0].node, 0));
     const auto across = [&](const Scene& scene, const Object& object, double time) {
         const glm::dvec3 p = transform_point(to_light, glm::dvec3(scene.world_matrix(object.node, time)[3]));
         return std::max(std::abs(p.x), std::abs(p.y)) / -p.z;
     };
     double dynamic_reach = 0;
-    const double radius = static_cast<double>(few.meshes[0].bounds().high.y) / 55;   // no nearer to the lamp
+    const double radius = static_cast<double>(few.meshes[0].bounds().high.y) / 55;   // not closer to the light
     for (std::size_t i = 0; i < 10; ++i)
         for (int frame = 1; frame <= 240; frame += 5)
             dynamic_reach =
@@ -220,7 +220,7 @@ TEST(Builtin, SpheresCoverAThirdOfTheLightView)
     std::vector<glm::dvec3> centres;
     for (const Object& object : scene.objects) {
         const glm::dvec3 p = transform_point(to_light, glm::dvec3(scene.world_matrix(object.node, 0)[3]));
-        // Whole within the cone.
+        // Inside the cone completely.
         EXPECT_LT(std::atan(std::hypot(p.x, p.y) / -p.z), static_cast<double>(scene.lights[0].outer_angle));
         centres.push_back(p);
     }
@@ -240,7 +240,7 @@ TEST(Builtin, SpheresCoverAThirdOfTheLightView)
     EXPECT_NEAR(static_cast<double>(covered) / (size * size), 1.0 / 3, 0.02);
 }
 
-TEST(Builtin, KineticIsLargeAndMostlyStill)
+TEST(Builtin, KineticIsLargeAndMostlyStatic)
 {
     const Scene scene = make_builtin("kinetic");
     expect_sound(scene);
@@ -254,10 +254,10 @@ TEST(Builtin, KineticIsLargeAndMostlyStill)
     EXPECT_EQ(scene.timeline.at_rate(24).frames, 120);
     EXPECT_GE(scene.lights.size(), 4u);
     EXPECT_EQ(scene.background.kind, Background::Kind::sky);
-    // The sun in the sky is where the light comes from.
+    // The sun in the sky lies in the direction of the light.
     const glm::dmat4 sun = scene.world_matrix(scene.lights[0].node, 0);
     EXPECT_NEAR(glm::dot(glm::dvec3(sun[2]), glm::dvec3(scene.background.sun_direction)), 1, 1e-6);
-    // Glass is closed, so that what enters it also leaves.
+    // Glass objects are closed, so that rays that enter them also leave.
     for (const char* name : {"vase", "blue ball", "amber ball"})
         EXPECT_GT(signed_volume(mesh_named(scene, name)), 0) << name;
 }
@@ -280,21 +280,21 @@ TEST(Builtin, KineticMovesWithoutJumps)
     }
 }
 
-TEST(Builtin, ContentIsFixed)
+TEST(Builtin, ContentHashesAreFixed)
 {
     EXPECT_EQ(content_hash(make_builtin("cornell")), 0x51406906bdcd02f3ull);
     EXPECT_EQ(content_hash(make_builtin("spheres?objects=40&dynamic=25")), 0x3d0222127e87f051ull);
     EXPECT_EQ(content_hash(make_builtin("kinetic")), 0xf83e11a865cd775bull);
 }
 
-TEST(Builtin, AMillionSpheresAreBuilt)
+TEST(Builtin, BuildsAMillionSpheres)
 {
     const Scene scene = make_builtin("spheres?objects=1000000&movers=10&vertices=5");
     EXPECT_EQ(scene.statistics().objects, 1'000'000u);
     EXPECT_EQ(scene.track_nodes.size(), 10u);
 }
 
-TEST(Builtin, RefusesWhatItDoesNotKnow)
+TEST(Builtin, RefusesUnknownNamesAndParameters)
 {
     for (const char* name : {"",
                              "teapot",
@@ -321,7 +321,7 @@ TEST(Builtin, RefusesWhatItDoesNotKnow)
                              "spheres?objects=5&",
                              "Cornell"}) {
         if (std::string(name) == "spheres?" || std::string(name) == "spheres?objects=5&") {
-            EXPECT_NO_THROW(make_builtin(name)) << name;   // nothing after the mark: the defaults
+            EXPECT_NO_THROW(make_builtin(name)) << name;   // nothing after the question mark: the defaults
             continue;
         }
         try {
@@ -329,7 +329,7 @@ TEST(Builtin, RefusesWhatItDoesNotKnow)
             ADD_FAILURE() << name << " was accepted";
         } catch (const UsageError& error) {
             const std::string what = error.what();
-            EXPECT_NE(what.find("builtin:kinetic"), std::string::npos) << what;   // lists what there is
+            EXPECT_NE(what.find("builtin:kinetic"), std::string::npos) << what;   // lists the available scenes
             EXPECT_EQ(what.find('\n'), std::string::npos) << what;
         }
     }

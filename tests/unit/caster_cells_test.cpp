@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists of triangles over cells: what a clipping of every triangle by every cell finds, whatever moves.
+// Lists of triangles per cell, compared with clipping every triangle against every cell while objects move.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -13,14 +13,14 @@ namespace {
 
 class CasterCellsTest : public test::VulkanTest {};
 
-// Corners in clip space, of one triangle.
+// The corners of one triangle in clip space.
 struct Caster {
     glm::dvec4 clip[3];
-    double nearest = 0;   // along the view
+    double nearest = 0;   // along the view direction
     bool masked = false;
 };
 
-// Triangles that block light, by the number that entries have for them.
+// Triangles that cast shadows, by their number in the entries.
 std::map<std::uint32_t, Caster> all_casters(const scene::SceneState& state, const ViewProjection& view)
 {
     std::map<std::uint32_t, Caster> casters;
@@ -52,7 +52,7 @@ std::map<std::uint32_t, Caster> all_casters(const scene::SceneState& state, cons
     return casters;
 }
 
-// Whether a triangle's image meets a square of clip space: what of it is left within five planes.
+// Whether a triangle's projection overlaps a square of clip space: clips it against five planes.
 bool meets(const Caster& caster, const glm::dvec2& low, const glm::dvec2& high, double least_w)
 {
     const glm::dvec4 planes[] = {
@@ -79,11 +79,11 @@ struct Counts {
     std::uint64_t entries = 0, masked = 0, moving = 0, blocks = 0;
 };
 
-// One view's lists of both sets against all triangles.
+// Compares one view's lists of both sets with all triangles.
 void check_view(const CasterCells& cells, const LightViews& views, const scene::SceneState& state, std::size_t v,
                 Counts& counts)
 {
-    constexpr double k_slack = 0.04;   // of a cell: lists may hold what comes so near it
+    constexpr double k_slack = 0.04;   // of a cell: lists may contain triangles this close to it
     const ViewProjection& view = views.views()[v].projection;
     const std::map<std::uint32_t, Caster> casters = all_casters(state, view);
     const std::uint32_t side = cells.side(v);
@@ -100,7 +100,7 @@ void check_view(const CasterCells& cells, const LightViews& views, const scene::
                     ASSERT_NE(caster, casters.end());
                     EXPECT_EQ(caster->second.masked, masked);
                     ++counts.entries, counts.masked += masked, counts.moving += moving;
-                    // Its block must not be passed over where it lies.
+                    // Its block must not be skipped where the triangle lies.
                     const shared::CellBlock& block = lists.blocks[i / GNOMON_BLOCK_ENTRIES];
                     EXPECT_LE(block.nearest, caster->second.nearest + 1e-4);
                     for (std::uint32_t part = 0; part < 16; ++part) {
@@ -115,7 +115,8 @@ void check_view(const CasterCells& cells, const LightViews& views, const scene::
                 }
             counts.blocks += lists.blocks.size();
         }
-        // Squares of the cell, whole and in quarters of a quarter: who meets one must be listed, and around it.
+        // Test the cell's square, whole and in sixteen quarters of quarters: a triangle that overlaps one must be
+        // listed, with bounds around it.
         const auto at = [&](double x, double y) { return glm::dvec2(2 * x / side - 1, 2 * y / side - 1); };
         const int column = c % side, row = c / side;
         const double x = column, y = row;
@@ -140,7 +141,7 @@ void check_view(const CasterCells& cells, const LightViews& views, const scene::
     }
 }
 
-TEST_F(CasterCellsTest, HoldWhatClippingFindsWhateverMoves)
+TEST_F(CasterCellsTest, EqualClippingOfEveryTriangle)
 {
     const int frames = 12;
     const test::LightScript script = test::make_light_script(3, frames);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every check that a remembered shadow rests on is needed: with it, a small scene made for it is answered as rays
-// answer; without it, wrongly.
+// Every check that a remembered shadow relies on is necessary: with the check, a small scene made for it gives the
+// results of rays; without it, wrong ones.
 #include <gtest/gtest.h>
 
 #include "shadow_stage.h"
@@ -18,7 +18,7 @@ using test::Teach;
 
 using Corners = std::vector<glm::vec3>;
 
-// The receiver of most scenes, in the plane z = 0, is object 0; the light stands two above it.
+// The receiver of most scenes is object 0, in the plane z = 0; the light is two units above it.
 const Corners k_receiver = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 const glm::vec3 k_light(0.3f, 0.3f, 2);
 
@@ -37,26 +37,26 @@ shadow_culling::CertifiedOptions with(const CertificateOptions& rules)
     return options;
 }
 
-// Teaches by points of one kind, then asks all, on the receiver as one part.
+// Teaches with points of one kind, then queries all points, with the receiver as one part.
 Outcome play(Stage stage, const CertificateOptions& rules, Teach what, int points = 1000)
 {
     Rehearsal rehearsal(std::move(stage), with(rules));
     const auto everywhere = rehearsal.points({0}, points);
     rehearsal.teach(everywhere, what);
     rehearsal.advance(0);
-    return rehearsal.ask(everywhere);
+    return rehearsal.query(everywhere);
 }
 
 Corners small_triangle(float z)
 {
     return {{0.3f, 0.3f, z}, {0.35f, 0.3f, z}, {0.3f, 0.35f, z}};
 }
-// Covers all of the receiver, with its corners far outside.
+// Covers all of the receiver; its corners lie far outside.
 Corners large_triangle(float z)
 {
     return {{-9, -9, z}, {30, -9, z}, {-9, 30, z}};
 }
-// All of x < edge, or of x > edge.
+// Covers all of x < edge, or of x > edge.
 Corners left_half(float edge, float z)
 {
     return {{edge, -9, z}, {edge, 9, z}, {-20, 0, z}};
@@ -73,14 +73,15 @@ glm::dvec3 anywhere(Random& random, double reach)
     return {x, y, one()};
 }
 
-// A triangle whose edge grazes a side of the shaft: between the receiver's edge and the light, to within rounding, and
-// going outward (nothing blocks) or inward (all but the very edge is occluded).
+// A triangle whose edge grazes a side of the shaft, between the receiver's edge and the light, to within rounding. It
+// extends outward (nothing is occluded) or inward (all but the very edge is occluded).
 Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
 {
     Outcome sum;
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         Random random(seed);
-        const glm::dvec3 far(50);   // from the origin: there rounding outgrows the room that Embree gives an edge
+        const glm::dvec3 far(
+            50);   // offset from the origin, where rounding exceeds the tolerance of Embree's edge test
         const glm::dvec3 a = far + anywhere(random, 1), b = far + anywhere(random, 1), c = far + anywhere(random, 1);
         const glm::dvec3 light = a + 0.3 * (b - a) + 0.3 * (c - a) + 2.0 * glm::normalize(glm::cross(b - a, c - a));
         Stage stage;
@@ -92,7 +93,7 @@ Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
         const glm::dvec3 p2 = p - (inward ? 0.5 : 0.0) * along, q2 = q + (inward ? 0.5 : 0.0) * along;
         stage.add({glm::vec3(p2), glm::vec3(q2), glm::vec3(third)});
 
-        // Points of the inside teach; points of the very edge are asked as well.
+        // Interior points teach; points on the very edge are queried as well.
         Rehearsal rehearsal(std::move(stage), with(rules));
         auto points = rehearsal.points({0}, 50);
         rehearsal.teach(points, inward ? Teach::occluded_ones : Teach::free_ones);
@@ -100,12 +101,12 @@ Outcome flush_with_the_shaft(const CertificateOptions& rules, bool inward)
             points.push_back(test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 400,
                                                 1e-9f * random.uniform(1, 4), true));
         rehearsal.advance(0);
-        sum += rehearsal.ask(points);
+        sum += rehearsal.query(points);
     }
     return sum;
 }
 
-// A shade that leaves a part of the receiver free, and a light that jumps at time 0.5.
+// An occluder that leaves a part of the receiver lit, and a light that jumps at time 0.5.
 Outcome light_that_jumps(const CertificateOptions& rules, std::initializer_list<double> times)
 {
     Stage stage;
@@ -119,20 +120,20 @@ Outcome light_that_jumps(const CertificateOptions& rules, std::initializer_list<
     Outcome outcome;
     for (const double time : times) {
         rehearsal.advance(time);
-        outcome = rehearsal.ask(points);
+        outcome = rehearsal.query(points);
     }
     return outcome;
 }
 
-void move_by_hand(Rehearsal& rehearsal, scene::ObjectId object, const glm::dvec3& by)
+void override_translation(Rehearsal& rehearsal, scene::ObjectId object, const glm::dvec3& by)
 {
     const glm::dmat4 place = test::translation(by.x, by.y, by.z);
     rehearsal.state().override_transform(rehearsal.scene().objects[object].node, &place);
     rehearsal.advance(0);
 }
 
-// A lamp that grazes the receiver, as high as rays start, so that rounding decides which points face it.
-Outcome lamp_that_grazes(const CertificateOptions& rules)
+// A light in the receiver's plane, as high as ray origins, so that rounding decides which points face it.
+Outcome light_that_grazes(const CertificateOptions& rules)
 {
     Outcome sum;
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
@@ -176,7 +177,7 @@ const Scene k_scenes[] = {
     {"margin_of_none", [](CertificateOptions& rules) { rules.shaft.margin = 0; },
      [](const CertificateOptions& rules) { return flush_with_the_shaft(rules, false); }},
     {"base_below_rays", [](CertificateOptions& rules) { rules.shaft.room = -3; },
-     [](const CertificateOptions& rules) {   // rays start 2e-6 above the receiver
+     [](const CertificateOptions& rules) {   // ray origins are 2e-6 above the receiver
          Stage stage = stage_with_receiver();
          stage.add(small_triangle(5e-6f));
          return play(std::move(stage), rules, Teach::free_ones);
@@ -212,20 +213,20 @@ const Scene k_scenes[] = {
          return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"no_silhouette", without(Check::no_silhouette),
-     [](const CertificateOptions& rules) {   // a fold: both halves go to the left
+     [](const CertificateOptions& rules) {   // a fold: both halves extend to the left
          Stage stage = stage_with_receiver();
          stage.add(left_half(0.4f, 1));
          stage.add({{0.4f, -9, 1}, {0.4f, 9, 1}, {-20, 0, 1.2f}});
          return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"clearance", [](CertificateOptions& rules) { rules.clearance = -1; },
-     [](const CertificateOptions& rules) {   // a plane that cuts through the receiver
+     [](const CertificateOptions& rules) {   // a plane that intersects the receiver
          Stage stage = stage_with_receiver();
          stage.add({{-20, -60, -20.3f}, {-20, 60, -20.3f}, {80, 0, 79.7f}});
          return play(std::move(stage), rules, Teach::occluded_ones);
      }},
     {"end_gap", [](CertificateOptions& rules) { rules.end_gap = -1; },
-     [](const CertificateOptions& rules) {   // a shade nearer to the lamp than rays go
+     [](const CertificateOptions& rules) {   // an occluder closer to the light than the end of the rays
          Stage stage = stage_with_receiver();
          stage.add({{0.2f, 0.2f, 1.9999f}, {0.5f, 0.2f, 1.9999f}, {0.2f, 0.5f, 1.9999f}});
          stage.add(small_triangle(1));
@@ -233,9 +234,9 @@ const Scene k_scenes[] = {
      }},
 
     // --- Both
-    {"light_grazes", [](CertificateOptions& rules) { rules.graze_lifts = -1; }, lamp_that_grazes},
+    {"light_grazes", [](CertificateOptions& rules) { rules.graze_lifts = -1; }, light_that_grazes},
 
-    // --- What moves
+    // --- Dynamic objects
     {"dynamic_tested", without(Check::dynamic_tested),
      [](const CertificateOptions& rules) {
          Stage stage = stage_with_receiver();
@@ -245,7 +246,7 @@ const Scene k_scenes[] = {
          const auto points = rehearsal.points({0}, 1000);
          rehearsal.teach(points, Teach::all);
          rehearsal.advance(1);
-         return rehearsal.ask(points);
+         return rehearsal.query(points);
      }},
     {"light_moves", without(Check::light_moves),
      [](const CertificateOptions& rules) {
@@ -256,26 +257,26 @@ const Scene k_scenes[] = {
          return light_that_jumps(rules, {0, 1, 2});
      }},
     {"promoted_not_receiver", without(Check::promoted_not_receiver),
-     [](const CertificateOptions& rules) {   // the receiver is moved under what did not shadow it
+     [](const CertificateOptions& rules) {   // the receiver is moved below an object that did not shadow it
          Stage stage = stage_with_receiver();
          stage.add(left_half(-5, 1));
          Rehearsal rehearsal(std::move(stage), with(rules));
          rehearsal.teach(rehearsal.points({0}, 1000), Teach::all);
-         move_by_hand(rehearsal, 0, {-15, 0, 0});
-         return rehearsal.ask(rehearsal.points({0}, 1000));
+         override_translation(rehearsal, 0, {-15, 0, 0});
+         return rehearsal.query(rehearsal.points({0}, 1000));
      }},
     {"promoted_not_occluder", without(Check::promoted_not_occluder),
-     [](const CertificateOptions& rules) {   // the shade is gone before anything is learned
+     [](const CertificateOptions& rules) {   // the occluder vanishes before anything is learned
          Stage stage = stage_with_receiver();
          stage.add(large_triangle(1));
          stage.add(small_triangle(0.9f));
          Rehearsal rehearsal(std::move(stage), with(rules));
-         move_by_hand(rehearsal, 1, {0, 0, 50});
-         rehearsal.ask({});
+         override_translation(rehearsal, 1, {0, 0, 50});
+         rehearsal.query({});
          const auto points = rehearsal.points({0}, 1000);
          rehearsal.teach(points, Teach::occluded_ones);
          rehearsal.advance(0);
-         return rehearsal.ask(points);
+         return rehearsal.query(points);
      }},
     {"promoted_shadow_gone", without(Check::promoted_shadow_gone),
      [](const CertificateOptions& rules) {
@@ -284,8 +285,8 @@ const Scene k_scenes[] = {
          Rehearsal rehearsal(std::move(stage), with(rules));
          const auto points = rehearsal.points({0}, 1000);
          rehearsal.teach(points, Teach::all);
-         move_by_hand(rehearsal, 1, {0, 0, 50});
-         return rehearsal.ask(points);
+         override_translation(rehearsal, 1, {0, 0, 50});
+         return rehearsal.query(points);
      }},
 };
 
@@ -296,7 +297,7 @@ void PrintTo(const Scene& scene, std::ostream* out)
 
 class CertificateChecks : public testing::TestWithParam<Scene> {};
 
-TEST_P(CertificateChecks, IsNeeded)
+TEST_P(CertificateChecks, EachCheckIsNecessary)
 {
     const Scene& scene = GetParam();
     CertificateOptions rules;
@@ -305,33 +306,33 @@ TEST_P(CertificateChecks, IsNeeded)
     EXPECT_EQ(whole.wrong, 0u);
     scene.leave_out(rules);
     const Outcome part = scene.outcome(rules);
-    EXPECT_GT(part.wrong, 0u) << "nothing goes wrong without it: NONE " << part.none << ", FULL " << part.full;
+    EXPECT_GT(part.wrong, 0u) << "no wrong result without the check: NONE " << part.none << ", FULL " << part.full;
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, CertificateChecks, testing::ValuesIn(k_scenes),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
 
-// The two sides of a triangle are remembered apart: said to be the front, the back is answered wrongly.
-TEST(CertificateChecksByHand, SidesAreApart)
+// The two sides of a triangle have separate states: if the back is looked up as the front, results are wrong.
+TEST(CertificateRules, SidesOfATriangleAreStoredSeparately)
 {
-    for (const bool lie : {false, true}) {
+    for (const bool wrong_key : {false, true}) {
         Rehearsal rehearsal(stage_with_receiver());
         auto points = rehearsal.points({0}, 1000, 1, true);
         rehearsal.teach(points, Teach::free_ones);
-        for (auto& p : points) p.front = p.front || lie;
+        for (auto& p : points) p.front = p.front || wrong_key;
         rehearsal.advance(0);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         EXPECT_GT(outcome.none, 0u);
-        EXPECT_EQ(outcome.wrong > 0, lie);
+        EXPECT_EQ(outcome.wrong > 0, wrong_key);
     }
 }
 
-// Where a wall leans over the receiver's very edge, nothing is remembered of the rim: said to lie inside of it, its
-// points are answered wrongly. The lean is within the margin, and no proof sees it.
-TEST(CertificateChecksByHand, RimIsTraced)
+// Where a wall leans over the very edge of the receiver, no state is stored for the rim: if its points are looked up as
+// interior points, results are wrong. The lean is within the margin, and no proof detects it.
+TEST(CertificateRules, RimIsAlwaysTraced)
 {
     std::uint64_t asked = 0, in_shade = 0, wrong[2] = {0, 0};
-    for (const bool lie : {false, true}) {
+    for (const bool wrong_key : {false, true}) {
         Stage stage;
         stage.add(k_receiver);
         stage.add_light({0, 0, 1}, scene::LightType::directional);
@@ -342,13 +343,13 @@ TEST(CertificateChecksByHand, RimIsTraced)
         for (int i = 1; i < 400; ++i) {
             auto p = test::shadow_point(rehearsal.rays(), 0, 0, static_cast<float>(i) / 1000, 5e-7f, true);
             in_shade += test::truly_occluded(rehearsal.state(), rehearsal.rays(), p, 0);
-            if (lie) p.v += 1e-3f;
+            if (wrong_key) p.v += 1e-3f;
             points.push_back(p);
         }
         rehearsal.advance(0);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         asked += outcome.asked;
-        wrong[lie] = outcome.wrong;
+        wrong[wrong_key] = outcome.wrong;
     }
     EXPECT_GT(in_shade, 0u);
     EXPECT_GT(asked, in_shade / 2);
@@ -356,31 +357,31 @@ TEST(CertificateChecksByHand, RimIsTraced)
     EXPECT_GT(wrong[true], 0u);
 }
 
-// A point is answered by its own part: asked in the name of another one, it is answered wrongly.
-TEST(CertificateChecksByHand, PartIsThePointsOwn)
+// A point is answered by its own part: if it is looked up in another part, results are wrong.
+TEST(CertificateRules, LookUpUsesThePartOfThePoint)
 {
-    for (const bool lie : {false, true}) {
+    for (const bool wrong_key : {false, true}) {
         Stage stage = stage_with_receiver();
         stage.add(left_half(0.4f, 1));
         Rehearsal rehearsal(std::move(stage));
         rehearsal.set_view({glm::vec3(0, 0, 4), 0.01f, 0});
         auto points = rehearsal.points({0}, 3000);
         rehearsal.teach(points, Teach::all, 4);
-        if (lie)
+        if (wrong_key)
             for (auto& p : points) std::swap(p.u, p.v);
         rehearsal.advance(0);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         EXPECT_GT(outcome.none, 0u);
         EXPECT_GT(outcome.full, 0u);
-        EXPECT_EQ(outcome.wrong > 0, lie);
+        EXPECT_EQ(outcome.wrong > 0, wrong_key);
     }
 }
 
-// Triangles that rays meet in spaces of their own do not close a patch, though their ends agree to the bit: rays are
-// rounded differently on the way to each.
-TEST(CertificateChecksByHand, SpacesAreApart)
+// Triangles that rays intersect in different object spaces do not close a patch, even if their shared vertices agree to
+// the bit, because rays are rounded differently on the way to each space.
+TEST(CertificateRules, PatchesDoNotSpanInstances)
 {
-    // Sheets side by side, as many as are flattened, and one more, when the mesh is kept once and instanced.
+    // As many adjacent sheets as are flattened, and one more, so that the mesh is stored once and instanced.
     constexpr std::uint32_t k_cells = 256;
     for (const int sheets : {7, 8}) {
         Stage stage;
@@ -413,8 +414,8 @@ TEST(CertificateChecksByHand, SpacesAreApart)
     }
 }
 
-// A patch begins with a triangle that is in the way: one beside the shaft closes nothing.
-TEST(CertificateChecksByHand, OccluderIsInTheWay)
+// A patch starts with a triangle inside the shaft: one beside the shaft closes nothing.
+TEST(CertificateRules, PatchStartsInsideTheShaft)
 {
     Stage stage = stage_with_receiver();
     stage.add({{5, 5, 1}, {6, 5, 1}, {5, 6, 1}});
@@ -430,9 +431,9 @@ TEST(CertificateChecksByHand, OccluderIsInTheWay)
     EXPECT_TRUE(certify_full(triangles, shaft, 1, rules));
 }
 
-// What a dynamic object did to a ray is no evidence: the ground in its shadow is proven free of static shadows all the
-// same.
-TEST(CertificateChecksByHand, DynamicObjectsAreNoEvidence)
+// The occlusion of a ray by a dynamic object is no evidence: ground in its shadow is still proven free of static
+// shadows.
+TEST(CertificateRules, DynamicOccludersAreNoEvidence)
 {
     Stage stage = stage_with_receiver();
     stage.add(large_triangle(1), test::two_sided,
@@ -442,7 +443,7 @@ TEST(CertificateChecksByHand, DynamicObjectsAreNoEvidence)
     rehearsal.teach(points, Teach::all);
     for (const double time : {0.0, 1.0}) {
         rehearsal.advance(time);
-        const Outcome outcome = rehearsal.ask(points);
+        const Outcome outcome = rehearsal.query(points);
         EXPECT_EQ(outcome.none, points.size());
         EXPECT_EQ(outcome.wrong, 0u);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Medians and figures of bench culling, from frames made by hand; and whole benches of small scenes.
+// Medians and figures of bench culling, from constructed frames; and complete benches of small scenes.
 #include <gtest/gtest.h>
 
 #include "bench/core/moving_lights.h"
@@ -24,7 +24,7 @@ CullingFrame frame_of(int number, double off_ms, double certified_ms, std::uint6
     return f;
 }
 
-TEST(CullingSummary, MediansAreByFrame)
+TEST(CullingSummary, MediansArePerFrame)
 {
     const std::vector<std::vector<CullingFrame>> runs = {{frame_of(1, 10, 30, 500), frame_of(2, 10, 1, 100)},
                                                          {frame_of(1, 90, 20, 500), frame_of(2, 11, 2, 100)},
@@ -38,7 +38,7 @@ TEST(CullingSummary, MediansAreByFrame)
     EXPECT_EQ(medians_of(std::span(runs).first(2))[0].off.ms, 50);   // between the two
 }
 
-TEST(CullingSummary, CountsThatDifferBetweenRunsAreAFault)
+TEST(CullingSummary, CountsThatDifferBetweenRunsAreAnError)
 {
     std::vector<std::vector<CullingFrame>> runs = {{frame_of(1, 1, 1, 500)}, {frame_of(1, 1, 1, 500)}};
     EXPECT_NO_THROW(medians_of(runs));
@@ -46,7 +46,7 @@ TEST(CullingSummary, CountsThatDifferBetweenRunsAreAFault)
     EXPECT_THROW(medians_of(runs), InternalError);
 }
 
-TEST(CullingSummary, FiguresFollowFromTheFrames)
+TEST(CullingSummary, DerivesFiguresFromTheFrames)
 {
     CullingBenchResult r;
     r.frames = {frame_of(5, 10, 40, 1000), frame_of(6, 10, 5, 500), frame_of(7, 10, 4, 100), frame_of(8, 20, 4, 300)};
@@ -65,7 +65,7 @@ TEST(CullingSummary, FiguresFollowFromTheFrames)
     EXPECT_DOUBLE_EQ(r.paper_wrong_mean, 3);
 }
 
-TEST(CullingSummary, TheBeginningOfAWindowIsAWindow)
+TEST(CullingSummary, SummarisesTheFirstFramesOfAWindow)
 {
     CullingWindow whole;
     whole.scene = "some/kitchen.aff";
@@ -80,7 +80,7 @@ TEST(CullingSummary, TheBeginningOfAWindowIsAWindow)
     EXPECT_THROW(beginning_of(whole, 5), InternalError);
 }
 
-TEST(CullingBench, ReflectedHitsAreAskedTooAndNothingIsWrong)
+TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("kinetic"));
     CullingBenchOptions options;
@@ -96,13 +96,13 @@ TEST(CullingBench, ReflectedHitsAreAskedTooAndNothingIsWrong)
         EXPECT_EQ(deep.frames[f].paper.rays, deep.frames[f].off.rays);
         EXPECT_EQ(deep.frames[f].certified.wrong, 0u);
     }
-    // The occlusion test sees primary hits alone.
+    // The occlusion test uses primary hits only.
     EXPECT_EQ(deep.frames[0].paper.extra_tests, primary.frames[0].paper.extra_tests);
     EXPECT_GT(deep.frames.back().certified.skipped, 0u);
     EXPECT_GT(deep.bytes_per_triangle_light, 0);
 }
 
-TEST(CullingBench, WithEveryLightMovingAllRaysAreTraced)
+TEST(CullingBench, TracesAllRaysIfEveryLightMoves)
 {
     const auto scene = with_moving_lights(std::make_shared<const scene::Scene>(scene::make_builtin("kinetic")));
     CullingBenchOptions options;
@@ -119,15 +119,15 @@ TEST(CullingBench, WithEveryLightMovingAllRaysAreTraced)
     }
 }
 
-TEST(CullingBench, StopsWhenAsked)
+TEST(CullingBench, StopsWhenInterrupted)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     CullingBenchOptions options;
     options.frames = {1, 40};
     options.size = {16, 16};
-    int asked = 0;
-    EXPECT_THROW(bench_culling(scene, options, [&](const ProgressStep&) { return ++asked < 3; }), InterruptedError);
-    EXPECT_EQ(asked, 3);
+    int calls = 0;
+    EXPECT_THROW(bench_culling(scene, options, [&](const ProgressStep&) { return ++calls < 3; }), InterruptedError);
+    EXPECT_EQ(calls, 3);
 }
 
 }   // namespace

@@ -20,7 +20,7 @@ MaterialId add_material(Scene& scene, const glm::vec3& emissive, bool double_sid
     return static_cast<MaterialId>(scene.materials.size() - 1);
 }
 
-// A rectangle with corner p, on a node that is turned and moved away from the world's axes by `world`.
+// Adds a rectangle with corner p, on a node that `world` rotates and translates.
 NodeId add_quad(Scene& scene, MaterialId material, const glm::vec3& p, const glm::vec3& u, const glm::vec3& v,
                 const glm::dmat4& world = glm::dmat4(1))
 {
@@ -34,7 +34,7 @@ NodeId add_quad(Scene& scene, MaterialId material, const glm::vec3& p, const glm
     return node;
 }
 
-// What all lights send out: pi times intensity for a cosine profile over a half sphere.
+// The flux of all lights: pi times the intensity, for a cosine profile over a hemisphere.
 glm::vec3 total_flux(const Scene& scene)
 {
     glm::vec3 sum(0);
@@ -45,11 +45,11 @@ glm::vec3 total_flux(const Scene& scene)
 TEST(Emitters, KeepTheFlux)
 {
     Scene scene;
-    // Facing down, 2 x 3, under a node that lifts and turns it about the vertical.
+    // Facing down, 2 x 3, under a node that moves it up and rotates it about the vertical.
     const glm::dmat4 world = glm::dmat4(glm::dmat3(0, 0, -1, 0, 1, 0, 1, 0, 0));
-    glm::dmat4 promoted = world;
-    promoted[3] = {5, 4, 1, 1};
-    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, promoted);
+    glm::dmat4 placed = world;
+    placed[3] = {5, 4, 1, 1};
+    add_quad(scene, add_material(scene, {10, 20, 5}), {0, 0, 0}, {2, 0, 0}, {0, 0, 3}, placed);
     add_quad(scene, add_material(scene, {0, 0, 0}), {0, 0, -3}, {10, 0, 0}, {0, 0, 8});
     scene.finish();
     add_emitter_lights(scene);
@@ -58,7 +58,7 @@ TEST(Emitters, KeepTheFlux)
     const glm::vec3 expected = glm::vec3(10, 20, 5) * static_cast<float>(6 * k_pi);
     EXPECT_LT(glm::length(total_flux(scene) - expected), 1e-4f * glm::length(expected));
 
-    // They hang just below the quad, look down, and make a 4 x 4 grid over all of it.
+    // The lights are just below the quad, point down, and form a 4 x 4 grid over all of it.
     const SceneState state(std::make_shared<const Scene>(scene), 0);
     Box3 box;
     for (LightId i = 0; i < scene.lights.size(); ++i) {
@@ -68,13 +68,13 @@ TEST(Emitters, KeepTheFlux)
         EXPECT_GT(light.position.y, 3.9f);
         box.add(light.position);
     }
-    EXPECT_NEAR(box.size().x, 3 * 0.75f, 1e-4f);   // the local z runs along the world's x
+    EXPECT_NEAR(box.size().x, 3 * 0.75f, 1e-4f);   // local z points along world x
     EXPECT_NEAR(box.size().z, 2 * 0.75f, 1e-4f);
     EXPECT_NEAR(box.low.x, 5 + 3 * 0.125f, 1e-4f);
     EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
-TEST(Emitters, IrradianceIsThatOfTheSurface)
+TEST(Emitters, IrradianceEqualsThatOfTheSurface)
 {
     Scene scene;
     add_quad(scene, add_material(scene, glm::vec3(8)), {-0.5f, 4, -0.5f}, {1, 0, 0}, {0, 0, 1});
@@ -89,7 +89,7 @@ TEST(Emitters, IrradianceIsThatOfTheSurface)
             const LightSample sample = illuminate(scene.lights[i], state.light(i), point);
             lights += sample.irradiance.x * sample.to_light.y;
         }
-        // The same by adding up the rectangle finely: L cos cos / d^2 dA.
+        // Integrate the rectangle numerically: L cos cos / d^2 dA.
         double surface = 0;
         constexpr int n = 100;
         for (int i = 0; i < n * n; ++i) {
@@ -102,12 +102,13 @@ TEST(Emitters, IrradianceIsThatOfTheSurface)
     }
 }
 
-TEST(Emitters, ManyOfThemKeepTheFlux)
+TEST(Emitters, ManyEmittersKeepTheFlux)
 {
     Scene scene;
-    const MaterialId lamp = add_material(scene, glm::vec3(50));
+    const MaterialId emitter = add_material(scene, glm::vec3(50));
     for (int i = 0; i < 40; ++i)
-        add_quad(scene, lamp, {static_cast<float>(2 * i), 5, 0}, {1, 0, 0}, {0, 0, 1 + 0.1f * static_cast<float>(i)});
+        add_quad(scene, emitter, {static_cast<float>(2 * i), 5, 0}, {1, 0, 0},
+                 {0, 0, 1 + 0.1f * static_cast<float>(i)});
     scene.finish();
     EmitterOptions options;
     options.least_irradiance = 0;
@@ -118,7 +119,7 @@ TEST(Emitters, ManyOfThemKeepTheFlux)
     EXPECT_NEAR(total_flux(scene).x, 50 * area * k_pi, 1e-3 * 50 * area * k_pi);
 }
 
-TEST(Emitters, WhatDoesNotLightIsLeftAlone)
+TEST(Emitters, IgnoresDimAndSmallEmitters)
 {
     const auto lights = [](const glm::vec3& emissive, float size, bool has_light) {
         Scene scene;
@@ -127,21 +128,21 @@ TEST(Emitters, WhatDoesNotLightIsLeftAlone)
         scene.finish();
         if (has_light) {
             scene.lights.emplace_back();
-            scene.lights[0].node = scene.add_node("lamp", none);
+            scene.lights[0].node = scene.add_node("light", none);
             scene.finish();
         }
         add_emitter_lights(scene);
         return scene.lights.size();
     };
     EXPECT_EQ(lights(glm::vec3(10), 2, false), 16u);
-    EXPECT_EQ(lights(glm::vec3(0.5f), 2, false), 0u);     // glows only
+    EXPECT_EQ(lights(glm::vec3(0.5f), 2, false), 0u);     // too dim
     EXPECT_EQ(lights(glm::vec3(10), 0.01f, false), 0u);   // too small
     EXPECT_EQ(lights(glm::vec3(10), 2, true), 1u);        // there is a light already
 }
 
-TEST(Emitters, TwoSidedOnesShineWhereThereIsRoom)
+TEST(Emitters, TwoSidedEmittersShineTowardsOpenSpace)
 {
-    // Wound to face up, right under a ceiling: it must shine down.
+    // Wound to face up, right under a ceiling: it must emit downwards.
     Scene scene;
     add_quad(scene, add_material(scene, glm::vec3(10), true), {4, 9.7f, 4}, {0, 0, 2}, {2, 0, 0});
     const MaterialId white = add_material(scene, glm::vec3(0));
@@ -154,7 +155,7 @@ TEST(Emitters, TwoSidedOnesShineWhereThereIsRoom)
     EXPECT_NEAR(state.light(0).direction.y, -1, 1e-5f);
 }
 
-TEST(Emitters, DeepBelowOneAnother)
+TEST(Emitters, HandlesADeepNodeHierarchyQuickly)
 {
     Scene scene;
     add_quad(scene, add_material(scene, {10, 10, 10}), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});

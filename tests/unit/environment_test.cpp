@@ -41,14 +41,14 @@ void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;
 }
 
-TEST(Environment, DirectionsLieAsDocumented)
+TEST(Environment, MapsDirectionsAsDocumented)
 {
     expect_near(Environment::direction_at(0.5, 0.5), {0, 0, -1}, 1e-6f);
     expect_near(Environment::direction_at(0.75, 0.5), {1, 0, 0}, 1e-6f);
     expect_near(Environment::direction_at(0.3, 0), {0, 1, 0}, 1e-6f);
     expect_near(Environment::direction_at(0, 0.5), {0, 0, 1}, 1e-6f);
 
-    // Looking up a texel's own direction gives the texel.
+    // Looking up a texel's own direction returns that texel.
     const ImageF image = sunny(64, 32);
     const Environment environment(image);
     for (int y = 0; y < 32; ++y)
@@ -62,7 +62,7 @@ TEST(Environment, DirectionsLieAsDocumented)
         }
 }
 
-TEST(Environment, IsSeamlessBehind)
+TEST(Environment, IsContinuousAcrossTheImageBorder)
 {
     ImageF image = even(8, 4, glm::vec3(0));
     for (int y = 0; y < 4; ++y) image.pixel(0, y)[0] = 2;
@@ -71,7 +71,7 @@ TEST(Environment, IsSeamlessBehind)
     EXPECT_NEAR(environment.radiance({-1e-7f, 0, 1}).x, 1, 1e-4f);
 }
 
-TEST(Environment, AnEvenSkyIsEven)
+TEST(Environment, UniformSkyHasUniformIrradiance)
 {
     const Environment environment(even(100, 50, {1, 2, 3}));
     expect_near(environment.flux(), static_cast<float>(4 * k_pi) * glm::vec3(1, 2, 3), 1e-4f);
@@ -83,8 +83,8 @@ TEST(Environment, AnEvenSkyIsEven)
     }
 }
 
-// Half bright, half black: irradiance / pi is (1 + cos) / 2 in closed form.
-TEST(Environment, AmbientOfAHalfBrightSky)
+// The upper half is bright, the lower black: irradiance / pi is (1 + cos) / 2 in closed form.
+TEST(Environment, AmbientOfAHalfBrightSkyEqualsClosedForm)
 {
     ImageF image = even(200, 100, glm::vec3(0));
     for (int y = 0; y < 50; ++y)
@@ -94,7 +94,7 @@ TEST(Environment, AmbientOfAHalfBrightSky)
         EXPECT_NEAR(environment.ambient({std::sqrt(1 - y * y), y, 0}).y, (1 + y) / 2, 0.03f);
 }
 
-TEST(MedianCut, KeepsAllEnergyInPartsOfLikeFlux)
+TEST(MedianCut, KeepsTheEnergyInRegionsOfEqualFlux)
 {
     for (const int count : {1, 2, 16, 64}) {
         ImageF image = even(128, 64, glm::vec3(0));
@@ -114,9 +114,9 @@ TEST(MedianCut, KeepsAllEnergyInPartsOfLikeFlux)
     }
 }
 
-// The vector irradiance of a whole environment is kept exactly, so the light through any plane is: the sum of
+// The vector irradiance of an environment is preserved exactly, and with it the light through any plane: the sum of
 // irradiance times direction equals the integral of radiance times direction.
-TEST(MedianCut, KeepsTheNetFlowOfLight)
+TEST(MedianCut, KeepsTheVectorIrradiance)
 {
     const ImageF image = sunny(128, 64);
     glm::dvec3 flow(0);
@@ -133,8 +133,8 @@ TEST(MedianCut, KeepsTheNetFlowOfLight)
     expect_near(glm::vec3(sum), glm::vec3(flow), 1e-3f * static_cast<float>(glm::length(flow)));
 }
 
-// A sun stronger than all the sky has lights of its own.
-TEST(MedianCut, FindsTheSun)
+// A sun stronger than the rest of the sky gets lights of its own.
+TEST(MedianCut, GivesTheSunItsOwnLight)
 {
     const Environment environment(sunny(128, 64));
     const glm::vec3 sun = Environment::direction_at((25 + 0.5) / 128, (16 + 0.5) / 64);
@@ -145,7 +145,7 @@ TEST(MedianCut, FindsTheSun)
     EXPECT_GT(strength, 900 * 0.0017f);   // the texel's own solid angle is about 0.0017
 }
 
-TEST(MedianCut, BlackSkiesAndOneTexelGiveNoTrouble)
+TEST(MedianCut, AcceptsBlackSkiesAndSingleTexels)
 {
     EXPECT_TRUE(Environment(even(8, 4, glm::vec3(0))).lights(16).empty());
     EXPECT_LE(Environment(even(1, 1, glm::vec3(1))).lights(16).size(), 1u);
@@ -157,9 +157,9 @@ TEST(MedianCut, BlackSkiesAndOneTexelGiveNoTrouble)
     for (const EnvironmentLight& light : environment.lights(4)) EXPECT_TRUE(is_finite(light.irradiance));
 }
 
-// A furnace: in an even white sky a white surface with nothing around it is as bright as the sky. All orientations of a
-// sphere are seen; the lights see it as 16 directions do.
-TEST(EnvironmentLight, WhiteInWhiteIsWhite)
+// A furnace test: under a uniform white sky, an isolated white surface is as bright as the sky. All orientations of a
+// sphere are visible; the lights sample it in 16 directions.
+TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
 {
     const test::ScratchFolder scratch;
     Layer layer{"", {"R", "G", "B"}, std::vector<float>(64 * 32 * 3, 1.0f)};
@@ -199,7 +199,7 @@ TEST(EnvironmentLight, WhiteInWhiteIsWhite)
     }
 }
 
-TEST(EnvironmentLight, WrongNumbersAreRefused)
+TEST(EnvironmentLight, RefusesInvalidNumbers)
 {
     const gnomon::Scene scene = load("builtin:cornell");
     for (const int lights : {0, 3, 2048, -1}) EXPECT_THROW(scene.with_environment("any.hdr", lights), UsageError);

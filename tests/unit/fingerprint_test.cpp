@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frames of a video have in common: --resume must not take those of before an edit for those after it.
+// The fingerprint of a video: --resume must not reuse frames that were rendered before an edit.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -32,7 +32,7 @@ scene::Texture texture(std::uint8_t value, const scene::Sampler& sampler = {})
 {
     Image8 image(2, 2, 3);
     image.data[7] = value;
-    return {"picture", image, true, sampler};
+    return {"image", image, true, sampler};
 }
 
 std::shared_ptr<const scene::Environment> surroundings(float value)
@@ -42,7 +42,7 @@ std::shared_ptr<const scene::Environment> surroundings(float value)
     return std::make_shared<const scene::Environment>(image);
 }
 
-// One of everything.
+// A scene with one of everything.
 scene::Scene everything()
 {
     scene::Scene made;
@@ -90,7 +90,7 @@ scene::Scene everything()
 
 using Edit = std::function<void(scene::Scene&)>;
 
-// Every one shapes the image.
+// Edits that each change the image.
 const std::map<std::string, Edit>& edits()
 {
     static const std::map<std::string, Edit> all{
@@ -161,7 +161,7 @@ const std::map<std::string, Edit>& edits()
     return all;
 }
 
-TEST(Fingerprint, EveryEditGivesAnother)
+TEST(Fingerprint, ChangesWithEveryEdit)
 {
     std::map<std::uint64_t, std::string> found;
     for (const auto& [name, edit] : edits()) {
@@ -173,7 +173,7 @@ TEST(Fingerprint, EveryEditGivesAnother)
     }
 }
 
-TEST(Fingerprint, NamesOfThingsAreNoEdit)
+TEST(Fingerprint, IgnoresNames)
 {
     const auto of = [](const char* name) {
         auto made = std::make_shared<scene::Scene>(everything());
@@ -184,8 +184,8 @@ TEST(Fingerprint, NamesOfThingsAreNoEdit)
     EXPECT_EQ(of("a"), of("b"));
 }
 
-// A clip that numbers its own frames is the same at any rate, but for a camera that turns by the second.
-TEST(Fingerprint, TheRateOfATurntable)
+// A clip that numbers its own frames is the same at any rate, unless its camera turns by the second.
+TEST(Fingerprint, DependsOnTheFrameRateOfATurntableOnly)
 {
     auto made = std::make_shared<scene::Scene>(everything());
     made->timeline.own_frames = true;
@@ -199,8 +199,8 @@ TEST(Fingerprint, TheRateOfATurntable)
     }
 }
 
-// A video that nobody could wait for costs no more here than one of a minute.
-TEST(Fingerprint, OfAClipWithoutEnd)
+// An endless video costs no more here than one of a minute.
+TEST(Fingerprint, IsFastForAnEndlessClip)
 {
     auto made = std::make_shared<scene::Scene>(everything());
     made->timeline.end = 1e9, made->timeline.frames = scene::k_most_frames;

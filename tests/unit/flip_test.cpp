@@ -30,7 +30,7 @@ double flip_of(const ImageF& a, const ImageF& b)
     return mean_of(flip_ldr(a, b, tasks));
 }
 
-TEST(Flip, EqualImagesDoNotDiffer)
+TEST(Flip, EqualImagesHaveNoError)
 {
     Tasks tasks(2);
     const ImageF image = noise(50, 70, 1);
@@ -38,22 +38,22 @@ TEST(Flip, EqualImagesDoNotDiffer)
     for (const float error : flip_hdr(image, image, tasks).data) ASSERT_EQ(error, 0.0f);
 }
 
-// Even images have no features and are not changed by blurring, so the paper's formulas can be done by hand.
-// Black and white: HyAB = 100. The largest difference, green and blue, with L* a* b* of (87.73, -86.18, 83.18) and
-// (32.30, 79.19, -107.86), after Hunt: 55.44 + |(-101.18, 107.81)| = 203.3. In powers of 0.7: 25.12 and 41.28; the knee
-// is at 0.4 * 41.28 = 16.51, so the error is 0.95 + 0.05 * (25.12 - 16.51) / (41.28 - 16.51) = 0.9674.
-TEST(Flip, BlackAndWhiteByHand)
+// Uniform images have no features and are not changed by blurring, so the paper's formulas have a closed form. Black
+// and white: HyAB = 100. The largest difference, green and blue, with L* a* b* of (87.73, -86.18, 83.18) and (32.30,
+// 79.19, -107.86), after Hunt: 55.44 + |(-101.18, 107.81)| = 203.3. In powers of 0.7: 25.12 and 41.28; the knee is at
+// 0.4 * 41.28 = 16.51, so the error is 0.95 + 0.05 * (25.12 - 16.51) / (41.28 - 16.51) = 0.9674.
+TEST(Flip, BlackAndWhiteEqualClosedForm)
 {
     EXPECT_NEAR(flip_of(even(40, 33, glm::vec3(0)), even(40, 33, glm::vec3(1))), 0.9674, 2e-4);
 }
 
-TEST(Flip, GreenAndBlueAreAsFarApartAsCanBe)
+TEST(Flip, GreenAndBlueHaveTheGreatestError)
 {
     EXPECT_NEAR(flip_of(even(40, 33, {0, 1, 0}), even(40, 33, {0, 0, 1})), 1.0, 1e-5);
 }
 
 // Below the knee: greys of lightness 50 and 60 (Y = 0.18419 and 0.28123): 10^0.7 = 5.012 -> 0.95 * 5.012 / 16.51.
-TEST(Flip, GreysByHand)
+TEST(Flip, GreysEqualClosedForm)
 {
     EXPECT_NEAR(flip_of(even(40, 33, glm::vec3(0.184187f)), even(40, 33, glm::vec3(0.281233f))), 0.2884, 2e-4);
 }
@@ -80,7 +80,7 @@ TEST(Flip, ErrorsStayInRangeAndGrowWithNoise)
     }
 }
 
-// An edge that moves is seen near itself and nowhere else: filters reach 10 pixels.
+// A moved edge changes the error near itself only: the filters reach 10 pixels.
 TEST(Flip, ErrorsAreLocal)
 {
     Tasks tasks(1);
@@ -100,7 +100,7 @@ TEST(Flip, ErrorsAreLocal)
         }
 }
 
-TEST(Flip, ThreadsDoNotMatter)
+TEST(Flip, SameForAnyThreadCount)
 {
     Tasks one(1), three(3);
     const ImageF a = noise(70, 101, 1, 0, 20), b = noise(70, 101, 2, 0, 20);
@@ -109,7 +109,7 @@ TEST(Flip, ThreadsDoNotMatter)
 }
 
 // The curve reaches 0.85 at x: (0.9036 - 0.85 * 0.8748) x^2 + (0.018 - 0.85 * 0.354) x - 0.85 * 0.14 = 0, x = 2.1189.
-TEST(Flip, ExposuresGoFromBrightestToMedian)
+TEST(Flip, ExposuresRangeFromBrightestToMedian)
 {
     ImageF reference = even(10, 10, glm::vec3(0.5f));
     reference.pixel(3, 3)[0] = reference.pixel(3, 3)[1] = reference.pixel(3, 3)[2] = 64;
@@ -120,8 +120,8 @@ TEST(Flip, ExposuresGoFromBrightestToMedian)
     EXPECT_EQ(flip_exposures(even(4, 4, glm::vec3(0))).count, 2);
 }
 
-// What is too bright for one exposure is seen in another.
-TEST(Flip, HdrSeesDifferencesThatLdrClips)
+// Differences that are too bright for one exposure are found in another.
+TEST(Flip, HdrFindsDifferencesThatLdrClips)
 {
     Tasks tasks(2);
     ImageF reference = even(40, 40, glm::vec3(0.2f)), test = reference;
@@ -132,7 +132,7 @@ TEST(Flip, HdrSeesDifferencesThatLdrClips)
     EXPECT_GT(flip_hdr(test, reference, tasks).pixel(20, 5)[0], 0.2f);
 }
 
-TEST(Flip, HeatMapRunsFromBlackToPaleYellow)
+TEST(Flip, HeatMapRangesFromBlackToPaleYellow)
 {
     ImageF map(3, 1, 1);
     map.data = {0, 0.5f, 1};

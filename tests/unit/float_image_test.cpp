@@ -41,7 +41,7 @@ std::vector<Layer> some_layers(Size size)
     return layers;
 }
 
-TEST(Exr, LayersComeBackToTheBit)
+TEST(Exr, RoundTripKeepsEveryBit)
 {
     const test::ScratchFolder scratch;
     const Size size{37, 21};
@@ -59,8 +59,8 @@ TEST(Exr, LayersComeBackToTheBit)
     }
 }
 
-// OpenEXR would read such a value as long as its type says, and what follows as another attribute of any size.
-TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
+// OpenEXR would read such a value with the length of its type, and the rest as another attribute of any size.
+TEST(Exr, RefusesAttributesOfWrongSize)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -72,7 +72,7 @@ TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
     std::vector<std::uint8_t> longer = whole;
     longer[static_cast<std::size_t>(at - whole.begin()) + name.size()] = 40;
     EXPECT_THROW(check_exr(longer, "a.exr", {}), InputError);
-    // Lists of texts, and small images, say sizes of their own.
+    // Lists of strings and preview images contain their own sizes.
     for (const char* type : {"stringvector", "preview", "chlist"}) {
         std::vector<std::uint8_t> more(whole.begin(), whole.begin() + 8);
         for (const char* text : {"own", type}) {
@@ -86,7 +86,7 @@ TEST(Exr, AttributesOfAnotherSizeThanTheirTypesAreRefused)
     }
 }
 
-TEST(Exr, NamesInTheFileAreThoseOfTheLayers)
+TEST(Exr, WritesLayerAndChannelNames)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -96,7 +96,7 @@ TEST(Exr, NamesInTheFileAreThoseOfTheLayers)
     EXPECT_EQ(header.channels.size(), 19u);
 }
 
-TEST(Exr, BytesDependOnThePixelsAlone)
+TEST(Exr, BytesDependOnPixelsOnly)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -104,7 +104,7 @@ TEST(Exr, BytesDependOnThePixelsAlone)
     EXPECT_EQ(bytes_of(scratch / "a.exr"), bytes_of(scratch / "b.exr"));
 }
 
-TEST(Exr, OneLayerOrOneChannelCanBeRead)
+TEST(Exr, ReadsSingleLayersAndChannels)
 {
     const test::ScratchFolder scratch;
     const std::vector<Layer> layers = some_layers({37, 21});
@@ -120,7 +120,7 @@ TEST(Exr, OneLayerOrOneChannelCanBeRead)
     EXPECT_TRUE(decode_exr(bytes, "a.exr", "nothing").layers.empty());
 }
 
-TEST(Exr, WholeFilesAreTold)
+TEST(Exr, DetectsTruncatedFiles)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -132,14 +132,14 @@ TEST(Exr, WholeFilesAreTold)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     EXPECT_FALSE(is_whole_exr(scratch / "b.exr", {37, 21}));
     EXPECT_FALSE(is_whole_exr(scratch / "none.exr", {37, 21}));
-    // Frames of videos may be larger than what is read.
+    // Frames of videos may be larger than the reader's limit.
     const Size wide{FloatImageLimits{}.max_side + 1, 1};
     const Layer line{"", {"Y"}, std::vector<float>(static_cast<std::size_t>(wide.width))};
     write_exr(scratch / "wide.exr", wide, std::span(&line, 1));
     EXPECT_TRUE(is_whole_exr(scratch / "wide.exr", wide));
 }
 
-TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
+TEST(Exr, ReadsAsManyChannelsAsItWrites)
 {
     const test::ScratchFolder scratch;
     const Size size{3, 2};
@@ -156,25 +156,25 @@ TEST(Exr, AsManyChannelsAsAreWrittenAreRead)
     EXPECT_EQ(back.layers[0].channels, shadow.channels);
     EXPECT_EQ(back.layers[0].data, shadow.data);
 
-    // One more is not even written.
+    // One more is refused before writing.
     shadow.channels.emplace_back("more");
     shadow.data.resize(shadow.data.size() + 6);
     EXPECT_THROW(write_exr(scratch / "b.exr", size, std::span(&shadow, 1)), UsageError);
     EXPECT_FALSE(std::filesystem::exists(scratch / "b.exr"));
 }
 
-TEST(Exr, AWideImageHasRoomForLess)
+TEST(Exr, WiderImagesAllowFewerChannels)
 {
-    // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, and does not read it.
+    // Sixteen lines of all channels are at most 2,147,483,647 bytes: OpenEXR writes more, but cannot read it.
     EXPECT_EQ(room_in_exr({2047, 1}), 16384u);
     EXPECT_EQ(room_in_exr({2048, 1}), 16383u);
     EXPECT_EQ(room_in_exr({16384, 5000}), 2047u);
     const test::ScratchFolder scratch;
-    const Layer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before anything is looked at
+    const Layer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before any pixel is read
     EXPECT_THROW(write_exr(scratch / "a.exr", {16384, 1}, std::span(&wide, 1)), UsageError);
 }
 
-TEST(Exr, SizesBeyondTheLimitsAreRefused)
+TEST(Exr, RefusesSizesBeyondTheLimits)
 {
     const test::ScratchFolder scratch;
     write_exr(scratch / "a.exr", {37, 21}, some_layers({37, 21}));
@@ -195,7 +195,7 @@ TEST(Exr, SizesBeyondTheLimitsAreRefused)
     EXPECT_NO_THROW(decode_exr(bytes, "a", {}, limits));
 }
 
-TEST(Hdr, NewRunsAndExposure)
+TEST(Hdr, ReadsNewRunsAndExposure)
 {
     // 128 * 2^(129 - 136) = 1, 64 -> 0.5; exposures are divided out.
     const auto row = test::even_row(300, {128, 64, 0, 129});
@@ -213,7 +213,7 @@ TEST(Hdr, NewRunsAndExposure)
     EXPECT_EQ(exposed.pixel(0, 0)[0], 0.125f);
 }
 
-TEST(Hdr, LiteralsOldRunsAndPlainPixels)
+TEST(Hdr, ReadsLiteralsOldRunsAndPlainPixels)
 {
     // Literals: four components of eight different values.
     std::vector<std::uint8_t> row{2, 2, 0, 8};
@@ -231,11 +231,11 @@ TEST(Hdr, LiteralsOldRunsAndPlainPixels)
     EXPECT_EQ(old.pixel(260, 0)[0], 18.0f);
 
     const ImageF narrow = decode_hdr(test::hdr_file("-Y 1 +X 2", {2, 2, 0, 136, 8, 4, 2, 0}), "a.hdr");
-    EXPECT_EQ(narrow.pixel(0, 0)[0], 2.0f);   // too narrow for runs: a pixel that looks like their mark
+    EXPECT_EQ(narrow.pixel(0, 0)[0], 2.0f);   // too narrow for runs: a pixel that looks like their marker
     EXPECT_EQ(narrow.pixel(1, 0)[0], 0.0f);   // exponent 0 is black
 }
 
-TEST(Hdr, WrongFilesAreRefused)
+TEST(Hdr, RefusesInvalidFiles)
 {
     const auto row = test::even_row(16, {128, 64, 0, 129});
     const auto refused = [](const std::vector<std::uint8_t>& bytes) {
@@ -244,9 +244,9 @@ TEST(Hdr, WrongFilesAreRefused)
     EXPECT_NO_THROW(decode_hdr(test::hdr_file("-Y 1 +X 16", row), "a.hdr"));
     refused(test::hdr_file("-Y 2 +X 16", row));                               // a row is missing
     refused(test::hdr_file("-Y 1 +X 17", row));                               // another width
-    refused(test::hdr_file("+Y 1 +X 16", row));                               // from below
-    refused(test::hdr_file("-Y 1 +X 0", row));                                // nothing
-    refused(test::hdr_file("-Y 1 +X 16 ", row));                              // more
+    refused(test::hdr_file("+Y 1 +X 16", row));                               // bottom-up
+    refused(test::hdr_file("-Y 1 +X 0", row));                                // empty
+    refused(test::hdr_file("-Y 1 +X 16 ", row));                              // trailing text
     refused(test::hdr_file("-Y 1000000 +X 1000000", row));                    // beyond the limits
     refused(test::hdr_file("-Y 16000 +X 2000", row));                         // more rows than bytes
     refused(test::hdr_file("-Y 1 +X 16", row, "FORMAT=32-bit_rle_xyze\n"));   // another colour space
@@ -256,12 +256,12 @@ TEST(Hdr, WrongFilesAreRefused)
     refused(test::hdr_file("-Y 1 +X 8", {1, 1, 1, 4, 9, 9, 9, 9}));   // a run of no pixel
 }
 
-TEST(FloatImage, FormatsAreToldByContent)
+TEST(FloatImage, RecognisesFormatsByContent)
 {
     const test::ScratchFolder scratch;
     Image8 gray(3, 2, 1);
     gray.data = {0, 64, 128, 192, 255, 1};
-    write_png(scratch / "a.hdr", gray);   // a name that lies
+    write_png(scratch / "a.hdr", gray);   // a misleading name
     const ImageF image = read_float_image(scratch / "a.hdr");
     EXPECT_EQ(image.channels, 3);
     EXPECT_EQ(image.pixel(1, 1)[2], 1.0f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures over elongated footprints, and what they are for: floors seen at a slant.
+// Texture lookups over elongated footprints, and their purpose: floors at grazing angles.
 #include "scene/footprint.h"
 
 #include <gtest/gtest.h>
@@ -18,11 +18,11 @@ glm::vec2 texels(float u, float v)
     return glm::vec2(u, v) / static_cast<float>(k_size);
 }
 
-TEST(Footprint, ThatIsRoundIsOneSample)
+TEST(Footprint, RoundFootprintTakesOneSample)
 {
     const Texture texture = squares(3, 5);
     for (const glm::vec2 uv : {glm::vec2(0.3f, 0.6f), glm::vec2(0.91f, -0.2f)}) {
-        for (const float width : {0.0f, 0.5f, 1.0f, 2.0f, 8.0f, 200.0f})   // one level of the pyramid
+        for (const float width : {0.0f, 0.5f, 1.0f, 2.0f, 8.0f, 200.0f})   // one level of the mipmap
             EXPECT_EQ(sample_ellipse(texture, uv, texels(width, 0), texels(0, width)), texture.sample(uv, width));
         for (float width = 1; width < 64; width *= 1.1f) {
             const float found = sample_ellipse(texture, uv, texels(width, 0), texels(0, width)).x;
@@ -30,7 +30,7 @@ TEST(Footprint, ThatIsRoundIsOneSample)
             const float fine = texture.sample(uv, level).x, coarse = texture.sample(uv, 2 * level).x;
             EXPECT_GE(found, std::min(fine, coarse) - 1e-6f) << width;
             EXPECT_LE(found, std::max(fine, coarse) + 1e-6f) << width;
-            // Up to twice as long as wide it is the sample of the same area.
+            // Up to twice as long as wide, it equals the sample of the same area.
             const float longer = std::sqrt(2.0f) * 0.99f;
             EXPECT_NEAR(sample_ellipse(texture, uv, texels(longer * width, 0), texels(0, width / longer)).x, found,
                         1e-5f)
@@ -39,7 +39,7 @@ TEST(Footprint, ThatIsRoundIsOneSample)
     }
 }
 
-// From the least to the most of what is found along a line.
+// The range of values found along a line.
 template <typename Sample>
 float range_of(const Sample& sample)
 {
@@ -51,8 +51,8 @@ float range_of(const Sample& sample)
     return high - low;
 }
 
-// Along it everything is mixed; across it what is wider than the footprint stays apart.
-TEST(Footprint, ThatIsLongMixesAlongItAlone)
+// Along the footprint everything is averaged; across it, details wider than the footprint are preserved.
+TEST(Footprint, LongFootprintFiltersAlongItsAxisOnly)
 {
     const Texture fine = squares(2, k_size), wide = squares(k_size, 16);
     for (const float length : {8.0f, 12.0f})
@@ -63,7 +63,7 @@ TEST(Footprint, ThatIsLongMixesAlongItAlone)
             };
             const float mixed = range_of([&](const glm::vec2& uv) { return sample(fine, uv); });
             EXPECT_LT(mixed, 0.1f) << length;
-            // A single sample of the same area is light here, dark there.
+            // A single sample of the same area would vary here.
             const float single = range_of([&](const glm::vec2& uv) { return fine.sample(uv, std::sqrt(length)).x; });
             EXPECT_GT(single, 2 * mixed) << length;
             for (float u = 0; u < 1; u += 0.01f) {
@@ -73,8 +73,8 @@ TEST(Footprint, ThatIsLongMixesAlongItAlone)
         }
 }
 
-// No line is seen where another sample begins.
-TEST(Footprint, GrowsWithoutJumps)
+// No discontinuity is visible where another sample is added.
+TEST(Footprint, ChangesSmoothlyWithItsLength)
 {
     const Texture texture = squares(5, 7);
     float before = -1;
@@ -87,7 +87,7 @@ TEST(Footprint, GrowsWithoutJumps)
     }
 }
 
-TEST(Footprint, OfAnySizeIsFinite)
+TEST(Footprint, IsFiniteForAnySize)
 {
     const Texture texture = squares(3, 5);
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
@@ -97,7 +97,7 @@ TEST(Footprint, OfAnySizeIsFinite)
                 EXPECT_TRUE(is_finite(glm::vec3(sample_ellipse(texture, uv, {a, b}, {b, -a}))));
 }
 
-TEST(Footprint, StepsAreDifferencesOfCoordinates)
+TEST(Footprint, StepsEqualDifferencesOfCoordinates)
 {
     for (const float rotation : {0.0f, 0.7f}) {
         TextureUse use;
@@ -109,8 +109,8 @@ TEST(Footprint, StepsAreDifferencesOfCoordinates)
     }
 }
 
-// One sample a pixel shows nearly what many do: neither moire nor a grey band far from the horizon.
-TEST(Footprint, MakesOneSampleStandForItsPixel)
+// One sample per pixel approximates many: no moire and no grey band near the horizon.
+TEST(Footprint, OneSampleApproximatesSupersampling)
 {
     const gnomon::Scene scene = test::floor_to_the_horizon();
     const auto image = [&](int samples) {
@@ -123,7 +123,7 @@ TEST(Footprint, MakesOneSampleStandForItsPixel)
             .data;
     };
     const std::vector<float> one = image(1), many = image(256);
-    // From just below the horizon to the nearest squares, which are some pixels wide.
+    // From just below the horizon to the nearest squares, which are several pixels wide.
     double square = 0, mean = 0;
     std::size_t count = 0;
     for (std::size_t i = std::size_t{160} * 64 * 3; i < one.size(); ++i, ++count) {

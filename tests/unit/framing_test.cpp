@@ -8,7 +8,7 @@
 namespace gnomon::scene {
 namespace {
 
-// Goes from the origin to `there` in one second.
+// Moves from the origin to `there` in one second.
 class Straight : public TransformTrack {
  public:
     explicit Straight(const glm::dvec3& there) : there_(there) {}
@@ -24,7 +24,7 @@ class Straight : public TransformTrack {
     glm::dvec3 there_;
 };
 
-// A cloud of triangles that stands still, and one that goes `there`.
+// A static cloud of triangles, and one that moves `there`.
 Scene clouds(std::uint64_t seed, const glm::dvec3& there)
 {
     Random random(seed);
@@ -46,7 +46,8 @@ Scene clouds(std::uint64_t seed, const glm::dvec3& there)
     return scene;
 }
 
-// How much of the image's half width and half height (4:3) the vertices reach at a time; behind the eye: infinite.
+// The fraction of the image's half width and half height (4:3) that the vertices reach at a time; infinite behind the
+// eye.
 glm::dvec2 reach(const Scene& scene, const FramingOptions& options, const glm::dvec3& eye, double time)
 {
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), options.back));
@@ -72,7 +73,7 @@ FramingOptions from_the_right()
     return options;
 }
 
-TEST(Framing, EverythingIsInTheImageAtEveryTimeAndFillsIt)
+TEST(Framing, SceneStaysInTheImageAndFillsItAtAllTimes)
 {
     const FramingOptions options = from_the_right();
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -89,7 +90,7 @@ TEST(Framing, EverythingIsInTheImageAtEveryTimeAndFillsIt)
     }
 }
 
-TEST(Framing, WhatGoesFarDoesNotMakeSpecksOfTheRest)
+TEST(Framing, DistantObjectsDoNotShrinkTheRest)
 {
     const FramingOptions options = from_the_right();
     const Scene scene = clouds(3, {400, 0, 0});
@@ -99,7 +100,7 @@ TEST(Framing, WhatGoesFarDoesNotMakeSpecksOfTheRest)
     EXPECT_LT(framed.size, 20);
 }
 
-TEST(Framing, NothingAndOnePointHaveAPlaceToBeSeenFrom)
+TEST(Framing, HandlesEmptyAndPointScenes)
 {
     const Framed nothing = frame_clip(Scene(), from_the_right());
     EXPECT_TRUE(is_finite(glm::vec3(nothing.eye)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of small glTF documents, each made here.
+// Imports small glTF documents that are made here.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace gnomon {
 namespace {
 
-// Puts a document together: data goes into one buffer, each piece a view and an accessor of its own.
+// Builds a document: all data goes into one buffer, with a view and an accessor for each piece.
 class Document {
  public:
     template <class T>
@@ -78,7 +78,7 @@ std::string one_mesh(const std::string& primitives, const std::string& more = ""
     return fmt::format(R"("meshes":[{{"primitives":[{}]{}}}],"nodes":[{{"mesh":0}}])", primitives, more);
 }
 
-TEST(GltfImport, IndicesOfEachWidth)
+TEST(GltfImport, ReadsIndicesOfEachWidth)
 {
     Document d;
     const int p = d.positions(k_square);
@@ -96,12 +96,12 @@ TEST(GltfImport, IndicesOfEachWidth)
     EXPECT_EQ(s.meshes[0].positions[11], glm::vec3(0, 1, 0));
     EXPECT_EQ(s.meshes[0].parts.size(), 3u);
     EXPECT_TRUE(s.meshes[0].normals.empty());
-    // No material: the specification's default.
+    // No material: the default of the specification.
     EXPECT_EQ(s.materials.at(0).metallic, 1);
     EXPECT_EQ(s.materials.at(0).base_color, glm::vec3(1));
 }
 
-TEST(GltfImport, StripsAndFansKeepTheirFront)
+TEST(GltfImport, StripsAndFansKeepTheirWinding)
 {
     Document d;
     const int strip = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0});
@@ -135,9 +135,9 @@ TEST(GltfImport, MixedPrimitivesGetFlatNormalsAndFilledAttributes)
     EXPECT_EQ(m.colors[9], glm::vec4(1));
 }
 
-TEST(GltfImport, QuantizedMeshes)
+TEST(GltfImport, ReadsQuantizedMeshes)
 {
-    // Three shorts a vertex, tightly packed: not aligned, and the extension must be required.
+    // Three 16-bit integers per vertex, tightly packed: unaligned, so the extension must be required.
     Document packed;
     packed.accessor<std::int16_t>({-32768, 0, 32767, 0, 32767, 0, 0, 0, 0}, "VEC3", 5122, 3,
                                   R"(,"normalized":true,"min":[-32768,0,0],"max":[0,32767,32767])");
@@ -174,7 +174,7 @@ TEST(GltfImport, SparseAccessorsOverrideZeros)
     EXPECT_TRUE(s.warnings.empty());
 }
 
-TEST(GltfImport, MorphTargetsAndTheirAnimation)
+TEST(GltfImport, ReadsMorphTargetsAndTheirAnimation)
 {
     Document d;
     const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
@@ -193,7 +193,7 @@ TEST(GltfImport, MorphTargetsAndTheirAnimation)
     EXPECT_EQ(state.deformed(0).positions[1], glm::vec3(1, 0, 1));
 }
 
-TEST(GltfImport, SkinsBendMeshes)
+TEST(GltfImport, SkinsDeformMeshes)
 {
     Document d;
     const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
@@ -214,7 +214,7 @@ TEST(GltfImport, SkinsBendMeshes)
     EXPECT_EQ(positions[2], glm::vec3(0, 1, 2));
 }
 
-TEST(GltfImport, MaterialsTexturesAndExtensions)
+TEST(GltfImport, ReadsMaterialsTexturesAndExtensions)
 {
     Document d;
     Image8 image(2, 1, 3);
@@ -247,7 +247,7 @@ TEST(GltfImport, MaterialsTexturesAndExtensions)
     EXPECT_EQ(m.base_color_texture.offset, glm::vec2(0.5f, 0));
     EXPECT_EQ(m.base_color_texture.scale, glm::vec2(2, 3));
     EXPECT_EQ(m.base_color_texture.rotation, 1.5f);
-    // One image as colour and as data: two textures; normal and metallic-roughness share.
+    // One image used as colour and as data gives two textures; normal and metallic-roughness share one.
     ASSERT_EQ(s.textures.size(), 2u);
     EXPECT_TRUE(s.textures[m.base_color_texture.texture].srgb());
     EXPECT_FALSE(s.textures[m.normal_texture.texture].srgb());
@@ -259,8 +259,8 @@ TEST(GltfImport, MaterialsTexturesAndExtensions)
     EXPECT_TRUE(s.warnings.empty()) << s.warnings.front();
 }
 
-// Alpha of an opaque material is nothing, and must not weigh the colours that are seen from afar.
-TEST(GltfImport, AlphaThatHasNoSayWeighsNothing)
+// The alpha of an opaque material has no effect, and must not weight the colours in coarser mipmap levels.
+TEST(GltfImport, UnusedAlphaDoesNotWeightMipmaps)
 {
     Document d;
     Image8 image(2, 1, 4);
@@ -288,7 +288,7 @@ TEST(GltfImport, AlphaThatHasNoSayWeighsNothing)
     EXPECT_NEAR(from_afar(blend.base_color_texture).w, 0.5f, 0.01f);
 }
 
-TEST(GltfImport, CamerasLightsAndTheDefaultScene)
+TEST(GltfImport, ReadsCamerasLightsAndTheDefaultScene)
 {
     Document d;
     const scene::Scene s = d.load(
@@ -329,7 +329,7 @@ TEST(GltfImport, AllAnimationsPlayAndTheLongestEndsTheClip)
     const glm::dmat4 m = s.nodes[0].transform->evaluate(1.5);
     EXPECT_EQ(m[3].x, 1);
     EXPECT_EQ(m[0].x, 1.5);
-    EXPECT_EQ(s.warnings.size(), 1u);   // the third moves what the second does
+    EXPECT_EQ(s.warnings.size(), 1u);   // the third animates the same target as the second
 }
 
 TEST(GltfImport, ErrorsNameFileAndPlace)
@@ -339,7 +339,7 @@ TEST(GltfImport, ErrorsNameFileAndPlace)
     const int i = d.accessor<std::uint8_t>({0, 1, 4}, "SCALAR", 5121, 1);
     try {
         d.load(one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}},"indices":{}}})", p, i)));
-        FAIL() << "an index leads out of the vertices";
+        FAIL() << "accepted an index beyond the vertices";
     } catch (const InputError& error) {
         EXPECT_EQ(error.file(), (d.folder() / "a.gltf").string());
         EXPECT_EQ(error.place(), "/meshes/0/primitives/0/indices");
@@ -347,7 +347,7 @@ TEST(GltfImport, ErrorsNameFileAndPlace)
     }
 }
 
-TEST(GltfImport, StopsWhenAskedTo)
+TEST(GltfImport, StopsWhenInterrupted)
 {
     Document d;
     d.load(R"("nodes":[{}])");

@@ -30,9 +30,9 @@ ImageF noise(std::uint64_t seed, int channels = 3)
     return image;
 }
 
-TEST(Metrics, OffsetsInClosedForm)
+TEST(Metrics, OffsetsEqualClosedForm)
 {
-    // One of three channels off by 0.25.
+    // One of three channels differs by 0.25.
     const ImageF b = even(3, 0.5f);
     ImageF a = b;
     for (std::size_t i = 0; i < a.data.size(); i += 3) a.data[i] += 0.25f;
@@ -47,7 +47,7 @@ TEST(Metrics, OffsetsInClosedForm)
     EXPECT_DOUBLE_EQ(pixels_different(a, b), 1.0 / 600);
 }
 
-TEST(Metrics, EqualImages)
+TEST(Metrics, EqualImagesHaveNoError)
 {
     Tasks tasks(1);
     const ImageF a = noise(1);
@@ -57,7 +57,7 @@ TEST(Metrics, EqualImages)
     EXPECT_EQ(ssim(a, a, 1, tasks), 1);
 }
 
-TEST(Metrics, WhatIsNoNumberDiffersFromANumber)
+TEST(Metrics, NanDiffersFromANumber)
 {
     ImageF a = even(1, 0), b = a;
     a.data[3] = std::numeric_limits<float>::quiet_NaN();
@@ -67,8 +67,8 @@ TEST(Metrics, WhatIsNoNumberDiffersFromANumber)
     EXPECT_TRUE(std::isfinite(mean_squared_error(a, b)));
 }
 
-// Even images have no variance: only the luminance term is left [Wang et al. 2004, eq. 6].
-TEST(Ssim, EvenImagesInClosedForm)
+// Uniform images have no variance: only the luminance term remains [Wang et al. 2004, eq. 6].
+TEST(Ssim, UniformImagesEqualClosedForm)
 {
     Tasks tasks(1);
     const double c1 = 1e-4, expected = (2 * 0.25 * 0.75 + c1) / (0.25 * 0.25 + 0.75 * 0.75 + c1);
@@ -76,8 +76,8 @@ TEST(Ssim, EvenImagesInClosedForm)
     EXPECT_NEAR(ssim(even(1, 0.25f), even(1, 0.75f), 1, tasks), expected, 1e-9);
 }
 
-// A negative has the covariance of the image with its sign turned, so structure is negative where means agree.
-TEST(Ssim, ANegativeIsUnlike)
+// An inverted image has the negated covariance, so structure is negative where the means agree.
+TEST(Ssim, InvertedImageHasNegativeStructure)
 {
     Tasks tasks(1);
     const ImageF a = noise(1);
@@ -102,8 +102,8 @@ TEST(Ssim, IsSymmetricAndFallsWithNoise)
     }
 }
 
-// The definition without separable sums, for one pixel size of image: a single window.
-TEST(Ssim, OneWindowByDefinition)
+// The definition without separable sums, for a single window of the image's size.
+TEST(Ssim, SingleWindowEqualsDefinition)
 {
     Tasks tasks(1);
     ImageF a(11, 11, 1), b(11, 11, 1);
@@ -129,7 +129,7 @@ TEST(Ssim, OneWindowByDefinition)
     EXPECT_NEAR(ssim(a, b, 1, tasks), expected, 1e-12);
 }
 
-TEST(Ssim, TakesImagesSmallerThanAWindow)
+TEST(Ssim, AcceptsImagesSmallerThanAWindow)
 {
     Tasks tasks(1);
     ImageF a(3, 1, 3), b(3, 1, 3);
@@ -138,7 +138,7 @@ TEST(Ssim, TakesImagesSmallerThanAWindow)
     EXPECT_NEAR(ssim(a, b, 1, tasks), (2 * 0.25 * 0.75 + 1e-4) / (0.25 * 0.25 + 0.75 * 0.75 + 1e-4), 1e-9);
 }
 
-TEST(Compare, EncodedAndLinearImages)
+TEST(Compare, ComparesEncodedAndLinearImages)
 {
     const test::ScratchFolder scratch;
     Image8 gray(16, 16, 3), other = gray;
@@ -152,7 +152,7 @@ TEST(Compare, EncodedAndLinearImages)
     EXPECT_NEAR(pngs.max_abs, 0.2, 1e-6);
     EXPECT_EQ(pngs.pixels_different, 1);
 
-    // The same light as OpenEXR: no difference but rounding.
+    // The same radiance as OpenEXR: no difference except rounding.
     Layer layer{"", {"R", "G", "B"}, std::vector<float>(16 * 16 * 3, linear_from_srgb8()[128])};
     io::write_exr(scratch / "a.exr", {16, 16}, std::span(&layer, 1));
     const CompareResult mixed = compare(scratch / "a.png", scratch / "a.exr");
@@ -164,7 +164,7 @@ TEST(Compare, EncodedAndLinearImages)
     EXPECT_EQ(*same.ssim, 1);
 }
 
-TEST(Compare, LayersSizesAndHeatMap)
+TEST(Compare, ChecksLayersAndSizesAndWritesHeatMap)
 {
     const test::ScratchFolder scratch;
     std::vector<Layer> layers{{"", {"R", "G", "B"}, std::vector<float>(16 * 8 * 3, 0.5f)},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images from files and memory: what they mean, and what is refused.
+// Images from files and memory: decoding and refusals.
 #include "io/image/image_file.h"
 
 #include <sys/stat.h>
@@ -42,29 +42,29 @@ Bytes make_jpeg(int width, int height, J_COLOR_SPACE space, int channels, std::u
 void expect_refused(const Bytes& bytes, const std::string& what, const ImageLimits& limits = {})
 {
     try {
-        decode_image(bytes, "picture", limits);
+        decode_image(bytes, "image", limits);
         FAIL() << "accepted: " << what;
     } catch (const InputError& error) {
-        EXPECT_EQ(error.file(), "picture");
+        EXPECT_EQ(error.file(), "image");
     }
 }
 
-TEST(ImageRead, BinaryPpm)
+TEST(ImageRead, ReadsBinaryPpm)
 {
     const Image8 image = decode_image(bytes_of("P6\n# a comment\n2 #x\n1\n255\nabcdef"), "t");
     EXPECT_EQ(image.width, 2);
     EXPECT_EQ(image.height, 1);
     EXPECT_EQ(image.channels, 3);
     EXPECT_EQ(image.data, bytes_of("abcdef"));
-    // A pixel may look like a blank: exactly one separates it from the header.
+    // A pixel may look like whitespace: exactly one character separates it from the header.
     EXPECT_EQ(decode_image(bytes_of("P6 1 1 255\n\n\n\n"), "t").data, bytes_of("\n\n\n"));
-    // Sixteen bits are reduced, the most significant byte first; other ranges are stretched.
+    // Sixteen bits are reduced to eight, most significant byte first; other ranges are scaled.
     EXPECT_EQ(decode_image(bytes_of(std::string("P6 1 1 65535 \xff\xff\x80\x00\x00\x00", 19)), "t").data,
               (Bytes{255, 128, 0}));
     EXPECT_EQ(decode_image(bytes_of(std::string("P6 1 1 1 \x01\x00\x01", 12)), "t").data, (Bytes{255, 0, 255}));
 }
 
-TEST(ImageRead, WrongPpm)
+TEST(ImageRead, RefusesInvalidPpm)
 {
     for (const std::string text :
          {"P6", "P6 ", "P6 1 1 255", "P6 1 1 255 ab", "P6 0 1 255 abc", "P6 1 1 0 abc", "P6 1 1 65536 abc",
@@ -73,14 +73,14 @@ TEST(ImageRead, WrongPpm)
         expect_refused(bytes_of(text), text);
 }
 
-TEST(ImageRead, PngOfAllKinds)
+TEST(ImageRead, ReadsPngOfAllKinds)
 {
     EXPECT_EQ(decode_image(make_png(2, 1, 8, PNG_COLOR_TYPE_RGB, {{1, 2, 3, 4, 5, 6}}), "t").data,
               (Bytes{1, 2, 3, 4, 5, 6}));
     EXPECT_EQ(decode_image(make_png(1, 1, 8, PNG_COLOR_TYPE_RGBA, {{1, 2, 3, 4}}), "t").data, (Bytes{1, 2, 3, 4}));
     EXPECT_EQ(decode_image(make_png(2, 1, 8, PNG_COLOR_TYPE_GRAY, {{7, 9}}), "t").channels, 1);
     EXPECT_EQ(decode_image(make_png(1, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {{7, 9}}), "t").data, (Bytes{7, 9}));
-    // One bit of grey is stretched to 0 and 255.
+    // One bit of grey is scaled to 0 and 255.
     EXPECT_EQ(decode_image(make_png(2, 1, 1, PNG_COLOR_TYPE_GRAY, {{0x40}}), "t").data, (Bytes{0, 255}));
     // A palette becomes colours, with alpha if it has any.
     const std::vector<png_color> palette{{10, 20, 30}, {40, 50, 60}};
@@ -92,7 +92,7 @@ TEST(ImageRead, PngOfAllKinds)
 
 TEST(ImageRead, SixteenBitPngKeepsItsEncoding)
 {
-    // sRGB-encoded values stay encoded: 0x8080 is 0x80, and nothing is made lighter or darker on the way.
+    // sRGB-encoded values stay encoded: 0x8080 becomes 0x80 without conversion.
     const Image8 image = decode_image(
         make_png(2, 1, 16, PNG_COLOR_TYPE_RGB, {{0x80, 0x80, 0, 0, 0xff, 0xff, 0x40, 0x40, 0x20, 0x20, 0xc0, 0xc0}}),
         "t");
@@ -101,7 +101,7 @@ TEST(ImageRead, SixteenBitPngKeepsItsEncoding)
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(image.data[i], expected[i], 1) << i;
 }
 
-TEST(ImageRead, Jpeg)
+TEST(ImageRead, ReadsJpeg)
 {
     const Image8 rgb = decode_image(make_jpeg(17, 9, JCS_RGB, 3, 100), "t");
     EXPECT_EQ(rgb.width, 17);
@@ -112,7 +112,7 @@ TEST(ImageRead, Jpeg)
     EXPECT_EQ(decode_image(make_jpeg(8, 8, JCS_CMYK, 4, 255), "t").channels, 3);
 }
 
-TEST(ImageRead, LimitsComeBeforeMemory)
+TEST(ImageRead, ChecksLimitsBeforeAllocating)
 {
     const ImageLimits small{.max_side = 16, .max_pixels = 100};
     expect_refused(make_png(17, 1, 8, PNG_COLOR_TYPE_GRAY, {Bytes(17)}), "wide PNG", small);
@@ -123,7 +123,7 @@ TEST(ImageRead, LimitsComeBeforeMemory)
     EXPECT_EQ(decode_image(make_jpeg(10, 10, JCS_GRAYSCALE, 1, 0), "t", small).width, 10);
 }
 
-TEST(ImageRead, GammaOfPngIsHeededOrNot)
+TEST(ImageRead, AppliesPngGammaIfRequested)
 {
     const Bytes linear =
         test::png_bytes({.width = 1, .height = 1, .depth = 8, .type = PNG_COLOR_TYPE_GRAY, .gamma = 1}, {Bytes{128}});
@@ -131,7 +131,7 @@ TEST(ImageRead, GammaOfPngIsHeededOrNot)
     EXPECT_EQ(decode_image(linear, "t", {.stored_values = true}).data[0], 128);
 }
 
-TEST(ImageRead, AJpegThatEndsBeforeItsPixelsIsNotShown)
+TEST(ImageRead, RefusesTruncatedJpeg)
 {
     // Noise, so that every row takes many bytes.
     Bytes row(64 * 3);
@@ -141,19 +141,19 @@ TEST(ImageRead, AJpegThatEndsBeforeItsPixelsIsNotShown)
         const Bytes whole = test::jpeg_bytes({64, 64, JCS_RGB, 3, progressive}, row);
         expect_refused({whole.begin(), whole.begin() + static_cast<long>(whole.size() / 2)}, "half a JPEG");
         expect_refused({whole.begin(), whole.end() - 40}, "a JPEG without its last bytes");
-        // Without the last mark alone it is whole.
+        // It is complete if only the end marker is missing.
         EXPECT_EQ(decode_image(std::span(whole).first(whole.size() - 2), "t").data, decode_image(whole, "t").data);
     }
 }
 
-TEST(ImageRead, CutOffAndDamaged)
+TEST(ImageRead, RefusesTruncatedAndDamagedFiles)
 {
     const Bytes png = make_png(4, 4, 8, PNG_COLOR_TYPE_RGBA, std::vector<Bytes>(4, Bytes(16, 77)));
     const Bytes jpeg = make_jpeg(16, 16, JCS_RGB, 3, 100);
     for (const Bytes& good : {png, jpeg})
         for (std::size_t size = 0; size < good.size(); ++size) {
             try {
-                decode_image(std::span(good).first(size), "picture");
+                decode_image(std::span(good).first(size), "image");
             } catch (const InputError&) {
             }
         }
@@ -165,13 +165,13 @@ TEST(ImageRead, CutOffAndDamaged)
         for (int i = 0; i < 3; ++i)
             bad[random.below(static_cast<std::uint32_t>(bad.size()))] = static_cast<std::uint8_t>(random.next());
         try {
-            decode_image(bad, "picture", {.max_side = 4096, .max_pixels = 1 << 20});
+            decode_image(bad, "image", {.max_side = 4096, .max_pixels = 1 << 20});
         } catch (const InputError&) {
         }
     }
 }
 
-TEST(ImageRead, ByContentNotByName)
+TEST(ImageRead, RecognisesFormatsByContent)
 {
     const test::ScratchFolder folder;
     const Bytes png = make_png(1, 1, 8, PNG_COLOR_TYPE_GRAY, {{9}});
@@ -183,13 +183,13 @@ TEST(ImageRead, ByContentNotByName)
     expect_refused({}, "nothing");
 }
 
-TEST(ImageRead, OnlyRegularFiles)
+TEST(ImageRead, ReadsRegularFilesOnly)
 {
     const test::ScratchFolder folder;
     EXPECT_THROW(read_image(folder / "absent.png"), InputError);
     EXPECT_THROW(read_image(folder.path()), InputError);
     ASSERT_EQ(mkfifo((folder / "fifo.png").c_str(), 0600), 0);
-    EXPECT_THROW(read_image(folder / "fifo.png"), InputError);   // and does not wait
+    EXPECT_THROW(read_image(folder / "fifo.png"), InputError);   // and does not block
     EXPECT_THROW(read_image("/dev/zero"), InputError);
 }
 

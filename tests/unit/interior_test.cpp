@@ -36,7 +36,7 @@ Scene box(int sides, const glm::vec3& size, bool inward = true)
     return scene;
 }
 
-TEST(Interior, SolidThingsAreSeenFromOutside)
+TEST(Interior, SolidObjectsAreSeenFromOutside)
 {
     EXPECT_FALSE(find_interior(box(all, {4, 3, 5}, false)));
     EXPECT_FALSE(find_interior(box(low_y, {4, 3, 5})));
@@ -54,7 +54,7 @@ TEST(Interior, RoomIsSeenFromInside)
         EXPECT_GT(room->eye[axis], 0);
         EXPECT_LT(room->eye[axis], size[axis]);
     }
-    EXPECT_GT(std::abs(room->direction.x), 0.9f);   // along the longest way
+    EXPECT_GT(std::abs(room->direction.x), 0.9f);   // along the longest side
     EXPECT_EQ(room->direction.y, 0);
 }
 
@@ -65,7 +65,7 @@ TEST(Interior, CourtyardHasNoRoof)
     EXPECT_FALSE(court->covered);
 }
 
-TEST(Interior, StageIsSeenThroughItsOpening)
+TEST(Interior, OpenBoxIsSeenThroughItsOpening)
 {
     for (const Side open : {low_x, high_x, low_z, high_z}) {
         const auto stage = find_interior(box(all & ~open, {5, 5, 5}));
@@ -74,11 +74,11 @@ TEST(Interior, StageIsSeenThroughItsOpening)
         glm::vec3 in(0);
         in[open <= high_x ? 0 : 2] = open == low_x || open == low_z ? 1.0f : -1.0f;
         EXPECT_EQ(stage->direction, in) << open;
-        EXPECT_LT(glm::dot(stage->eye - glm::vec3(2.5f), in), -2.5f) << open;   // stands before it
+        EXPECT_LT(glm::dot(stage->eye - glm::vec3(2.5f), in), -2.5f) << open;   // the eye is in front of it
     }
 }
 
-TEST(Interior, DefaultsOfRooms)
+TEST(Interior, RoomsGetInteriorDefaults)
 {
     Scene room = box(all & ~high_z, {5, 5, 5});
     add_default_light(room);
@@ -94,20 +94,20 @@ TEST(Interior, DefaultsOfRooms)
     EXPECT_EQ(thing.background.color, glm::vec3(0));
 }
 
-TEST(Interior, TheSunReachesTheGroundOfACourtyard)
+TEST(Interior, SunReachesTheGroundOfACourtyard)
 {
     Scene court = box(all & ~high_y, {12, 6, 3});
     add_default_light(court);
     ASSERT_EQ(court.lights.size(), 1u);
-    // From somewhere on the ground the way to the sun is open.
+    // The path to the sun is open from somewhere on the ground.
     const glm::vec3 to_sun = court.background.sun_direction;
     const glm::vec3 up = to_sun * (6 / to_sun.y);
     EXPECT_LT(std::abs(up.x), 12);
     EXPECT_LT(std::abs(up.z), 3);
-    EXPECT_GT(court.background.color.x, 0);   // and what bounces often is stood in for
+    EXPECT_GT(court.background.color.x, 0);   // ambient light approximates higher bounces
 }
 
-TEST(SpaceGrid, CastsAtFrontsAndBacks)
+TEST(SpaceGrid, CastsAgainstFrontAndBackFaces)
 {
     const Scene scene = box(all, {4, 4, 4});
     const SpaceGrid grid(scene, 0);

@@ -21,7 +21,7 @@ glm::dquat about_z(double degrees)
     return glm::angleAxis(glm::radians(degrees), glm::dvec3(0, 0, 1));
 }
 
-TEST(KeyframeTrack, LinearBetweenKeysConstantOutside)
+TEST(KeyframeTrack, IsLinearBetweenKeysAndConstantOutside)
 {
     const auto track = moving(KeyInterpolation::linear, {1, 2, 4}, {{0, 0, 0}, {1, 0, 0}, {1, 4, 0}});
     EXPECT_EQ(track.parts(0).translation, glm::dvec3(0, 0, 0));
@@ -31,7 +31,7 @@ TEST(KeyframeTrack, LinearBetweenKeysConstantOutside)
     EXPECT_EQ(track.parts(9).translation, glm::dvec3(1, 4, 0));
 }
 
-TEST(KeyframeTrack, StepHoldsFromItsKeyOn)
+TEST(KeyframeTrack, StepHoldsEachValueFromItsKeyOn)
 {
     const auto track = moving(KeyInterpolation::step, {0, 1, 2}, {{0, 0, 0}, {5, 0, 0}, {5, 0, 0}});
     EXPECT_EQ(track.parts(0.999).translation.x, 0);
@@ -42,7 +42,7 @@ TEST(KeyframeTrack, StepHoldsFromItsKeyOn)
     EXPECT_EQ(changing[0].last, 1);
 }
 
-TEST(KeyframeTrack, CubicSplineGoesThroughKeysWithTheirTangents)
+TEST(KeyframeTrack, CubicSplinePassesKeysWithTheirTangents)
 {
     // in-tangent, value, out-tangent: with these it is x = t^3 on 0 to 2.
     const auto track = moving(KeyInterpolation::cubic_spline, {0, 2},
@@ -51,9 +51,9 @@ TEST(KeyframeTrack, CubicSplineGoesThroughKeysWithTheirTangents)
     EXPECT_EQ(track.parts(3).translation.x, 8);
 }
 
-TEST(KeyframeTrack, RotationsTakeTheShorterWayAtConstantSpeed)
+TEST(KeyframeTrack, RotationsTakeTheShorterPathAtConstantSpeed)
 {
-    // 350 degrees as a quaternion of the other sign: the way is 20 degrees, not 340.
+    // 350 degrees as a quaternion with the other sign: the path is 20 degrees, not 340.
     const KeyframeTrack track({}, std::nullopt,
                               Rotations{KeyInterpolation::linear, {0, 1}, {about_z(10), -about_z(-10)}}, std::nullopt);
     for (const double u : {0.0, 0.25, 0.5, 1.0}) {
@@ -75,7 +75,7 @@ TEST(KeyframeTrack, SplineOfRotationsStaysARotation)
     EXPECT_NEAR(std::atan2(m[0].y, m[0].x), glm::radians(45.0), 1e-12);
 }
 
-TEST(KeyframeTrack, ChangingLeavesOutWhatStandsStill)
+TEST(KeyframeTrack, ChangingIntervalsExcludeRests)
 {
     const auto track = moving(KeyInterpolation::linear, {0, 1, 2, 3, 4, 5},
                               {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {3, 0, 0}});
@@ -87,7 +87,7 @@ TEST(KeyframeTrack, ChangingLeavesOutWhatStandsStill)
     EXPECT_EQ(changing[1].last, 5);
 }
 
-TEST(KeyframeTrack, OutsideOfChangingTheValueIsTheSameToTheBit)
+TEST(KeyframeTrack, ValueIsConstantOutsideChangingIntervals)
 {
     const glm::dquat turned = about_z(33.3);
     const KeyframeTrack track(
@@ -106,7 +106,7 @@ TEST(KeyframeTrack, OutsideOfChangingTheValueIsTheSameToTheBit)
     }
 }
 
-TEST(KeyframeTrack, PartsWithoutKeysKeepTheirRest)
+TEST(KeyframeTrack, PartsWithoutKeysKeepTheirRestPose)
 {
     TransformParts rest;
     rest.scale = {2, 3, 4};
@@ -115,7 +115,7 @@ TEST(KeyframeTrack, PartsWithoutKeysKeepTheirRest)
     EXPECT_TRUE(track.changing().empty());
 }
 
-TEST(KeyframeWeights, LinearAndSpline)
+TEST(KeyframeWeights, InterpolatesLinearAndSpline)
 {
     const KeyframeWeights linear(KeyInterpolation::linear, {0, 1, 2}, {0, 1, 1, 0, 1, 0}, 2);
     std::vector<float> w;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of light views: projections and footprints, the light-space index, the atlas, and what a plan costs.
+// The parts of light views: projections and footprints, the light-space index, the atlas, and the cost of a plan.
 #include "light_views/light_views.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace gnomon::light_views {
 namespace {
 
-TEST(FootprintIndex, FindsWhatASearchOfEverythingFinds)
+TEST(FootprintIndex, EqualsALinearSearch)
 {
     constexpr int size = 256;
     constexpr scene::ObjectId count = 300;
@@ -47,7 +47,7 @@ TEST(FootprintIndex, FindsWhatASearchOfEverythingFinds)
     }
 }
 
-TEST(FootprintIndex, LooksOnlyAround)
+TEST(FootprintIndex, VisitsNearbyCellsOnly)
 {
     // The same objects around the query, and ever more elsewhere.
     std::uint64_t touched[2];
@@ -85,7 +85,7 @@ TEST(LightAtlas, GivesEveryViewItsOwnSquareWithinTheBudget)
                 EXPECT_FALSE(tile.page == atlas.tiles[b].page && tile.rect().overlaps(atlas.tiles[b].rect()))
                     << a << " and " << b << " of " << lights;
         }
-        // No page is left half empty before the last.
+        // No more pages are used than the tiles need.
         const std::int64_t page = static_cast<std::int64_t>(atlas.page_size) * atlas.page_size;
         EXPECT_LT((atlas.pages - 1) * page, atlas.texels());
     }
@@ -95,7 +95,7 @@ TEST(LightAtlas, GivesEveryViewItsOwnSquareWithinTheBudget)
     EXPECT_EQ(make_atlas({}, {}).pages, 0);
 }
 
-TEST(LightViews, FootprintsHoldEveryTexelThatIsDrawn)
+TEST(LightViews, FootprintsContainEveryDrawnTexel)
 {
     const test::LightScript script = test::make_light_script(4, 40);
     scene::SceneState state(script.scene, 0);
@@ -124,10 +124,10 @@ TEST(LightViews, FootprintsHoldEveryTexelThatIsDrawn)
         }
     }
     EXPECT_GT(drawn, 0u);
-    EXPECT_LT(covered, 3 * drawn);   // and not much more
+    EXPECT_LT(covered, 3 * drawn);   // and not many more
 }
 
-TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
+TEST(LightViews, FacesOfAPointLightCoverEveryDirection)
 {
     scene::Light light;
     light.type = scene::LightType::point;
@@ -152,11 +152,10 @@ TEST(LightViews, FacesOfAPointLightSeeEveryDirection)
     }
 }
 
-std::shared_ptr<const scene::Scene> still_life(int still, int dynamic_objects)
+std::shared_ptr<const scene::Scene> static_scene(int still, int dynamic_objects)
 {
     scene::Scene scene = test::scene_with_balls();
-    for (int i = 0; i < still;
-         ++i) {   // a carpet of balls, as dense everywhere, the first ones under the dynamic objects
+    for (int i = 0; i < still; ++i) {   // a layer of balls of uniform density, the first ones under the dynamic objects
         const int x = i % 10 + 10 * (i / 100 % 32), z = i / 10 % 10 + 10 * (i / 3200);
         test::add_object(scene, 0, scene::none, glm::scale(test::translation(0.1 * x, 0, 0.1 * z), glm::dvec3(0.05)));
     }
@@ -177,13 +176,13 @@ std::shared_ptr<const scene::Scene> still_life(int still, int dynamic_objects)
     return test::finished(scene);
 }
 
-TEST(LightViews, CostFollowsWhatMovesNotWhatIsThere)
+TEST(LightViews, CostDependsOnMovedObjectsOnly)
 {
     LightViewsOptions options;
     options.receivers = true;
     std::uint64_t touched[2], receivers[2], draws[2];
     for (const int many : {0, 1}) {
-        scene::SceneState state(still_life(many ? 20000 : 400, 10), 0);
+        scene::SceneState state(static_scene(many ? 20000 : 400, 10), 0);
         LightViews views(state, options);
         views.update(state);
         EXPECT_EQ(views.views()[0].plan.kind, ViewPlan::Kind::whole);
@@ -201,9 +200,9 @@ TEST(LightViews, CostFollowsWhatMovesNotWhatIsThere)
     EXPECT_LE(touched[1], touched[0] + touched[0] / 10);
 }
 
-TEST(LightViews, NothingIsDoneWhileNothingMoves)
+TEST(LightViews, DoesNothingWhileNothingMoves)
 {
-    scene::SceneState state(still_life(50, 3), 0);
+    scene::SceneState state(static_scene(50, 3), 0);
     LightViewsOptions options;
     options.quiet_frames = 3;
     LightViews views(state, options);
@@ -215,9 +214,9 @@ TEST(LightViews, NothingIsDoneWhileNothingMoves)
         return views.views()[0].plan;
     };
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
-    EXPECT_FALSE(frame(1.5).rebuild.empty());   // they stood in the static buffer until now
+    EXPECT_FALSE(frame(1.5).rebuild.empty());   // they were in the static buffer until now
     EXPECT_EQ(frame(1.5).kind, ViewPlan::Kind::idle);
-    EXPECT_EQ(frame(0.5).rebuild.size(), 0u);   // not thrown back into it at once
+    EXPECT_EQ(frame(0.5).rebuild.size(), 0u);   // not moved back into it at once
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
     EXPECT_EQ(frame(0.5).kind, ViewPlan::Kind::idle);
     EXPECT_EQ(frame(0.5).settle.size(), 3u);
@@ -227,7 +226,7 @@ TEST(LightViews, NothingIsDoneWhileNothingMoves)
     }
 }
 
-TEST(LightViews, ManyLightsKeepTheirPlaces)
+TEST(LightViews, ManyLightsKeepTheirTiles)
 {
     scene::Scene scene = test::scene_with_balls();
     for (int row = 0; row < 4; ++row)
@@ -255,18 +254,18 @@ TEST(LightViews, ManyLightsKeepTheirPlaces)
         views.update(state);
         for (std::size_t v = 0; v < places.size(); ++v) {
             EXPECT_EQ(views.views()[v].tile.rect(), places[v]);
-            EXPECT_NE(views.views()[v].plan.kind, ViewPlan::Kind::whole);   // no view is ever made anew
+            EXPECT_NE(views.views()[v].plan.kind, ViewPlan::Kind::whole);   // no view is ever redrawn
         }
-        // The dynamic object, where it is seen; in the first frame it leaves the static buffer.
+        // Only the dynamic object, where it is visible; in the first frame it leaves the static buffer.
         if (frame > 1) {
             EXPECT_LE(views.counts().draws, views.views().size());
         }
     }
 }
 
-TEST(LightViews, OverridesChangeWhatIsDone)
+TEST(LightViews, MobilityOverridesChangeThePlan)
 {
-    scene::SceneState state(still_life(50, 3), 0);
+    scene::SceneState state(static_scene(50, 3), 0);
     LightViews views(state, {});
     views.set_override(0, scene::MobilityOverride::always_dynamic);
     views.set_override(50, scene::MobilityOverride::always_static);
@@ -279,7 +278,7 @@ TEST(LightViews, OverridesChangeWhatIsDone)
     const ViewPlan& plan = views.views()[0].plan;
     EXPECT_EQ(plan.dynamics, (std::vector<scene::ObjectId>{0, 51, 52}));
     ASSERT_EQ(plan.settle.size(),
-              1u);   // the one that moved and must count as static is moved within the static buffer
+              1u);   // the object that moved and counts as static is updated within the static buffer
     EXPECT_EQ(plan.settle[0].object, 50u);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written about options is all of them, and as the table has them.
+// The documentation of options is complete and matches the table.
 #include "cli/manual.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace gnomon::cli {
 namespace {
 
-TEST(Manual, EveryOptionIsWhereAPersonLooks)
+TEST(Manual, ManPageDocumentsEveryOption)
 {
     const std::string manual = manual_page(), bash = bash_completion(), zsh = zsh_completion(),
                       fish = fish_completion();
@@ -31,8 +31,8 @@ TEST(Manual, EveryOptionIsWhereAPersonLooks)
     }
 }
 
-// What shows options takes their order from the table.
-TEST(Manual, OptionsOfOneGroupStandTogether)
+// Help and guide list options in the order of the table.
+TEST(Manual, OptionsOfAGroupAreContiguous)
 {
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         std::vector<std::string_view> groups;
@@ -44,8 +44,8 @@ TEST(Manual, OptionsOfOneGroupStandTogether)
     }
 }
 
-// `gnomon_documents FOLDER` makes it anew.
-TEST(Manual, TheGuidesPageOfOptionsIsTheTable)
+// `gnomon_documents FOLDER` regenerates the page.
+TEST(Manual, OptionsPageOfTheGuideIsUpToDate)
 {
     std::ostringstream page;
     page << std::ifstream(std::string(GNOMON_SOURCE_DIR) + "/docs/guide/options.md").rdbuf();

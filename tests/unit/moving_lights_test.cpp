@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights that never stand still, in a scene that is otherwise the same.
+// Lights that move in every frame, in an otherwise unchanged scene.
 #include <gtest/gtest.h>
 
 #include "bench/core/moving_lights.h"
@@ -9,7 +9,7 @@
 namespace gnomon::bench {
 namespace {
 
-TEST(MovingLights, EveryLightMovesALittleInEveryFrameAndNothingElse)
+TEST(MovingLights, MovesEveryLightInEveryFrameAndNothingElse)
 {
     for (const char* name : {"kinetic", "cornell"}) {
         SCOPED_TRACE(name);
@@ -35,7 +35,7 @@ TEST(MovingLights, EveryLightMovesALittleInEveryFrameAndNothingElse)
     }
 }
 
-TEST(MovingLights, TheIndexOfChildrenStaysWhole)
+TEST(MovingLights, KeepsTheIndexOfChildrenValid)
 {
     const auto moving = with_moving_lights(std::make_shared<const scene::Scene>(scene::make_builtin("kinetic")));
     ASSERT_EQ(moving->child_begin.size(), moving->nodes.size() + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ files feature by feature, each on the smallest file that has it.
+// Features of OBJ, each in the smallest file that uses it.
 #include <fstream>
 
 #include "gnomon/error.h"
@@ -39,7 +39,7 @@ class ObjImport : public ::testing::Test {
 
 const std::string k_square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-TEST_F(ObjImport, CornersOfEveryForm)
+TEST_F(ObjImport, ReadsEveryFormOfCorner)
 {
     const scene::Scene scene = load(k_square +
                                     "vt 0 0\nvt 1 0.25\nvn 0 0 2\nf 1 2 3\nf 1/1 2/2 3/1\nf 1//1 2//1 3//1\n"
@@ -47,16 +47,16 @@ TEST_F(ObjImport, CornersOfEveryForm)
     ASSERT_EQ(scene.meshes.size(), 1u);
     const scene::Mesh& mesh = scene.meshes[0];
     EXPECT_EQ(mesh.triangles.size(), 7u);
-    // The last two triangles with all three indices are the same vertices.
+    // The last two triangles, with all three indices, use the same vertices.
     EXPECT_EQ(mesh.triangles[3], mesh.triangles[4]);
     const std::uint32_t corner = mesh.triangles[3].y;
     EXPECT_EQ(mesh.positions[corner], glm::vec3(1, 0, 0));
-    EXPECT_EQ(mesh.normals[corner], glm::vec3(0, 0, 1));         // made unit
-    EXPECT_EQ(mesh.texcoords[0][corner], glm::vec2(1, 0.75f));   // v turned over
+    EXPECT_EQ(mesh.normals[corner], glm::vec3(0, 0, 1));         // normalised
+    EXPECT_EQ(mesh.texcoords[0][corner], glm::vec2(1, 0.75f));   // v is flipped
     EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
 }
 
-TEST_F(ObjImport, ErrorsHaveTheirPlace)
+TEST_F(ObjImport, ErrorsNameLineAndColumn)
 {
     EXPECT_EQ(place_of_error(k_square + "f 1 2 5\n"), "5:7");
     EXPECT_EQ(place_of_error(k_square + "f 1 2 0\n"), "5:7");
@@ -78,12 +78,12 @@ TEST_F(ObjImport, ErrorsHaveTheirPlace)
     EXPECT_EQ(place_of_error(""), "");
 }
 
-TEST_F(ObjImport, IndicesMayPointAhead)
+TEST_F(ObjImport, AcceptsForwardIndices)
 {
     EXPECT_EQ(load("f 1 2 3\n" + k_square).meshes[0].triangles.size(), 1u);
 }
 
-TEST_F(ObjImport, NormalsThatAreAllMissingAreComputed)
+TEST_F(ObjImport, ComputesMissingNormals)
 {
     const scene::Scene scene = load(k_square + "f 1//1 2//2 3//3 4//4\n");
     EXPECT_TRUE(warned(scene, "computed"));
@@ -91,7 +91,7 @@ TEST_F(ObjImport, NormalsThatAreAllMissingAreComputed)
     EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
 }
 
-TEST_F(ObjImport, WhatIsPassedOverIsSaidOnce)
+TEST_F(ObjImport, WarnsOncePerIgnoredStatement)
 {
     const scene::Scene scene = load(
         "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 1 1\nf 1 2\nf 1\nf 1 2 3\nl 1 2\nl 2 3\np 1\nvp 1\nvp 2\ncurv 1\n");
@@ -105,7 +105,7 @@ TEST_F(ObjImport, WhatIsPassedOverIsSaidOnce)
     EXPECT_TRUE(warned(scene, "'curv'"));
 }
 
-TEST_F(ObjImport, ObjectsAndGroupsAreNodes)
+TEST_F(ObjImport, ObjectsAndGroupsBecomeNodes)
 {
     const scene::Scene scene = load(k_square +
                                     "o house\nf 1 2 3\ng roof top\nf 2 3 4\no house\nf 1 3 4\no empty\n"
@@ -115,11 +115,11 @@ TEST_F(ObjImport, ObjectsAndGroupsAreNodes)
     EXPECT_EQ(scene.nodes[1].name, "house/roof top");
     EXPECT_EQ(scene.nodes[2].name, "tree");
     EXPECT_EQ(scene.meshes[0].triangles.size(), 2u);
-    EXPECT_EQ(scene.meshes[2].parts.size(), 1u);   // both names are undefined: one grey
+    EXPECT_EQ(scene.meshes[2].parts.size(), 1u);   // both names are undefined: one grey material
     EXPECT_EQ(scene.statistics().triangles, 6u);
 }
 
-TEST_F(ObjImport, OneMeshWithSeveralMaterials)
+TEST_F(ObjImport, MeshMayHaveSeveralMaterials)
 {
     put("a b.mtl", "newmtl red one\nKd 1 0 0\r\nnewmtl blue\nKd 0 0 1\n");
     const scene::Scene scene = load("mtllib a b.mtl\n" + k_square +
@@ -132,7 +132,7 @@ TEST_F(ObjImport, OneMeshWithSeveralMaterials)
     EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST_F(ObjImport, SeveralLibrariesAndMissingOnes)
+TEST_F(ObjImport, ReadsSeveralLibrariesAndWarnsOfMissingOnes)
 {
     put("one.mtl", "newmtl x\nKd 1 0 0\n");
     put("two.mtl", "newmtl x\nKd 0 1 0\nnewmtl y\nKd 0 0 1\n");
@@ -140,13 +140,13 @@ TEST_F(ObjImport, SeveralLibrariesAndMissingOnes)
                                     "usemtl x\nf 1 2 3\nusemtl y\nf 1 2 4\nusemtl z\n"
                                     "f 2 3 4\n");
     ASSERT_EQ(scene.materials.size(), 3u);
-    EXPECT_EQ(scene.materials[0].base_color, glm::vec3(1, 0, 0));   // of two the first
+    EXPECT_EQ(scene.materials[0].base_color, glm::vec3(1, 0, 0));   // the first of two
     EXPECT_EQ(scene.materials[1].base_color, glm::vec3(0, 0, 1));
     EXPECT_TRUE(warned(scene, "'none.mtl'"));
     EXPECT_TRUE(warned(scene, "'z'"));
 }
 
-TEST_F(ObjImport, CreaseAngleDecidesWithoutGroups)
+TEST_F(ObjImport, UsesCreaseAngleWithoutSmoothingGroups)
 {
     // Two squares that meet at 45 degrees, and two at 90.
     const std::string gentle = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\nf 1 2 3 4\nf 2 5 6 3\n";
@@ -165,7 +165,7 @@ TEST_F(ObjImport, CreaseAngleDecidesWithoutGroups)
     }
 }
 
-TEST_F(ObjImport, ManyFacesAtOneVertexEnd)
+TEST_F(ObjImport, HandlesManyFacesAtOneVertex)
 {
     std::string fan = "v 0 0 1\n";
     const int n = 60000;
@@ -175,7 +175,7 @@ TEST_F(ObjImport, ManyFacesAtOneVertexEnd)
     EXPECT_EQ(load(fan).meshes[0].triangles.size(), n - 1u);
 }
 
-TEST_F(ObjImport, MasksGoIntoAlpha)
+TEST_F(ObjImport, MasksBecomeAlpha)
 {
     Image8 color(2, 2, 3), mask(4, 4, 1);
     for (auto& c : color.data) c = 200;
@@ -196,7 +196,7 @@ TEST_F(ObjImport, MasksGoIntoAlpha)
     EXPECT_TRUE(warned(scene, "absent.png"));
 }
 
-TEST_F(ObjImport, TextureRowsStandUpright)
+TEST_F(ObjImport, TextureRowsAreUpright)
 {
     // White above, black below: v = 1 is the top in OBJ.
     Image8 color(1, 2, 3);
@@ -214,9 +214,9 @@ TEST_F(ObjImport, TextureRowsStandUpright)
     EXPECT_EQ(scene.textures[0].sampler().wrap_u, scene::Wrap::clamp);
 }
 
-TEST_F(ObjImport, HeightsBecomeNormals)
+TEST_F(ObjImport, HeightMapsBecomeNormalMaps)
 {
-    // A slope up to the right: the normal leans left.
+    // A slope that rises to the right: the normal leans left.
     Image8 heights(8, 8, 1);
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x) *heights.pixel(x, y) = static_cast<std::uint8_t>(x * 30);

@@ -37,7 +37,7 @@ TEST(ObjMaterial, ReadsMapsWithOptions)
     EXPECT_EQ(m.emissive_map.file, "12.png");
 }
 
-TEST(ObjMaterial, ErrorsAndWarnings)
+TEST(ObjMaterial, ReportsErrorsAndWarnings)
 {
     std::vector<std::string> warnings;
     EXPECT_EQ(parse("Kd 1 1 1\nnewmtl a\nKd spectral x.rfl\nfoo 1\nfoo 2\n", &warnings).size(), 1u);
@@ -49,23 +49,23 @@ TEST(ObjMaterial, ErrorsAndWarnings)
 
 TEST(ObjMaterial, PhongBecomesRoughness)
 {
-    // alpha = sqrt(2 / (n + 2)): exponent 30 is alpha 1/4, roughness 1/2.
+    // alpha = sqrt(2 / (n + 2)): exponent 30 gives alpha 1/4, roughness 1/2.
     EXPECT_NEAR(material("Ks 1 1 1\nNs 30\n").roughness, 0.5f, 1e-6f);
-    // Ks 1: 8 % head-on. Ks 0: no reflection at all.
+    // Ks 1: 8 % at normal incidence. Ks 0: no reflection at all.
     const float r = material("Ks 1 1 1\nNs 30\n").ior;
     EXPECT_NEAR(((r - 1) / (r + 1)) * ((r - 1) / (r + 1)), 0.08f, 1e-5f);
     EXPECT_EQ(material("Ks 0 0 0\nNs 30\nNi 1.5\n").ior, 1);
     EXPECT_EQ(material("Ks 0 0 0\nNs 30\n").roughness, 1);
 }
 
-TEST(ObjMaterial, Transparency)
+TEST(ObjMaterial, ReadsTransparency)
 {
     using scene::SurfaceClass;
     EXPECT_EQ(material("d 1\nTr 0\nillum 4\n").surface_class(), SurfaceClass::opaque);
     EXPECT_EQ(material("Tf 1 1 1\nd 1\nillum 2\n").surface_class(), SurfaceClass::opaque);
     const scene::Material blended = material("d 0.25\nTr 0.5\n");
     EXPECT_EQ(blended.alpha_mode, scene::AlphaMode::blend);
-    EXPECT_EQ(blended.alpha, 0.25f);   // d before Tr
+    EXPECT_EQ(blended.alpha, 0.25f);   // d takes precedence over Tr
     EXPECT_EQ(material("Tr 0.25\n").alpha, 0.75f);
     EXPECT_EQ(material("d -halo 0.5\n").alpha, 0.5f);
     const scene::Material glass = material("Kd 0 0 0\nillum 7\nNi 1.33\nTf 1 0.5 0.5\nd 0.1\n");
@@ -76,7 +76,7 @@ TEST(ObjMaterial, Transparency)
     EXPECT_EQ(material("map_d x.png\nd 0.5\n").alpha_mode, scene::AlphaMode::mask);
 }
 
-TEST(ObjMaterial, LightMirrorsAndMetal)
+TEST(ObjMaterial, ReadsEmissionMirrorsAndMetal)
 {
     EXPECT_EQ(material("Ke 1 2 3\n").emissive, glm::vec3(1, 2, 3));
     EXPECT_EQ(material("Ka 20 20 20\nKd 1 1 1\n").emissive, glm::vec3(20));
@@ -87,7 +87,7 @@ TEST(ObjMaterial, LightMirrorsAndMetal)
     EXPECT_EQ(pbr.roughness, 0.3f);
     EXPECT_EQ(pbr.metallic, 1);
     EXPECT_EQ(pbr.base_color, glm::vec3(0.2f, 0.4f, 0.6f));
-    // A map times black would show nothing.
+    // A map multiplied by black would be invisible.
     EXPECT_EQ(material("Kd 0 0 0\nmap_Kd x.png\n").base_color, glm::vec3(1));
     EXPECT_EQ(material("Kd 0.5 0.5 0.5\nmap_Kd x.png\n").base_color, glm::vec3(0.5f));
 }

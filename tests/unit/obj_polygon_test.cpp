@@ -12,7 +12,7 @@ double area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const gl
     return 0.5 * glm::dot(glm::cross(glm::dvec3(b - a), glm::dvec3(c - a)), up);
 }
 
-// A polygon is filled exactly when no triangle is turned over and the areas add up to the polygon's.
+// A polygon is filled exactly if no triangle is flipped and the areas add up to the polygon's.
 void expect_filled(const std::vector<glm::vec3>& points)
 {
     PolygonTriangulator triangulator;
@@ -28,15 +28,15 @@ void expect_filled(const std::vector<glm::vec3>& points)
     EXPECT_NEAR(sum, 0.5 * glm::length(normal), 1e-4 * glm::length(normal));
 }
 
-TEST(ObjPolygon, FillsConcaveOnes)
+TEST(ObjPolygon, FillsConcavePolygons)
 {
     expect_filled({{0, 0, 0}, {2, 0, 0}, {0.5f, 0.5f, 0}, {0, 2, 0}});   // an arrowhead
-    expect_filled({{0.5f, 0.5f, 0}, {0, 2, 0}, {0, 0, 0}, {2, 0, 0}});   // from the notch
+    expect_filled({{0.5f, 0.5f, 0}, {0, 2, 0}, {0, 0, 0}, {2, 0, 0}});   // starting at the notch
     expect_filled({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});   // a U
     expect_filled({{0, 0, 0}, {0, 1, 3}, {0, 1, 0.1f}, {0, 3, 0}, {0, 1, -0.1f}, {0, 1, -3}});
 }
 
-TEST(ObjPolygon, FillsStarsOfAnyOrientation)
+TEST(ObjPolygon, FillsStarsInAnyOrientation)
 {
     Random random(7);
     for (int trial = 0; trial < 200; ++trial) {
@@ -55,13 +55,13 @@ TEST(ObjPolygon, FillsStarsOfAnyOrientation)
     }
 }
 
-TEST(ObjPolygon, FillsCollinearCorners)
+TEST(ObjPolygon, FillsPolygonsWithCollinearCorners)
 {
     // A rectangle with corners along its sides, starting in the middle of one.
     expect_filled({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {3, 1, 0}, {3, 2, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}, {0, 0, 0}});
 }
 
-TEST(ObjPolygon, AlwaysGivesTwoLessThanItsCorners)
+TEST(ObjPolygon, GivesTwoTrianglesLessThanCorners)
 {
     const std::vector<std::vector<glm::vec3>> degenerate = {
         {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
@@ -77,9 +77,9 @@ TEST(ObjPolygon, AlwaysGivesTwoLessThanItsCorners)
     }
 }
 
-TEST(ObjPolygon, HugeOnesWithoutEarsEnd)
+TEST(ObjPolygon, FillsHugePolygonsWithoutEarsInTime)
 {
-    // All corners but one on a line, to and fro: every search for an ear goes round in vain.
+    // All corners but one lie on a line, back and forth: every search for an ear fails after a full round.
     std::vector<glm::vec3> points{{0, 1, 0}};
     Random random(1);
     for (int i = 0; i < 400000; ++i) points.emplace_back(random.uniform(-1, 1), 0, 0);
@@ -88,7 +88,7 @@ TEST(ObjPolygon, HugeOnesWithoutEarsEnd)
     EXPECT_TRUE(triangulator.exhausted());
 }
 
-TEST(ObjPolygon, HugeOnesEnd)
+TEST(ObjPolygon, FillsHugePolygonsInTime)
 {
     std::vector<glm::vec3> star;
     const int n = 60000;

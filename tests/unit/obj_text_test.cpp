@@ -28,7 +28,7 @@ TEST(ObjText, SplitsStatementsWordsAndNames)
     EXPECT_EQ(text.next_statement(), "");
 }
 
-TEST(ObjText, ContinuesLines)
+TEST(ObjText, JoinsContinuedLines)
 {
     ObjText text("t", "f 1 \\\n 2 \\\r\n3\nunknown a \\\nv 9\nv 4");
     EXPECT_EQ(text.next_statement(), "f");

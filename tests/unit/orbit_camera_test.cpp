@@ -21,7 +21,7 @@ void expect_near(const glm::vec3& a, const glm::vec3& b, float room)
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[axis], b[axis], room) << "axis " << axis;
 }
 
-TEST(OrbitCamera, BeginsWhereTheSceneLooked)
+TEST(OrbitCamera, StartsAtTheSceneCamera)
 {
     const scene::View view = some_view();
     OrbitCamera camera;
@@ -34,7 +34,7 @@ TEST(OrbitCamera, BeginsWhereTheSceneLooked)
     EXPECT_FLOAT_EQ(own.pixel_spread, view.pixel_spread);
 }
 
-TEST(OrbitCamera, CirclesItsPivotAndNeverTipsOver)
+TEST(OrbitCamera, OrbitsItsPivotAndStaysUpright)
 {
     OrbitCamera camera;
     camera.follow(some_view(), 2);
@@ -44,13 +44,13 @@ TEST(OrbitCamera, CirclesItsPivotAndNeverTipsOver)
         const scene::View view = camera.view({64, 48});
         EXPECT_NEAR(glm::length(view.eye - pivot), 2, 1e-4f);
         expect_near(view.eye + 2.0f * view.forward, pivot, 1e-4f);
-        EXPECT_GT(view.up.y, 0) << "the sky stays above";
+        EXPECT_GT(view.up.y, 0) << "the camera stays upright";
     }
     camera.zoom(0.5f);
     EXPECT_NEAR(glm::length(camera.view({64, 48}).eye - pivot), 1, 1e-4f);
 }
 
-TEST(OrbitCamera, LooksAndFliesFromItsEye)
+TEST(OrbitCamera, LooksAndFliesFromTheEye)
 {
     OrbitCamera camera;
     camera.follow(some_view(), 2);
@@ -68,14 +68,14 @@ TEST(OrbitCamera, LooksAndFliesFromItsEye)
     expect_near(aimed.eye + camera.distance() * aimed.forward, target, 1e-4f);
 }
 
-TEST(OrbitCamera, PansByTheSameShareOfTheViewAtAnyDistance)
+TEST(OrbitCamera, PansByTheSameFractionOfTheViewAtAnyDistance)
 {
     for (const float distance : {0.5f, 5.0f}) {
         OrbitCamera camera;
         camera.follow(some_view(), distance);
         const glm::vec3 before = camera.pivot();
         const scene::View view = camera.view({64, 48});
-        camera.pan(0.5f, 0);   // half the height to the right: the scene follows the hand, the eye goes left
+        camera.pan(0.5f, 0);   // half the height to the right: the scene follows the pointer, the eye moves left
         const glm::vec3 went = camera.pivot() - before;
         EXPECT_LT(glm::dot(went, view.right), 0);
         EXPECT_NEAR(glm::length(went), glm::length(view.up) * distance, 1e-3f * distance);

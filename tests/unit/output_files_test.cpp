@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of output files, parts of a range, and files that are whole or not there.
+// Names of output files, chunks of a range, and files that are complete or absent.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -68,7 +68,7 @@ TEST(NumberedName, PadsWithZeros)
     EXPECT_EQ(io::numbered_name("plain.png", 7), fs::path("plain.png"));
 }
 
-TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
+TEST(FramesFolder, IsRemovedIfItsManifestCannotBeWritten)
 {
     const test::ScratchFolder folder;
     video::FramesFolder frames(folder / "a.mp4");
@@ -86,14 +86,14 @@ TEST(FramesFolder, IsNotLeftBehindWhereItsManifestHasNoRoom)
         }
         ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
         EXPECT_TRUE(refused);
-        // What is shared is left to the others.
+        // Shared files are kept for the other chunks.
         EXPECT_EQ(fs::exists(frames.path()), shared);
     }
     EXPECT_EQ(files_in(frames.path()), 0u);
 }
 
-// Two runs at once would take each other's frames for theirs, or away.
-TEST(FramesFolder, IsOneVideos)
+// Two runs at the same time would take each other's frames for their own, or delete them.
+TEST(FramesFolder, BelongsToOneVideo)
 {
     const test::ScratchFolder folder;
     const video::VideoIdentity video{"scene", {8, 8}, 1, "1.0"}, other{"scene", {8, 8}, 2, "1.0"};
@@ -109,18 +109,18 @@ TEST(FramesFolder, IsOneVideos)
         one.remove();
         EXPECT_FALSE(fs::exists(one.path()));
         video::FramesFolder next(folder / "a.mp4");
-        next.open(other, false, false);   // of another folder by that name
+        next.open(other, false, false);   // of another folder with that name
     }
 
-    // Chunks work side by side, of one video: also before there is a first frame.
+    // Chunks of one video work in parallel, also before the first frame exists.
     video::FramesFolder first(folder / "b.mp4"), second(folder / "b.mp4"), third(folder / "b.mp4");
     first.open(video, false, true);
     second.open(video, false, true);
     EXPECT_THROW(third.open(other, false, true), UsageError);
-    EXPECT_THROW(third.open(video, true, false), MissingError) << "a video takes its frames away when it is done";
+    EXPECT_THROW(third.open(video, true, false), MissingError) << "a video deletes its frames when it is complete";
 }
 
-TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
+TEST(FramesFolder, AcceptsChunksThatStartTogether)
 {
     const test::ScratchFolder folder;
     std::vector<std::thread> chunks;
@@ -132,7 +132,7 @@ TEST(FramesFolder, ChunksThatBeginAtOnceAllGetIn)
     for (std::thread& chunk : chunks) chunk.join();
 }
 
-TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
+TEST(ChunkOf, ChunksPartitionTheRangeEvenly)
 {
     for (const FrameRange range : {FrameRange{1, 10}, FrameRange{5, 5}, FrameRange{100, 899}, FrameRange{2, 8}}) {
         for (int chunks = 1; chunks <= 13; ++chunks) {
@@ -154,7 +154,7 @@ TEST(ChunkOf, PartsCoverTheRangeOnceAndAreEqualWithinOne)
     EXPECT_THROW(chunk_of({1, 10}, 1, 0), UsageError);
 }
 
-TEST(AtomicFile, AppearsWholeOrNotAtAll)
+TEST(AtomicFile, AppearsCompleteOrNotAtAll)
 {
     test::ScratchFolder folder;
     {
@@ -172,7 +172,7 @@ TEST(AtomicFile, AppearsWholeOrNotAtAll)
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(AtomicFile, ReplacesTheFileThatALinkNames)
+TEST(AtomicFile, ReplacesTheTargetOfALink)
 {
     test::ScratchFolder folder;
     std::ofstream(folder / "real") << "old";
@@ -184,7 +184,7 @@ TEST(AtomicFile, ReplacesTheFileThatALinkNames)
     EXPECT_EQ(bytes_of(folder / "real"), "new");
 }
 
-TEST(AtomicFile, RefusesWhatCannotBeWritten)
+TEST(AtomicFile, RefusesUnwritablePaths)
 {
     test::ScratchFolder folder;
     std::ofstream(folder / "file") << "x";
@@ -195,17 +195,17 @@ TEST(AtomicFile, RefusesWhatCannotBeWritten)
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST(WritePng, ReportsTheReason)
+TEST(WritePng, ReportsTheReasonOfAFailure)
 {
     try {
         io::write_png("/proc/no/a.png", noise(2, 2, 3));
-        FAIL() << "nothing thrown";
+        FAIL() << "no exception";
     } catch (const MissingError& error) {
         EXPECT_NE(std::string(error.what()).find("/proc/no/a.png: No such file"), std::string::npos) << error.what();
     }
 }
 
-TEST(WritePng, BytesDependOnPixelsAlone)
+TEST(WritePng, BytesDependOnPixelsOnly)
 {
     test::ScratchFolder folder;
     io::write_png(folder / "a.png", noise(33, 7, 3));
@@ -213,7 +213,7 @@ TEST(WritePng, BytesDependOnPixelsAlone)
     EXPECT_EQ(bytes_of(folder / "a.png"), bytes_of(folder / "b.png"));
 }
 
-TEST(WritePng, ReadsBackTheSame)
+TEST(WritePng, RoundTripKeepsThePixels)
 {
     test::ScratchFolder folder;
     for (int channels = 1; channels <= 4; ++channels) {
@@ -227,11 +227,11 @@ TEST(WritePng, ReadsBackTheSame)
     }
 }
 
-// Two images of one grey: whatever the sheet makes of them, their middle keeps its brightness.
-TEST(ContactSheet, MakesImagesSmallerInLinearLight)
+// Two images of the same grey: scaling them down must preserve the brightness.
+TEST(ContactSheet, DownscalesInLinearLight)
 {
     test::ScratchFolder folder;
-    Image8 stripes(2000, 40, 3);   // black and white columns: half the light, not half the code
+    Image8 stripes(2000, 40, 3);   // black and white columns: half the radiance, not half the code value
     for (int y = 0; y < stripes.height; ++y)
         for (int x = 0; x < stripes.width; ++x)
             for (int c = 0; c < 3; ++c) stripes.pixel(x, y)[c] = x % 2 ? 255 : 0;
@@ -250,7 +250,7 @@ TEST(ContactSheet, MakesImagesSmallerInLinearLight)
     EXPECT_FALSE(fs::exists(folder / "b.png"));
 }
 
-TEST(WholePng, NoticesEveryMissingOrWrongByte)
+TEST(WholePng, DetectsEveryMissingOrWrongByte)
 {
     test::ScratchFolder folder;
     const fs::path file = folder / "a.png";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow culling as published [Nah 2009]: its tables line by line, its memory, what a frame learns and forgets.
+// Shadow culling as published [Nah 2009]: its tables line by line, its modes, and how a frame updates them.
 #include "shadow_culling/nah2009/paper_culling.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ scene::Mesh triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
     return mesh;
 }
 
-// Five objects of one triangle each, so that primitive and object have one number, and two lamps.
+// Five objects of one triangle each, so that primitive and object have the same number, and two lights.
 enum : PrimitiveId { wide, small, beside, dynamic_object, other, primitive_count };
 
 std::shared_ptr<const scene::Scene> five_triangles()
@@ -33,10 +33,10 @@ std::shared_ptr<const scene::Scene> five_triangles()
     scene.materials.emplace_back();
     scene.meshes = {
         triangle({-40, -40, 0}, {40, -40, 0}, {0, 60, 0}),    // behind the next one
-        triangle({1, 1, 1}, {3, 1, 1}, {1, 3, 1}),            // between it and the lamps
-        triangle({900, 0, 0}, {902, 0, 0}, {900, 2, 0}),      // far off
+        triangle({1, 1, 1}, {3, 1, 1}, {1, 3, 1}),            // between it and the lights
+        triangle({900, 0, 0}, {902, 0, 0}, {900, 2, 0}),      // far away
         triangle({-5, -5, 2}, {-3, -5, 2}, {-5, -3, 2}),      // moves
-        triangle({-900, 0, 0}, {-902, 0, 0}, {-900, 2, 0}),   // far off, on the other side
+        triangle({-900, 0, 0}, {-902, 0, 0}, {-900, 2, 0}),   // far away, on the other side
     };
     for (scene::MeshId m = 0; m < primitive_count; ++m)
         scene.nodes[test::add_object(scene, m)].animated = m == dynamic_object;
@@ -62,7 +62,7 @@ class PaperCullingTest : public testing::Test {
     PaperCulling culling_{state_, rays_};
     std::vector<Notes> notes_ = std::vector<Notes>(1);
 
-    // A pixel away from all edges of the screen. Returns the extra tests.
+    // Tests a pixel away from all edges of the screen. Returns the extra tests.
     std::uint64_t test_pixel(const PrimaryHit& current, PrimitiveId left, PrimitiveId upper)
     {
         const PrimaryHit sky;
@@ -77,7 +77,8 @@ class PaperCullingTest : public testing::Test {
             ++p;
         }
     }
-    // A frame that shows some primitives in so many pixels each, far from edges and from one another.
+    // Renders a frame that shows some primitives in the given number of pixels each, far from edges and from one
+    // another.
     void frame(std::initializer_list<std::pair<PrimitiveId, std::size_t>> shown, const PaperChanges& changes = {})
     {
         culling_.begin_frame(state_, rays_, changes);
@@ -104,21 +105,21 @@ class PaperCullingTest : public testing::Test {
 
 // Table 1.
 
-TEST_F(PaperCullingTest, WhatMovesIsDynamicEvenAtTheEdge)
+TEST_F(PaperCullingTest, MarksMovingPrimitivesDynamicEvenAtTheEdge)
 {
     const std::vector<PrimaryHit> row = {pixel(dynamic_object), pixel(dynamic_object), pixel(dynamic_object)};
     EXPECT_EQ(test_occlusion(row, {}, true, triangles_, modes_).extra_tests, 0u);
     expect_modes({k_init, k_init, k_init, k_dynamic, k_init});
 }
 
-TEST_F(PaperCullingTest, WhatTheScreenCutsIsPartlyOccludedOnAllFourSides)
+TEST_F(PaperCullingTest, ScreenBorderMarksPartlyOccludedOnAllFourSides)
 {
     const PrimaryHit sky;
     const std::vector<PrimaryHit> none(3, sky), left = {pixel(small), sky, sky}, right = {sky, sky, pixel(small)},
                                                 middle = {sky, pixel(small), sky};
     const auto marks = [&](const std::vector<PrimaryHit>& row, std::span<const PrimaryHit> above, bool last) {
         Modes modes(primitive_count, 1);
-        modes.set_occlusion(small, k_whole);   // even what was seen whole before
+        modes.set_occlusion(small, k_whole);   // even if it was seen whole before
         EXPECT_EQ(test_occlusion(row, above, last, triangles_, modes).extra_tests, 0u);
         return modes.marked(small) == k_partial;
     };
@@ -129,33 +130,33 @@ TEST_F(PaperCullingTest, WhatTheScreenCutsIsPartlyOccludedOnAllFourSides)
     EXPECT_FALSE(marks(middle, none, false));
 }
 
-TEST_F(PaperCullingTest, ANeighbourThatContinuesBehindIsPartlyOccluded)
+TEST_F(PaperCullingTest, MarksANeighbourThatContinuesBehindPartlyOccluded)
 {
-    // The ray at (1.5, 1.5) meets `small` first, and would meet `wide`.
+    // The ray at (1.5, 1.5) hits `small` first, and would also hit `wide`.
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 1u);
     expect_modes({k_partial, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, TheUpperNeighbourCountsLikeTheLeft)
+TEST_F(PaperCullingTest, TestsTheUpperNeighbourLikeTheLeft)
 {
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), no_primitive, wide), 1u);
     expect_modes({k_partial, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, ANeighbourThatEndsBeforeThisPixelIsNotOccluded)
+TEST_F(PaperCullingTest, DoesNotMarkANeighbourThatEndsBeforeThisPixel)
 {
     EXPECT_EQ(test_pixel(pixel(wide, 10, 10), small, no_primitive), 1u);
     expect_modes({k_init, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, OneTestWhereBothNeighboursAreOne)
+TEST_F(PaperCullingTest, TestsOnceIfBothNeighboursAreEqual)
 {
-    // A test that fails, so that the mark of the first does not keep the second away.
+    // The test fails, so that the mark of the first does not prevent the second.
     EXPECT_EQ(test_pixel(pixel(wide, 10, 10), small, small), 1u);
     EXPECT_EQ(test_pixel(pixel(wide, 10, 10), small, beside), 2u);
 }
 
-TEST_F(PaperCullingTest, NoTestOfBackgroundOfOneselfOrOfWhatIsNotInit)
+TEST_F(PaperCullingTest, DoesNotTestBackgroundItselfOrMarkedPrimitives)
 {
     EXPECT_EQ(test_pixel({}, wide, small), 0u);
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), no_primitive, no_primitive), 0u);
@@ -166,13 +167,13 @@ TEST_F(PaperCullingTest, NoTestOfBackgroundOfOneselfOrOfWhatIsNotInit)
     expect_modes({k_init, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, WhatIsMarkedIsNotTestedAgain)
+TEST_F(PaperCullingTest, DoesNotTestMarkedPrimitivesAgain)
 {
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 1u);
     EXPECT_EQ(test_pixel(pixel(small, 1.5f, 1.5f), wide, no_primitive), 0u);
 }
 
-TEST_F(PaperCullingTest, WhatIsMarkedIsTestedAgainOnRequest)
+TEST_F(PaperCullingTest, TestsMarkedPrimitivesAgainOnRequest)
 {
     const PrimaryHit sky, front = pixel(small, 1.5f, 1.5f);
     const std::vector<PrimaryHit> above(4, sky), row = {sky, pixel(wide), front, sky};
@@ -181,15 +182,15 @@ TEST_F(PaperCullingTest, WhatIsMarkedIsTestedAgainOnRequest)
     expect_modes({k_partial, k_init, k_init, k_init, k_init});
 }
 
-TEST_F(PaperCullingTest, AnOccluderOverTheLeftPartGoesUnnoticed)
+TEST_F(PaperCullingTest, MissesAnOccluderOverTheLeftPart)
 {
-    // The paper's own blind side: `small` stands left of `wide`, the ray beside it does not meet `small`, and nobody
-    // asks whether `wide` continues to the left.
+    // A limitation of the paper: `small` is left of `wide`, the ray beside it does not hit `small`, and no test checks
+    // whether `wide` continues to the left.
     EXPECT_EQ(test_pixel(pixel(wide, 3.5f, 1.5f), small, small), 1u);
     expect_modes({k_init, k_init, k_init, k_init, k_init});
 }
 
-TEST(PaperIntersects, InsideOutsideBorderAndBehind)
+TEST(PaperIntersects, HandlesInsideOutsideBorderAndBehind)
 {
     const glm::vec3 corners[3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
     const auto meets = [&](float x, float y, float z, float dz) { return intersects({x, y, z}, {0, 0, dz}, corners); };
@@ -199,12 +200,12 @@ TEST(PaperIntersects, InsideOutsideBorderAndBehind)
     EXPECT_FALSE(meets(1.1f, 1.1f, 1, -1));
     EXPECT_FALSE(meets(-0.1f, 0.5f, 1, -1));
     EXPECT_FALSE(meets(0.5f, 0.5f, 1, 1));
-    EXPECT_FALSE(intersects({-1, 0.5f, 0}, {1, 0, 0}, corners)) << "within its plane";
+    EXPECT_FALSE(intersects({-1, 0.5f, 0}, {1, 0, 0}, corners)) << "in its plane";
 }
 
 // Table 2.
 
-TEST(PaperShadowTest, Table2)
+TEST(PaperShadowTest, DecidesAsTable2)
 {
     using enum ShadowDecision;
     const auto decision = [](OcclusionMode occlusion, ShadowMode shadow) {
@@ -229,7 +230,7 @@ TEST(PaperShadowTest, Table2)
 
 // Table 3 and 2.6.
 
-TEST(PaperSetModes, Table3)
+TEST(PaperSetModes, SetsShadowModesAsTable3)
 {
     using enum ShadowMode;
     const SetModesOptions ours;
@@ -245,7 +246,7 @@ TEST(PaperSetModes, Table3)
     EXPECT_EQ(shadow_bits(StaticPart::unknown, true, printed), full_shadow);
 }
 
-TEST(PaperSetModes, OcclusionModeAtTheFramesEnd)
+TEST(PaperSetModes, SetsOcclusionModeAtTheEndOfTheFrame)
 {
     const SetModesOptions options;
     EXPECT_EQ(occlusion_after(k_init, k_init, 5, 0, options), k_whole);
@@ -259,7 +260,7 @@ TEST(PaperSetModes, OcclusionModeAtTheFramesEnd)
 
 // Memory.
 
-TEST(PaperModes, BitsOfManyLightsAreKeptApart)
+TEST(PaperModes, BitsOfManyLightsAreIndependent)
 {
     for (const int lights : {0, 1, 9, 15, 16, 17, 40}) {
         Modes modes(3, lights);
@@ -267,7 +268,8 @@ TEST(PaperModes, BitsOfManyLightsAreKeptApart)
         for (int l = 0; l < lights; ++l)
             if (l % 4 != 0) modes.note_shadow(1, l, static_cast<ShadowMode>(l % 4), touched);
         modes.set_occlusion(1, k_whole);
-        for (int l = 0; l < lights; ++l) EXPECT_EQ(modes.shadow(1, l), ShadowMode::init) << "before the frame's end";
+        for (int l = 0; l < lights; ++l)
+            EXPECT_EQ(modes.shadow(1, l), ShadowMode::init) << "before the end of the frame";
         EXPECT_LE(touched.size(), 1u);
         for (const PrimitiveId p : touched) modes.merge_shadow(p);
         for (int l = 0; l < lights; ++l) {
@@ -278,7 +280,7 @@ TEST(PaperModes, BitsOfManyLightsAreKeptApart)
         EXPECT_EQ(modes.occlusion(1), k_whole);
         EXPECT_EQ(modes.occlusion(0), k_init);
 
-        // One light's modes go, the others stay.
+        // Reset one light's modes; the others stay.
         if (lights < 3) continue;
         modes.forget_light(lights - 1);
         for (int l = 0; l < lights; ++l)
@@ -289,7 +291,7 @@ TEST(PaperModes, BitsOfManyLightsAreKeptApart)
     }
 }
 
-TEST(PaperModes, FullAndNonMakePartial)
+TEST(PaperModes, FullAndNonShadowMergeToPartial)
 {
     Modes modes(1, 1);
     std::vector<PrimitiveId> touched;
@@ -299,19 +301,19 @@ TEST(PaperModes, FullAndNonMakePartial)
     modes.note_shadow(0, 0, ShadowMode::non_shadow, touched);
     modes.merge_shadow(0);
     EXPECT_EQ(modes.shadow(0, 0), ShadowMode::partial_shadow);
-    EXPECT_EQ(touched.size(), 2u) << "once a frame";
+    EXPECT_EQ(touched.size(), 2u) << "once per frame";
 }
 
 // The frame.
 
-TEST_F(PaperCullingTest, WhatOneFrameLearnsTheNextUses)
+TEST_F(PaperCullingTest, UsesModesOfThePreviousFrame)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
     note(wide, StaticPart::occluded, 0);
     note(wide, StaticPart::free, 1);
     see({{wide, 10}});
-    EXPECT_EQ(decide(wide), ShadowDecision::full_traversal) << "within the frame nothing changes";
+    EXPECT_EQ(decide(wide), ShadowDecision::full_traversal) << "no change within the frame";
     culling_.end_frame(notes_);
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide, 0), ShadowDecision::in_shadow);
@@ -323,7 +325,7 @@ TEST_F(PaperCullingTest, WhatOneFrameLearnsTheNextUses)
     EXPECT_EQ(culling_.counters().dynamic_only, 1u);
 }
 
-TEST_F(PaperCullingTest, PartlyOccludedIsNotForEver)
+TEST_F(PaperCullingTest, PartlyOccludedIsReset)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::free);
@@ -337,10 +339,10 @@ TEST_F(PaperCullingTest, PartlyOccludedIsNotForEver)
     see({{wide, 10}});
     culling_.end_frame(notes_);
     EXPECT_EQ(culling_.modes().occlusion(wide), k_whole);
-    EXPECT_EQ(decide(wide), ShadowDecision::dynamic_only) << "its shadow bits stayed";
+    EXPECT_EQ(decide(wide), ShadowDecision::dynamic_only) << "its shadow bits are kept";
 }
 
-TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
+TEST_F(PaperCullingTest, ZoomInByMoreThanFourResets)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::free);
@@ -354,7 +356,7 @@ TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
     frame({{wide, 161}});
     EXPECT_EQ(culling_.modes().occlusion(wide), k_init);
     EXPECT_EQ(culling_.modes().most_pixels(wide), 161u);
-    EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::non_shadow) << "the shadow bits stay";
+    EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::non_shadow) << "the shadow bits are kept";
     culling_.begin_frame(state_, rays_, PaperChanges{});
     EXPECT_EQ(decide(wide), ShadowDecision::full_traversal);
     note(wide, StaticPart::occluded);   // a shadow that was too small to be seen
@@ -364,7 +366,7 @@ TEST_F(PaperCullingTest, AZoomInByMoreThanFourResets)
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::partial_shadow);
 }
 
-TEST_F(PaperCullingTest, HitsInMirrorsTeachShadowsButNotWhetherAllWasSeen)
+TEST_F(PaperCullingTest, MirrorHitsUpdateShadowModesButNotOcclusionModes)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(small, StaticPart::occluded);
@@ -375,7 +377,7 @@ TEST_F(PaperCullingTest, HitsInMirrorsTeachShadowsButNotWhetherAllWasSeen)
     EXPECT_EQ(decide(small), ShadowDecision::full_traversal);
 }
 
-TEST_F(PaperCullingTest, AMovedLightForgetsItsModesAlone)
+TEST_F(PaperCullingTest, MovedLightResetsItsOwnModesOnly)
 {
     culling_.begin_frame(state_, rays_, PaperChanges{});
     note(wide, StaticPart::occluded, 0);
@@ -388,7 +390,7 @@ TEST_F(PaperCullingTest, AMovedLightForgetsItsModesAlone)
     EXPECT_EQ(decide(wide, 1), ShadowDecision::full_traversal);
 }
 
-TEST_F(PaperCullingTest, AnObjectThatStartsOrStopsForgetsWhatItMayShadow)
+TEST_F(PaperCullingTest, StartingOrStoppingObjectResetsPrimitivesItMayShadow)
 {
     const auto learn = [&] {
         culling_.begin_frame(state_, rays_, PaperChanges{});
@@ -402,12 +404,12 @@ TEST_F(PaperCullingTest, AnObjectThatStartsOrStopsForgetsWhatItMayShadow)
     EXPECT_TRUE(culling_.triangles().is_dynamic(small));
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::init) << "below it";
     EXPECT_EQ(culling_.modes().shadow(small, 0), ShadowMode::init) << "itself";
-    EXPECT_EQ(culling_.modes().shadow(beside, 0), ShadowMode::full_shadow) << "far off";
-    EXPECT_EQ(culling_.modes().shadow(other, 0), ShadowMode::full_shadow) << "far off";
+    EXPECT_EQ(culling_.modes().shadow(beside, 0), ShadowMode::full_shadow) << "far away";
+    EXPECT_EQ(culling_.modes().shadow(other, 0), ShadowMode::full_shadow) << "far away";
     culling_.end_frame(notes_);
     learn();
     EXPECT_EQ(culling_.modes().occlusion(small), k_dynamic);
-    EXPECT_EQ(culling_.modes().shadow(small, 0), ShadowMode::init) << "what moves learns nothing";
+    EXPECT_EQ(culling_.modes().shadow(small, 0), ShadowMode::init) << "moving primitives keep their mode";
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::full_shadow);
     culling_.begin_frame(state_, rays_, {.lights = {}, .started = {}, .stopped = objects});
     EXPECT_FALSE(culling_.triangles().is_dynamic(small));
@@ -416,7 +418,7 @@ TEST_F(PaperCullingTest, AnObjectThatStartsOrStopsForgetsWhatItMayShadow)
     EXPECT_EQ(culling_.modes().shadow(beside, 0), ShadowMode::full_shadow);
 }
 
-TEST_F(PaperCullingTest, AStaticObjectMovedByHandIsDynamicFromThenOn)
+TEST_F(PaperCullingTest, UserOverrideMakesAStaticObjectDynamic)
 {
     const glm::dmat4 moved = test::translation(0, 0, 5);
     state_.override_transform(scene_->objects[small].node, &moved);
@@ -427,7 +429,7 @@ TEST_F(PaperCullingTest, AStaticObjectMovedByHandIsDynamicFromThenOn)
     EXPECT_FALSE(culling_.triangles().is_dynamic(wide));
 }
 
-TEST_F(PaperCullingTest, NotesOfManyThreadsMergeToTheSame)
+TEST_F(PaperCullingTest, NotesMergeToTheSameForAnyThreadCount)
 {
     const auto learn = [&](std::size_t threads) {
         PaperCulling culling(state_, rays_);
@@ -455,14 +457,14 @@ TEST_F(PaperCullingTest, NotesOfManyThreadsMergeToTheSame)
     EXPECT_EQ(one[2 * beside], ShadowMode::non_shadow);
 }
 
-TEST(PaperMayShadow, ConservativeAndNotAlwaysYes)
+TEST(PaperMayShadow, IsConservativeAndSometimesFalse)
 {
     const auto box = [](const glm::vec3& at, float half) {
         Box3 b;
         b.add(at - half), b.add(at + half);
         return b;
     };
-    // Random segments from receivers to lights through occluders: never no where one passes.
+    // Random segments from receivers to lights through occluders: the result is never false where one is occluded.
     Random random(7);
     const auto point = [&](float reach) {
         const float x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the published shadow culling gets wrong, and what it does not, against a full trace [Nah 2009, Fig. 5].
+// Errors of the published shadow culling against a full trace, and cases without errors [Nah 2009, Fig. 5].
 #include <gtest/gtest.h>
 
 #include "bench/culling/bench.h"
@@ -21,25 +21,25 @@ void add_triangle(scene::Scene& scene, const glm::vec3 (&p)[3])
     test::add_object(scene, static_cast<scene::MeshId>(scene.meshes.size() - 1));
 }
 
-/// A floor of one triangle, seen whole from above and lit from the side; between lamp and floor, out of view, a
-/// triangle that casts this shadow onto it.
-scene::Scene floor_under_lamp(const glm::vec3 (&shadow)[3])
+/// A floor of one triangle, completely visible from above and lit from the side. Between light and floor, outside the
+/// view, a triangle casts this shadow onto it.
+scene::Scene floor_under_light(const glm::vec3 (&shadow)[3])
 {
-    const glm::vec3 lamp(9, 0, 9);
+    const glm::vec3 light(9, 0, 9);
     scene::Scene scene;
     scene.materials.emplace_back();
     scene.materials[0].double_sided = true;
     add_triangle(scene, {{-1.9f, -1.8f, 0}, {1.9f, -1.7f, 0}, {0.1f, 1.9f, 0}});
     glm::vec3 occluder[3];
-    for (int i = 0; i < 3; ++i) occluder[i] = shadow[i] + 0.6f * (lamp - shadow[i]);
+    for (int i = 0; i < 3; ++i) occluder[i] = shadow[i] + 0.6f * (light - shadow[i]);
     add_triangle(scene, occluder);
     scene.lights.emplace_back();
-    scene.lights[0].node = scene.add_node("lamp", scene::none, test::translation(lamp.x, lamp.y, lamp.z));
+    scene.lights[0].node = scene.add_node("light", scene::none, test::translation(light.x, light.y, light.z));
     scene.cameras.emplace_back();
     return scene;
 }
 
-/// The camera looks down from one place in the first frame, from another from the second on.
+/// The camera looks down from one place in the first frame, and from another from the second frame on.
 std::shared_ptr<const scene::Scene> seen_from(scene::Scene& scene, const glm::dvec3& first, const glm::dvec3& then)
 {
     const scene::NodeId node = scene.add_node("camera", scene::none);
@@ -62,11 +62,11 @@ bench::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene
     return bench::bench_culling(scene, options);
 }
 
-TEST(PaperWrongPixels, AShadowBetweenThePixelsIsMissed)
+TEST(PaperWrongPixels, MissesAShadowBetweenPixels)
 {
-    // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four centres in the first frame; then the camera moves
-    // by half a pixel, and one centre is in it.
-    scene::Scene scene = floor_under_lamp({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
+    // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four pixel centres in the first frame; then the camera
+    // moves by half a pixel, and one centre lies in it.
+    scene::Scene scene = floor_under_light({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
     EXPECT_EQ(result.frames[0].paper.wrong, 0u);
@@ -78,9 +78,9 @@ TEST(PaperWrongPixels, AShadowBetweenThePixelsIsMissed)
     EXPECT_EQ(result.paper_wrong_mean, 0.75);
 }
 
-TEST(PaperWrongPixels, AShadowThatPixelsSeeIsPartialAndTracedAlways)
+TEST(PaperWrongPixels, VisibleShadowIsPartialAndAlwaysTraced)
 {
-    scene::Scene scene = floor_under_lamp({{-0.5f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0, 0.7f, 0}});
+    scene::Scene scene = floor_under_light({{-0.5f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0, 0.7f, 0}});
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
     for (const bench::CullingFrame& frame : result.frames) {
@@ -91,18 +91,18 @@ TEST(PaperWrongPixels, AShadowThatPixelsSeeIsPartialAndTracedAlways)
     }
 }
 
-TEST(PaperWrongPixels, NoShadowNoFault)
+TEST(PaperWrongPixels, NoErrorWithoutAShadow)
 {
-    scene::Scene scene = floor_under_lamp({{40, 0, 0}, {41, 0, 0}, {40, 1, 0}});
+    scene::Scene scene = floor_under_light({{40, 0, 0}, {41, 0, 0}, {40, 1, 0}});
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
     EXPECT_EQ(result.paper_wrong_mean, 0);
     EXPECT_EQ(result.frames[3].paper.dynamic_only, result.frames[3].paper.rays);
 }
 
-TEST(PaperWrongPixels, AFloorWhollyInShadowIsSkipped)
+TEST(PaperWrongPixels, SkipsAFloorFullyInShadow)
 {
-    scene::Scene scene = floor_under_lamp({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
+    scene::Scene scene = floor_under_light({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
     EXPECT_EQ(result.paper_wrong_mean, 0);
@@ -110,10 +110,10 @@ TEST(PaperWrongPixels, AFloorWhollyInShadowIsSkipped)
     EXPECT_EQ(result.frames[3].paper.skipped, result.frames[3].paper.rays);
 }
 
-TEST(PaperWrongPixels, AZoomInShowsTheSmallShadowOneFrameLate)
+TEST(PaperWrongPixels, ZoomInShowsASmallShadowOneFrameLate)
 {
-    // From 12 to 5 away: the floor covers 5.8 times the pixels. The zoom's own frame still uses the old mode.
-    scene::Scene scene = floor_under_lamp({{0.02f, 0.02f, 0}, {0.11f, 0.02f, 0}, {0.06f, 0.12f, 0}});
+    // From distance 12 to 5 the floor covers 5.8 times the pixels. The frame of the zoom still uses the old mode.
+    scene::Scene scene = floor_under_light({{0.02f, 0.02f, 0}, {0.11f, 0.02f, 0}, {0.06f, 0.12f, 0}});
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0, 0, 5}));
     EXPECT_EQ(result.frames[0].paper.wrong, 0u);
     EXPECT_GT(result.frames[1].paper.wrong, 0u);
@@ -123,9 +123,9 @@ TEST(PaperWrongPixels, AZoomInShowsTheSmallShadowOneFrameLate)
     EXPECT_EQ(result.frames[3].paper.dynamic_only, 0u) << "PARTIAL_SHADOW now";
 }
 
-TEST(PaperWrongPixels, AMovingLightIsNeverCulledNorWrong)
+TEST(PaperWrongPixels, MovingLightIsNeitherCulledNorWrong)
 {
-    scene::Scene scene = floor_under_lamp({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
+    scene::Scene scene = floor_under_light({{-0.05f, -0.05f, 0}, {0.06f, -0.05f, 0}, {0, 0.07f, 0}});
     scene.cameras[0].orthographic_height = 8;
     scene.nodes[scene.lights[0].node].transform = std::make_shared<test::SwayTrack>(glm::dvec3(9, 0, 9), 3);
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
@@ -135,11 +135,11 @@ TEST(PaperWrongPixels, AMovingLightIsNeverCulledNorWrong)
     }
 }
 
-TEST(PaperWrongPixels, AMovingShadowIsRememberedOnlyAsPrinted)
+TEST(PaperWrongPixels, StoresAMovingShadowOnlyAsPrinted)
 {
-    // A screen that moves shades the whole floor in the first two frames, then jumps out of the way.
+    // A moving screen shades the whole floor in the first two frames, then jumps out of the way.
     const auto with_screen = [] {
-        scene::Scene scene = floor_under_lamp({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
+        scene::Scene scene = floor_under_light({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
         scene.nodes[1].transform = std::make_shared<test::JumpTrack>(1.5, glm::dmat4(1), test::translation(500, 0, 0));
         scene.cameras[0].orthographic_height = 8;
         return seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12});
@@ -156,7 +156,7 @@ TEST(PaperWrongPixels, AMovingShadowIsRememberedOnlyAsPrinted)
     EXPECT_GT(printed.frames[2].paper.rays, 100u);
 }
 
-TEST(PaperWrongPixels, ThreadsChangeNothing)
+TEST(PaperWrongPixels, SameForAnyThreadCount)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_cornell());
     const auto one = bench(scene, 1, 8), three = bench(scene, 3, 8);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line of progress on a terminal: one line, however narrow that is.
+// The progress line on a terminal: one line, however narrow the terminal is.
 #include "cli/progress_line.h"
 
 #include <gtest/gtest.h>

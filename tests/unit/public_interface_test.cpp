@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, used as nobody should: an exception of ours that says why, and never a crash.
+// Misuse of the public interface: an exception with a reason, and never a crash.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -17,12 +17,12 @@ RenderOptions small()
     return options;
 }
 
-TEST(PublicInterface, WhatWasMovedFrom)
+TEST(PublicInterface, MovedFromRenderersThrow)
 {
-    // NOLINTBEGIN(bugprone-use-after-move, performance-move-const-arg): that is what is asked here
+    // NOLINTBEGIN(bugprone-use-after-move, performance-move-const-arg): this is the behaviour under test
     Scene scene = load("builtin:cornell");
     const Scene taken = std::move(scene);
-    EXPECT_EQ(scene.frame_count(), taken.frame_count());   // copies share all they are
+    EXPECT_EQ(scene.frame_count(), taken.frame_count());   // copies share all data
 
     Renderer renderer(small()), other = std::move(renderer);
     EXPECT_THROW(renderer.render(taken, 1), UsageError);
@@ -37,7 +37,7 @@ TEST(PublicInterface, WhatWasMovedFrom)
     // NOLINTEND(bugprone-use-after-move, performance-move-const-arg)
 }
 
-TEST(PublicInterface, NumbersThatAreNone)
+TEST(PublicInterface, RefusesInvalidNumbers)
 {
     constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     for (const double exposure : {nan, inf, -inf, 101.0, -1e6}) {
@@ -64,7 +64,7 @@ TEST(PublicInterface, NumbersThatAreNone)
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(PublicInterface, OptionsThatExcludeEachOther)
+TEST(PublicInterface, RefusesContradictingOptions)
 {
     RenderOptions options = small();
     options.overlay = Overlay::clusters;
@@ -73,7 +73,7 @@ TEST(PublicInterface, OptionsThatExcludeEachOther)
     EXPECT_THROW(Renderer{options}, UsageError);
 }
 
-TEST(PublicInterface, ThreadsOfAComparison)
+TEST(PublicInterface, RefusesInvalidThreadCountsOfComparisons)
 {
     const test::ScratchFolder folder;
     const auto image = folder / "a.png";

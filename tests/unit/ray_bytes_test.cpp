@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene of rays says that it holds.
+// The memory that a ray scene reports.
 #include <gtest/gtest.h>
 
 #include "ray/ray_scene.h"
@@ -8,7 +8,7 @@
 namespace gnomon::test {
 namespace {
 
-// The whole mesh in one point every other second.
+// Shrinks the whole mesh to a point every other second.
 class Shrinking final : public scene::WeightsTrack {
  public:
     void evaluate(double time, std::vector<float>& weights) const override
@@ -18,8 +18,8 @@ class Shrinking final : public scene::WeightsTrack {
     std::vector<scene::Interval> changing() const override { return {{0, 1e6}}; }
 };
 
-// A tree of what lies in a point is sorted anew, not refitted: it goes to and fro, and holds no more for it.
-TEST(RaySceneBytes, DoNotGrowWithEachRefit)
+// A mesh that shrinks to a point is rebuilt, not refitted: it alternates, and must not use more memory each time.
+TEST(RaySceneBytes, StayConstantOverRefits)
 {
     auto made = std::make_shared<scene::Scene>();
     made->materials.emplace_back();

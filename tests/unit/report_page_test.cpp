@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Report pages as text: what goes in comes out, whole and harmless. tests/cli/report_test.cpp opens one.
+// Report pages as text: complete and escaped. tests/cli/report_test.cpp opens one in a browser.
 #include "bench/report/page.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::size_t times(const std::string& text, const std::string& word)
     return count;
 }
 
-TEST(Chart, IsLinesOverNumbers)
+TEST(Chart, WritesSeriesAsLines)
 {
     Chart chart;
     chart.title = "T", chart.x_label = "frame";
@@ -39,7 +39,7 @@ TEST(Chart, IsLinesOverNumbers)
     EXPECT_EQ(json["data"]["datasets"][1]["showLine"], false);
 }
 
-// Two frames after a first one that had nothing to remember.
+// Two frames after a first one with empty caches.
 WayWork three_frames()
 {
     WayWork way{"w", std::vector<FrameWork>(3)};
@@ -54,7 +54,7 @@ WayWork three_frames()
     return way;
 }
 
-TEST(StageFigures, TellWhereTheTimeGoes)
+TEST(StageFigures, ShowTimeByStage)
 {
     const ReportTable table = stage_table({three_frames()});
     EXPECT_EQ(table.columns, (std::vector<std::string>{"", "w"}));
@@ -73,7 +73,7 @@ TEST(StageFigures, TellWhereTheTimeGoes)
     EXPECT_EQ(json[2]["shadow"], (Json{{"rays", 1000}, {"rays_skipped", 750}, {"rays_dynamic_only", 100}}));
 }
 
-TEST(StageFigures, TellWhatWasNotDone)
+TEST(StageFigures, ShowSavedWork)
 {
     const WayWork way = three_frames();
     const SavedWork saved = saved_of(way);
@@ -82,7 +82,7 @@ TEST(StageFigures, TellWhatWasNotDone)
     EXPECT_EQ(saved.indirect, 25) << "600 rays in two frames, where the first cast 400";
     EXPECT_EQ(saved_of(way.frames[1], way.frames[0]).indirect, 75);
     EXPECT_EQ(saved_of(way.frames[2], way.frames[0]).indirect, 0) << "more than the first: nothing saved";
-    EXPECT_EQ(saved_of(FrameWork{}, FrameWork{}).shadow_skipped, 0) << "nothing asked, nothing saved";
+    EXPECT_EQ(saved_of(FrameWork{}, FrameWork{}).shadow_skipped, 0) << "no work, nothing saved";
     const Chart chart = saved_chart(way, 7);
     ASSERT_EQ(chart.series.size(), 3u);
     EXPECT_EQ(chart.series[1].points, (std::vector<std::pair<double, double>>{{8, 0}, {9, 10}}));
@@ -95,7 +95,7 @@ TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
     page.table({"numbers", {"", "x"}, {{{"row", "1"}, false}, {{"row", "2"}, true}}});
     page.chart({}, "first chart");
     page.section("Two", "gnomon two");
-    page.comparison({"pictures", "a", "b", Image8(2, 2, 3), Image8(2, 2, 3), Image8(2, 2, 3)});
+    page.comparison({"images", "a", "b", Image8(2, 2, 3), Image8(2, 2, 3), Image8(2, 2, 3)});
     const std::string html = page.html();
     EXPECT_EQ(times(html, "<figure "), 3u);
     EXPECT_EQ(times(html, "<figcaption>"), 3u);
@@ -107,7 +107,7 @@ TEST(ReportPage, NamesMachineAndCommandUnderEveryFigure)
     EXPECT_EQ(times(html, "data:image/png;base64,iVBORw0KGgo"), 3u);
 }
 
-TEST(ReportPage, LeadsWithItsTableAndListsItsSections)
+TEST(ReportPage, StartsWithSummaryTableAndListOfSections)
 {
     ReportPage page("Title", "a machine");
     page.section("First", "gnomon one");
@@ -122,7 +122,7 @@ TEST(ReportPage, LeadsWithItsTableAndListsItsSections)
     EXPECT_EQ(times(html, "<code>gnomon all</code>"), 1u);
 }
 
-TEST(ReportPage, NothingInItIsTakenForMarkup)
+TEST(ReportPage, EscapesMarkup)
 {
     const std::string evil = "</script><script>alert('x')</script>&\"";
     ReportPage page(evil, evil);
@@ -137,10 +137,10 @@ TEST(ReportPage, NothingInItIsTakenForMarkup)
     const std::string html = page.html();
     EXPECT_EQ(times(html, "alert("), times(html, "script>alert(") + times(html, "script&gt;alert("));
     EXPECT_EQ(times(html, "<script>alert("), 0u);
-    EXPECT_EQ(times(html, "</script>"), 4u);   // the chart, the attachment, Chart.js and our own
+    EXPECT_EQ(times(html, "</script>"), 4u);   // the chart, the attachment, Chart.js and our own script
 }
 
-TEST(ReportPage, FetchesNothing)
+TEST(ReportPage, LoadsNoExternalResources)
 {
     ReportPage page("t", "m");
     page.section("s", "c");
@@ -151,7 +151,7 @@ TEST(ReportPage, FetchesNothing)
         EXPECT_EQ(times(html, outside), 0u) << outside;
 }
 
-TEST(ReportFile, IsWholeOrNotThere)
+TEST(ReportFile, IsCompleteOrAbsent)
 {
     const test::ScratchFolder scratch;
     const auto folder = scratch / "a/b/c";
@@ -159,7 +159,7 @@ TEST(ReportFile, IsWholeOrNotThere)
         ReportFile file(folder);
         EXPECT_TRUE(std::filesystem::exists(folder));
     }
-    EXPECT_FALSE(std::filesystem::exists(scratch / "a")) << "what it made goes with it";
+    EXPECT_FALSE(std::filesystem::exists(scratch / "a")) << "its folder is removed with it";
     {
         ReportFile file(folder);
         file.write(ReportPage("t", "m"));
@@ -170,11 +170,11 @@ TEST(ReportFile, IsWholeOrNotThere)
     {
         const ReportFile abandoned(folder);
     }
-    EXPECT_EQ(std::filesystem::file_size(folder / "index.html"), size) << "an older page stays";
+    EXPECT_EQ(std::filesystem::file_size(folder / "index.html"), size) << "an older page is kept";
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
 }
 
-TEST(ReportFile, AFolderThatCannotBeIsNamed)
+TEST(ReportFile, NamesAFolderThatCannotBeCreated)
 {
     const test::ScratchFolder scratch;
     std::ofstream(scratch / "file") << "x";

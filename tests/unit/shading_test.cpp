@@ -25,7 +25,7 @@ glm::vec3 upper_direction(Random& random)
     return {r * std::cos(a), r * std::sin(a), z};
 }
 
-TEST(Shading, WhittedDiffuseIsColourTimesCosine)
+TEST(Shading, WhittedDiffuseEqualsColourTimesCosine)
 {
     const SurfacePoint s = flat(scene::ShadingModel::whitted);
     const glm::vec3 to_light = glm::normalize(glm::vec3(0, 1, 1));
@@ -33,7 +33,7 @@ TEST(Shading, WhittedDiffuseIsColourTimesCosine)
     EXPECT_EQ(reflect_light(s, {0, 0, -1}, glm::vec3(2)), glm::vec3(0));
 }
 
-TEST(Shading, WhittedHighlightIsWhereTheMirrorPoints)
+TEST(Shading, WhittedHighlightLiesAlongTheMirrorDirection)
 {
     SurfacePoint s = flat(scene::ShadingModel::whitted);
     s.diffuse = glm::vec3(0);
@@ -44,8 +44,8 @@ TEST(Shading, WhittedHighlightIsWhereTheMirrorPoints)
     EXPECT_LT(reflect_light(s, s.to_viewer, glm::vec3(1)).x, 0.01f);
 }
 
-// No surface may give back more light than it gets: integrates the GGX reflectance over the hemisphere.
-TEST(Shading, GgxKeepsEnergy)
+// No surface may reflect more light than it receives: integrate the GGX reflectance over the hemisphere.
+TEST(Shading, GgxDoesNotGainEnergy)
 {
     for (const float roughness : {0.3f, 0.6f, 1.0f})
         for (const float f0 : {0.04f, 1.0f}) {
@@ -59,13 +59,12 @@ TEST(Shading, GgxKeepsEnergy)
             for (int i = 0; i < n; ++i) sum += reflect_light(s, upper_direction(random), glm::vec3(1)).x;
             const double albedo = sum / n * 2 * k_pi;
             EXPECT_LT(albedo, 1.02) << roughness << ' ' << f0;
-            // One bounce between facets loses light as they get rough: at roughness 1, seen from above, 1 - ln 2 is
-            // left.
+            // Single scattering loses light on rough surfaces: at roughness 1, seen from above, 1 - ln 2 remains.
             EXPECT_GT(albedo, roughness < 1 || f0 < 1 ? 0.8 : 1 - std::log(2.0)) << roughness << ' ' << f0;
         }
 }
 
-TEST(Shading, FresnelAtKnownAngles)
+TEST(Shading, FresnelEqualsKnownValues)
 {
     EXPECT_NEAR(fresnel_dielectric(1, 1.5f), 0.04f, 1e-6f);
     EXPECT_NEAR(fresnel_dielectric(1, 1 / 1.5f), 0.04f, 1e-6f);
@@ -73,7 +72,7 @@ TEST(Shading, FresnelAtKnownAngles)
     EXPECT_NEAR(fresnel_dielectric(0.3f, 1.0f), 0.0f, 1e-6f);
 }
 
-TEST(Shading, RefractionObeysSnell)
+TEST(Shading, RefractionFollowsSnell)
 {
     SurfacePoint s = flat(scene::ShadingModel::whitted);
     s.diffuse = glm::vec3(0);
@@ -90,7 +89,7 @@ TEST(Shading, RefractionObeysSnell)
     }
 }
 
-TEST(Shading, IndexOneDoesNotBend)
+TEST(Shading, IndexOneDoesNotRefract)
 {
     SurfacePoint s = flat(scene::ShadingModel::whitted);
     s.transmitted = glm::vec3(0.85f);
@@ -113,7 +112,7 @@ TEST(Shading, TerminatorFadesBeforeTheGeometricHorizon)
     EXPECT_LT(before, 0.005f);
 }
 
-TEST(Shading, ABackdropShinesWithItsAmbientColourAlone)
+TEST(Shading, BackdropEmitsItsAmbientColourOnly)
 {
     scene::Scene scene;
     scene.ambient = glm::vec3(2);
@@ -121,14 +120,14 @@ TEST(Shading, ABackdropShinesWithItsAmbientColourAlone)
     s.coverage = 1;
     s.ambient = glm::vec3(0.25f);
     EXPECT_EQ(ambient_light(s, scene, true), glm::vec3(0.5f));
-    EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));   // what answers light gets it from the lights
+    EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));   // surfaces that are lit get it from the lights
     s.diffuse = glm::vec3(0);
     EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0.5f));
     s.specular = glm::vec3(1);
     EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));
 }
 
-// A quad that faces +z, whose normal map tilts all of it against u, seen from the front or from behind.
+// A quad that faces +z, whose normal map tilts it against u everywhere, seen from the front or from behind.
 glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
 {
     scene::Scene scene;
@@ -155,7 +154,7 @@ glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
     return s.normal;
 }
 
-TEST(Shading, NormalMapsTurnWithTheirImageAndAreReversedBehind)
+TEST(Shading, NormalMapsRotateWithTheirImageAndFlipOnBackFaces)
 {
     const float half_turn = static_cast<float>(k_pi);
     const glm::vec3 leans = mapped_normal(0, false, true);
@@ -163,7 +162,7 @@ TEST(Shading, NormalMapsTurnWithTheirImageAndAreReversedBehind)
     EXPECT_GT(leans.z, 0);
     EXPECT_LT(glm::length(mapped_normal(0, false, false) + leans), 1e-3f);   // a bump in front is a dent behind
     EXPECT_LT(mapped_normal(half_turn, false, true).x, -0.7f);
-    EXPECT_GT(mapped_normal(half_turn, true, true).x, 0.7f);   // the file's own tangents stay
+    EXPECT_GT(mapped_normal(half_turn, true, true).x, 0.7f);   // the file's own tangents are kept
 }
 
 }   // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Look-ups of many points at a time against their twin for one point, and the rim they leave out.
+// Vectorised look-ups against the scalar reference implementation, and the rim that they exclude.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -11,11 +11,11 @@
 namespace gnomon::shadow_culling {
 namespace {
 
-TEST(Rim, StripsAreAsWideAsAsked)
+TEST(Rim, StripsHaveTheRequestedWidth)
 {
     const glm::vec3 corner[3] = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
     const Rim rim(rim_of(corner, 0.01f));
-    // Height over the edge u = 0 is 2, over v = 0 it is 1; codes round up by an eighth of an octave at most.
+    // The height over the edge u = 0 is 2, over v = 0 it is 1; codes round up by an eighth of an octave at most.
     EXPECT_GE(rim.u, 0.005f);
     EXPECT_LE(rim.u, 0.005f * 1.1f);
     EXPECT_GE(rim.v, 0.01f);
@@ -27,7 +27,7 @@ TEST(Rim, StripsAreAsWideAsAsked)
     EXPECT_FALSE(rim.inside(0.5f, 0.499f, u, v));
 }
 
-TEST(Rim, InnerPlaceLeadsBackToTheOuter)
+TEST(Rim, MappingToTheInsideIsInvertible)
 {
     const glm::vec3 corner[3] = {{0, 0, 0}, {1, 0.2f, 0}, {0.3f, 1, 0.5f}};
     const Rim rim(rim_of(corner, 0.004f));
@@ -43,7 +43,7 @@ TEST(Rim, InnerPlaceLeadsBackToTheOuter)
     }
 }
 
-TEST(Rim, DegenerateTrianglesGetTheWidest)
+TEST(Rim, DegenerateTrianglesGetTheWidestStrips)
 {
     const glm::vec3 point[3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     const glm::vec3 line[3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
@@ -54,7 +54,7 @@ TEST(Rim, DegenerateTrianglesGetTheWidest)
     }
 }
 
-// One point after the other.
+// The scalar look-up of one point.
 std::uint32_t one_part(float u, float v, const Rim& rim, std::uint32_t begin, std::uint32_t level)
 {
     float inner_u, inner_v;
@@ -62,7 +62,7 @@ std::uint32_t one_part(float u, float v, const Rim& rim, std::uint32_t begin, st
     return begin + micro_index_at(inner_u, inner_v, level);
 }
 
-// The same where a table says of every part whether it has a piece of finer ones: asked once more inside the part.
+// The same with pieces: a table marks the parts that have a piece of finer parts, which is looked up in turn.
 std::uint32_t one_part_of_pieces(float u, float v, const Rim& rim, std::uint32_t begin, std::uint32_t level,
                                  const std::vector<std::uint32_t>& table)
 {
@@ -78,7 +78,7 @@ std::uint32_t one_part_of_pieces(float u, float v, const Rim& rim, std::uint32_t
     return (below & ~k_has_piece) + micro_index_at(x, y, k_piece_levels);
 }
 
-TEST(LookUp, PointsInPiecesAsOne)
+TEST(LookUp, PiecesEqualTheScalarLookUp)
 {
     std::mt19937 random(9);
     std::uniform_real_distribution<float> unit(0, 1);
@@ -111,7 +111,7 @@ TEST(LookUp, PointsInPiecesAsOne)
     for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(points.slot[k], expected[k]) << "point " << k;
 }
 
-TEST(LookUp, ManyPointsAsOne)
+TEST(LookUp, VectorisedLookUpEqualsTheScalarOne)
 {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> unit(0, 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What remembered shadows may take: a bound that holds, and what was not seen for longest goes first.
+// The memory of the shadow cache: the limit holds, and the least recently seen records are evicted first.
 #include "shadow_culling/certified/shadow_memory.h"
 
 #include <gtest/gtest.h>
@@ -28,9 +28,9 @@ using shadow_culling::ShadowState;
 
 constexpr std::uint32_t k_level = 2;
 
-TEST(ShadowMemory, DropsWhatWasNotSeenForLongestFirst)
+TEST(ShadowMemory, EvictsLeastRecentlySeenFirst)
 {
-    ShadowMemory memory(100, 1, 2 * 8);   // room for eight records that nothing differs in
+    ShadowMemory memory(100, 1, 2 * 8);   // room for eight records without differing states
     const std::uint32_t seen_in[] = {5, 2, 8, 1, 7, 3, 6, 4};
     for (RecordId r = 0; r < 8; ++r) {
         ASSERT_TRUE(memory.create(r, k_level, RimCodes{}));
@@ -42,11 +42,11 @@ TEST(ShadowMemory, DropsWhatWasNotSeenForLongestFirst)
 
     memory.drop_unseen(9);
     EXPECT_FALSE(memory.full());
-    EXPECT_EQ(memory.live_records(), 4u);   // half the room is free
+    EXPECT_EQ(memory.live_records(), 4u);   // half of the memory is free
     for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), seen_in[r] > 4) << "record " << r;
 }
 
-TEST(ShadowMemory, KeepsWhatTheFrameSees)
+TEST(ShadowMemory, KeepsRecordsSeenInThisFrame)
 {
     ShadowMemory memory(100, 1, 2 * 8);
     for (RecordId r = 0; r < 8; ++r) {
@@ -57,10 +57,8 @@ TEST(ShadowMemory, KeepsWhatTheFrameSees)
     for (RecordId r = 0; r < 8; ++r) EXPECT_EQ(memory.has(r), r >= 2) << "record " << r;
 }
 
-// A look-up may meet a record that is just being made: then there is none yet, or it is whole. (ThreadSanitizer sees
-// whether more was read than that.)
-// What a deeper pyramid left, the table of its pieces and the levels above, is smaller than a piece.
-TEST(ShadowMemory, CutsAPieceOutOfNothingSmaller)
+// The blocks that a deeper pyramid freed, its table of pieces and its upper levels, are smaller than a piece.
+TEST(ShadowMemory, DoesNotReuseSmallerFreeBlocks)
 {
     constexpr std::uint32_t k_in_pieces = shadow_culling::k_piece_levels + 1;
     ShadowMemory memory(4, 1, 2 * 200);   // no room for a piece
@@ -73,7 +71,9 @@ TEST(ShadowMemory, CutsAPieceOutOfNothingSmaller)
     EXPECT_TRUE(memory.full());
 }
 
-TEST(ShadowMemory, LooksUpWhatAnotherThreadAdds)
+// A look-up may reach a record that is being created: it finds either none or a complete one. (ThreadSanitizer reports
+// any other read.)
+TEST(ShadowMemory, LooksUpRecordsAddedByAnotherThread)
 {
     constexpr RecordId k_records = 400;
     ShadowMemory memory(k_records, 1, 2 * k_records);
@@ -85,7 +85,7 @@ TEST(ShadowMemory, LooksUpWhatAnotherThreadAdds)
         for (RecordId r = 0; r < k_records; ++r) {
             const ShadowMemory::Place before = memory.place(r);
             wrong[i] += before.level != 0 || before.pieces;
-            // Both have looked before either adds; nothing else is ordered by that.
+            // Both have looked up before either adds; nothing else orders them.
             arrived.fetch_add(1, std::memory_order_relaxed);
             while (arrived.load(std::memory_order_relaxed) < 2 * (r + 1) && std::chrono::steady_clock::now() < patience)
                 std::this_thread::yield();
@@ -99,7 +99,7 @@ TEST(ShadowMemory, LooksUpWhatAnotherThreadAdds)
     EXPECT_EQ(made[0] + made[1], k_records);
 }
 
-// What every part of a level says, of one group of lights.
+// The states of all parts of a level, for one group of lights.
 std::vector<std::uint8_t> parts_of(const ShadowMemory& memory, RecordId record, std::uint32_t level, int group)
 {
     std::vector<std::uint8_t> states;
@@ -108,7 +108,7 @@ std::vector<std::uint8_t> parts_of(const ShadowMemory& memory, RecordId record, 
     return states;
 }
 
-TEST(ShadowMemory, WhatWasDroppedLeavesNothingBehind)
+TEST(ShadowMemory, EvictedRecordsLeaveNoStates)
 {
     for (const std::uint32_t level : {2u, 6u}) {
         ShadowMemory memory(100, 1, 64 << 10);
@@ -138,7 +138,7 @@ TEST(ShadowMemory, WhatWasDroppedLeavesNothingBehind)
     }
 }
 
-TEST(ShadowMemory, EvidenceIsFreedWhenItIsTaken)
+TEST(ShadowMemory, EvidenceIsFreedWhenTaken)
 {
     ShadowMemory memory(100, 5, 2 * 1000);
     ASSERT_TRUE(memory.create(7, 4, RimCodes{}));
@@ -161,8 +161,8 @@ TEST(ShadowMemory, EvidenceIsFreedWhenItIsTaken)
     EXPECT_NE(memory.evidence(8), nullptr);
 }
 
-// The slow twin: a whole pyramid, every part with a state of its own.
-struct WholePyramid {
+// The reference implementation: a full pyramid with a state for every part.
+struct FullPyramid {
     std::uint32_t level = 0;
     std::vector<std::uint8_t> states = {0};
 
@@ -198,39 +198,40 @@ struct WholePyramid {
     }
 };
 
-// Writes into both as judging does.
+// Writes into both as the certificates do.
 class BothMemories {
  public:
     BothMemories(std::uint32_t level, int lights) : memory_(10, lights, 4 << 20), lights_(lights)
     {
         memory_.create(3, level, RimCodes{});
-        twin_.resize(static_cast<std::size_t>(memory_.groups()));
-        for (WholePyramid& twin : twin_) twin.level = level, twin.states.assign(pyramid_size(level), 0);
+        reference_.resize(static_cast<std::size_t>(memory_.groups()));
+        for (FullPyramid& reference : reference_)
+            reference.level = level, reference.states.assign(pyramid_size(level), 0);
     }
 
-    // Goes down from the whole triangle: PARTIAL on the way, and something at the end.
+    // Descends from the whole triangle: PARTIAL on the way, and some state at the end.
     void learn(Random& random)
     {
         const int light = static_cast<int>(random.below(static_cast<std::uint32_t>(lights_)));
         const int group = light / k_lights_per_group, shift = 2 * (light % k_lights_per_group);
-        WholePyramid& twin = twin_[static_cast<std::size_t>(group)];
-        const std::uint32_t end = random.below(twin.level + 1);
+        FullPyramid& reference = reference_[static_cast<std::size_t>(group)];
+        const std::uint32_t end = random.below(reference.level + 1);
         MicroTriangle part;
         for (std::uint32_t k = 0;; ++k) {
-            const auto state = static_cast<ShadowState>((twin.at(part, k) >> shift) & 3);
+            const auto state = static_cast<ShadowState>((reference.at(part, k) >> shift) & 3);
             if (state == ShadowState::none || state == ShadowState::full) return;
             if (k == end && random.below(3) > 0) {
                 const ShadowState proven = random.below(2) ? ShadowState::none : ShadowState::full;
-                twin.fill(part, k, shift, proven);
+                reference.fill(part, k, shift, proven);
                 fill(part, k, group, shift, proven);
                 return;
             }
-            if (k < twin.level) {
+            if (k < reference.level) {
                 ASSERT_TRUE(memory_.open(3, part, k));
             }
-            twin.at(part, k) |= static_cast<std::uint8_t>(3u << shift);
+            reference.at(part, k) |= static_cast<std::uint8_t>(3u << shift);
             memory_.states(group)[memory_.address(3, part, k)] |= static_cast<std::uint8_t>(3u << shift);
-            if (k == end || k == twin.level) return;
+            if (k == end || k == reference.level) return;
             MicroTriangle child[4];
             children_of(part, child);
             part = child[random.below(4)];
@@ -238,9 +239,9 @@ class BothMemories {
     }
     void deepen(std::uint32_t level)
     {
-        if (level > twin_[0].level) {
+        if (level > reference_[0].level) {
             EXPECT_TRUE(memory_.deepen(3, level));
-            for (WholePyramid& twin : twin_) twin.deepen(level);
+            for (FullPyramid& reference : reference_) reference.deepen(level);
         }
     }
     void forget(int light, bool but_none)
@@ -249,24 +250,25 @@ class BothMemories {
             memory_.reopen(3, light);
         else
             memory_.forget_light(light);
-        twin_[static_cast<std::size_t>(light / k_lights_per_group)].forget(2 * (light % k_lights_per_group), but_none);
+        reference_[static_cast<std::size_t>(light / k_lights_per_group)].forget(2 * (light % k_lights_per_group),
+                                                                                but_none);
     }
 
     void expect_equal(Random& random) const
     {
-        const std::uint32_t level = twin_[0].level;
+        const std::uint32_t level = reference_[0].level;
         for (int g = 0; g < memory_.groups(); ++g) {
-            const std::vector<std::uint8_t>& whole = twin_[static_cast<std::size_t>(g)].states;
+            const std::vector<std::uint8_t>& whole = reference_[static_cast<std::size_t>(g)].states;
             EXPECT_EQ(parts_of(memory_, 3, level, g),
                       std::vector<std::uint8_t>(whole.begin() + pyramid_offset(level), whole.end()));
         }
-        // The way that look-ups go.
+        // Look it up as the renderer does.
         LookUp points;
         points.resize(50);
         const ShadowMemory::Place place = memory_.place(3);
         points.runs.push_back({0, place.begin, 0, 0, 1, static_cast<float>(1u << place.level), place.pieces});
         for (std::size_t p = 0; p < 50; ++p) {
-            // The middle of a part, where rounding has no say.
+            // Use the middle of a part, so that rounding has no effect.
             const MicroTriangle part = micro_at(random.below(1u << (2 * level)), level);
             glm::dvec2 corner[3];
             corners_of(part, level, corner);
@@ -276,11 +278,11 @@ class BothMemories {
         for (std::size_t p = 0; p < 50; ++p)
             for (int g = 0; g < memory_.groups(); ++g)
                 EXPECT_EQ(memory_.states(g)[points.slot[p]],
-                          twin_[static_cast<std::size_t>(g)]
+                          reference_[static_cast<std::size_t>(g)]
                               .states[pyramid_offset(level) + micro_index_at(points.uv[p].x, points.uv[p].y, level)]);
     }
     std::size_t bytes() const { return memory_.bytes(); }
-    std::size_t whole_bytes() const { return twin_.size() * twin_[0].states.size(); }
+    std::size_t whole_bytes() const { return reference_.size() * reference_[0].states.size(); }
 
  private:
     void fill(const MicroTriangle& part, std::uint32_t k, int group, int shift, ShadowState state)
@@ -295,10 +297,10 @@ class BothMemories {
 
     ShadowMemory memory_;
     int lights_;
-    std::vector<WholePyramid> twin_;   // by group
+    std::vector<FullPyramid> reference_;   // by group
 };
 
-TEST(ShadowMemory, SaysWhatAWholePyramidSays)
+TEST(ShadowMemory, EqualsAFullPyramid)
 {
     Random random(5);
     for (int round = 0; round < 60; ++round) {
@@ -314,8 +316,8 @@ TEST(ShadowMemory, SaysWhatAWholePyramidSays)
     }
 }
 
-// A shadow's edge across a large triangle costs pieces along it, not the whole pyramid.
-TEST(ShadowMemory, TakesRoomWhereItDiffers)
+// A shadow edge across a large triangle needs pieces along the edge, not the full pyramid.
+TEST(ShadowMemory, AllocatesOnlyWhereStatesDiffer)
 {
     Random random(6);
     BothMemories both(k_max_level, 1);
@@ -324,9 +326,9 @@ TEST(ShadowMemory, TakesRoomWhereItDiffers)
     both.expect_equal(random);
 }
 
-// A camera that looks around in a scene that asks for far more than it may have: never more than the bound, never
-// wrong, and still of use.
-TEST(ShadowMemory, BoundHoldsInUse)
+// A camera looks around in a scene that needs far more memory than the limit: the limit is never exceeded, no result is
+// wrong, and some are still found.
+TEST(ShadowMemory, StaysWithinItsLimit)
 {
     Random random(1);
     test::Stage stage;
@@ -347,13 +349,13 @@ TEST(ShadowMemory, BoundHoldsInUse)
     std::uint64_t remembered = 0;
     std::size_t fewest = everywhere.size();
     for (int frame = 0; frame < 40; ++frame) {
-        // A window that goes on every tenth frame.
+        // The visible window moves on every tenth frame.
         test::Rehearsal::Points seen;
         for (std::size_t i = 0; i < everywhere.size() / 4; ++i)
             seen.push_back(
                 everywhere[(i + static_cast<std::size_t>(frame / 10) * everywhere.size() / 5) % everywhere.size()]);
         rehearsal.advance(0);
-        const test::Outcome outcome = rehearsal.ask(seen);
+        const test::Outcome outcome = rehearsal.query(seen);
         EXPECT_EQ(outcome.wrong, 0u) << "frame " << frame;
         remembered += outcome.none + outcome.full;
         EXPECT_LE(rehearsal.culling().bytes(), options.memory + rehearsal.culling().visible_triangles() * 32);

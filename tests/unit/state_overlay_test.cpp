@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image of shadow states: where panels lie, which colours they have, what a renderer hands out.
+// The overlay of shadow states: panel layout, colours, and the image that a renderer returns.
 #include <gtest/gtest.h>
 
 #include "frame/state_overlay.h"
@@ -30,7 +30,7 @@ trace::StateMap map_of(Size size, int lights)
     return map;
 }
 
-TEST(StateOverlay, MarksAreToldApart)
+TEST(StateOverlay, MarksHaveDistinctColours)
 {
     std::vector<Rgb8> colors{frame::k_wrong_color, frame::k_wrong_behind_color};
     for (int m = 0; m < trace::k_state_marks; ++m) colors.push_back(cell_color({static_cast<StateMark>(m)}, 255));
@@ -38,7 +38,7 @@ TEST(StateOverlay, MarksAreToldApart)
         for (std::size_t b = 0; b < a; ++b) EXPECT_GT(difference(colors[a], colors[b]), 60) << a << " and " << b;
 }
 
-TEST(StateOverlay, WrongOverrulesEverything)
+TEST(StateOverlay, WrongOverridesAllOtherMarks)
 {
     for (int byte = 0; byte < 64; ++byte) {
         const StateCell cell = StateCell::of(static_cast<std::uint8_t>(byte));
@@ -50,14 +50,14 @@ TEST(StateOverlay, WrongOverrulesEverything)
     EXPECT_NE(cell_color({StateMark::none, true, false, false}, 255), cell_color({StateMark::none}, 255));
 }
 
-// Three bits hold eight marks, of which there are seven.
-TEST(StateOverlay, AMarkThatIsNoneIsAnInternalError)
+// Three bits encode eight marks, of which seven are in use.
+TEST(StateOverlay, InvalidMarkIsAnInternalError)
 {
     EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
     EXPECT_THROW(frame::state_color(static_cast<StateMark>(trace::k_state_marks)), InternalError);
 }
 
-TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
+TEST(StateOverlay, PanelsDoNotOverlap)
 {
     for (const Size size : {Size{1, 1}, Size{8, 3}, Size{65, 49}, Size{410, 20}})
         for (const int lights : {1, 2, 3, 6, 16})
@@ -67,7 +67,7 @@ TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
                 const Image8 image = frame::paint_states(map, titles, paper);
                 const Size whole = frame::overlay_size(size, static_cast<std::size_t>(lights), paper);
                 EXPECT_EQ((Size{image.width, image.height}), whole);
-                EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "videos want even sizes";
+                EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "videos need even sizes";
                 for (std::size_t p = 0; p < map.lights.size(); ++p) {
                     const frame::PanelPlace at = frame::panel_place(size, map.lights.size(), p);
                     ASSERT_LE(at.left + size.width, image.width);
@@ -82,7 +82,7 @@ TEST(StateOverlay, PanelsLieInTheirPlacesAndNothingOverlaps)
             }
 }
 
-TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
+TEST(StateOverlay, RendererReturnsItWithTheReportedSize)
 {
     const Scene scene = load("builtin:kinetic");
     for (const std::optional<int> light : {std::optional<int>(), std::optional<int>(2)}) {
@@ -97,7 +97,7 @@ TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
         EXPECT_EQ(image.size, image_size(scene, options));
         EXPECT_EQ(image.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
         EXPECT_EQ(image.layers.size(), 1u);
-        // Colours come out as they were painted.
+        // The colours are exactly those that were drawn.
         const std::vector<std::uint8_t> bytes = image.to_srgb8();
         const Rgb8 legend = frame::state_color(StateMark::none);
         const auto found = std::search(bytes.begin(), bytes.end(), legend.begin(), legend.end());
@@ -105,7 +105,7 @@ TEST(StateOverlay, RendererGivesItToTheByteAndSaysItsSize)
     }
 }
 
-TEST(StateOverlay, RefusesWhatCannotBeShown)
+TEST(StateOverlay, RefusesUnsupportedOptions)
 {
     RenderOptions options;
     options.size = {60, 40};

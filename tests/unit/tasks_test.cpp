@@ -18,15 +18,16 @@
 namespace gnomon {
 namespace {
 
-// None of these locks or uses atomics: what for_each orders must be enough, and ThreadSanitizer is asked whether it is.
+// None of these tests locks or uses atomics: the ordering that for_each guarantees must suffice, and ThreadSanitizer
+// checks it.
 
-TEST(Tasks, EveryIndexRunsOnceAndSeesWhatCameBefore)
+TEST(Tasks, EveryIndexRunsOnceAndSeesEarlierLoops)
 {
     for (const int threads : {1, 2, 3, 8}) {
         Tasks tasks(threads);
         std::vector<int> before(1000, 0), now(1000, 0);
         for (int loop = 1; loop <= 5; ++loop) {
-            // Each reads what another body of the loop before wrote.
+            // Each body reads a value that another body of the previous loop wrote.
             tasks.for_each(now.size(), [&](std::size_t i, int) { now[i] = before[now.size() - 1 - i] + 1; });
             EXPECT_EQ(now, std::vector<int>(now.size(), loop)) << threads << " threads";
             std::swap(before, now);
@@ -34,7 +35,7 @@ TEST(Tasks, EveryIndexRunsOnceAndSeesWhatCameBefore)
     }
 }
 
-TEST(Tasks, AWorkerRunsOneBodyAtATime)
+TEST(Tasks, EachWorkerRunsOneBodyAtATime)
 {
     Tasks tasks(4);
     std::vector<std::size_t> sums(4, 0);
@@ -48,7 +49,7 @@ TEST(Tasks, AWorkerRunsOneBodyAtATime)
     EXPECT_EQ(std::accumulate(sums.begin(), sums.end(), std::size_t{0}), std::size_t{50} * (199 * 200 / 2));
 }
 
-TEST(Tasks, TwoCallersAtOnceDoNotMeet)
+TEST(Tasks, ConcurrentCallersAreIndependent)
 {
     Tasks tasks(3);
     std::vector<int> first(500, 0), second(500, 0);
@@ -63,7 +64,7 @@ TEST(Tasks, TwoCallersAtOnceDoNotMeet)
     EXPECT_EQ(second, first);
 }
 
-TEST(Tasks, WhatABodyThrowsReachesTheCallerWithWhatWasDone)
+TEST(Tasks, ExceptionReachesTheCallerAfterFinishedWork)
 {
     Tasks tasks(3);
     std::vector<int> runs(64, 0);
@@ -79,7 +80,7 @@ TEST(Tasks, WhatABodyThrowsReachesTheCallerWithWhatWasDone)
 }
 
 #if defined(GNOMON_SANITIZED_THREAD)
-// What for_each says of its order, and what is suppressed of oneTBB, must not hide a race between two of its bodies.
+// The ordering annotations of for_each and the suppressions for oneTBB must not hide a race between two of its bodies.
 template <class Touch>
 void race(const Touch& touch)
 {
@@ -87,7 +88,7 @@ void race(const Touch& touch)
     std::atomic<int> arrived = 0;
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     tasks.for_each(2, [&](std::size_t, int) {
-        arrived.fetch_add(1, std::memory_order_relaxed);   // orders nothing
+        arrived.fetch_add(1, std::memory_order_relaxed);   // relaxed: orders nothing
         while (arrived.load(std::memory_order_relaxed) < 2 && std::chrono::steady_clock::now() < patience)
             std::this_thread::yield();
         touch();
@@ -95,12 +96,12 @@ void race(const Touch& touch)
     std::exit(0);
 }
 
-TEST(TasksDeathTest, ThreadSanitizerSeesBodiesThatRace)
+TEST(TasksDeathTest, ThreadSanitizerDetectsRacesBetweenBodies)
 {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     int shared = 0;
     EXPECT_EXIT(race([&] { ++shared; }), testing::ExitedWithCode(66), "ThreadSanitizer: data race");
-    // By a function of the system's library, too.
+    // Also through a function of the C library.
     std::vector<char> bytes(4096);
     EXPECT_EXIT(race([&] { std::fill(bytes.begin(), bytes.end(), '\1'); }), testing::ExitedWithCode(66),
                 "ThreadSanitizer: data race(.|\n)*memset");

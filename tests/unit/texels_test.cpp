@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texels of many points at a time against their twin for one point.
+// Vectorised texel addresses against the scalar reference implementation.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,7 +9,7 @@
 namespace gnomon::shadow_culling {
 namespace {
 
-TEST(Texels, ManyPointsAsOne)
+TEST(Texels, VectorisedTexelsEqualScalarOnes)
 {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> any(-3, 3);
@@ -56,7 +56,7 @@ TEST(Texels, ManyPointsAsOne)
         }
 }
 
-TEST(Texels, DepthsAreComparedWithWhatLiesOver)
+TEST(Texels, ComparesDepthsWithTheTexelAbove)
 {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> unit(0, 1);

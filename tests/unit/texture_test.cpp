@@ -34,7 +34,7 @@ TEST(Texture, RepeatsFarFromTheOrigin)
     }
 }
 
-TEST(Texture, WrapModes)
+TEST(Texture, HonoursWrapModes)
 {
     Sampler sampler;
     sampler.magnify = Filter::nearest;
@@ -49,13 +49,13 @@ TEST(Texture, WrapModes)
 TEST(Texture, FiltersInLinearLight)
 {
     const Texture texture("t", four_texels(), true, {});
-    // The middle of a black and a red texel is half of red in linear light, not in sRGB.
+    // Between a black and a red texel lies half of red in linear light, not in sRGB.
     EXPECT_NEAR(texture.sample({0.5f, 0.25f}, 0).x, 0.5f, 1e-6f);
-    // The coarsest level is the mean of all, to the rounding of 8 bits.
+    // The coarsest level is the mean of all texels, to the precision of 8 bits.
     EXPECT_NEAR(texture.sample({0.3f, 0.9f}, 1000).y, 0.5f, 0.005f);
 }
 
-TEST(Texture, CutAwayColourDoesNotBleed)
+TEST(Texture, TransparentColourDoesNotBleed)
 {
     Image8 image(2, 1, 4);
     const std::uint8_t bytes[] = {255, 0, 0, 0, 0, 255, 0, 255};
@@ -67,7 +67,7 @@ TEST(Texture, CutAwayColourDoesNotBleed)
     EXPECT_NEAR(coarse.w, 0.5f, 0.003f);
 }
 
-TEST(Texture, SurvivesCoordinatesThatAreNoNumbers)
+TEST(Texture, SurvivesNonFiniteCoordinates)
 {
     const Texture texture("t", four_texels(), true, {});
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -76,7 +76,7 @@ TEST(Texture, SurvivesCoordinatesThatAreNoNumbers)
             EXPECT_TRUE(is_finite(glm::vec3(texture.sample(uv, footprint))));
 }
 
-TEST(TextureUse, TransformsAsGltfSays)
+TEST(TextureUse, TransformsAsGltfSpecifies)
 {
     TextureUse use;
     use.offset = {0.1f, 0.2f};

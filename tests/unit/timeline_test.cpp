@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips at other rates.
+// Clips at other frame rates.
 #include <gtest/gtest.h>
 
 #include "gnomon/error.h"
@@ -17,12 +17,12 @@ scene::Timeline clip(double end)
     return timeline;
 }
 
-TEST(Timeline, AtAnotherRate)
+TEST(Timeline, CountsFramesAtAnotherRate)
 {
     EXPECT_EQ(clip(2).at_rate(10).frames, 21);
     EXPECT_EQ(clip(2).at_rate(0.1).frames, 1);
     EXPECT_EQ(clip(0).at_rate(1000).frames, 1);
-    // A clip shorter than a frame has frames at a higher rate.
+    // A clip shorter than a frame has more frames at a higher rate.
     EXPECT_EQ(clip(0.04).frames, 1);
     EXPECT_EQ(clip(0.04).at_rate(1000).frames, 41);
     scene::Timeline own = clip(2);
@@ -31,7 +31,7 @@ TEST(Timeline, AtAnotherRate)
     EXPECT_EQ(own.at_rate(1000).fps, 1000);
 }
 
-TEST(Timeline, MoreFramesThanCanBeCounted)
+TEST(Timeline, LimitsTheNumberOfFrames)
 {
     for (const double end : {3e6, 1e9, 3e38}) {
         EXPECT_EQ(clip(end).at_rate(1000).frames, scene::k_most_frames) << end;

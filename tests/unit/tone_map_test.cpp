@@ -14,13 +14,13 @@ namespace {
 
 constexpr ToneMap k_all[] = {ToneMap::none, ToneMap::neutral, ToneMap::agx, ToneMap::aces};
 
-TEST(ToneMap, RisesAlongTheGreysAndStaysInRange)
+TEST(ToneMap, IsMonotonicForGreysAndStaysInRange)
 {
     for (const ToneMap curve : k_all) {
         float before = -1;
         for (float stop = -12; stop < 10; stop += 0.05f) {
             const glm::vec3 shown = tone_map(curve, glm::vec3(std::exp2(stop)));
-            // The fits of AgX and ACES leave a grey grey up to the rounding of their matrices.
+            // The fits of AgX and ACES keep greys neutral up to the rounding of their matrices.
             EXPECT_NEAR(shown.x, shown.y, 1e-3f);
             EXPECT_NEAR(shown.x, shown.z, 1e-3f);
             EXPECT_GE(shown.y, before - 1e-6f) << "curve " << static_cast<int>(curve) << " at " << stop << " stops";
@@ -32,11 +32,11 @@ TEST(ToneMap, RisesAlongTheGreysAndStaysInRange)
     }
 }
 
-TEST(ToneMap, NeutralTakesOffTheReflectionAndNothingElseBelowTheShoulder)
+TEST(ToneMap, NeutralSubtractsOnlyTheReflectionBelowTheShoulder)
 {
     for (const float grey : {0.1f, 0.18f, 0.4f, 0.79f})
         EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(grey)).x, grey - 0.04f, 1e-6f);
-    // Colour differences survive as well.
+    // Colour differences are preserved as well.
     const glm::vec3 shown = tone_map(ToneMap::neutral, {0.5f, 0.3f, 0.2f});
     EXPECT_NEAR(shown.x - shown.y, 0.2f, 1e-6f);
     EXPECT_NEAR(shown.y - shown.z, 0.1f, 1e-6f);
@@ -48,16 +48,16 @@ TEST(ToneMap, NeutralFollowsItsFormulaAboveTheShoulder)
     EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(2)).x, 1 - 0.0576f / 1.44f, 1e-6f);
 }
 
-TEST(ToneMap, KnownValuesOfTheFits)
+TEST(ToneMap, FitsEqualKnownValues)
 {
     // Hill's rational function at 0.18: (0.18 * 0.2045786 - 0.000090537) / (0.18 * (0.983729 * 0.18 + 0.432951) +
     // 0.238081)
     EXPECT_NEAR(tone_map(ToneMap::aces, glm::vec3(0.18f)).y, 0.10557f, 2e-4f);
-    // AgX shows middle grey as middle grey, within its look.
+    // AgX maps middle grey to middle grey, within its look.
     EXPECT_NEAR(tone_map(ToneMap::agx, glm::vec3(0.18f)).y, 0.18f, 0.04f);
 }
 
-TEST(ToneMap, SurvivesWhatIsNoColour)
+TEST(ToneMap, SurvivesNonFiniteColours)
 {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const ToneMap curve : k_all) {
@@ -71,7 +71,7 @@ TEST(ToneMap, SurvivesWhatIsNoColour)
     }
 }
 
-TEST(AutoExposure, BringsGreyToMiddleGrey)
+TEST(AutoExposure, MapsGreyToMiddleGrey)
 {
     for (const float light : {1e-5f, 0.18f, 3.0f, 2e4f}) {
         const std::vector<float> rgb(3 * 1000, light);
@@ -90,7 +90,7 @@ TEST(AutoExposure, IgnoresUnlitPixelsAndFewBrightOnes)
     EXPECT_NEAR(auto_exposure(rgb), alone, 0.01);
 }
 
-TEST(AutoExposure, DoesNotDependOnThePlaceOfPixels)
+TEST(AutoExposure, DoesNotDependOnPixelPositions)
 {
     Random random(7);
     std::vector<float> rgb;
@@ -103,7 +103,7 @@ TEST(AutoExposure, DoesNotDependOnThePlaceOfPixels)
     EXPECT_EQ(auto_exposure(turned), forward);
 }
 
-TEST(AutoExposure, IsSaneForExtremes)
+TEST(AutoExposure, IsFiniteForExtremes)
 {
     EXPECT_EQ(auto_exposure({}), 0.0);
     EXPECT_EQ(auto_exposure(std::vector<float>(300, 0.0f)), 0.0);
@@ -124,7 +124,7 @@ TEST(EncodeSrgb8, RoundsExactly)
     int off = 0;
     for (std::size_t i = 0; i < rgb.size(); ++i) {
         const long expected = std::lround(255.0f * srgb_from_linear(std::clamp(rgb[i], 0.0f, 1.0f)));
-        // The two ways to round may part at a tie in the last bit of a float.
+        // The two roundings may differ at a tie in the last bit of a float.
         ASSERT_LE(std::abs(expected - bytes[i]), 1) << rgb[i];
         off += expected != bytes[i];
     }

@@ -24,7 +24,7 @@ std::string bytes_of(const fs::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// A square that walks over a ramp; sides are odd, and names hold what a shell or a pattern would trip over.
+// A square that moves over a ramp; sizes are odd, and names contain characters special to a shell or a pattern.
 std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
 {
     std::vector<fs::path> frames;
@@ -41,7 +41,7 @@ std::vector<fs::path> make_frames(const test::ScratchFolder& folder, int count)
     return frames;
 }
 
-// What `ffprobe` says about a video.
+// The output of `ffprobe` for a video.
 std::string probe(const fs::path& video, const std::string& entries)
 {
     video::Process ffprobe({"ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=" + entries, "-of",
@@ -65,7 +65,7 @@ void expect_no_video(const test::ScratchFolder& folder)
         EXPECT_EQ(entry.path().extension(), ".png") << entry.path();
 }
 
-TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
+TEST(VideoEncoder, WritesAllFramesAtTheFrameRateAndIsRepeatable)
 {
     if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
@@ -79,7 +79,7 @@ TEST(Video, HoldsAllFramesAtItsRateAndIsRepeatable)
     EXPECT_LT(video.find("moov"), video.find("mdat")) << "the index comes first, so that players can start at once";
 }
 
-TEST(Video, OneFrameIsAVideoToo)
+TEST(VideoEncoder, EncodesASingleFrame)
 {
     if (!video::have_ffmpeg()) GTEST_SKIP() << "no ffmpeg";
     test::ScratchFolder folder;
@@ -87,7 +87,7 @@ TEST(Video, OneFrameIsAVideoToo)
     EXPECT_EQ(probe(folder / "one.mp4", "nb_read_frames"), "1\n");
 }
 
-TEST(Video, WithoutFfmpegSaysSo)
+TEST(VideoEncoder, ReportsMissingFfmpeg)
 {
     test::ScratchFolder folder;
     const std::vector<fs::path> frames = make_frames(folder, 2);
@@ -97,7 +97,7 @@ TEST(Video, WithoutFfmpegSaysSo)
     expect_no_video(folder);
 }
 
-// Stands in for ffmpeg with a script of one line.
+// Replaces ffmpeg by a script of one line.
 void install_script(const fs::path& folder, const std::string& line)
 {
     const fs::path program = folder / "ffmpeg";
@@ -122,7 +122,7 @@ std::string failure_with(const std::string& line)
     return message;
 }
 
-TEST(Video, AFailingFfmpegIsQuoted)
+TEST(VideoEncoder, QuotesAFailingFfmpeg)
 {
     EXPECT_NE(failure_with("echo no room >&2; echo >&2; echo 'Conversion failed!' >&2; exit 1").find("no room"),
               std::string::npos);
@@ -131,22 +131,22 @@ TEST(Video, AFailingFfmpegIsQuoted)
     EXPECT_NE(failure_with("kill -9 $$").find("signal 9"), std::string::npos);
 }
 
-TEST(Video, CanBeInterrupted)
+TEST(VideoEncoder, CanBeInterrupted)
 {
     test::ScratchFolder folder, programs;
     const std::vector<fs::path> frames = make_frames(folder, 3);
     install_script(programs.path(), "exec sleep 60");
     const ScopedPath path(programs.path().string() + ":/usr/bin:/bin");
-    int asked = 0;
-    EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++asked < 20; }),
+    int calls = 0;
+    EXPECT_THROW(video::encode_video(frames, 24, folder / "a.mp4", [&](const ProgressStep&) { return ++calls < 20; }),
                  InterruptedError);
     expect_no_video(folder);
     // Before the rendering, too.
-    asked = 0;
-    EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++asked < 20; }), InterruptedError);
+    calls = 0;
+    EXPECT_THROW(video::have_ffmpeg([&](const ProgressStep&) { return ++calls < 20; }), InterruptedError);
 }
 
-TEST(Process, ADeadProgramIsNoSignal)
+TEST(Process, WritingToAnEndedProgramReturnsFalse)
 {
     video::Process program({"true"});
     const std::vector<std::uint8_t> much(1 << 22, 'x');
@@ -154,7 +154,7 @@ TEST(Process, ADeadProgramIsNoSignal)
     EXPECT_EQ(program.wait(), 0);
 }
 
-TEST(Process, ArgumentsArePassedAsTheyAre)
+TEST(Process, PassesArgumentsUnchanged)
 {
     video::Process program({"printf", "%s|", "a b", "$(x)", "'", ""});
     EXPECT_EQ(program.wait(), 0);
@@ -162,7 +162,7 @@ TEST(Process, ArgumentsArePassedAsTheyAre)
     EXPECT_THROW(video::Process({"no-such-program-anywhere"}), MissingError);
 }
 
-TEST(Process, ReadsWhatItIsFed)
+TEST(Process, PassesInputToTheProgram)
 {
     video::Process program({"wc", "-c"});
     const std::vector<std::uint8_t> much(1 << 20, 'x');

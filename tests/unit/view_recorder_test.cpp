@@ -31,7 +31,7 @@ struct RecorderTest : testing::Test {
     const test::ScopedVariable place{"TMPDIR", temporary.path().string()};
 };
 
-TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoVideoComesOfThem)
+TEST_F(RecorderTest, RemovesItsFramesIfNoVideoIsMade)
 {
     {
         Recorder recorder;
@@ -43,13 +43,13 @@ TEST_F(RecorderTest, LeavesNoFramesBehindWhenNoVideoComesOfThem)
         }
         EXPECT_THROW(recorder.finish(), MissingError);
         EXPECT_TRUE(fs::is_empty(temporary.path()));
-        ASSERT_EQ(recorder.start(24), "");   // nobody stops this one
+        ASSERT_EQ(recorder.start(24), "");   // not stopped explicitly
         recorder.add(Image8(8, 6, 3));
     }
     EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
-TEST_F(RecorderTest, AVideosImagesAreOfOneSize)
+TEST_F(RecorderTest, RefusesImagesOfAnotherSize)
 {
     Recorder recorder;
     ASSERT_EQ(recorder.start(24), "");
@@ -58,13 +58,13 @@ TEST_F(RecorderTest, AVideosImagesAreOfOneSize)
     EXPECT_TRUE(recorder.add(Image8(8, 6, 3)));
 }
 
-// Memory would fill with images that come faster than they are written.
-TEST_F(RecorderTest, SaysWhenItIsBehind)
+// Memory would fill up with images that arrive faster than they are written.
+TEST_F(RecorderTest, ReportsWhenItIsBehind)
 {
     Recorder recorder;
     EXPECT_FALSE(recorder.behind());
     ASSERT_EQ(recorder.start(24), "");
-    // Noise takes a hundred times longer to be packed than to be handed over.
+    // Encoding noise takes a hundred times longer than handing it over.
     Image8 noise(800, 400, 3);
     std::minstd_rand random(1);
     for (std::uint8_t& byte : noise.data) byte = static_cast<std::uint8_t>(random() >> 8);

@@ -74,7 +74,7 @@ bool same(const std::shared_ptr<const ViewImage>& a, const std::shared_ptr<const
     return a && b && a->image.data == b->image.data;
 }
 
-TEST(ViewSession, AHandOnWhatTheSceneDoesNotHaveHoldsNothing)
+TEST(ViewSession, IgnoresUserOverridesOfMissingNodes)
 {
     ViewSession session(1);
     load(session);
@@ -89,7 +89,7 @@ TEST(ViewSession, AHandOnWhatTheSceneDoesNotHaveHoldsNothing)
 }
 
 // Hidden by its parent's scale of 0 when it was taken.
-TEST(ViewSession, AHandOnWhatIsSqueezedToNothingHoldsItStill)
+TEST(ViewSession, UserOverrideOfASingularTransformHoldsTheObject)
 {
     const test::ScratchFolder folder;
     std::ofstream(folder / "grows.gltf")
@@ -123,7 +123,7 @@ TEST(ViewSession, AHandOnWhatIsSqueezedToNothingHoldsItStill)
 }
 
 // A request that was made for the scene before comes after the next one was loaded.
-TEST(ViewSession, HandsPicksAndCamerasOfAnotherSceneAreNotThisOnes)
+TEST(ViewSession, IgnoresRequestsMadeForAnotherScene)
 {
     ViewSession session(1);
     load(session);
@@ -144,7 +144,7 @@ TEST(ViewSession, HandsPicksAndCamerasOfAnotherSceneAreNotThisOnes)
     EXPECT_TRUE(same(after, finished(session, at(0))));
 }
 
-TEST(ViewSession, BouncedLightFollowsWhatMovesUnderTheOverlay)
+TEST(ViewSession, IndirectLightFollowsMotionUnderTheOverlay)
 {
     ViewSession session(1), fresh(1);
     load(session), load(fresh);
@@ -155,7 +155,7 @@ TEST(ViewSession, BouncedLightFollowsWhatMovesUnderTheOverlay)
     EXPECT_TRUE(same(finished(session, at(0.8)), finished(fresh, at(0.8))));
 }
 
-TEST(ViewSession, TheOverlayDoesNotWaitForBouncedLight)
+TEST(ViewSession, OverlayDoesNotWaitForIndirectLight)
 {
     ViewSession session(1, k_few_rays);
     load(session);
@@ -169,7 +169,7 @@ TEST(ViewSession, TheOverlayDoesNotWaitForBouncedLight)
     EXPECT_TRUE(finished(session, at(0))->complete);
 }
 
-TEST(ViewSession, OverlaysSayWhereTheViewLies)
+TEST(ViewSession, OverlaysReportTheirViewRectangle)
 {
     ViewSession session(1);
     load(session);
@@ -193,7 +193,7 @@ TEST(ViewSession, OverlaysSayWhereTheViewLies)
     EXPECT_NE(tone(x, end.y - 1), paper);
 }
 
-TEST(ViewSession, ARequestOvertakesTheRefiningOfTheOneBefore)
+TEST(ViewSession, NewRequestInterruptsRefinement)
 {
     ViewSession session(1, k_few_rays);
     load(session);
@@ -217,7 +217,7 @@ TEST(ViewSession, ARequestOvertakesTheRefiningOfTheOneBefore)
     EXPECT_TRUE(next->picked) << "the answer came with an image that nobody may have taken";
 }
 
-TEST(ViewSession, AWholeFrameIsTheRefinedOneAtOnce)
+TEST(ViewSession, WholeFrameEqualsTheRefinedOne)
 {
     ViewSession session(1, k_few_rays), other(1, k_few_rays);
     load(session), load(other);
@@ -232,7 +232,7 @@ TEST(ViewSession, AWholeFrameIsTheRefinedOneAtOnce)
     EXPECT_EQ(whole->number, 1u);
 }
 
-TEST(ViewSession, RoomForRememberedLightIsWhatIsAskedForNow)
+TEST(ViewSession, CacheMemoryFollowsTheCurrentRequest)
 {
     ViewSession session(1);
     load(session);
@@ -248,7 +248,7 @@ TEST(ViewSession, RoomForRememberedLightIsWhatIsAskedForNow)
 }
 
 #ifdef GNOMON_VULKAN
-TEST(ViewSession, TheDeviceGathersBouncedLightWhereThatIsAskedFor)
+TEST(ViewSession, GathersIndirectLightOnTheDeviceIfRequested)
 {
     ViewSession session(1);
     load(session);
@@ -263,7 +263,7 @@ TEST(ViewSession, TheDeviceGathersBouncedLightWhereThatIsAskedFor)
 }
 #endif
 
-TEST(ViewSession, TheErrorOfAFrameGoesWithTheNextGoodOne)
+TEST(ViewSession, FrameErrorIsClearedByTheNextGoodFrame)
 {
     ViewSession session(1);
     load(session);
@@ -281,7 +281,7 @@ TEST(ViewSession, TheErrorOfAFrameGoesWithTheNextGoodOne)
     EXPECT_EQ(session.load_state().failed, 0u);
 }
 
-TEST(ViewSession, ACameraThatIsNotThereFailsTheFrameAndOfTheSceneBeforeIsNotAsked)
+TEST(ViewSession, MissingCameraFailsTheFrameOfItsOwnSceneOnly)
 {
     ViewSession session(1);
     load(session);

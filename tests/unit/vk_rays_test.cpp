@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tracing rays on the device: what is found about it, structures, the any-hit shader, masks of instances, rebuilding.
+// Tracing rays on the device: feature detection, acceleration structures, the any-hit shader, instance masks,
+// rebuilding.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -21,16 +22,16 @@ constexpr std::uint32_t k_miss[] =
 constexpr std::uint32_t k_any_hit[] =
 #include "shaders/rays.rahit.inc"
     ;
-constexpr std::uint32_t k_side = 16;   // rays
+constexpr std::uint32_t k_side = 16;   // rays per side
 
 class VulkanRays : public VulkanTest {};
 
-// Two triangles, each with a structure of its own, and a top level over both.
+// Two triangles, each with a BLAS of its own, and a TLAS over both.
 struct Stage {
     explicit Stage(const std::shared_ptr<vk::Device>& the_device, bool masked)
         : device(the_device), commands(the_device)
     {
-        // The left lower half of a unit square, and the right upper one.
+        // The lower left half of a unit square, and the upper right one.
         const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
         const std::uint32_t numbers[] = {0, 1, 2, 3, 2, 1};
         positions = vk::Buffer(device, "positions", sizeof corners);
@@ -78,7 +79,7 @@ struct Stage {
                                                     .blocks = {{"", sizeof(std::uint32_t), {}}}});
     }
 
-    // Places both, moved along x, and builds the top level.
+    // Translates both along x, and builds the TLAS.
     void place(const float (&x)[2])
     {
         VkAccelerationStructureInstanceKHR list[2]{};
@@ -102,8 +103,8 @@ struct Stage {
             });
     }
 
-    // What the grid of rays meets, as text: rows from y = 0 on.
-    std::string ask(std::uint32_t mask)
+    // The hits of the ray grid as text: rows from y = 0 on.
+    std::string trace_grid(std::uint32_t mask)
     {
         commands.pass("trace")
             .reads(top.storage(), vk::Use::traced)
@@ -135,7 +136,7 @@ struct Stage {
     vk::Pipeline pipeline;
 };
 
-// The same grid, by hand: whether a function of the place holds. Places on the diagonal belong to either triangle.
+// The expected grid from a predicate on the position. Positions on the diagonal belong to either triangle.
 template <class Impl>
 void expect_grid(const std::string& answers, const Impl& inside)
 {
@@ -153,41 +154,41 @@ void expect_grid(const std::string& answers, const Impl& inside)
     GTEST_SKIP() << "the device '" << device_->info().name << "' traces no rays: it lacks " \
                  << device_->info().no_rays.front()
 
-TEST_F(VulkanRays, MasksOfInstancesAndTriangles)
+TEST_F(VulkanRays, HonoursMasksOfInstances)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
     stage.place({0, 0});
-    expect_grid(stage.ask(1), [](float u, float v) { return u + v < 1; });
-    expect_grid(stage.ask(2), [](float u, float v) { return u + v > 1; });
-    expect_grid(stage.ask(3), [](float, float) { return true; });
-    expect_grid(stage.ask(4), [](float, float) { return false; });
+    expect_grid(stage.trace_grid(1), [](float u, float v) { return u + v < 1; });
+    expect_grid(stage.trace_grid(2), [](float u, float v) { return u + v > 1; });
+    expect_grid(stage.trace_grid(3), [](float, float) { return true; });
+    expect_grid(stage.trace_grid(4), [](float, float) { return false; });
 }
 
-TEST_F(VulkanRays, TheAnyHitShaderLetsRaysPass)
+TEST_F(VulkanRays, AnyHitShaderLetsRaysPass)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, true);
     stage.place({0, 0});
     // The second corners are (1, 0) and (0, 1).
-    expect_grid(stage.ask(1), [](float u, float v) { return u + v < 1 && u <= 0.5f; });
-    expect_grid(stage.ask(2), [](float u, float v) { return u + v > 1 && 1 - u <= 0.5f; });
+    expect_grid(stage.trace_grid(1), [](float u, float v) { return u + v < 1 && u <= 0.5f; });
+    expect_grid(stage.trace_grid(2), [](float u, float v) { return u + v > 1 && 1 - u <= 0.5f; });
 }
 
-// The next trace waits for the next build: what moved is met where it is now.
-TEST_F(VulkanRays, TheTopLevelIsBuiltAnew)
+// The next trace waits for the next build: moved triangles are hit at their new places.
+TEST_F(VulkanRays, TraceWaitsForTheRebuiltTlas)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
     stage.place({0, 0});
-    stage.ask(3);
+    stage.trace_grid(3);
     stage.place({4, 0});
-    expect_grid(stage.ask(3), [](float u, float v) { return u + v > 1; });
+    expect_grid(stage.trace_grid(3), [](float u, float v) { return u + v > 1; });
     stage.place({0, -3});
-    expect_grid(stage.ask(3), [](float u, float v) { return u + v < 1; });
+    expect_grid(stage.trace_grid(3), [](float u, float v) { return u + v < 1; });
 }
 
-TEST_F(VulkanRays, ReflectionKnowsRayStages)
+TEST_F(VulkanRays, ReflectsRayStages)
 {
     const vk::Reflection generation = vk::reflect({"rays.rgen", k_generation}),
                          miss = vk::reflect({"rays.rmiss", k_miss}), any_hit = vk::reflect({"rays.rahit", k_any_hit});
@@ -203,8 +204,8 @@ TEST_F(VulkanRays, ReflectionKnowsRayStages)
     EXPECT_EQ(any_hit.bindings[0].binding, 2u);
 }
 
-// Builds and traces wait for what they read, and for what works in the same scratch memory.
-TEST(VulkanBarriers, BuildsAndTracesAreWaitedFor)
+// Builds and traces wait for what they read, and for earlier users of the same scratch memory.
+TEST(VulkanBarriers, OrderBuildsAndTraces)
 {
     const VkPipelineStageFlags2 tracing = VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR;
     const VkPipelineStageFlags2 building = VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
@@ -235,8 +236,8 @@ TEST(VulkanBarriers, BuildsAndTracesAreWaitedFor)
     ASSERT_TRUE(vk::follow(scratch, use(vk::Use::build_target), false));
 }
 
-// A device without the extensions is as good for all else, and says what it lacks.
-TEST_F(VulkanRays, ADeviceMayTraceNone)
+// A device without the extensions works otherwise, and reports what it lacks.
+TEST_F(VulkanRays, AcceptsADeviceWithoutRayTracing)
 {
     static PFN_vkEnumerateDeviceExtensionProperties real;
     real = vkEnumerateDeviceExtensionProperties;
@@ -256,8 +257,8 @@ TEST_F(VulkanRays, ADeviceMayTraceNone)
     EXPECT_THROW(buffer.address(), InternalError);
 }
 
-// What a build reads or writes must be declared, as everything else.
-TEST_F(VulkanRays, UndeclaredUsesAreCaught)
+// The inputs and outputs of a build must be declared, as for all passes.
+TEST_F(VulkanRays, RefusesUndeclaredUses)
 {
     GNOMON_NEED_RAYS;
     Stage stage(device_, false);
@@ -280,7 +281,7 @@ TEST_F(VulkanRays, UndeclaredUsesAreCaught)
 }   // namespace
 }   // namespace gnomon::test
 #else
-TEST(VulkanRays, LeftOut)
+TEST(VulkanRays, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -31,7 +31,7 @@ const vk::ShaderCode k_double_code{"double.comp", k_double};
 struct Limits {
     std::uint32_t count, factor;
 };
-// std430 puts a float into a vec3's fourth place.
+// std430 puts a float into the fourth component of a vec3.
 struct Item {
     float place[3];
     float weight;
@@ -40,7 +40,7 @@ struct Item {
 
 class Vulkan : public VulkanTest {};
 
-// The text of what a call throws, which must be of that type.
+// The message of the exception that a call throws, which must have the given type.
 template <class Wanted, class Call>
 std::string thrown(const Call& call)
 {
@@ -49,10 +49,10 @@ std::string thrown(const Call& call)
     } catch (const Wanted& error) {
         return error.what();
     } catch (const std::exception& error) {
-        ADD_FAILURE() << "of another type: " << error.what();
+        ADD_FAILURE() << "another type of exception: " << error.what();
         return error.what();
     }
-    ADD_FAILURE() << "nothing was thrown";
+    ADD_FAILURE() << "no exception";
     return "";
 }
 
@@ -61,7 +61,7 @@ bool has(const std::string& text, const std::string& part)
     return text.find(part) != std::string::npos;
 }
 
-TEST_F(Vulkan, DevicesAreListedWithReasons)
+TEST_F(Vulkan, ListsDevicesWithReasons)
 {
     const auto devices = device_->instance().devices();
     ASSERT_FALSE(devices.empty());
@@ -70,7 +70,7 @@ TEST_F(Vulkan, DevicesAreListedWithReasons)
     for (const vk::DeviceInfo& device : devices) EXPECT_FALSE(device.reasons.empty()) << device.name;
 }
 
-TEST_F(Vulkan, ReflectionKnowsBindingsSizesAndOffsets)
+TEST_F(Vulkan, ReflectsBindingsSizesAndOffsets)
 {
     const vk::Reflection r = vk::reflect(k_double_code);
     EXPECT_EQ(r.local_size[0], 64u);
@@ -85,14 +85,14 @@ TEST_F(Vulkan, ReflectionKnowsBindingsSizesAndOffsets)
     const std::string items = r.bindings[2].name;
     check({"", sizeof(Limits), {{"factor", offsetof(Limits, factor)}}});
     check({items, sizeof(Item), {{"weight", offsetof(Item, weight)}, {"flags", offsetof(Item, flags)}}});
-    // Every way of differing is found.
+    // Every kind of mismatch is found.
     EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item) + 4, {}}); }), "36 on the host"));
     EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item), {{"flags", 12}}}); }), "'flags' is at 16"));
     EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item), {{"flag", 16}}}); }), "no member 'flag'"));
     EXPECT_TRUE(has(thrown<InternalError>([&] { check({"elsewhere", 4, {}}); }), "no such binding"));
 }
 
-TEST_F(Vulkan, ComputesWhatWasUploadedAndReadsItBack)
+TEST_F(Vulkan, ComputesOnUploadedDataAndReadsItBack)
 {
     const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
     std::vector<std::uint32_t> numbers(1000);
@@ -104,7 +104,7 @@ TEST_F(Vulkan, ComputesWhatWasUploadedAndReadsItBack)
     const vk::Upload uploads[] = {vk::upload_of(source, std::span<const std::uint32_t>(numbers)),
                                   vk::upload_of(items, std::span<const Item>(&item, 1))};
     commands.upload("numbers", uploads);
-    // Twice, the second time from the first's result: the barrier between is the builder's.
+    // Run twice, the second time on the first's result: the barrier in between comes from the declared uses.
     const vk::Buffer* from = &source;
     const vk::Buffer* to = &target;
     for (int turn = 0; turn < 2; ++turn, std::swap(from, to))
@@ -134,7 +134,7 @@ TEST_F(Vulkan, DrawsIndirectlyIntoColourAndReversedDepth)
                                                           .fragment = {"triangle.frag", k_triangle_fragment},
                                                           .colors = {VK_FORMAT_R32G32_UINT},
                                                           .depth = VK_FORMAT_D32_SFLOAT});
-    // Covers the left half; counter-clockwise as the screen shows it.
+    // Covers the left half; counter-clockwise on the screen.
     const float corners[] = {-1, -1, 0.25f, -1, 3, 0.25f, 0, 1, 0.25f, 0, -1, 0.25f};
     const std::uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     const VkDrawIndexedIndirectCommand draws[] = {{6, 1, 0, 0, 0}, {6, 0, 0, 0, 1}, {6, 1, 0, 0, 2}};
@@ -180,7 +180,7 @@ TEST_F(Vulkan, DrawsIndirectlyIntoColourAndReversedDepth)
         }
 }
 
-TEST_F(Vulkan, UndeclaredUsesAreCaught)
+TEST_F(Vulkan, RefusesUndeclaredUses)
 {
     const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
     const vk::Buffer a(device_, "a", 64), b(device_, "b", 64);
@@ -201,8 +201,8 @@ TEST_F(Vulkan, UndeclaredUsesAreCaught)
     EXPECT_TRUE(has(record([&](vk::Recorder& r) { r.push(1.0f); }), "bytes"));
 }
 
-// The oracle: barriers as they must be for every pair of a write and what follows it.
-TEST(VulkanBarriers, EveryHazardIsWaitedForOnce)
+// The expected barriers for every pair of a write and a following use.
+TEST(VulkanBarriers, WaitOnceForEveryHazard)
 {
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
     const auto use = [&](vk::Use u) { return vk::meaning(u, compute); };
@@ -211,20 +211,20 @@ TEST(VulkanBarriers, EveryHazardIsWaitedForOnce)
     const auto war = vk::follow(state, use(vk::Use::storage_write), false);
     ASSERT_TRUE(war);
     EXPECT_EQ(war->from_stages, compute);
-    ASSERT_TRUE(vk::follow(state, use(vk::Use::storage_read), false));   // of the same stage, by the next dispatch
+    ASSERT_TRUE(vk::follow(state, use(vk::Use::storage_read), false));   // in the same stage, by the next dispatch
     EXPECT_FALSE(vk::follow(state, use(vk::Use::storage_read), false));
     const auto raw = vk::follow(state, use(vk::Use::vertices), false);
     ASSERT_TRUE(raw);
     EXPECT_EQ(raw->from_stages, compute);
     EXPECT_NE(raw->from_access & VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, 0u);
-    EXPECT_FALSE(vk::follow(state, use(vk::Use::vertices), false));   // visible already
+    EXPECT_FALSE(vk::follow(state, use(vk::Use::vertices), false));   // already visible
     ASSERT_TRUE(vk::follow(state, use(vk::Use::indirect), false));    // to another stage
     const auto waw = vk::follow(state, use(vk::Use::copy_target), false);
     ASSERT_TRUE(waw);
     EXPECT_EQ(waw->from_stages & VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT, VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT);
     EXPECT_EQ(waw->from_stages & VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT);
 
-    // Images wait where their layout changes, between two reads too, and a later read waits for that change.
+    // Images wait where their layout changes, also between two reads, and a later read waits for that change.
     vk::UseState image;
     ASSERT_TRUE(vk::follow(image, use(vk::Use::color_target), true));
     ASSERT_TRUE(vk::follow(image, use(vk::Use::sampled), true));
@@ -235,7 +235,7 @@ TEST(VulkanBarriers, EveryHazardIsWaitedForOnce)
     EXPECT_EQ(back->from_layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
-TEST_F(Vulkan, MemoryIsCutReusedAndGivenBack)
+TEST_F(Vulkan, MemoryIsSuballocatedReusedAndFreed)
 {
     Random random(3);
     std::vector<vk::Buffer> buffers;
@@ -254,7 +254,7 @@ TEST_F(Vulkan, MemoryIsCutReusedAndGivenBack)
             stamps.pop_back();
         }
     }
-    // No two pieces overlap: each still holds its own stamp.
+    // No two allocations overlap: each still holds its own stamp.
     for (std::size_t i = 0; i < buffers.size(); ++i)
         for (const std::uint64_t word : buffers[i].as<std::uint64_t>()) ASSERT_EQ(word, stamps[i]);
     EXPECT_EQ(device_->memory().counts().pieces, buffers.size());
@@ -265,9 +265,9 @@ TEST_F(Vulkan, MemoryIsCutReusedAndGivenBack)
     EXPECT_EQ(device_->memory().counts().blocks, 1u);
 }
 
-// Faults, played at the loader's entry points. Each is a MissingError of one line.
+// Faults, simulated at the loader's entry points. Each is a MissingError of one line.
 
-TEST_F(Vulkan, FaultNoDriver)
+TEST_F(Vulkan, MissingDriverIsAMissingError)
 {
     const Replaced none(
         vkEnumeratePhysicalDevices, +[](VkInstance, std::uint32_t* count, VkPhysicalDevice*) -> VkResult {
@@ -277,7 +277,7 @@ TEST_F(Vulkan, FaultNoDriver)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "no device"));
 }
 
-TEST_F(Vulkan, FaultNoInstance)
+TEST_F(Vulkan, FailingInstanceIsAMissingError)
 {
     device_.reset();
     const Replaced broken(
@@ -287,7 +287,7 @@ TEST_F(Vulkan, FaultNoInstance)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "no driver is installed"));
 }
 
-TEST_F(Vulkan, FaultOldDriver)
+TEST_F(Vulkan, OldDriverIsAMissingError)
 {
     static PFN_vkGetPhysicalDeviceProperties2 real;
     real = vkGetPhysicalDeviceProperties2;
@@ -299,7 +299,7 @@ TEST_F(Vulkan, FaultOldDriver)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "Vulkan 1.1; 1.3 is required"));
 }
 
-TEST_F(Vulkan, FaultMissingFeature)
+TEST_F(Vulkan, MissingFeatureIsAMissingError)
 {
     static PFN_vkGetPhysicalDeviceFeatures2 real;
     real = vkGetPhysicalDeviceFeatures2;
@@ -311,7 +311,7 @@ TEST_F(Vulkan, FaultMissingFeature)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "lacks multiDrawIndirect"));
 }
 
-TEST_F(Vulkan, FaultMissingExtension)
+TEST_F(Vulkan, MissingExtensionIsAMissingError)
 {
     const Replaced less(
         vkEnumerateDeviceExtensionProperties,
@@ -322,7 +322,7 @@ TEST_F(Vulkan, FaultMissingExtension)
     EXPECT_TRUE(has(thrown<MissingError>([] { vk::Device::open(); }), "VK_KHR_push_descriptor"));
 }
 
-TEST_F(Vulkan, FaultTooLittleMemory)
+TEST_F(Vulkan, TooLittleDeviceMemoryIsAMissingError)
 {
     const Replaced full(
         vkAllocateMemory,
@@ -336,8 +336,8 @@ TEST_F(Vulkan, FaultTooLittleMemory)
             "image 'image'"));
 }
 
-// Where a driver gives whatever it is asked for, and is killed for it.
-TEST_F(Vulkan, FaultMoreThanTheMachineHas)
+// For drivers that grant every request and let the process be killed for it.
+TEST_F(Vulkan, MoreMemoryThanTheMachineHasIsAMissingError)
 {
     const Replaced takes(
         vkAllocateMemory,
@@ -369,7 +369,7 @@ TEST_F(Vulkan, FaultMoreThanTheMachineHas)
                     "allocating 1024 MiB for brick failed: out of device memory"));
 }
 
-TEST_F(Vulkan, FaultImageBeyondTheDevice)
+TEST_F(Vulkan, TooLargeImageIsAMissingError)
 {
     EXPECT_TRUE(has(thrown<MissingError>([&] {
                         vk::Image(device_,
@@ -378,7 +378,7 @@ TEST_F(Vulkan, FaultImageBeyondTheDevice)
                     "exceeds the device's limit"));
 }
 
-TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
+TEST_F(Vulkan, BufferBeyondTheShaderLimitIsAMissingError)
 {
     const Replaced small(
         vkGetPhysicalDeviceProperties, +[](VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
@@ -404,7 +404,7 @@ TEST_F(Vulkan, FaultMoreThanAShaderIsGivenAtOnce)
     set(0, 1 << 20);
 }
 
-TEST_F(Vulkan, FaultDeviceLost)
+TEST_F(Vulkan, LostDeviceIsAMissingError)
 {
     vk::Commands commands(device_);
     const vk::Buffer buffer(device_, "buffer", 64);
@@ -415,7 +415,7 @@ TEST_F(Vulkan, FaultDeviceLost)
     EXPECT_TRUE(has(thrown<MissingError>([&] { commands.submit(); }), "the device was lost"));
 }
 
-TEST_F(Vulkan, FaultDeviceLostWhileWaiting)
+TEST_F(Vulkan, LostDeviceWhileWaitingIsAMissingError)
 {
     vk::Commands commands(device_);
     const vk::Buffer buffer(device_, "buffer", 64);
@@ -431,7 +431,7 @@ TEST_F(Vulkan, FaultDeviceLostWhileWaiting)
     EXPECT_TRUE(has(thrown<MissingError>([&] { commands.submit(); }), "waiting for the device failed"));
 }
 
-// That validation is on, and that a message fails the work: a copy beyond a buffer's end.
+// Validation is on, and a message fails the work: copy beyond a buffer's end.
 TEST_F(Vulkan, ValidationMessagesAreErrors)
 {
     const vk::Buffer a(device_, "a", 64), b(device_, "b", 64);
@@ -443,8 +443,8 @@ TEST_F(Vulkan, ValidationMessagesAreErrors)
     EXPECT_TRUE(has(thrown<InternalError>([&] { commands.submit(); }), "Vulkan validation"));
 }
 
-// Synchronisation too: two writes of one place, with nothing between.
-TEST_F(Vulkan, SynchronisationIsValidated)
+// Synchronisation too: two writes to the same memory without a barrier.
+TEST_F(Vulkan, SynchronisationErrorsAreErrors)
 {
     const vk::Buffer a(device_, "a", 64);
     vk::Commands commands(device_);
@@ -458,7 +458,7 @@ TEST_F(Vulkan, SynchronisationIsValidated)
 }   // namespace
 }   // namespace gnomon::test
 #else
-TEST(Vulkan, LeftOut)
+TEST(Vulkan, SkippedWithoutVulkan)
 {
     GNOMON_SKIP_WITHOUT_VULKAN;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clip, frame by frame, and what of its light was not computed again.
+// Renders a clip frame by frame, and prints how much of its lighting was reused.
 //
-//   example_what_stood_still [SCENE [FRAMES]]
+//   example_reused_lighting [SCENE [FRAMES]]
 
 #include <algorithm>
 #include <cstdio>
@@ -14,7 +14,7 @@ try {
     const gnomon::Scene scene = gnomon::load(argc > 1 ? argv[1] : "builtin:cornell");
     const int frames = std::min(argc > 2 ? std::atoi(argv[2]) : 10, scene.frame_count());
 
-    // One renderer for the whole clip: it keeps what stands still.
+    // Use one renderer for the whole clip, because it caches static lighting.
     gnomon::Renderer renderer({.size = {320, 240}, .shadow_culling = gnomon::ShadowCulling::certified});
     for (int frame = 1; frame <= frames; ++frame) {
         const gnomon::Frame image = renderer.render(scene, frame);
