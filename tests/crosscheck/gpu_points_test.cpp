@@ -44,7 +44,7 @@ TEST_F(GpuPointsTest, CutsAreTheProcessors)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name, 30, 2);
-        EmitterTree tree(world.state, world.rays, {}, world.tasks);
+        LightTree tree(world.state, world.rays, {}, world.tasks);
         GpuPoints device(device_);
         device.begin_frame(tree, {});
         const std::vector<CutRequest> requests = some_requests(world, 400);
@@ -80,7 +80,7 @@ TEST_F(GpuPointsTest, CutsAreTheProcessors)
 TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
 {
     World world("cornell", 3, 2);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     GpuPoints device(device_);
     device.begin_frame(tree, {});
     std::vector<CutRequest> requests = some_requests(world, 8);
@@ -107,7 +107,7 @@ TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
 TEST_F(GpuPointsTest, SumsAreTheProcessors)
 {
     World world("cornell", 3, 2);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     MovingSpheres dynamic_objects;
     dynamic_objects.add({{{0.3f, -0.5f, 0.2f}, 0.25f}, {{-0.4f, 0.1f, -0.1f}, 0.1f}});
     GpuPoints device(device_);
@@ -135,7 +135,7 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
             const std::size_t count = random() % 90;
             while (seen[p].size() < count) {
                 const auto node = static_cast<NodeId>(random() % tree.size());
-                if (tree.still_flux().at(node) != glm::vec3(0))
+                if (tree.static_flux().at(node) != glm::vec3(0))
                     seen[p].push_back(pack_seen(node, std::ldexp(1.0f + static_cast<float>(random() % 997) / 997, -6)));
             }
             sent.insert(sent.end(), seen[p].begin(), seen[p].end());
@@ -191,7 +191,7 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
 TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
 {
     World world("cornell", 3, 2);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     MovingSpheres dynamic_objects;
     dynamic_objects.add({{{0, 0, 0}, 100.0f}});   // everything is inside
     GpuPoints device(device_);
@@ -224,15 +224,15 @@ struct Lighting {
     std::vector<glm::vec3> operator()(const char* name, const std::vector<int>& frames, int side = 96) const
     {
         World world(name, frames.front(), threads);
-        VisibleOptions options;
+        CacheOptions options;
         options.memory = memory;
-        VisibleLight visible(world.state, world.rays, options, world.tasks);
+        IrradianceCache visible(world.state, world.rays, options, world.tasks);
         std::unique_ptr<gpu_scene::GpuScene> scene;
         GpuPoints* engine = nullptr;
         if (device) {
             auto made = std::make_unique<GpuPoints>(device);
             engine = made.get();
-            visible.set_engine(std::move(made));
+            visible.use_device(std::move(made));
         }
         if (traces) {
             scene = std::make_unique<gpu_scene::GpuScene>(device, world.state);
@@ -261,29 +261,19 @@ struct Lighting {
     }
 
  private:
-    static void light_frame(World& world, VisibleLight& visible, int side, std::vector<glm::vec3>& light)
+    static void light_frame(World& world, IrradianceCache& visible, int side, std::vector<glm::vec3>& light)
     {
-        visible.begin_frame(world.state, world.rays, world.tasks);
-        std::vector<std::unique_ptr<VisibleLight::Batch>> batches;
+        visible.update(world.state, world.rays, world.tasks);
+        std::vector<std::unique_ptr<IrradianceCache::Batch>> batches;
         for (int t = 0; t < world.tasks.threads(); ++t) batches.push_back(visible.make_batch());
         const std::vector<IndirectPoint> points = test::seen_points(world, side);
         light.assign(points.size(), glm::vec3(-1));
         constexpr std::size_t k_some = 512;
-        std::vector<std::size_t> parts;
-        for (std::size_t first = 0; first < points.size(); first += k_some) parts.push_back(first);
-        while (!parts.empty()) {
-            std::vector<std::uint8_t> done(parts.size());
-            world.tasks.for_each(parts.size(), [&](std::size_t k, int thread) {
-                const std::size_t count = std::min(k_some, points.size() - parts[k]);
-                done[k] = visible.shade(*batches[static_cast<std::size_t>(thread)], {points.data() + parts[k], count},
-                                        light.data() + parts[k]);
-            });
-            std::size_t left = 0;
-            for (std::size_t k = 0; k < parts.size(); ++k)
-                if (!done[k]) parts[left++] = parts[k];
-            parts.resize(left);
-            if (left > 0) visible.light_waiting(batches, world.tasks);
-        }
+        visible.for_each((points.size() + k_some - 1) / k_some, batches, world.tasks, [&](std::size_t part, int worker) {
+            const std::size_t first = part * k_some, count = std::min(k_some, points.size() - first);
+            return visible.shade(*batches[static_cast<std::size_t>(worker)], {points.data() + first, count},
+                                 light.data() + first);
+        });
         visible.end_frame(batches);
     }
 };

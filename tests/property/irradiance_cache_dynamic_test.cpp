@@ -15,7 +15,7 @@
 namespace gnomon {
 namespace {
 
-using irradiance_cache::VisibleLight;
+using irradiance_cache::IrradianceCache;
 using test::World;
 
 scene::Mesh rectangle(scene::MaterialId material, const glm::vec3 (&corners)[4])
@@ -62,7 +62,7 @@ scene::Scene room(std::size_t panel_at, Panel panel)
     return scene;
 }
 
-std::vector<float> indirect_of(World& world, VisibleLight& visible)
+std::vector<float> indirect_of(World& world, IrradianceCache& visible)
 {
     trace::Remembered remembered;
     remembered.visible = &visible;
@@ -96,7 +96,7 @@ TEST(IrradianceCacheDynamic, WhatDeformsBouncesLightWhicheverObjectItIs)
     const auto light_of = [](std::size_t panel_at) {
         World world(room(panel_at, Panel::bends));
         EXPECT_TRUE(world.scene->objects[panel_at].deforming && world.scene->objects[panel_at].dynamic);
-        VisibleLight visible(world.state, world.rays, {}, world.tasks);
+        IrradianceCache visible(world.state, world.rays, {}, world.tasks);
         return indirect_of(world, visible);
     };
     const std::vector<float> first = light_of(0);
@@ -122,7 +122,7 @@ std::vector<float> indirect_with_panel_at(const std::vector<std::optional<glm::d
         world.go(1);
     };
     hold(places.front());
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    IrradianceCache visible(world.state, world.rays, {}, world.tasks);
     std::vector<float> light = indirect_of(world, visible);
     for (std::size_t i = 1; i < places.size(); ++i) {
         hold(places[i]);
@@ -144,7 +144,7 @@ TEST(IrradianceCacheDynamic, PromotedObjectsRenderAsIfAlwaysDynamic)
     EXPECT_GT(difference_of(cold, before), 0.1 * mean);
     const std::vector<float> gone = indirect_with_panel_at({{}, away});
     World world(room(k_panel, Panel::missing), 1, 2);
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    IrradianceCache visible(world.state, world.rays, {}, world.tasks);
     EXPECT_LT(difference_of(gone, indirect_of(world, visible)), 0.02 * mean);
     EXPECT_NEAR(mean_of(indirect_with_panel_at({{}, glm::dvec3(0, 0.001, 0)})) / mean, 1, 0.25);
 }
@@ -153,7 +153,7 @@ TEST(IrradianceCacheDynamic, PromotedObjectsRenderAsIfAlwaysDynamic)
 TEST(IrradianceCacheDynamic, WhatIsHeldByHandIsADynamic)
 {
     World world(room(k_panel, Panel::still));
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    IrradianceCache visible(world.state, world.rays, {}, world.tasks);
     std::uint64_t fresh[4];
     std::uint32_t made[4];
     for (int i = 0; i < 4; ++i) {
@@ -161,7 +161,7 @@ TEST(IrradianceCacheDynamic, WhatIsHeldByHandIsADynamic)
         if (i > 0) world.state.override_transform(world.scene->objects[k_panel].node, &local);
         world.go(1);
         indirect_of(world, visible);
-        fresh[i] = visible.counters().new_points, made[i] = visible.emitters().geometry_version();
+        fresh[i] = visible.counters().new_points, made[i] = visible.light_tree().geometry_version();
     }
     EXPECT_GT(made[1], made[0]);
     EXPECT_EQ(made[2], made[1]);

@@ -12,17 +12,17 @@
 namespace gnomon {
 namespace {
 
-using irradiance_cache::EmitterTree;
-using irradiance_cache::VisibleLight;
-using irradiance_cache::VisibleOptions;
+using irradiance_cache::LightTree;
+using irradiance_cache::IrradianceCache;
+using irradiance_cache::CacheOptions;
 using test::World;
 
 // The indirect layer of a frame, after others.
 std::vector<float> indirect_of(const char* name, std::vector<int> frames, int threads, int size = 64,
-                               const VisibleOptions& visible_options = {})
+                               const CacheOptions& visible_options = {})
 {
     World world(name, frames.front(), threads);
-    VisibleLight visible(world.state, world.rays, visible_options, world.tasks);
+    IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
     trace::Remembered remembered;
     remembered.visible = &visible;
     trace::TracedOptions options;
@@ -36,7 +36,7 @@ std::vector<float> indirect_of(const char* name, std::vector<int> frames, int th
     return buffers.indirect.data;
 }
 
-TEST(VisibleLight, SameBytesColdAndWarm)
+TEST(IrradianceCache, SameBytesColdAndWarm)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         const auto cold = indirect_of(name, {8}, 1);
@@ -46,7 +46,7 @@ TEST(VisibleLight, SameBytesColdAndWarm)
     }
 }
 
-TEST(VisibleLight, SameBytesForAnyNumberOfThreads)
+TEST(IrradianceCache, SameBytesForAnyNumberOfThreads)
 {
     const auto one = indirect_of("cornell", {1, 2}, 1, 128);
     EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 2, 128)));
@@ -54,9 +54,9 @@ TEST(VisibleLight, SameBytesForAnyNumberOfThreads)
 }
 
 // Near light in small images, too, and much of it.
-VisibleOptions with_near_light()
+CacheOptions with_near_light()
 {
-    VisibleOptions options;
+    CacheOptions options;
     options.near_radius = 12;
     options.near_spacing = 100;
     return options;
@@ -69,9 +69,9 @@ double mean_of(const std::vector<float>& light)
     return sum / static_cast<double>(light.size());
 }
 
-TEST(VisibleLight, NearLightIsTheSameColdWarmAndForAnyNumberOfThreads)
+TEST(IrradianceCache, NearLightIsTheSameColdWarmAndForAnyNumberOfThreads)
 {
-    const VisibleOptions near = with_near_light();
+    const CacheOptions near = with_near_light();
     const auto cold = indirect_of("cornell", {8}, 1, 128, near);
     EXPECT_TRUE(same_bits(cold, indirect_of("cornell", {5, 6, 7, 8}, 3, 128, near)));
     EXPECT_TRUE(same_bits(cold, indirect_of("cornell", {20, 3, 8}, 1, 128, near)));
@@ -79,9 +79,9 @@ TEST(VisibleLight, NearLightIsTheSameColdWarmAndForAnyNumberOfThreads)
 }
 
 // Near light and the rest make up all light, wherever the line between them is drawn.
-TEST(VisibleLight, NearLightNeitherAddsNorTakes)
+TEST(IrradianceCache, NearLightNeitherAddsNorTakes)
 {
-    VisibleOptions far;
+    CacheOptions far;
     far.near_radius = 0;
     const double all = mean_of(indirect_of("cornell", {1}, 2, 128, far)),
                  parted = mean_of(indirect_of("cornell", {1}, 2, 128, with_near_light()));
@@ -89,13 +89,13 @@ TEST(VisibleLight, NearLightNeitherAddsNorTakes)
 }
 
 // Too little memory costs time; no image shows it, and no more than twice what a frame shows is held.
-TEST(VisibleLight, LittleMemoryChangesNoImage)
+TEST(IrradianceCache, LittleMemoryChangesNoImage)
 {
     const auto walk = [](std::size_t memory, std::size_t& most) {
         World world("kinetic", 1, 2);
-        VisibleOptions visible_options;
+        CacheOptions visible_options;
         visible_options.memory = memory;
-        VisibleLight visible(world.state, world.rays, visible_options, world.tasks);
+        IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
         trace::Remembered remembered;
         remembered.visible = &visible;
         trace::TracedOptions options;
@@ -115,19 +115,19 @@ TEST(VisibleLight, LittleMemoryChangesNoImage)
     EXPECT_LT(few, all);
 }
 
-TEST(VisibleLight, LittleMemoryChangesNoNearLight)
+TEST(IrradianceCache, LittleMemoryChangesNoNearLight)
 {
-    VisibleOptions little = with_near_light();
+    CacheOptions little = with_near_light();
     little.memory = 1;
     EXPECT_TRUE(same_bits(indirect_of("cornell", {5, 6, 7, 8}, 2, 128, with_near_light()),
                           indirect_of("cornell", {5, 6, 7, 8}, 2, 128, little)));
 }
 
 // With a limit of rays a frame lacks points; asked again and again it ends in the image that has none.
-TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
+TEST(IrradianceCache, AFrameWithFewRaysIsWholeInTheEnd)
 {
     World world("cornell", 3, 2);
-    VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
+    IrradianceCache visible(world.state, world.rays, with_near_light(), world.tasks);
     visible.limit_rays(1 << 14);
     trace::Remembered remembered;
     remembered.visible = &visible;
@@ -157,13 +157,13 @@ std::vector<irradiance_cache::IndirectPoint> static_points(const World& world, i
 
 // One level of detail fades into the next, of points on lattices, of parts of triangles and of those that stand for
 // small ones, and of near light: as the view comes near, no light jumps.
-TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
+TEST(IrradianceCache, LightChangesSmoothlyAsTheViewComesNear)
 {
     constexpr float k_step = 1.01f;   // 3 % of a fade, which changes light by 5 % of what the two levels differ by
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name, 1, 2);
-        VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
-        visible.begin_frame(world.state, world.rays, world.tasks);
+        IrradianceCache visible(world.state, world.rays, with_near_light(), world.tasks);
+        visible.update(world.state, world.rays, world.tasks);
         std::vector<irradiance_cache::IndirectPoint> points = static_points(world, 24);
         ASSERT_GT(points.size(), 200u) << name;
         const auto batch = visible.make_batch();
@@ -188,11 +188,11 @@ TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
 }
 
 // At the foot of walls, straight or at an angle to the lattice, no pixel has the darkness of their far side.
-TEST(VisibleLight, NoDarkPixelsAtTheFootOfWalls)
+TEST(IrradianceCache, NoDarkPixelsAtTheFootOfWalls)
 {
     World world("cornell", 1, 2);
-    VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
-    visible.begin_frame(world.state, world.rays, world.tasks);
+    IrradianceCache visible(world.state, world.rays, with_near_light(), world.tasks);
+    visible.update(world.state, world.rays, world.tasks);
     const auto batch = visible.make_batch();
     constexpr int k_size = 512;
     std::vector<std::size_t> pixels;
@@ -222,16 +222,16 @@ TEST(VisibleLight, NoDarkPixelsAtTheFootOfWalls)
     EXPECT_EQ(dark, 0);
 }
 
-TEST(VisibleLight, RepairedTreeEqualsANewOne)
+TEST(IrradianceCache, RepairedTreeEqualsANewOne)
 {
     World world("cornell", 1, 2);
-    EmitterTree repaired(world.state, world.rays, {}, world.tasks);
+    LightTree repaired(world.state, world.rays, {}, world.tasks);
     std::uint64_t dirty = 0;
     for (const int frame : {2, 3, 7, 40, 39, 12, 12, 13}) {
         world.go(frame);
         repaired.update(world.state, world.rays, world.tasks);
         dirty += repaired.dirty_leaves();
-        const EmitterTree fresh(world.state, world.rays, {}, world.tasks);
+        const LightTree fresh(world.state, world.rays, {}, world.tasks);
         ASSERT_EQ(repaired.size(), fresh.size());
         EXPECT_EQ(repaired.flux().r, fresh.flux().r) << "frame " << frame;
         EXPECT_EQ(repaired.flux().g, fresh.flux().g) << "frame " << frame;
@@ -240,10 +240,10 @@ TEST(VisibleLight, RepairedTreeEqualsANewOne)
     EXPECT_GT(dirty, 0u);
 }
 
-TEST(VisibleLight, OnlyWhatMovedIsTouched)
+TEST(IrradianceCache, OnlyWhatMovedIsTouched)
 {
     World world("cornell", 1, 1);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     world.go(1);
     tree.update(world.state, world.rays, world.tasks);
     EXPECT_EQ(tree.dirty_leaves(), 0u);
@@ -255,7 +255,7 @@ TEST(VisibleLight, OnlyWhatMovedIsTouched)
 }
 
 // The spot lights the red wall, the floor and the back; the ceiling above and the wall opposite see them.
-TEST(VisibleLight, LightComesRoundCornersAndBringsColour)
+TEST(IrradianceCache, LightComesRoundCornersAndBringsColour)
 {
     constexpr int k_size = 64;
     const auto light = indirect_of("cornell", {1}, 2, k_size);
@@ -271,7 +271,7 @@ TEST(VisibleLight, LightComesRoundCornersAndBringsColour)
     for (const float value : light) ASSERT_TRUE(std::isfinite(value) && value >= 0);
 }
 
-TEST(VisibleLight, NothingComesFromNoLight)
+TEST(IrradianceCache, NothingComesFromNoLight)
 {
     scene::Scene dark = scene::make_builtin("cornell");
     for (scene::Light& light : dark.lights) light.color = glm::vec3(0);
@@ -279,7 +279,7 @@ TEST(VisibleLight, NothingComesFromNoLight)
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
     Tasks tasks(1);
-    VisibleLight visible(state, rays, {}, tasks);
+    IrradianceCache visible(state, rays, {}, tasks);
     trace::Remembered remembered;
     remembered.visible = &visible;
     trace::TracedOptions options;

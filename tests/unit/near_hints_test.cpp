@@ -51,7 +51,7 @@ TEST(NearHints, WhatIsForgottenIsFoundAgainAsItWas)
     const auto triangles = static_cast<std::uint32_t>(world.scene->meshes[0].triangles.size());
     const auto ask_all = [&](NearHints& hints, int frame) {
         NearHints::Scratch scratch;
-        std::vector<NearHints::Asked> asked;
+        std::vector<NearHints::Claim> asked;
         std::vector<State> states;
         std::vector<NearHints::Cell> cells;
         for (std::uint32_t t = 0; t < triangles; ++t) {
@@ -62,7 +62,7 @@ TEST(NearHints, WhatIsForgottenIsFoundAgainAsItWas)
                 const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(side);
                 cells.push_back(NearHints::cell_at(t, side, u, 0, true));
                 const State state = hints.claim(cells.back());
-                EXPECT_TRUE(state != State::asked) << "frame " << frame;
+                EXPECT_TRUE(state != State::claimed) << "frame " << frame;
                 if (state == State::unknown) asked.push_back({cells.back(), 0, t, side});
             }
         }

@@ -37,7 +37,7 @@ std::vector<glm::vec3> light_of(const std::vector<IndirectPoint>& points, Sparse
     exempt.resize(points.size());
     std::vector<glm::vec3> light(points.size(), glm::vec3(-1));
     pixels.choose(points, exempt);
-    for (const std::uint32_t i : pixels.reckoned()) light[i] = light_at(points[i]);
+    for (const std::uint32_t i : pixels.computed()) light[i] = light_at(points[i]);
     pixels.fill(light.data());
     return light;
 }
@@ -47,7 +47,7 @@ TEST(SparsePixels, LinearLightOfAPlaneComesBack)
     const auto points = tile_of(100);
     SparsePixels pixels;
     const auto light = light_of(points, pixels, {});
-    EXPECT_EQ(pixels.reckoned().size(), 81u);
+    EXPECT_EQ(pixels.computed().size(), 81u);
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
@@ -57,7 +57,7 @@ TEST(SparsePixels, NothingIsInterpolatedAcrossAStep)
     const auto points = tile_of(14);
     SparsePixels pixels;
     const auto light = light_of(points, pixels, {});
-    EXPECT_LT(pixels.reckoned().size(), 300u);
+    EXPECT_LT(pixels.computed().size(), 300u);
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
@@ -73,7 +73,7 @@ TEST(SparsePixels, WhatIsExemptOrHasNoPlaceIsReckoned)
     const auto light = light_of(points, pixels, exempt);
     for (const std::size_t i : {std::size_t{33}, std::size_t{500}, points.size() - 1})
         EXPECT_TRUE(
-            std::binary_search(pixels.reckoned().begin(), pixels.reckoned().end(), static_cast<std::uint32_t>(i)));
+            std::binary_search(pixels.computed().begin(), pixels.computed().end(), static_cast<std::uint32_t>(i)));
     for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << i;
 }
 

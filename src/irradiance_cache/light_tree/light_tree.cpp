@@ -57,7 +57,7 @@ std::size_t nodes_of(int side)
 
 // All of them, where their views fit; else the strongest, in the scene's order.
 std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const light_views::SceneBounds& bounds,
-                                            const EmitterOptions& options)
+                                            const LightTreeOptions& options)
 {
     const auto views = [&](scene::LightId l) {
         return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, light_views::k_projection));
@@ -76,7 +76,7 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
 
 }   // namespace
 
-EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options,
+LightTree::LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options,
                          Tasks& tasks)
     : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene())), state_(&state), rays_(&rays)
 {
@@ -118,7 +118,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     gather_dynamic();
 }
 
-void EmitterTree::find_dynamics()
+void LightTree::find_dynamics()
 {
     dynamics_.clear();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
@@ -126,17 +126,17 @@ void EmitterTree::find_dynamics()
     promoted_ = rays_->promoted();
 }
 
-void EmitterTree::find_roots()
+void LightTree::find_roots()
 {
     roots_.clear();
     for (const View& view : views_) {
-        const EmitterQuad& top = quads_[view.first / 4];
+        const VirtualLightQuad& top = quads_[view.first / 4];
         if (std::max({top.flux[0], top.flux[1], top.flux[2], top.flux[3]}) > 0) roots_.push_back(view.first / 4);
     }
 }
 
 // What a light map's ray hits, as a light; area 0: nothing.
-EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits,
+LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits,
                                        std::size_t i, double measure) const
 {
     if (hits.object[i] == scene::none) return {};
@@ -175,7 +175,7 @@ EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& qu
 }
 
 // Casts the static layer, builds the pyramid, and darkens what moving objects shadow.
-void EmitterTree::make_view(View& view)
+void LightTree::make_view(View& view)
 {
     const scene::SceneState& state = *state_;
     const ray::RayScene& rays = *rays_;
@@ -185,7 +185,7 @@ void EmitterTree::make_view(View& view)
     const NodeId leaves = first_of_level(view, view.levels);
     const auto count = static_cast<std::uint32_t>(view.side * view.side);
     const NodeId end = leaves + count;
-    std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, EmitterQuad{});
+    std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, VirtualLightQuad{});
     for (NodeId id = view.first; id < end; ++id) {
         flux_.set(id, glm::vec3(0));
         still_.set(id, glm::vec3(0));
@@ -262,7 +262,7 @@ void EmitterTree::make_view(View& view)
         }
     for (NodeId id = view.first; id < end; ++id) {
         const Node& node = node_of(id);
-        EmitterQuad& quad = quads_[id / 4];
+        VirtualLightQuad& quad = quads_[id / 4];
         const NodeId lane = id % 4;
         quad.x[lane] = node.position.x, quad.y[lane] = node.position.y, quad.z[lane] = node.position.z;
         quad.nx[lane] = node.normal.x, quad.ny[lane] = node.normal.y, quad.nz[lane] = node.normal.z;
@@ -274,14 +274,14 @@ void EmitterTree::make_view(View& view)
 }
 
 // Four children in one fixed order.
-void EmitterTree::sum_children(Flux& flux, NodeId id) const
+void LightTree::sum_children(Flux& flux, NodeId id) const
 {
     glm::vec3 sum(0);
     for (NodeId c = 4 * children_[id]; c < 4 * children_[id] + 4; ++c) sum += flux.at(c);
     flux.set(id, sum);
 }
 
-void EmitterTree::find_dynamic(View& view) const
+void LightTree::find_dynamic(View& view) const
 {
     view.dynamic_objects.clear();
     if (!view.on) return;
@@ -293,7 +293,7 @@ void EmitterTree::find_dynamic(View& view) const
 
 // Asks for the leaves in some rectangles anew whether something that moves keeps the light from them, and repairs the
 // flux above those that changed.
-void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>& where)
+void LightTree::block_leaves(View& view, const std::vector<light_views::Rect>& where)
 {
     if (where.empty()) return;
     const NodeId leaves = first_of_level(view, view.levels);
@@ -341,7 +341,7 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
 }
 
 // Notes which nodes have another flux than when nothing that moves stands in the light.
-void EmitterTree::mark_changes()
+void LightTree::mark_changes()
 {
     changed_.clear();
     for (View& view : views_) {
@@ -358,7 +358,7 @@ void EmitterTree::mark_changes()
 
 // What the lights shine on that moves, anew for every frame in which anything does: by owner and by the octant in which
 // it faces.
-void EmitterTree::gather_dynamic()
+void LightTree::gather_dynamic()
 {
     dynamic_.clear();
     struct Lit {
@@ -407,7 +407,7 @@ void EmitterTree::gather_dynamic()
             const auto [at, first] =
                 found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, dynamic_.size());
             if (first) dynamic_.push_back({.owner = owner});
-            DynamicEmitter& emitter = dynamic_[at->second];
+            DynamicVirtualLight& emitter = dynamic_[at->second];
             const float flux = luminance(leaf.flux);
             emitter.flux += leaf.flux;
             emitter.area += leaf.area;
@@ -417,7 +417,7 @@ void EmitterTree::gather_dynamic()
         }
     }
     std::vector<float> nearest(dynamic_.size(), k_infinity);
-    for (DynamicEmitter& emitter : dynamic_) {
+    for (DynamicVirtualLight& emitter : dynamic_) {
         const float flux = luminance(emitter.flux), length = glm::length(emitter.normal);
         if (flux > 0) emitter.position /= flux;
         if (length > 0) emitter.normal /= length;
@@ -427,25 +427,25 @@ void EmitterTree::gather_dynamic()
         if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, dynamic_[leaf.of].sample = leaf.sample;
     }
     // The brightest, in the order in which they were met.
-    if (dynamic_.size() > options_.dynamic_emitters) {
+    if (dynamic_.size() > options_.dynamic_lights) {
         std::vector<float> flux;
-        for (const DynamicEmitter& emitter : dynamic_) flux.push_back(luminance(emitter.flux));
-        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_emitters),
+        for (const DynamicVirtualLight& emitter : dynamic_) flux.push_back(luminance(emitter.flux));
+        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_lights),
                          flux.end(), std::greater<>());
-        const float least = flux[options_.dynamic_emitters];
-        std::erase_if(dynamic_, [&](const DynamicEmitter& emitter) { return !(luminance(emitter.flux) > least); });
+        const float least = flux[options_.dynamic_lights];
+        std::erase_if(dynamic_, [&](const DynamicVirtualLight& emitter) { return !(luminance(emitter.flux) > least); });
     }
-    std::erase_if(dynamic_, [](const DynamicEmitter& emitter) { return emitter.flux == glm::vec3(0); });
+    std::erase_if(dynamic_, [](const DynamicVirtualLight& emitter) { return emitter.flux == glm::vec3(0); });
 }
 
-std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
+std::uint32_t LightTree::owner_of(scene::ObjectId object) const
 {
     const scene::GroupId group = state_->scene().objects[object].group;
     constexpr std::uint32_t k_alone = 1u << 31;   // apart from all groups, and from k_no_owner
     return group == scene::none || rays_->has_own_instance(object) ? object | k_alone : group;
 }
 
-void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
 {
     state_ = &state;
     rays_ = &rays;
@@ -473,7 +473,7 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
     gather_dynamic();
 }
 
-void EmitterTree::follow_dynamic(const scene::FrameChanges& changes)
+void LightTree::follow_dynamic(const scene::FrameChanges& changes)
 {
     for (View& view : views_) {
         if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
@@ -487,7 +487,7 @@ void EmitterTree::follow_dynamic(const scene::FrameChanges& changes)
     }
 }
 
-float EmitterTree::leaf_spacing() const
+float LightTree::leaf_spacing() const
 {
     std::vector<float> area;
     for (const View& view : views_) {
@@ -502,9 +502,9 @@ float EmitterTree::leaf_spacing() const
     return std::sqrt(*middle);
 }
 
-std::size_t EmitterTree::bytes() const
+std::size_t LightTree::bytes() const
 {
-    return quads_.size() * sizeof(EmitterQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
+    return quads_.size() * sizeof(VirtualLightQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
 }
 
 }   // namespace gnomon::irradiance_cache

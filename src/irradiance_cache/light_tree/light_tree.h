@@ -21,7 +21,7 @@
 
 namespace gnomon::irradiance_cache {
 
-struct EmitterOptions {
+struct LightTreeOptions {
     int side = 256;                  // texels of a view, at most; a power of two
     std::size_t leaves = 1u << 17;   // of all views together, at most; views get smaller sides by halves
     int least_side = 16;             // or smaller, where there would be more nodes than numbers for them
@@ -29,14 +29,14 @@ struct EmitterOptions {
     float least_cosine = 0.05f;      // surfaces at a more grazing angle stand for no larger area
     float ray_end = 0.9999f;
     std::size_t dynamic_rays = 4096;     // by view, against what moves and is lit
-    std::size_t dynamic_emitters = 64;   // at most; the darkest are left out
+    std::size_t dynamic_lights = 64;   // at most; the darkest are left out
 };
 
 using NodeId = std::uint32_t;
 inline constexpr std::uint32_t k_node_bits = 18;   // of a node's number, at most
 
 /// Four nodes with the same parent, side by side. A node stands for the static leaves below it.
-struct EmitterQuad {
+struct VirtualLightQuad {
     float x[4], y[4], z[4];      // mean position, weighted by static flux
     float radius[4];             // around it, holds all leaves
     float nx[4], ny[4], nz[4];   // mean normal, weighted by static flux; shorter than 1 where they differ
@@ -45,7 +45,7 @@ struct EmitterQuad {
 };
 
 /// What the lights shine on of a thing that moves, and that faces one octant.
-struct DynamicEmitter {
+struct DynamicVirtualLight {
     std::uint32_t owner = 0;            // owner_of() what it is on
     glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is unit
     glm::vec3 sample{0};                // where visibility is asked
@@ -53,19 +53,19 @@ struct DynamicEmitter {
     float area = 0;
 };
 
-class EmitterTree {
+class LightTree {
  public:
     /// Lights that move are made anew in every frame in which they do.
-    EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options, Tasks& tasks);
+    LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options, Tasks& tasks);
 
     /// Follows one advance() of the state, after the ray scene did. Where somebody moved something static by hand, for
     /// the first time, all is made anew.
     void update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
     /// Nodes 4 q ... 4 q + 3.
-    const EmitterQuad& quad(NodeId q) const { return quads_[q]; }
+    const VirtualLightQuad& quad(NodeId q) const { return quads_[q]; }
     /// All of them: four nodes each.
-    std::span<const EmitterQuad> quads() const { return quads_; }
+    std::span<const VirtualLightQuad> quads() const { return quads_; }
     /// The quad of a node's children; none for leaves.
     NodeId children(NodeId id) const { return children_[id]; }
     /// The same by node.
@@ -78,12 +78,12 @@ class EmitterTree {
     };
     const Flux& flux() const { return flux_; }
     /// As if nothing that moves stood in the light.
-    const Flux& still_flux() const { return still_; }
+    const Flux& static_flux() const { return still_; }
     bool differs(NodeId id) const { return samples_.places[id].w != 0; }
     bool any_differs() const { return differing_ > 0; }
     /// Nodes that the last update asked anew, or all that may have changed: their flux and their mark; some twice.
     const std::vector<NodeId>& changed() const { return changed_; }
-    const std::vector<DynamicEmitter>& dynamic_objects() const { return dynamic_; }
+    const std::vector<DynamicVirtualLight>& dynamic_lights() const { return dynamic_; }
     /// Of an object that moves: its rigid group, or it alone.
     std::uint32_t owner_of(scene::ObjectId object) const;
     /// By node: a place on the leaf nearest to the mean, promoted: where visibility is asked. Beside it, w: 1 if
@@ -144,15 +144,15 @@ class EmitterTree {
         return view.first + ((1u << (2 * level)) - 4) / 3;   // level 1 is the first
     }
 
-    EmitterOptions options_;
+    LightTreeOptions options_;
     light_views::Casters casters_;
     light_views::SceneBounds bounds_;
     std::vector<View> views_;
-    std::vector<EmitterQuad> quads_;
+    std::vector<VirtualLightQuad> quads_;
     Samples samples_;
     Flux flux_, still_;
     std::size_t differing_ = 0;
-    std::vector<DynamicEmitter> dynamic_;
+    std::vector<DynamicVirtualLight> dynamic_;
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;

@@ -42,13 +42,13 @@ constexpr std::size_t k_lanes = std::min<std::size_t>(4 * k_group, HWY_MAX_BYTES
 using Wide = hn::FixedTag<float, k_lanes>;
 
 // One member of quads that follow each other in `quads`, side by side.
-using Member = const float (EmitterQuad::*)[4];
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> load(const EmitterQuad* const* quads, std::size_t i, Member member)
+using Member = const float (VirtualLightQuad::*)[4];
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> load(const VirtualLightQuad* const* quads, std::size_t i, Member member)
 {
     return hn::LoadU(hn::FixedTag<float, 4>(), quads[i]->*member);
 }
 template <class D>
-HWY_INLINE hn::Vec<D> side_by_side(D d, const EmitterQuad* const* quads, Member member)
+HWY_INLINE hn::Vec<D> side_by_side(D d, const VirtualLightQuad* const* quads, Member member)
 {
     if constexpr (hn::MaxLanes(d) == 16) {
         const hn::Half<D> half;
@@ -72,28 +72,28 @@ HWY_INLINE hn::Vec<D> rectified(D d, hn::Vec<D> mean, hn::Vec<D> reach)
 }
 
 // @param count  of quads, 1 to k_group
-HWY_INLINE void evaluate(const EmitterTree& tree, const NodeId* ids, std::size_t count, const glm::vec3& origin,
+HWY_INLINE void evaluate(const LightTree& tree, const NodeId* ids, std::size_t count, const glm::vec3& origin,
                          const glm::vec3& normal, Group& group)
 {
     const Wide d;
-    const EmitterQuad* quads[k_group];
+    const VirtualLightQuad* quads[k_group];
     for (std::size_t i = 0; i < k_group; ++i) quads[i] = &tree.quad(ids[std::min(i, count - 1)]);
     const auto inverse_pi = hn::Set(d, static_cast<float>(1 / k_pi)), tiny = hn::Set(d, k_tiny);
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
     group.there = 0;
     for (std::size_t first = 0; first < 4 * count; first += k_lanes) {
-        const EmitterQuad* const* const q = quads + first / 4;
-        const auto x = hn::Sub(side_by_side(d, q, &EmitterQuad::x), hn::Set(d, origin.x));
-        const auto y = hn::Sub(side_by_side(d, q, &EmitterQuad::y), hn::Set(d, origin.y));
-        const auto z = hn::Sub(side_by_side(d, q, &EmitterQuad::z), hn::Set(d, origin.z));
+        const VirtualLightQuad* const* const q = quads + first / 4;
+        const auto x = hn::Sub(side_by_side(d, q, &VirtualLightQuad::x), hn::Set(d, origin.x));
+        const auto y = hn::Sub(side_by_side(d, q, &VirtualLightQuad::y), hn::Set(d, origin.y));
+        const auto z = hn::Sub(side_by_side(d, q, &VirtualLightQuad::z), hn::Set(d, origin.z));
         const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
         const auto inverse = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
-        const auto area = hn::Mul(side_by_side(d, q, &EmitterQuad::area), inverse_pi);
-        const auto flux = side_by_side(d, q, &EmitterQuad::flux);
-        const auto nx = side_by_side(d, q, &EmitterQuad::nx), ny = side_by_side(d, q, &EmitterQuad::ny),
-                   nz = side_by_side(d, q, &EmitterQuad::nz);
+        const auto area = hn::Mul(side_by_side(d, q, &VirtualLightQuad::area), inverse_pi);
+        const auto flux = side_by_side(d, q, &VirtualLightQuad::flux);
+        const auto nx = side_by_side(d, q, &VirtualLightQuad::nx), ny = side_by_side(d, q, &VirtualLightQuad::ny),
+                   nz = side_by_side(d, q, &VirtualLightQuad::nz);
         const auto mx = hn::Set(d, normal.x), my = hn::Set(d, normal.y), mz = hn::Set(d, normal.z);
-        const auto width = hn::Mul(side_by_side(d, q, &EmitterQuad::radius), inverse);
+        const auto width = hn::Mul(side_by_side(d, q, &VirtualLightQuad::radius), inverse);
         const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, mx), hn::Mul(y, my)), hn::Mul(z, mz)), inverse);
         const auto emitter =
             hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, nx), hn::Mul(y, ny)), hn::Mul(z, nz)), inverse));
@@ -145,7 +145,7 @@ HWY_INLINE std::size_t pop(std::vector<NodeId>& stack, NodeId (&quads)[k_group])
 
 // All light, visibility apart, from a cut in which no node may be wrong by more than `wrong`; 0: from the tops of the
 // trees, and then more than nothing where anything might arrive.
-float estimate(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+float estimate(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
                float wrong, std::vector<NodeId>& stack, std::vector<NodeId>& kept)
 {
     constexpr float k_likely = 0.05f;   // share of the most that a wide node can bring
@@ -181,7 +181,7 @@ float estimate(const EmitterTree& tree, const CutOptions& options, const glm::ve
     return wrong > 0 ? total : std::max(total, k_likely * most);
 }
 
-void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+void cut_tree_of(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
                  std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
 {
     // Estimate all light, visibility apart, by coarse cuts, each of which says what matters to the next.
@@ -258,7 +258,7 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
 }
 
 // By node, four floats each; null where there are no nodes.
-HWY_INLINE const float* places_of(const EmitterTree& tree)
+HWY_INLINE const float* places_of(const LightTree& tree)
 {
     const std::vector<glm::vec4>& places = tree.samples().places;
     return places.empty() ? nullptr : &places.front().x;
@@ -267,7 +267,7 @@ HWY_INLINE const float* places_of(const EmitterTree& tree)
 // Bits of a weight: the leading ones of a float between 2^-64 and 2^64.
 constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
 
-void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void sum_seen_of(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
                  glm::vec3 (&light)[3])
 {
     const hn::CappedTag<float, k_seen_step> d;
@@ -276,7 +276,7 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
     const float* const places = places_of(tree);
-    const EmitterTree::Flux& flux = tree.still_flux();
+    const LightTree::Flux& flux = tree.static_flux();
     auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto packed = hn::LoadU(du, seen + k);
@@ -303,7 +303,7 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
     light[2] = {total(bx), total(by), total(bz)};
 }
 
-void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void find_changed_of(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
                      const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed)
 {
     const hn::CappedTag<float, k_seen_step> d;
@@ -367,7 +367,7 @@ HWY_EXPORT(cut_tree_of);
 HWY_EXPORT(sum_seen_of);
 HWY_EXPORT(find_changed_of);
 
-void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+void cut_tree(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
               std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
 {
     HWY_DYNAMIC_DISPATCH(cut_tree_of)(tree, options, origin, normal, nodes, weights, stack);
@@ -391,13 +391,13 @@ float seen_weight(SeenNode seen)
     return std::bit_cast<float>(((seen & ((1u << k_weight_bits) - 1)) << k_weight_shift) + k_weight_bias);
 }
 
-void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void sum_seen(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
               glm::vec3 (&light)[3])
 {
     HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, seen, count, origin, light);
 }
 
-void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void find_changed(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
                   const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed)
 {
     HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, dynamic_objects, changed);

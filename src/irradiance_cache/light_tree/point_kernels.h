@@ -28,7 +28,7 @@ struct CutOptions {
 /// Walks the tree from its roots: a node whose light may be wrong by too much is refined [Walter et al. 2005].
 /// @param nodes, weights  out: the cut, and the irradiance that a unit of flux of each node brings, visibility apart
 /// @param stack           scratch
-void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+void cut_tree(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
               std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack);
 
 /// A seen node and what a unit of its flux adds to the light that arrives from there, in one word: the number of the
@@ -46,7 +46,7 @@ float seen_weight(SeenNode seen);
 inline constexpr std::uint32_t k_seen_step = 16;
 
 /// Sums still flux times weight times direction over seen nodes, by colour.
-void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void sum_seen(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
               glm::vec3 (&light)[3]);
 
 /// Which seen nodes may bring other light now: their flux differs from still flux, or their way to the point passes one
@@ -57,7 +57,7 @@ struct ChangedNode {
 };
 /// @param count    without what fills the last step
 /// @param changed  out: by place, rising
-void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void find_changed(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
                   const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed);
 
 }   // namespace gnomon::irradiance_cache

@@ -7,6 +7,7 @@
 // they meet static geometry near a lattice plane. Four lines surround a point; what they hold is interpolated. Part
 // anchors: the middle of a part of a triangle (micro-triangles), for what no lattice line meets, and for what moves.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -15,6 +16,9 @@
 namespace gnomon::irradiance_cache {
 
 using AnchorKey = std::uint64_t;
+
+/// Lattice points contribute to surfaces whose plane is closer than this fraction of the spacing.
+inline constexpr float k_plane_distance = 0.35f;
 
 /// A point that wants indirect light.
 struct IndirectPoint {
@@ -92,6 +96,24 @@ Part part_of(AnchorKey key);
 /// By object: the number of its first triangle among all triangles of the scene.
 /// @throws MissingError  where there are more than numbers
 std::vector<std::uint32_t> first_triangles(const scene::Scene& scene);
+
+/// Numbers the triangles of all objects of a scene.
+class TriangleNumbers {
+ public:
+    explicit TriangleNumbers(const scene::Scene& scene) : first_(first_triangles(scene)) {}
+    /// The number of an object's first triangle.
+    std::uint32_t first(scene::ObjectId object) const { return first_[object]; }
+    /// The object that a triangle belongs to.
+    scene::ObjectId object_of(std::uint32_t triangle) const
+    {
+        const auto after = std::upper_bound(first_.begin(), first_.end(), triangle);
+        return static_cast<scene::ObjectId>(after - first_.begin() - 1);
+    }
+
+ private:
+    std::vector<std::uint32_t> first_;
+};
+
 /// The same place for near light (near_light.h), which is remembered apart.
 inline constexpr AnchorKey k_near_anchor = 1ull << 61;
 inline bool is_near(AnchorKey key)

@@ -97,21 +97,21 @@ bool SparsePixels::take(int x0, int y0, int step)
 void SparsePixels::choose(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt)
 {
     blocks_.clear();
-    reckoned_.clear();
+    computed_.clear();
     number_planes(points, exempt);
     for (int y = 0; y < k_side; y += k_step)
         for (int x = 0; x < k_side; x += k_step) {
             if (take(x, y, k_step)) continue;
             for (const int y0 : {y, y + k_least_step})
                 for (const int x0 : {x, x + k_least_step})
-                    if (!take(x0, y0, k_least_step)) reckon_all(x0, y0);
+                    if (!take(x0, y0, k_least_step)) compute_all(x0, y0);
         }
     for (std::uint32_t i = 0; i < direct_.size(); ++i)
-        if (direct_[i]) reckoned_.push_back(i);
+        if (direct_[i]) computed_.push_back(i);
 }
 
 // The far rows and columns are the next blocks' as well, but of the last ones.
-void SparsePixels::reckon_all(int x0, int y0)
+void SparsePixels::compute_all(int x0, int y0)
 {
     for (int y = y0; y < y0 + k_least_step; ++y)
         for (int x = x0; x < x0 + k_least_step; ++x)

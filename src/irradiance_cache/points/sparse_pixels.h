@@ -23,7 +23,7 @@ class SparsePixels {
     /// @param exempt  by point: not to be interpolated
     void choose(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt);
     /// Points to reckon, rising.
-    const std::vector<std::uint32_t>& reckoned() const { return reckoned_; }
+    const std::vector<std::uint32_t>& computed() const { return computed_; }
     /// Fills in the others.
     void fill(glm::vec3* values) const;
     void fill(float* values) const;
@@ -36,7 +36,7 @@ class SparsePixels {
     template <class Value>
     void fill_blocks(Value* values) const;
     bool take(int x0, int y0, int step);
-    void reckon_all(int x0, int y0);
+    void compute_all(int x0, int y0);
 
     static constexpr std::size_t k_pixels = static_cast<std::size_t>(k_side) * k_side;
     std::array<std::int32_t, k_pixels> at_;      // point by pixel, -1: none
@@ -45,7 +45,7 @@ class SparsePixels {
     std::vector<std::uint32_t> first_of_plane_;
     std::vector<std::uint8_t> direct_;
     std::vector<Block> blocks_;
-    std::vector<std::uint32_t> reckoned_;
+    std::vector<std::uint32_t> computed_;
 };
 
 }   // namespace gnomon::irradiance_cache

@@ -28,9 +28,9 @@ constexpr std::uint32_t k_flux_comp[] =
 
 constexpr std::size_t k_least_crossed = 1 << 14;   // that there is room for; more if need be
 
-static_assert(sizeof(shared::GpuQuad) == sizeof(EmitterQuad) &&
-              offsetof(shared::GpuQuad, nx) == offsetof(EmitterQuad, nx) &&
-              offsetof(shared::GpuQuad, flux) == offsetof(EmitterQuad, flux));
+static_assert(sizeof(shared::GpuQuad) == sizeof(VirtualLightQuad) &&
+              offsetof(shared::GpuQuad, nx) == offsetof(VirtualLightQuad, nx) &&
+              offsetof(shared::GpuQuad, flux) == offsetof(VirtualLightQuad, flux));
 static_assert(sizeof(shared::GpuCutRequest) == sizeof(CutRequest) &&
               offsetof(shared::GpuCutRequest, estimate) == offsetof(CutRequest, estimate));
 static_assert(sizeof(shared::GpuSumRequest) == 20 && sizeof(shared::GpuPointLight) == sizeof(PointSums::Light));
@@ -84,7 +84,7 @@ vk::Buffer& GpuPoints::fitting(vk::Buffer& buffer, const char* name, std::size_t
     return buffer;
 }
 
-void GpuPoints::begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects)
+void GpuPoints::begin_frame(const LightTree& tree, const MovingSpheres& dynamic_objects)
 {
     tree_ = &tree;
     send_spheres(dynamic_objects);
@@ -95,7 +95,7 @@ void GpuPoints::begin_frame(const EmitterTree& tree, const MovingSpheres& dynami
     geometry_version_ = tree.geometry_version();
 }
 
-void GpuPoints::send_tree(const EmitterTree& tree)
+void GpuPoints::send_tree(const LightTree& tree)
 {
     std::vector<glm::vec3> flux;
     for (NodeId id = 0; id < tree.size(); ++id) flux.push_back(tree.flux().at(id));
@@ -114,7 +114,7 @@ void GpuPoints::send_tree(const EmitterTree& tree)
     commands_.submit();
 }
 
-void GpuPoints::send_flux(const EmitterTree& tree)
+void GpuPoints::send_flux(const LightTree& tree)
 {
     if (tree.changed().empty()) return;
     std::vector<NodeId> nodes = tree.changed();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Cuts and sums of surface points in compute shaders: the device's PointEngine.
+// Cuts and sums of surface points in compute shaders: the device's PointDevice.
 //
 // The tree, its flux and what each point sees lie on the device. A frame sends the flux of nodes that changed, and the
 // spheres about what moves; a batch of points sends 32 bytes a new point and 20 a summed one, and brings back cuts, and
@@ -9,19 +9,19 @@
 
 #include <memory>
 
-#include "irradiance_cache/points/point_engine.h"
+#include "irradiance_cache/points/point_device.h"
 #include "irradiance_cache/vulkan/points_shared.h"
 #include "ray/vulkan/device_rays.h"
 #include "vk/commands.h"
 
 namespace gnomon::irradiance_cache {
 
-class GpuPoints : public PointEngine {
+class GpuPoints : public PointDevice {
  public:
     /// @throws MissingError  too little device memory; so do the others
     explicit GpuPoints(const std::shared_ptr<vk::Device>& device);
 
-    void begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects) override;
+    void begin_frame(const LightTree& tree, const MovingSpheres& dynamic_objects) override;
     void cut(std::span<const CutRequest> points, const CutOptions& options, PointCuts& cuts) override;
     void keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists) override;
     void forget(const KeptNodes& list) override;
@@ -39,8 +39,8 @@ class GpuPoints : public PointEngine {
     std::uint64_t long_cuts() const { return long_cuts_; }
 
  private:
-    void send_tree(const EmitterTree& tree);
-    void send_flux(const EmitterTree& tree);
+    void send_tree(const LightTree& tree);
+    void send_flux(const LightTree& tree);
     void send_spheres(const MovingSpheres& dynamic_objects);
     vk::Buffer& fitting(vk::Buffer& buffer, const char* name, std::size_t bytes);
     void dispatch_sum(std::uint32_t points);
@@ -49,7 +49,7 @@ class GpuPoints : public PointEngine {
     std::shared_ptr<vk::Device> device_;
     vk::Commands commands_;
     vk::Pipeline cut_, sum_, flux_pipeline_;
-    const EmitterTree* tree_ = nullptr;
+    const LightTree* tree_ = nullptr;
     std::uint32_t geometry_version_ = 0;   // of the tree that the device has
     std::uint32_t roots_count_ = 0, spheres_count_ = 0;
     std::vector<shared::GpuMovingSphere> spheres_host_;

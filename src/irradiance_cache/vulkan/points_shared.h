@@ -16,7 +16,7 @@ GNOMON_SHARED_BEGIN(irradiance_cache)
 #define GNOMON_WEIGHT_SHIFT 16
 #define GNOMON_WEIGHT_BIAS (63u << 23)
 
-/// As EmitterQuad.
+/// As VirtualLightQuad.
 struct GpuQuad {
     float x[4], y[4], z[4];
     float radius[4];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // This file is compiled once for each instruction set: Highway includes it again and again.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "irradiance_cache/light_tree/lattice_kernels.cpp"
+#define HWY_TARGET_INCLUDE "irradiance_cache/points/lattice_kernels.cpp"
 #include <hwy/foreach_target.h>   // first of all
 
 #include <hwy/highway.h>
 
-#include "irradiance_cache/light_tree/lattice_kernels.h"
+#include "irradiance_cache/points/lattice_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::irradiance_cache::HWY_NAMESPACE {

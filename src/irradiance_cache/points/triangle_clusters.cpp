@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "irradiance_cache/light_tree/triangle_clusters.h"
+#include "irradiance_cache/points/triangle_clusters.h"
 
 #include <algorithm>
 #include <array>
