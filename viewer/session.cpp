@@ -138,7 +138,7 @@ struct ViewSession::Kept {
             paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
         if (options.indirect == Indirect::visible && !visible) {
             visible = std::make_unique<irradiance_cache::IrradianceCache>(*state, *rays,
-                                                                       trace::visible_light_options(options), tasks);
+                                                                          trace::visible_light_options(options), tasks);
             visible_memory = options.indirect_memory;
         }
     }

@@ -83,7 +83,7 @@ class VulkanRasterizer final : public Rasterizer {
     double redrawn_time_ = 0;
     bool redrawn_stays_ = false;
     const irradiance_cache::IrradianceCache* visible_ = nullptr;   // of the frame's bounced light
-    const light_views::LightViews* views_ = nullptr;            // of the frame's visibility
+    const light_views::LightViews* views_ = nullptr;               // of the frame's visibility
 };
 
 }   // namespace

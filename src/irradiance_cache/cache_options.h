@@ -27,7 +27,7 @@ struct CacheOptions {
     float pixels_per_near = 2;           // spacing of near-field points,
     float pixels_per_near_cluster = 4;   // and of those that represent smaller triangles
     int near_rays = 64;
-    float unasked = 0.02f;   // light of dynamic objects below this fraction of a point's light is added without a ray
+    float untested = 0.02f;   // light of dynamic objects below this fraction of a point's light is added without a ray
     // Bytes for cache points, or twice those of the last frame's points if that is more. The points that were unused
     // for longest are dropped first.
     std::size_t memory = 16u << 20;

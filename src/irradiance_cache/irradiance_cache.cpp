@@ -277,8 +277,7 @@ void IrradianceCache::end_frame(std::span<const std::unique_ptr<Batch>> batches)
     }
     if (NearHints* const hints = near_field_.hints()) hints->end_frame();
     frame_.average = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
-    table_.drop_unseen(frame_.number, options_.memory,
-                       [this](const CachePoint& point) { evaluator_->release(point); });
+    table_.drop_unseen(frame_.number, options_.memory, [this](const CachePoint& point) { evaluator_->release(point); });
 }
 
 std::size_t IrradianceCache::bytes() const

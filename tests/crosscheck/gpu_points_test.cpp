@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts and sums of surface points on the device against the processor's, and the light of whole images by both.
+// Cuts and sums of cache points on the device against those on the CPU, and the irradiance of whole frames by both.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -22,11 +22,11 @@ using test::World;
 
 class GpuPointsTest : public test::VulkanTest {};
 
-constexpr double k_nodes_that_differ = 1e-3;   // share of cuts' nodes: on the edge of being refined
-constexpr double k_weight_tolerance = 1e-4;    // of weights, over themselves; more where the kernel cancels
-constexpr double k_sum_tolerance = 1e-5;       // over the sum of all lengths
-constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // where rays are the device's own
-constexpr double k_light_tolerance = 1e-4;                          // of an image's light, over its mean
+constexpr double k_nodes_that_differ = 1e-3;   // fraction of the nodes of cuts: error bounds at the threshold
+constexpr double k_weight_tolerance = 1e-4;    // relative, of weights
+constexpr double k_sum_tolerance = 1e-5;       // relative to the sum of all lengths
+constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // if the device traces the rays
+constexpr double k_light_tolerance = 1e-4;                          // relative to a frame's mean irradiance
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
@@ -40,7 +40,7 @@ std::vector<CutRequest> some_requests(const World& world, std::size_t count)
     return requests;
 }
 
-TEST_F(GpuPointsTest, CutsAreTheProcessors)
+TEST_F(GpuPointsTest, CutsEqualCpuCuts)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name, 30, 2);
@@ -77,7 +77,7 @@ TEST_F(GpuPointsTest, CutsAreTheProcessors)
     }
 }
 
-TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
+TEST_F(GpuPointsTest, LongCutsAreMadeByTheCpu)
 {
     World world("cornell", 3, 2);
     LightTree tree(world.state, world.rays, {}, world.tasks);
@@ -103,8 +103,8 @@ TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
     }
 }
 
-// Lists come and go; what is summed is what was kept last, present flux, but for ways past what moves.
-TEST_F(GpuPointsTest, SumsAreTheProcessors)
+// After lists were replaced, sums use the new lists and the current flux, without paths that cross dynamic objects.
+TEST_F(GpuPointsTest, SumsEqualCpuSums)
 {
     World world("cornell", 3, 2);
     LightTree tree(world.state, world.rays, {}, world.tasks);
@@ -119,11 +119,11 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
     std::size_t crossings = 0, dark = 0;
     for (int round = 0; round < 6; ++round) {
         if (round > 0) {
-            world.go(3 + 4 * round);   // the light of some leaves changes
+            world.go(3 + 4 * round);   // the flux of some leaves changes
             tree.update(world.state, world.rays, world.tasks);
             device.begin_frame(tree, dynamic_objects);
         }
-        // A third of the points gets other lists, of other lengths.
+        // Replace the lists of a third of the points.
         std::vector<SeenNode> sent;
         std::vector<KeptNodes> lists;
         std::vector<std::size_t> of;
@@ -185,10 +185,10 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
         EXPECT_EQ(crossed, sums.crossed.end());
     }
     EXPECT_GT(crossings, 500u);
-    EXPECT_GT(dark, 0u) << "nothing was kept dark by what moves: the test shows too little";
+    EXPECT_GT(dark, 0u) << "no leaf is occluded by a dynamic object: the test is too weak";
 }
 
-TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
+TEST_F(GpuPointsTest, GrowsTheListOfCrossedPaths)
 {
     World world("cornell", 3, 2);
     LightTree tree(world.state, world.rays, {}, world.tasks);
@@ -213,13 +213,13 @@ TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
     for (const PointSums::Light& light : sums.light) EXPECT_EQ(light.of[0], glm::vec3(0));
 }
 
-// Light of what a camera sees in the last of some frames.
+// The irradiance at the surfaces that a camera sees, in the last of some frames.
 struct Lighting {
-    std::shared_ptr<vk::Device> device;   // null: by the processor alone
+    std::shared_ptr<vk::Device> device;   // null: CPU only
     int threads = 2;
     std::size_t memory = 16u << 20;
     std::uint64_t most_rays = 0;
-    bool traces = false;   // rays of points are the device's, too
+    bool traces = false;   // the device traces rays, too
 
     std::vector<glm::vec3> operator()(const char* name, const std::vector<int>& frames, int side = 96) const
     {
@@ -269,11 +269,12 @@ struct Lighting {
         const std::vector<IndirectPoint> points = test::seen_points(world, side);
         light.assign(points.size(), glm::vec3(-1));
         constexpr std::size_t k_some = 512;
-        visible.for_each((points.size() + k_some - 1) / k_some, batches, world.tasks, [&](std::size_t part, int worker) {
-            const std::size_t first = part * k_some, count = std::min(k_some, points.size() - first);
-            return visible.shade(*batches[static_cast<std::size_t>(worker)], {points.data() + first, count},
-                                 light.data() + first);
-        });
+        visible.for_each((points.size() + k_some - 1) / k_some, batches, world.tasks,
+                         [&](std::size_t part, int worker) {
+                             const std::size_t first = part * k_some, count = std::min(k_some, points.size() - first);
+                             return visible.shade(*batches[static_cast<std::size_t>(worker)],
+                                                  {points.data() + first, count}, light.data() + first);
+                         });
         visible.end_frame(batches);
     }
 };
@@ -290,49 +291,48 @@ double most_different(const std::vector<glm::vec3>& a, const std::vector<glm::ve
     return most / (sum / static_cast<double>(a.size()));
 }
 
-TEST_F(GpuPointsTest, LightIsTheProcessors)
+TEST_F(GpuPointsTest, IrradianceIsCloseToCpu)
 {
-    for (const char* name : {"cornell", "kinetic"}) {   // a ball and its shadow; a sky, leaves, much that moves
-        const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}),
-                                     by_device = Lighting{device_}(name, {20, 21});
-        EXPECT_LE(most_different(by_processor, by_device), k_light_tolerance) << name;
+    for (const char* name : {"cornell", "kinetic"}) {   // a ball and its shadow; a sky, leaves, many dynamic objects
+        const std::vector<glm::vec3> by_cpu = Lighting{}(name, {20, 21}), by_device = Lighting{device_}(name, {20, 21});
+        EXPECT_LE(most_different(by_cpu, by_device), k_light_tolerance) << name;
     }
 }
 
-TEST_F(GpuPointsTest, LightIsTheSameColdAndWarmAndForAnyNumberOfThreads)
+TEST_F(GpuPointsTest, SameBytesAfterAnyFramesAndForAnyThreadCount)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         const std::vector<glm::vec3> cold = Lighting{device_, 1}(name, {8}, 64);
         EXPECT_TRUE(same_bits(cold, Lighting{device_, 3}(name, {6, 7, 8}, 64))) << name;
-        EXPECT_TRUE(same_bits(cold, Lighting{device_, 2, 1 << 12}(name, {20, 3, 8}, 64))) << name << ": little memory";
-        EXPECT_FALSE(same_bits(cold, Lighting{device_, 1}(name, {7}, 64))) << name << ": something moves";
+        EXPECT_TRUE(same_bits(cold, Lighting{device_, 2, 1 << 12}(name, {20, 3, 8}, 64))) << name << ": memory limit";
+        EXPECT_FALSE(same_bits(cold, Lighting{device_, 1}(name, {7}, 64))) << name << ": dynamic objects move";
     }
 }
 
-// Rays that graze an edge may fall otherwise: few points, each in one of its nodes.
-TEST_F(GpuPointsTest, LightByTheDevicesRaysIsTheProcessors)
+// Rays that graze an edge may differ: at few points, for one of their nodes.
+TEST_F(GpuPointsTest, IrradianceByDeviceRaysIsCloseToCpu)
 {
     if (!ray::DeviceRays::supported(*device_)) GTEST_SKIP() << "the device traces no rays";
     for (const char* name : {"cornell", "kinetic"}) {
-        const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}, 64);
+        const std::vector<glm::vec3> by_cpu = Lighting{}(name, {20, 21}, 64);
         Lighting by_rays{device_};
         by_rays.traces = true;
         const std::vector<glm::vec3> by_device = by_rays(name, {20, 21}, 64);
-        ASSERT_EQ(by_device.size(), by_processor.size());
+        ASSERT_EQ(by_device.size(), by_cpu.size());
         double sum = 0, off = 0;
         std::size_t differ = 0;
         for (std::size_t i = 0; i < by_device.size(); ++i) {
-            const auto a = static_cast<double>(by_processor[i].y), b = static_cast<double>(by_device[i].y);
+            const auto a = static_cast<double>(by_cpu[i].y), b = static_cast<double>(by_device[i].y);
             sum += a, off += std::abs(a - b);
             differ += std::abs(a - b) > 1e-4 * std::max(a, b) + 1e-6;
         }
         EXPECT_LE(off, k_grazing_light * sum) << name;
         EXPECT_LE(static_cast<double>(differ), k_grazing_points * static_cast<double>(by_device.size())) << name;
-        EXPECT_TRUE(same_bits(by_device, by_rays(name, {21}, 64))) << name << ": cold as warm";
+        EXPECT_TRUE(same_bits(by_device, by_rays(name, {21}, 64))) << name << ": same bytes without earlier frames";
     }
 }
 
-TEST_F(GpuPointsTest, FewRaysAFrameAreEnoughInTheEnd)
+TEST_F(GpuPointsTest, LimitedRaysConvergeToTheFullFrame)
 {
     const std::vector<glm::vec3> all = Lighting{device_}("cornell", {3}),
                                  few = Lighting{device_, 2, 16u << 20, 1 << 14}("cornell", {3});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of a plane are interpolated between those that are reckoned; all others are reckoned.
+// Pixels within a plane are interpolated between computed ones; all others are computed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ glm::vec3 light_at(const IndirectPoint& p)
     return {p.position.x, p.position.y, 1 + p.position.z};
 }
 
-// Reckons what is to be reckoned; the rest is filled in.
+// Computes the selected pixels and interpolates the others.
 std::vector<glm::vec3> light_of(const std::vector<IndirectPoint>& points, SparsePixels& pixels,
                                 std::vector<std::uint8_t> exempt)
 {
@@ -42,7 +42,7 @@ std::vector<glm::vec3> light_of(const std::vector<IndirectPoint>& points, Sparse
     return light;
 }
 
-TEST(SparsePixels, LinearLightOfAPlaneComesBack)
+TEST(SparsePixels, ReproducesLinearLightOnAPlane)
 {
     const auto points = tile_of(100);
     SparsePixels pixels;
@@ -52,7 +52,7 @@ TEST(SparsePixels, LinearLightOfAPlaneComesBack)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
 
-TEST(SparsePixels, NothingIsInterpolatedAcrossAStep)
+TEST(SparsePixels, DoesNotInterpolateAcrossAStep)
 {
     const auto points = tile_of(14);
     SparsePixels pixels;
@@ -62,7 +62,7 @@ TEST(SparsePixels, NothingIsInterpolatedAcrossAStep)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
 
-TEST(SparsePixels, WhatIsExemptOrHasNoPlaceIsReckoned)
+TEST(SparsePixels, ComputesExemptAndUnplacedPoints)
 {
     auto points = tile_of(100);
     points[33].x = points[33].y = -1;   // of (1, 1)

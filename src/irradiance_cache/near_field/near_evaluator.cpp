@@ -89,9 +89,7 @@ void NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* cons
             std::copy(point.static_light, point.static_light + 3, point.light);
             return dynamic_may_occlude(frame, point);
         },
-        [&](CachePoint& point, const NearAnswer& answer) {
-            std::copy(answer.light, answer.light + 3, point.light);
-        },
+        [&](CachePoint& point, const NearAnswer& answer) { std::copy(answer.light, answer.light + 3, point.light); },
         counters);
 }
 

@@ -165,7 +165,9 @@ void NearHints::answer(const ray::RayScene& rays, const std::vector<Claim>& clai
         GNOMON_CHECK(word);
         *word = word_of(cell, any ? State::near : State::none);
     }
-    { const std::lock_guard lock(wait_mutex_); }   // whoever saw a claimed cell waits by now
+    {
+        const std::lock_guard lock(wait_mutex_);
+    }   // whoever saw a claimed cell waits by now
     answered_.notify_all();
 }
 

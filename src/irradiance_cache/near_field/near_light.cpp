@@ -31,7 +31,7 @@ std::vector<glm::vec3> cosine_directions(int count)
 NearLight::NearLight(const NearOptions& options) : options_(options), directions_(cosine_directions(options.rays)) {}
 
 void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                    std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+                       std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
 {
     const scene::Scene& scene = state.scene();
     const std::size_t n = directions_.size();

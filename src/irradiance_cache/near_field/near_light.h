@@ -59,7 +59,7 @@ class NearLight {
     /// Computes the near field of some receivers. Thread-safe.
     /// @param against  the geometry that rays meet: static_only or everything
     void gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-             std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+                std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
 
  private:
     NearOptions options_;

@@ -159,9 +159,8 @@ void NearFieldStep::replace(const CacheFrame& frame, const IndirectPoint& point,
         const float pixels = std::sqrt(area) / (std::exp2(static_cast<float>(level)) * point.width);
         const glm::vec2 at = glm::vec2(point.u, point.v) + k_beside * pixels * step;
         const bool inside = at.x >= 0 && at.y >= 0 && at.x + at.y <= 1;   // of the triangle
-        return part_key(frame.triangles.first(point.object) + point.triangle,
-                        glm::dot(n, point.geometric_normal) > 0, level, inside ? at.x : point.u,
-                        inside ? at.y : point.v);
+        return part_key(frame.triangles.first(point.object) + point.triangle, glm::dot(n, point.geometric_normal) > 0,
+                        level, inside ? at.x : point.u, inside ? at.y : point.v);
     };
     Selected& near = selected_[selected];
     near.key = key_at(detail.level);

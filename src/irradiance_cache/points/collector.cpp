@@ -29,8 +29,7 @@ void PointCollector::begin(const CacheFrame& frame, std::span<const IndirectPoin
         if (work.dynamic[i])
             work.parts.push_back({i, 1, 0, nullptr, glm::vec3(0)});
         else
-            work.lattice.push_back(
-                {i, detail_of(frame.options.widest * points[i].width).level, 0, 1, glm::vec3(0)});
+            work.lattice.push_back({i, detail_of(frame.options.widest * points[i].width).level, 0, 1, glm::vec3(0)});
     }
 }
 

@@ -41,8 +41,7 @@ std::size_t DeviceEvaluator::piece_size(std::size_t count) const
     return device_->traces() ? std::max<std::size_t>(count, 1) : k_piece;
 }
 
-void DeviceEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* const> points,
-                               EvaluationScratch& scratch)
+void DeviceEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* const> points, EvaluationScratch& scratch)
 {
     for (CachePoint* point : points) {
         point->queued = false;   // left from a frame that failed
@@ -120,8 +119,8 @@ void DeviceEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<Cach
 }
 
 // Hands the visible nodes of new points to the device.
-void DeviceEvaluator::keep(const CacheFrame& frame, std::span<CachePoint* const> points,
-                           std::span<const SeenNode> seen, std::span<KeptNodes> lists)
+void DeviceEvaluator::keep(const CacheFrame& frame, std::span<CachePoint* const> points, std::span<const SeenNode> seen,
+                           std::span<KeptNodes> lists)
 {
     for (CachePoint* point : points) {
         release(*point);
@@ -139,8 +138,7 @@ void DeviceEvaluator::keep(const CacheFrame& frame, std::span<CachePoint* const>
 }
 
 // Sums the present light of points for which something changed.
-void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> points, Scratches scratch,
-                          Tasks& tasks)
+void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> points, Scratches scratch, Tasks& tasks)
 {
     std::vector<CachePoint*> changed;
     std::vector<SumRequest> requests;

@@ -14,8 +14,7 @@ namespace gnomon::irradiance_cache {
 
 class DeviceEvaluator final : public PointEvaluator {
  public:
-    DeviceEvaluator(PointTable& table, std::unique_ptr<PointDevice> device)
-        : table_(table), device_(std::move(device))
+    DeviceEvaluator(PointTable& table, std::unique_ptr<PointDevice> device) : table_(table), device_(std::move(device))
     {
     }
     void begin_frame(const CacheFrame& frame) override;

@@ -2,9 +2,9 @@
 #pragma once
 // Step 2 of the irradiance cache, evaluate: brings claimed cache points up to the current frame.
 //
-// A new point gets its cut through the light tree, and keeps the nodes of the cut that are visible past static geometry.
-// A known point starts from what those bring without dynamic objects, and is corrected: for nodes whose flux changed,
-// nodes and sky behind a dynamic object, and light from dynamic objects. The CPU evaluates points at once
+// A new point gets its cut through the light tree, and keeps the nodes of the cut that are visible past static
+// geometry. A known point starts from what those bring without dynamic objects, and is corrected: for nodes whose flux
+// changed, nodes and sky behind a dynamic object, and light from dynamic objects. The CPU evaluates points at once
 // (cpu_evaluator.h); a device collects them and evaluates many together (device_evaluator.h).
 
 #include <memory>

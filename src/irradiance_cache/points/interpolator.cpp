@@ -128,8 +128,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         }
         const PartWeights parts = select_pixel_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
-            dark_.push_back(
-                {request.point, request.weight * parts.weight[i], parts.key[i], nullptr, glm::vec3(0)});
+            dark_.push_back({request.point, request.weight * parts.weight[i], parts.key[i], nullptr, glm::vec3(0)});
     }
     work.parts.swap(dark_);
 }

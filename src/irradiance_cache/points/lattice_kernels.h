@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Interpolation between the four anchors of a lattice cell, for many points of one cell at once, with what the
-// processor at hand offers (Highway). Every point is reckoned by itself and in one order: its bits do not depend on how
-// many stand side by side.
+// Interpolates the four cache points of a lattice cell at many surface points of the cell, in the widest instruction
+// set of the CPU (Highway). Each point is computed by itself in a fixed order of operations, so its bits do not depend
+// on how many are computed together.
 
 #include <cstddef>
 #include <vector>
 
 namespace gnomon::irradiance_cache {
 
-/// Four lattice anchors, side by side.
+/// The four cache points of a cell, as a structure of arrays.
 struct CellAnchors {
-    float x[4], y[4], z[4], nx[4], ny[4], nz[4];   // x infinite: there is none
-    // Places that are open to the anchor, along the other two axes; and by how much less of one for a unit further
-    // along the other, where the wall that ends the way stands at an angle: low b, high b, low c, high c.
+    float x[4], y[4], z[4], nx[4], ny[4], nz[4];   // x is infinite if a point does not exist
+    // Free ranges around the point along the lattice's other two axes, and how much shorter they get per unit along the
+    // other axis if the wall that ends them stands at an angle: low b, high b, low c, high c.
     float low_b[4], high_b[4], low_c[4], high_c[4];
-    float slope[4][4];   // by which, by anchor
+    float slope[4][4];   // by range and point
     float light[9][4];   // by colour and axis
     int axis;
 };
 
-/// Points in a structure of arrays, padded so that the last vector may be read whole.
+/// Surface points in a structure of arrays, padded so that the last vector may be read completely.
 struct LatticePoints {
     std::vector<float> x, y, z;      // positions
     std::vector<float> gx, gy, gz;   // geometric normals, unit
@@ -30,21 +30,21 @@ struct LatticePoints {
     static constexpr std::size_t k_pad = 16;
 };
 
-/// What a cell says at points: irradiance by colour, and how much of the four anchors' bilinear weight (1 in all) can
-/// speak for the point. 0 where the weight is 0.
+/// Interpolated irradiance by colour, and the part of the bilinear weight (1 in total) of the cache points that
+/// contribute. The irradiance is 0 where the weight is 0.
 struct LatticeLight {
     std::vector<float> r, g, b, weight;
     void resize(std::size_t count);
 };
 
-/// What an anchor may be interpolated to.
+/// The surface points to which a cache point contributes.
 struct LatticeReach {
-    float plane;      // distance from the point's plane, scene units: no weight from there on
+    float plane;      // distance from their plane, scene units: no weight from there on
     float facing;     // cosine between the normals: no weight below
-    bool open_only;   // only to places that are open to it
+    bool open_only;   // only within the free ranges
 };
 
-/// Fills light[first ... first + count) from the points there, all of one cell. May write up to k_pad - 1 behind.
+/// Fills light[first ... first + count) for the points there, all of one cell. May write up to k_pad - 1 beyond.
 void interpolate_cell(const CellAnchors& cell, const LatticeReach& reach, const LatticePoints& points,
                       std::size_t first, std::size_t count, LatticeLight& light);
 

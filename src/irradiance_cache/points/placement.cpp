@@ -84,6 +84,7 @@ void PointPlacer::place(const CacheFrame& frame, std::span<CachePoint* const> cl
         if (!is_lattice(point->key)) {
             if (point->version == 0 || point->dynamic_version != frame.dynamic_version) place_part(frame, *point);
         } else if (point->version == 0) {
+            point->exists = false;   // a frame that failed may have placed it half
             searching_.push_back({point, 0, 1, 0});
             placed_.push_back(point);
         }
@@ -174,8 +175,7 @@ void PointPlacer::find_free_distances(const CacheFrame& frame)
         for (int way = 0; way < 4; ++way, ++r) {
             const bool open = hits_.object[r] == scene::none;
             point->free[way] = open ? k_reach * h : hits_.t[r] * h;
-            point->set_slope(way,
-                             open ? 0 : slope_of_end(frame, *point, way, hits_.object[r], hits_.triangle[r]));
+            point->set_slope(way, open ? 0 : slope_of_end(frame, *point, way, hits_.object[r], hits_.triangle[r]));
         }
     }
 }

@@ -2,11 +2,11 @@
 #pragma once
 // Distributes the evaluation of cache points over threads: each point is evaluated by one thread per frame.
 //
-// A thread finds the points that it needs (find_or_create). A point that no thread has claimed in this frame becomes its
-// own to evaluate; one that another thread claimed and has not published is awaited. A thread evaluates and publishes
-// everything that it claimed before it waits, and nothing in between waits; so waits form no cycle, and a thread that
-// waits holds up no other. Waiting sleeps on the point's atomic. If an evaluation fails, the points of that thread are
-// abandoned, and whoever waits for them fails in the same way.
+// A thread finds the points that it needs (find_or_create). A point that no thread has claimed in this frame becomes
+// its own to evaluate; one that another thread claimed and has not published is awaited. A thread evaluates and
+// publishes everything that it claimed before it waits, and nothing in between waits; so waits form no cycle, and a
+// thread that waits holds up no other. Waiting sleeps on the point's atomic. If an evaluation fails, the points of that
+// thread are abandoned, and whoever waits for them fails in the same way.
 //
 // Cost: a look-up in a table of recent points, or else in the point table, under one of its locks.
 

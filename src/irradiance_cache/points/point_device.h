@@ -3,8 +3,8 @@
 // A device that cuts the light tree for surface points and sums the light of the nodes that they see
 // (vulkan/gpu_points.h). It may trace visibility rays, too.
 //
-// It works on many points at a time (device_evaluator.h) and keeps the visible nodes of each. Its arithmetic equals that
-// of point_kernels.h up to rounding, and is repeatable.
+// It works on many points at a time (device_evaluator.h) and keeps the visible nodes of each. Its arithmetic equals
+// that of point_kernels.h up to rounding, and is repeatable.
 
 #include <span>
 #include <vector>

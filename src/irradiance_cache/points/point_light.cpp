@@ -109,8 +109,7 @@ void PresentLight::clear()
 void PresentLight::add_if_unoccluded(const CacheFrame& frame, CachePoint& point, NodeId node, const glm::vec3& flux,
                                      const glm::vec3& direction)
 {
-    rays_.push(point.origin(), 0, frame.lights.samples().at(node) - point.origin(),
-               frame.options.light_tree.ray_end);
+    rays_.push(point.origin(), 0, frame.lights.samples().at(node) - point.origin(), frame.options.light_tree.ray_end);
     contributions_.push_back({&point, flux, direction});
 }
 
@@ -149,7 +148,7 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
         // The kernel of a disk, as for nodes of the tree (point_kernels.h).
         const float kernel = facing / distance / (static_cast<float>(k_pi) * square + light.area);
         const glm::vec3 direction = to * (kernel / distance);
-        if (luminance(light.flux) * glm::dot(direction, point.normal) < frame.options.unasked * already) {
+        if (luminance(light.flux) * glm::dot(direction, point.normal) < frame.options.untested * already) {
             point.add_light(light.flux, direction);
             continue;
         }

@@ -45,9 +45,9 @@ class StaticVisibility {
     };
     std::vector<Added> added_;
     ray::RayQueue rays_;
-    std::vector<NodeId> nodes_;     // by ray
-    std::vector<float> weights_;    // by ray
-    std::vector<SeenNode> seen_;    // of one point
+    std::vector<NodeId> nodes_;    // by ray
+    std::vector<float> weights_;   // by ray
+    std::vector<SeenNode> seen_;   // of one point
     std::vector<std::uint8_t> occluded_;
 };
 

@@ -51,7 +51,7 @@ CachePoint& PointTable::find_or_create(AnchorKey key)
 }
 
 void PointTable::drop_unseen(std::uint32_t frame, std::size_t budget,
-                                const std::function<void(const CachePoint&)>& dropped)
+                             const std::function<void(const CachePoint&)>& dropped)
 {
     const std::size_t all = bytes();
     if (all <= budget) return;
