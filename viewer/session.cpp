@@ -74,7 +74,7 @@ struct ViewSession::Kept {
     Accelerator accelerator = Accelerator::embree;
     std::unique_ptr<shadow_culling::CertifiedCulling> certified;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
-    std::unique_ptr<irradiance_cache::VisibleLight> visible;
+    std::unique_ptr<irradiance_cache::IrradianceCache> visible;
     std::unique_ptr<light_quadtree::MapLight> map;
     RenderOptions map_options;   // that it, or the rasteriser, was made with
     int visible_memory = 0;      // likewise `visible`
@@ -137,8 +137,8 @@ struct ViewSession::Kept {
         if (options.shadow_culling == ShadowCulling::paper && !paper)
             paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
         if (options.indirect == Indirect::visible && !visible) {
-            visible = std::make_unique<irradiance_cache::VisibleLight>(*state, *rays,
-                                                                       trace::visible_light_options(options), tasks);
+            visible = std::make_unique<irradiance_cache::IrradianceCache>(*state, *rays,
+                                                                          trace::visible_light_options(options), tasks);
             visible_memory = options.indirect_memory;
         }
     }
@@ -431,7 +431,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
         remembered.states = &kept.states;
     }
     // Light that is not asked for under the overlay is not to miss what moves meanwhile.
-    if (states && kept.visible) kept.visible->begin_frame(*kept.state, *kept.rays, kept.tasks);
+    if (states && kept.visible) kept.visible->update(*kept.state, *kept.rays, kept.tasks);
     const Progress progress = [this](const ProgressStep&) { return !leaving_; };
     const bool clusters = kept.map && shows_clusters(options);
     if (clusters)

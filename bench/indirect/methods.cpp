@@ -28,7 +28,7 @@ class VisibleMethod final : public IndirectMethod {
 
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks) override
     {
-        visible_.begin_frame(state, rays, tasks);
+        visible_.update(state, rays, tasks);
         batches_.clear();
         for (std::size_t t = 0; t < light_.size(); ++t) batches_.push_back(visible_.make_batch());
     }
@@ -55,20 +55,20 @@ class VisibleMethod final : public IndirectMethod {
     IndirectWork end_frame() override
     {
         visible_.end_frame(batches_);
-        const irradiance_cache::VisibleCounters& c = visible_.counters();
-        return {c.nodes, c.rays, visible_.emitters().dirty_leaves(), visible_.emitters().dirty_nodes(),
+        const irradiance_cache::CacheCounters& c = visible_.counters();
+        return {c.nodes, c.rays, visible_.light_tree().dirty_leaves(), visible_.light_tree().dirty_nodes(),
                 visible_.bytes()};
     }
 
  private:
-    static irradiance_cache::VisibleOptions options_of(const IndirectSettings& settings)
+    static irradiance_cache::CacheOptions options_of(const IndirectSettings& settings)
     {
-        irradiance_cache::VisibleOptions options;
+        irradiance_cache::CacheOptions options;
         options.memory = settings.memory;
         return options;
     }
-    irradiance_cache::VisibleLight visible_;
-    std::vector<std::unique_ptr<irradiance_cache::VisibleLight::Batch>> batches_;
+    irradiance_cache::IrradianceCache visible_;
+    std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches_;
     std::vector<std::vector<glm::vec3>> light_;   // by thread
 };
 

@@ -149,7 +149,7 @@ struct Renderer::Impl {
     std::unique_ptr<ray::RayScene> rays;
     std::unique_ptr<shadow_culling::CertifiedCulling> culling;
     std::unique_ptr<shadow_culling::PaperCulling> paper;
-    std::unique_ptr<irradiance_cache::VisibleLight> visible;
+    std::unique_ptr<irradiance_cache::IrradianceCache> visible;
     std::unique_ptr<light_quadtree::MapLight> map;
     std::unique_ptr<frame::Rasterizer> raster;
     shading::FrameBuffers buffers;
@@ -189,7 +189,7 @@ struct Renderer::Impl {
             scene = wanted;
             follow_paper();
             if (options.indirect == Indirect::visible && !options.reference)
-                visible = std::make_unique<irradiance_cache::VisibleLight>(
+                visible = std::make_unique<irradiance_cache::IrradianceCache>(
                     *state, *rays, trace::visible_light_options(options), tasks);
             if ((options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree) && !options.reference)
                 map =

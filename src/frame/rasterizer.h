@@ -24,7 +24,7 @@ struct RasterSettings {
     bool redrawn_stays = false;
     Indirect indirect = Indirect::off;
     light_quadtree::MapLightOptions map{};   // of Indirect::rsm, quadtree
-    irradiance_cache::VisibleOptions visible{};
+    irradiance_cache::CacheOptions visible{};
     IndirectOn indirect_on = IndirectOn::automatic;
     // Of Indirect::visible: follows the state before every update() and render(); both outlive the rasterizer.
     const ray::RayScene* rays = nullptr;

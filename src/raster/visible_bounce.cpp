@@ -2,7 +2,6 @@
 #include "raster/visible_bounce.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "base/check.h"
 #include "irradiance_cache/vulkan/gpu_points.h"
@@ -28,7 +27,7 @@ glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
 }   // namespace
 
 VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-                             const ray::RayScene& rays, const irradiance_cache::VisibleOptions& options, bool on_device,
+                             const ray::RayScene& rays, const irradiance_cache::CacheOptions& options, bool on_device,
                              Tasks& tasks)
     : device_(device),
       rays_(rays),
@@ -39,7 +38,7 @@ VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const sc
     if (!on_device) return;
     auto points = std::make_unique<irradiance_cache::GpuPoints>(device);
     on_device_ = points.get();
-    light_.set_engine(std::move(points));
+    light_.use_device(std::move(points));
 }
 
 void VisibleBounce::update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state)
@@ -51,7 +50,7 @@ void VisibleBounce::update(vk::Commands& commands, const gpu_scene::GpuScene& sc
         commands.submit();   // it builds from the scene as it is on the device
         on_device_->trace_with(std::make_unique<DeviceRays>(device_, scene, state, &rays_), scene);
     }
-    light_.begin_frame(state, rays_, tasks_);
+    light_.update(state, rays_, tasks_);
     batches_.clear();
     for (std::size_t t = 0; t < scratch_.size(); ++t) batches_.push_back(light_.make_batch());
 }
@@ -72,12 +71,10 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
                                      faces = geometric.as<glm::vec4>(), colors = diffuse.as<glm::vec4>();
     const std::span<const glm::uvec2> id = ids.as<glm::uvec2>();
     const int columns = (width + k_tile - 1) / k_tile, rows = (height + k_tile - 1) / k_tile;
-    std::vector<int> tiles(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    std::iota(tiles.begin(), tiles.end(), 0);
-    const auto light_tile = [&](int tile, int w) {
+    const auto light_tile = [&](std::size_t tile, int w) {
         Scratch& own = scratch_[static_cast<std::size_t>(w)];
         own.points.clear(), own.pixels.clear();
-        const int x0 = tile % columns * k_tile, y0 = tile / columns * k_tile;
+        const int x0 = static_cast<int>(tile) % columns * k_tile, y0 = static_cast<int>(tile) / columns * k_tile;
         for (int y = y0; y < std::min(y0 + k_tile, height); ++y)
             for (int x = x0; x < std::min(x0 + k_tile, width); ++x) {
                 const std::size_t i =
@@ -104,16 +101,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
         for (std::size_t k = 0; k < own.pixels.size(); ++k) arrives_[own.pixels[k]] = glm::vec4(own.light[k], 0);
         return true;
     };
-    // With an engine, tiles want points first, and have light once it made theirs.
-    while (!tiles.empty()) {
-        std::vector<std::uint8_t> done(tiles.size());
-        tasks_.for_each(tiles.size(), [&](std::size_t k, int w) { done[k] = light_tile(tiles[k], w) ? 1 : 0; });
-        std::size_t left = 0;
-        for (std::size_t k = 0; k < tiles.size(); ++k)
-            if (!done[k]) tiles[left++] = tiles[k];
-        tiles.resize(left);
-        if (left > 0) light_.light_waiting(batches_, tasks_);
-    }
+    light_.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), batches_, tasks_, light_tile);
 
     // Send what arrives.
     if (sent_.bytes() != pixels * sizeof(glm::vec4))

@@ -24,14 +24,14 @@ class VisibleBounce final : public BouncedLight {
     /// if it traces rays (device_rays.h), from the first update() on
     /// @throws MissingError  too little device memory
     VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
-                  const irradiance_cache::VisibleOptions& options, bool on_device, Tasks& tasks);
+                  const irradiance_cache::CacheOptions& options, bool on_device, Tasks& tasks);
 
     void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
               const vk::Image& irradiance) override;
     FrameCounters::Indirect end_frame() override;
 
-    const irradiance_cache::VisibleLight& light() const { return light_; }
+    const irradiance_cache::IrradianceCache& light() const { return light_; }
 
  private:
     struct Scratch {
@@ -42,9 +42,9 @@ class VisibleBounce final : public BouncedLight {
     std::shared_ptr<vk::Device> device_;
     const ray::RayScene& rays_;
     Tasks& tasks_;
-    irradiance_cache::VisibleLight light_;
+    irradiance_cache::IrradianceCache light_;
     irradiance_cache::GpuPoints* on_device_ = nullptr;   // its engine, if cuts and sums are the device's
-    std::vector<std::unique_ptr<irradiance_cache::VisibleLight::Batch>> batches_;   // by thread
+    std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches_;   // by thread
     std::vector<Scratch> scratch_;
     std::vector<glm::vec4> arrives_;   // by pixel
     vk::Buffer sent_;

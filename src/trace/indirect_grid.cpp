@@ -6,9 +6,9 @@
 
 namespace gnomon::trace {
 
-irradiance_cache::VisibleOptions visible_light_options(const RenderOptions& options)
+irradiance_cache::CacheOptions visible_light_options(const RenderOptions& options)
 {
-    irradiance_cache::VisibleOptions visible;
+    irradiance_cache::CacheOptions visible;
     visible.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
     return visible;
 }

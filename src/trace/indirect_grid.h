@@ -18,7 +18,7 @@ struct IndirectGrid {
 /// Of Indirect::rsm and Indirect::quadtree.
 light_quadtree::MapLightOptions map_light_options(const RenderOptions& options);
 /// Of Indirect::visible.
-irradiance_cache::VisibleOptions visible_light_options(const RenderOptions& options);
+irradiance_cache::CacheOptions visible_light_options(const RenderOptions& options);
 
 /// Casts one ray at every step-th pixel, and one beyond the image's last in each row and column.
 IndirectGrid cast_indirect_grid(const scene::Scene& scene, const ray::RayScene& rays, const scene::View& view, int step,

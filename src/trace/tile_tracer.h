@@ -35,7 +35,10 @@ class TileTracer {
     }
     /// What its rays saw, for the culling's end of frame; null without culling.
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> take_batch() { return std::move(batch_); }
-    std::unique_ptr<irradiance_cache::VisibleLight::Batch> take_indirect_batch() { return std::move(indirect_batch_); }
+    std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_indirect_batch()
+    {
+        return std::move(indirect_batch_);
+    }
     std::unique_ptr<light_quadtree::MapLight::Batch> take_map_batch() { return std::move(map_batch_); }
     shadow_culling::PaperCulling::Notes take_notes() { return paper_tracer_.take_notes(); }
 
@@ -90,8 +93,8 @@ class TileTracer {
     const TracedOptions& options_;
     shadow_culling::CertifiedCulling* culling_;
     std::unique_ptr<shadow_culling::CertifiedCulling::Batch> batch_;
-    irradiance_cache::VisibleLight* visible_;
-    std::unique_ptr<irradiance_cache::VisibleLight::Batch> indirect_batch_;
+    irradiance_cache::IrradianceCache* visible_;
+    std::unique_ptr<irradiance_cache::IrradianceCache::Batch> indirect_batch_;
     light_quadtree::MapLight* map_;
     std::unique_ptr<light_quadtree::MapLight::Batch> map_batch_;
     shadow_culling::PaperCulling* paper_;

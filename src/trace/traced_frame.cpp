@@ -47,7 +47,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (culling) culling->begin_frame(state, rays, {view.eye, view.pixel_spread, view.pixel_width});
     if (paper) paper->begin_frame(state, rays);
     GNOMON_CHECK(!remembered.visible || !remembered.map);
-    if (remembered.visible) remembered.visible->begin_frame(state, rays, tasks);
+    if (remembered.visible) remembered.visible->update(state, rays, tasks);
     if (remembered.map) {
         remembered.map->begin_frame(state, rays, tasks);
         if (const int step = remembered.map->grid_step(view.size.width, view.size.height); step > 0) {
@@ -120,11 +120,11 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     }
     watch.end(FrameTimes::proofs);
     if (remembered.visible) {
-        std::vector<std::unique_ptr<irradiance_cache::VisibleLight::Batch>> batches;
+        std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches;
         for (const auto& worker : workers)
             if (worker) batches.push_back(worker->take_indirect_batch());
         remembered.visible->end_frame(batches);
-        const irradiance_cache::VisibleCounters& c = remembered.visible->counters();
+        const irradiance_cache::CacheCounters& c = remembered.visible->counters();
         counters.indirect.rays = c.rays;
         counters.indirect.clusters = c.nodes;
     }

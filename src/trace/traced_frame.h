@@ -28,7 +28,7 @@ namespace gnomon::light_quadtree {
 class MapLight;
 }
 namespace gnomon::irradiance_cache {
-class VisibleLight;
+class IrradianceCache;
 }
 namespace gnomon::reference {
 class ReferenceLight;
@@ -67,7 +67,7 @@ struct StateMap;
 struct Remembered {
     shadow_culling::CertifiedCulling* certified = nullptr;   // the image is the same to the bit
     shadow_culling::PaperCulling* paper = nullptr;           // a heuristic: the image can be wrong
-    irradiance_cache::VisibleLight* visible = nullptr;       // bounced light, at most one of the two
+    irradiance_cache::IrradianceCache* visible = nullptr;    // bounced light, at most one of the two
     light_quadtree::MapLight* map = nullptr;                 // the same without visibility
     bool judge_later = false;   // certified culling: the caller calls judge() once the image is shown
     // Optional, its lights set: filled, and every answer is checked by tracing every ray.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts and sums of surface points on the device against the processor's, and the light of whole images by both.
+// Cuts and sums of cache points on the device against those on the CPU, and the irradiance of whole frames by both.
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -22,11 +22,11 @@ using test::World;
 
 class GpuPointsTest : public test::VulkanTest {};
 
-constexpr double k_nodes_that_differ = 1e-3;   // share of cuts' nodes: on the edge of being refined
-constexpr double k_weight_tolerance = 1e-4;    // of weights, over themselves; more where the kernel cancels
-constexpr double k_sum_tolerance = 1e-5;       // over the sum of all lengths
-constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // where rays are the device's own
-constexpr double k_light_tolerance = 1e-4;                          // of an image's light, over its mean
+constexpr double k_nodes_that_differ = 1e-3;   // fraction of the nodes of cuts: error bounds at the threshold
+constexpr double k_weight_tolerance = 1e-4;    // relative, of weights
+constexpr double k_sum_tolerance = 1e-5;       // relative to the sum of all lengths
+constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // if the device traces the rays
+constexpr double k_light_tolerance = 1e-4;                          // relative to a frame's mean irradiance
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
@@ -40,11 +40,11 @@ std::vector<CutRequest> some_requests(const World& world, std::size_t count)
     return requests;
 }
 
-TEST_F(GpuPointsTest, CutsAreTheProcessors)
+TEST_F(GpuPointsTest, CutsEqualCpuCuts)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name, 30, 2);
-        EmitterTree tree(world.state, world.rays, {}, world.tasks);
+        LightTree tree(world.state, world.rays, {}, world.tasks);
         GpuPoints device(device_);
         device.begin_frame(tree, {});
         const std::vector<CutRequest> requests = some_requests(world, 400);
@@ -77,10 +77,10 @@ TEST_F(GpuPointsTest, CutsAreTheProcessors)
     }
 }
 
-TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
+TEST_F(GpuPointsTest, LongCutsAreMadeByTheCpu)
 {
     World world("cornell", 3, 2);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     GpuPoints device(device_);
     device.begin_frame(tree, {});
     std::vector<CutRequest> requests = some_requests(world, 8);
@@ -103,11 +103,11 @@ TEST_F(GpuPointsTest, CutsTooLongForTheDeviceAreTheProcessors)
     }
 }
 
-// Lists come and go; what is summed is what was kept last, present flux, but for ways past what moves.
-TEST_F(GpuPointsTest, SumsAreTheProcessors)
+// After lists were replaced, sums use the new lists and the current flux, without paths that cross dynamic objects.
+TEST_F(GpuPointsTest, SumsEqualCpuSums)
 {
     World world("cornell", 3, 2);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     MovingSpheres dynamic_objects;
     dynamic_objects.add({{{0.3f, -0.5f, 0.2f}, 0.25f}, {{-0.4f, 0.1f, -0.1f}, 0.1f}});
     GpuPoints device(device_);
@@ -119,11 +119,11 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
     std::size_t crossings = 0, dark = 0;
     for (int round = 0; round < 6; ++round) {
         if (round > 0) {
-            world.go(3 + 4 * round);   // the light of some leaves changes
+            world.go(3 + 4 * round);   // the flux of some leaves changes
             tree.update(world.state, world.rays, world.tasks);
             device.begin_frame(tree, dynamic_objects);
         }
-        // A third of the points gets other lists, of other lengths.
+        // Replace the lists of a third of the points.
         std::vector<SeenNode> sent;
         std::vector<KeptNodes> lists;
         std::vector<std::size_t> of;
@@ -135,7 +135,7 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
             const std::size_t count = random() % 90;
             while (seen[p].size() < count) {
                 const auto node = static_cast<NodeId>(random() % tree.size());
-                if (tree.still_flux().at(node) != glm::vec3(0))
+                if (tree.static_flux().at(node) != glm::vec3(0))
                     seen[p].push_back(pack_seen(node, std::ldexp(1.0f + static_cast<float>(random() % 997) / 997, -6)));
             }
             sent.insert(sent.end(), seen[p].begin(), seen[p].end());
@@ -185,13 +185,13 @@ TEST_F(GpuPointsTest, SumsAreTheProcessors)
         EXPECT_EQ(crossed, sums.crossed.end());
     }
     EXPECT_GT(crossings, 500u);
-    EXPECT_GT(dark, 0u) << "nothing was kept dark by what moves: the test shows too little";
+    EXPECT_GT(dark, 0u) << "no leaf is occluded by a dynamic object: the test is too weak";
 }
 
-TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
+TEST_F(GpuPointsTest, GrowsTheListOfCrossedPaths)
 {
     World world("cornell", 3, 2);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     MovingSpheres dynamic_objects;
     dynamic_objects.add({{{0, 0, 0}, 100.0f}});   // everything is inside
     GpuPoints device(device_);
@@ -213,26 +213,26 @@ TEST_F(GpuPointsTest, MoreCrossedWaysThanThereWasRoomFor)
     for (const PointSums::Light& light : sums.light) EXPECT_EQ(light.of[0], glm::vec3(0));
 }
 
-// Light of what a camera sees in the last of some frames.
+// The irradiance at the surfaces that a camera sees, in the last of some frames.
 struct Lighting {
-    std::shared_ptr<vk::Device> device;   // null: by the processor alone
+    std::shared_ptr<vk::Device> device;   // null: CPU only
     int threads = 2;
     std::size_t memory = 16u << 20;
     std::uint64_t most_rays = 0;
-    bool traces = false;   // rays of points are the device's, too
+    bool traces = false;   // the device traces rays, too
 
     std::vector<glm::vec3> operator()(const char* name, const std::vector<int>& frames, int side = 96) const
     {
         World world(name, frames.front(), threads);
-        VisibleOptions options;
+        CacheOptions options;
         options.memory = memory;
-        VisibleLight visible(world.state, world.rays, options, world.tasks);
+        IrradianceCache visible(world.state, world.rays, options, world.tasks);
         std::unique_ptr<gpu_scene::GpuScene> scene;
         GpuPoints* engine = nullptr;
         if (device) {
             auto made = std::make_unique<GpuPoints>(device);
             engine = made.get();
-            visible.set_engine(std::move(made));
+            visible.use_device(std::move(made));
         }
         if (traces) {
             scene = std::make_unique<gpu_scene::GpuScene>(device, world.state);
@@ -261,29 +261,20 @@ struct Lighting {
     }
 
  private:
-    static void light_frame(World& world, VisibleLight& visible, int side, std::vector<glm::vec3>& light)
+    static void light_frame(World& world, IrradianceCache& visible, int side, std::vector<glm::vec3>& light)
     {
-        visible.begin_frame(world.state, world.rays, world.tasks);
-        std::vector<std::unique_ptr<VisibleLight::Batch>> batches;
+        visible.update(world.state, world.rays, world.tasks);
+        std::vector<std::unique_ptr<IrradianceCache::Batch>> batches;
         for (int t = 0; t < world.tasks.threads(); ++t) batches.push_back(visible.make_batch());
         const std::vector<IndirectPoint> points = test::seen_points(world, side);
         light.assign(points.size(), glm::vec3(-1));
         constexpr std::size_t k_some = 512;
-        std::vector<std::size_t> parts;
-        for (std::size_t first = 0; first < points.size(); first += k_some) parts.push_back(first);
-        while (!parts.empty()) {
-            std::vector<std::uint8_t> done(parts.size());
-            world.tasks.for_each(parts.size(), [&](std::size_t k, int thread) {
-                const std::size_t count = std::min(k_some, points.size() - parts[k]);
-                done[k] = visible.shade(*batches[static_cast<std::size_t>(thread)], {points.data() + parts[k], count},
-                                        light.data() + parts[k]);
-            });
-            std::size_t left = 0;
-            for (std::size_t k = 0; k < parts.size(); ++k)
-                if (!done[k]) parts[left++] = parts[k];
-            parts.resize(left);
-            if (left > 0) visible.light_waiting(batches, world.tasks);
-        }
+        visible.for_each((points.size() + k_some - 1) / k_some, batches, world.tasks,
+                         [&](std::size_t part, int worker) {
+                             const std::size_t first = part * k_some, count = std::min(k_some, points.size() - first);
+                             return visible.shade(*batches[static_cast<std::size_t>(worker)],
+                                                  {points.data() + first, count}, light.data() + first);
+                         });
         visible.end_frame(batches);
     }
 };
@@ -300,49 +291,48 @@ double most_different(const std::vector<glm::vec3>& a, const std::vector<glm::ve
     return most / (sum / static_cast<double>(a.size()));
 }
 
-TEST_F(GpuPointsTest, LightIsTheProcessors)
+TEST_F(GpuPointsTest, IrradianceIsCloseToCpu)
 {
-    for (const char* name : {"cornell", "kinetic"}) {   // a ball and its shadow; a sky, leaves, much that moves
-        const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}),
-                                     by_device = Lighting{device_}(name, {20, 21});
-        EXPECT_LE(most_different(by_processor, by_device), k_light_tolerance) << name;
+    for (const char* name : {"cornell", "kinetic"}) {   // a ball and its shadow; a sky, leaves, many dynamic objects
+        const std::vector<glm::vec3> by_cpu = Lighting{}(name, {20, 21}), by_device = Lighting{device_}(name, {20, 21});
+        EXPECT_LE(most_different(by_cpu, by_device), k_light_tolerance) << name;
     }
 }
 
-TEST_F(GpuPointsTest, LightIsTheSameColdAndWarmAndForAnyNumberOfThreads)
+TEST_F(GpuPointsTest, SameBytesAfterAnyFramesAndForAnyThreadCount)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         const std::vector<glm::vec3> cold = Lighting{device_, 1}(name, {8}, 64);
         EXPECT_TRUE(same_bits(cold, Lighting{device_, 3}(name, {6, 7, 8}, 64))) << name;
-        EXPECT_TRUE(same_bits(cold, Lighting{device_, 2, 1 << 12}(name, {20, 3, 8}, 64))) << name << ": little memory";
-        EXPECT_FALSE(same_bits(cold, Lighting{device_, 1}(name, {7}, 64))) << name << ": something moves";
+        EXPECT_TRUE(same_bits(cold, Lighting{device_, 2, 1 << 12}(name, {20, 3, 8}, 64))) << name << ": memory limit";
+        EXPECT_FALSE(same_bits(cold, Lighting{device_, 1}(name, {7}, 64))) << name << ": dynamic objects move";
     }
 }
 
-// Rays that graze an edge may fall otherwise: few points, each in one of its nodes.
-TEST_F(GpuPointsTest, LightByTheDevicesRaysIsTheProcessors)
+// Rays that graze an edge may differ: at few points, for one of their nodes.
+TEST_F(GpuPointsTest, IrradianceByDeviceRaysIsCloseToCpu)
 {
     if (!ray::DeviceRays::supported(*device_)) GTEST_SKIP() << "the device traces no rays";
     for (const char* name : {"cornell", "kinetic"}) {
-        const std::vector<glm::vec3> by_processor = Lighting{}(name, {20, 21}, 64);
+        const std::vector<glm::vec3> by_cpu = Lighting{}(name, {20, 21}, 64);
         Lighting by_rays{device_};
         by_rays.traces = true;
         const std::vector<glm::vec3> by_device = by_rays(name, {20, 21}, 64);
-        ASSERT_EQ(by_device.size(), by_processor.size());
+        ASSERT_EQ(by_device.size(), by_cpu.size());
         double sum = 0, off = 0;
         std::size_t differ = 0;
         for (std::size_t i = 0; i < by_device.size(); ++i) {
-            const auto a = static_cast<double>(by_processor[i].y), b = static_cast<double>(by_device[i].y);
+            const auto a = static_cast<double>(by_cpu[i].y), b = static_cast<double>(by_device[i].y);
             sum += a, off += std::abs(a - b);
             differ += std::abs(a - b) > 1e-4 * std::max(a, b) + 1e-6;
         }
         EXPECT_LE(off, k_grazing_light * sum) << name;
         EXPECT_LE(static_cast<double>(differ), k_grazing_points * static_cast<double>(by_device.size())) << name;
-        EXPECT_TRUE(same_bits(by_device, by_rays(name, {21}, 64))) << name << ": cold as warm";
+        EXPECT_TRUE(same_bits(by_device, by_rays(name, {21}, 64))) << name << ": same bytes without earlier frames";
     }
 }
 
-TEST_F(GpuPointsTest, FewRaysAFrameAreEnoughInTheEnd)
+TEST_F(GpuPointsTest, LimitedRaysConvergeToTheFullFrame)
 {
     const std::vector<glm::vec3> all = Lighting{device_}("cornell", {3}),
                                  few = Lighting{device_, 2, 16u << 20, 1 << 14}("cornell", {3});

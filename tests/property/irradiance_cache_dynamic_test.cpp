@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounced light of what moves and belongs to no rigid group: what deforms, wherever it stands among the objects, and
-// what stood still until somebody moved it by hand.
+// Indirect light from dynamic objects outside rigid groups: deforming objects, whatever their number, and static
+// objects that are promoted by a user override.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace gnomon {
 namespace {
 
-using irradiance_cache::VisibleLight;
+using irradiance_cache::IrradianceCache;
 using test::World;
 
 scene::Mesh rectangle(scene::MaterialId material, const glm::vec3 (&corners)[4])
@@ -27,8 +27,8 @@ scene::Mesh rectangle(scene::MaterialId material, const glm::vec3 (&corners)[4])
     return mesh;
 }
 
-// A floor, a grey wall and a red panel, before which a spot light stands that lights the panel alone; the panel is the
-// object of this number.
+// A floor, a grey wall, and a red panel that alone is lit by a spot light.
+// @param panel_at  object number of the panel
 enum class Panel { bends, still, missing };
 scene::Scene room(std::size_t panel_at, Panel panel)
 {
@@ -62,7 +62,7 @@ scene::Scene room(std::size_t panel_at, Panel panel)
     return scene;
 }
 
-std::vector<float> indirect_of(World& world, VisibleLight& visible)
+std::vector<float> indirect_of(World& world, IrradianceCache& visible)
 {
     trace::Remembered remembered;
     remembered.visible = &visible;
@@ -91,12 +91,12 @@ double difference_of(const std::vector<float>& a, const std::vector<float>& b)
     return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-TEST(IrradianceCacheDynamic, WhatDeformsBouncesLightWhicheverObjectItIs)
+TEST(IrradianceCacheDynamic, DeformingObjectBouncesLightWhateverItsNumber)
 {
     const auto light_of = [](std::size_t panel_at) {
         World world(room(panel_at, Panel::bends));
         EXPECT_TRUE(world.scene->objects[panel_at].deforming && world.scene->objects[panel_at].dynamic);
-        VisibleLight visible(world.state, world.rays, {}, world.tasks);
+        IrradianceCache visible(world.state, world.rays, {}, world.tasks);
         return indirect_of(world, visible);
     };
     const std::vector<float> first = light_of(0);
@@ -111,7 +111,7 @@ TEST(IrradianceCacheDynamic, WhatDeformsBouncesLightWhicheverObjectItIs)
 
 constexpr std::size_t k_panel = 1;
 
-// Frames in which somebody holds the panel at these places, one after another; without one nobody does.
+// The last of some frames in which a user override puts the panel at these places; nullopt: no override.
 std::vector<float> indirect_with_panel_at(const std::vector<std::optional<glm::dvec3>>& places)
 {
     World world(room(k_panel, Panel::still), 1, 2);
@@ -122,7 +122,7 @@ std::vector<float> indirect_with_panel_at(const std::vector<std::optional<glm::d
         world.go(1);
     };
     hold(places.front());
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    IrradianceCache visible(world.state, world.rays, {}, world.tasks);
     std::vector<float> light = indirect_of(world, visible);
     for (std::size_t i = 1; i < places.size(); ++i) {
         hold(places[i]);
@@ -138,22 +138,22 @@ TEST(IrradianceCacheDynamic, PromotedObjectsRenderAsIfAlwaysDynamic)
     EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({{}, there})));
     EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({{}, {}, here, away, there})));
     EXPECT_TRUE(same_bits(cold, indirect_with_panel_at({here, there})));
-    // Where it was nothing is left of it, and where it is now it bounces light as before.
+    // No light of it remains at its old place, and it bounces light at its new one.
     const double mean = mean_of(before);
     EXPECT_GT(mean, 0.001);
     EXPECT_GT(difference_of(cold, before), 0.1 * mean);
     const std::vector<float> gone = indirect_with_panel_at({{}, away});
     World world(room(k_panel, Panel::missing), 1, 2);
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    IrradianceCache visible(world.state, world.rays, {}, world.tasks);
     EXPECT_LT(difference_of(gone, indirect_of(world, visible)), 0.02 * mean);
     EXPECT_NEAR(mean_of(indirect_with_panel_at({{}, glm::dvec3(0, 0.001, 0)})) / mean, 1, 0.25);
 }
 
-// It costs what a dynamic object costs once it was promoted.
-TEST(IrradianceCacheDynamic, WhatIsHeldByHandIsADynamic)
+// After its promotion, an object costs no more than other dynamic objects.
+TEST(IrradianceCacheDynamic, PromotionRebuildsTheTreeOnce)
 {
     World world(room(k_panel, Panel::still));
-    VisibleLight visible(world.state, world.rays, {}, world.tasks);
+    IrradianceCache visible(world.state, world.rays, {}, world.tasks);
     std::uint64_t fresh[4];
     std::uint32_t made[4];
     for (int i = 0; i < 4; ++i) {
@@ -161,12 +161,12 @@ TEST(IrradianceCacheDynamic, WhatIsHeldByHandIsADynamic)
         if (i > 0) world.state.override_transform(world.scene->objects[k_panel].node, &local);
         world.go(1);
         indirect_of(world, visible);
-        fresh[i] = visible.counters().new_points, made[i] = visible.emitters().geometry_version();
+        fresh[i] = visible.counters().new_points, made[i] = visible.light_tree().geometry_version();
     }
     EXPECT_GT(made[1], made[0]);
     EXPECT_EQ(made[2], made[1]);
     EXPECT_EQ(made[3], made[1]);
-    EXPECT_LT(fresh[3], fresh[1]);   // its own, and no static ones
+    EXPECT_LT(fresh[3], fresh[1]);   // only points on the panel itself
 }
 
 }   // namespace

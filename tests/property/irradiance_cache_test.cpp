@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indirect light with remembered visibility: the same bytes whatever came before and for any number of threads,
-// repaired trees as good as new ones, and light where it must be.
+// The irradiance cache: the same bytes after any frames and for any number of threads, updated light trees equal to new
+// ones, and indirect light where it must be.
 #include <gtest/gtest.h>
 
 #include "base/bits.h"
@@ -12,17 +12,17 @@
 namespace gnomon {
 namespace {
 
-using irradiance_cache::EmitterTree;
-using irradiance_cache::VisibleLight;
-using irradiance_cache::VisibleOptions;
+using irradiance_cache::CacheOptions;
+using irradiance_cache::IrradianceCache;
+using irradiance_cache::LightTree;
 using test::World;
 
-// The indirect layer of a frame, after others.
+// The indirect layer of the last of some frames.
 std::vector<float> indirect_of(const char* name, std::vector<int> frames, int threads, int size = 64,
-                               const VisibleOptions& visible_options = {})
+                               const CacheOptions& visible_options = {})
 {
     World world(name, frames.front(), threads);
-    VisibleLight visible(world.state, world.rays, visible_options, world.tasks);
+    IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
     trace::Remembered remembered;
     remembered.visible = &visible;
     trace::TracedOptions options;
@@ -36,27 +36,27 @@ std::vector<float> indirect_of(const char* name, std::vector<int> frames, int th
     return buffers.indirect.data;
 }
 
-TEST(VisibleLight, SameBytesColdAndWarm)
+TEST(IrradianceCache, SameBytesAfterAnyFrames)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         const auto cold = indirect_of(name, {8}, 1);
         EXPECT_TRUE(same_bits(cold, indirect_of(name, {5, 6, 7, 8}, 1))) << name;
         EXPECT_TRUE(same_bits(cold, indirect_of(name, {20, 3, 8}, 1))) << name;
-        EXPECT_FALSE(same_bits(cold, indirect_of(name, {7}, 1))) << name << ": something moves";
+        EXPECT_FALSE(same_bits(cold, indirect_of(name, {7}, 1))) << name << ": dynamic objects move";
     }
 }
 
-TEST(VisibleLight, SameBytesForAnyNumberOfThreads)
+TEST(IrradianceCache, SameBytesForAnyThreadCount)
 {
     const auto one = indirect_of("cornell", {1, 2}, 1, 128);
     EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 2, 128)));
     EXPECT_TRUE(same_bits(one, indirect_of("cornell", {1, 2}, 5, 128)));
 }
 
-// Near light in small images, too, and much of it.
-VisibleOptions with_near_light()
+// A large near field, in small images, too.
+CacheOptions with_near_field()
 {
-    VisibleOptions options;
+    CacheOptions options;
     options.near_radius = 12;
     options.near_spacing = 100;
     return options;
@@ -69,33 +69,33 @@ double mean_of(const std::vector<float>& light)
     return sum / static_cast<double>(light.size());
 }
 
-TEST(VisibleLight, NearLightIsTheSameColdWarmAndForAnyNumberOfThreads)
+TEST(IrradianceCache, NearFieldHasSameBytesAfterAnyFramesAndForAnyThreadCount)
 {
-    const VisibleOptions near = with_near_light();
+    const CacheOptions near = with_near_field();
     const auto cold = indirect_of("cornell", {8}, 1, 128, near);
     EXPECT_TRUE(same_bits(cold, indirect_of("cornell", {5, 6, 7, 8}, 3, 128, near)));
     EXPECT_TRUE(same_bits(cold, indirect_of("cornell", {20, 3, 8}, 1, 128, near)));
     EXPECT_FALSE(same_bits(cold, indirect_of("cornell", {8}, 1, 128)));
 }
 
-// Near light and the rest make up all light, wherever the line between them is drawn.
-TEST(VisibleLight, NearLightNeitherAddsNorTakes)
+// The near field and the light tree sum to the same light for any radius of the near field.
+TEST(IrradianceCache, NearFieldPreservesTotalLight)
 {
-    VisibleOptions far;
+    CacheOptions far;
     far.near_radius = 0;
     const double all = mean_of(indirect_of("cornell", {1}, 2, 128, far)),
-                 parted = mean_of(indirect_of("cornell", {1}, 2, 128, with_near_light()));
+                 parted = mean_of(indirect_of("cornell", {1}, 2, 128, with_near_field()));
     EXPECT_NEAR(parted / all, 1, 0.03);
 }
 
-// Too little memory costs time; no image shows it, and no more than twice what a frame shows is held.
-TEST(VisibleLight, LittleMemoryChangesNoImage)
+// A memory limit costs time but changes no frame; at most twice the points of a frame are kept.
+TEST(IrradianceCache, MemoryLimitChangesNoFrame)
 {
     const auto walk = [](std::size_t memory, std::size_t& most) {
         World world("kinetic", 1, 2);
-        VisibleOptions visible_options;
+        CacheOptions visible_options;
         visible_options.memory = memory;
-        VisibleLight visible(world.state, world.rays, visible_options, world.tasks);
+        IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
         trace::Remembered remembered;
         remembered.visible = &visible;
         trace::TracedOptions options;
@@ -115,19 +115,19 @@ TEST(VisibleLight, LittleMemoryChangesNoImage)
     EXPECT_LT(few, all);
 }
 
-TEST(VisibleLight, LittleMemoryChangesNoNearLight)
+TEST(IrradianceCache, MemoryLimitChangesNoNearField)
 {
-    VisibleOptions little = with_near_light();
+    CacheOptions little = with_near_field();
     little.memory = 1;
-    EXPECT_TRUE(same_bits(indirect_of("cornell", {5, 6, 7, 8}, 2, 128, with_near_light()),
+    EXPECT_TRUE(same_bits(indirect_of("cornell", {5, 6, 7, 8}, 2, 128, with_near_field()),
                           indirect_of("cornell", {5, 6, 7, 8}, 2, 128, little)));
 }
 
-// With a limit of rays a frame lacks points; asked again and again it ends in the image that has none.
-TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
+// With a limit of rays, a frame defers points; repeating it converges to the frame without a limit.
+TEST(IrradianceCache, LimitedRaysConvergeToTheFullFrame)
 {
     World world("cornell", 3, 2);
-    VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
+    IrradianceCache visible(world.state, world.rays, with_near_field(), world.tasks);
     visible.limit_rays(1 << 14);
     trace::Remembered remembered;
     remembered.visible = &visible;
@@ -140,30 +140,30 @@ TEST(VisibleLight, AFrameWithFewRaysIsWholeInTheEnd)
         world.go(3);
         trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {k_size, k_size}), options,
                            world.tasks, buffers, remembered);
-        // One tile may overrun the limit by what it asks at once.
+        // A tile may exceed the limit by the rays that it casts at once.
         if (!visible.lacks_points()) break;
     }
     EXPECT_GT(lacking, 3);
     EXPECT_LT(lacking, k_most);
-    EXPECT_TRUE(same_bits(buffers.indirect.data, indirect_of("cornell", {3}, 1, k_size, with_near_light())));
+    EXPECT_TRUE(same_bits(buffers.indirect.data, indirect_of("cornell", {3}, 1, k_size, with_near_field())));
 }
 
-// Static surfaces that a camera sees, at every few pixels, with shading as flat as the triangles.
+// Points on static surfaces that a camera sees, every few pixels, with geometric normals for shading.
 std::vector<irradiance_cache::IndirectPoint> static_points(const World& world, int side,
                                                            std::vector<std::size_t>* pixels = nullptr)
 {
     return test::seen_points(world, side, pixels, [&](scene::ObjectId o) { return !world.scene->objects[o].dynamic; });
 }
 
-// One level of detail fades into the next, of points on lattices, of parts of triangles and of those that stand for
-// small ones, and of near light: as the view comes near, no light jumps.
-TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
+// Levels of detail fade into each other, for lattice points, parts of triangles, clusters of small triangles, and the
+// near field; so irradiance changes continuously with the distance.
+TEST(IrradianceCache, IrradianceIsContinuousInViewDistance)
 {
-    constexpr float k_step = 1.01f;   // 3 % of a fade, which changes light by 5 % of what the two levels differ by
+    constexpr float k_step = 1.01f;   // 3 % of a fade, which changes light by 5 % of the difference between two levels
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name, 1, 2);
-        VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
-        visible.begin_frame(world.state, world.rays, world.tasks);
+        IrradianceCache visible(world.state, world.rays, with_near_field(), world.tasks);
+        visible.update(world.state, world.rays, world.tasks);
         std::vector<irradiance_cache::IndirectPoint> points = static_points(world, 24);
         ASSERT_GT(points.size(), 200u) << name;
         const auto batch = visible.make_batch();
@@ -187,12 +187,12 @@ TEST(VisibleLight, LightChangesSmoothlyAsTheViewComesNear)
     }
 }
 
-// At the foot of walls, straight or at an angle to the lattice, no pixel has the darkness of their far side.
-TEST(VisibleLight, NoDarkPixelsAtTheFootOfWalls)
+// At the foot of walls, aligned with the lattice or not, no pixel is as dark as the far side of the wall.
+TEST(IrradianceCache, NoDarkPixelsAtTheFootOfWalls)
 {
     World world("cornell", 1, 2);
-    VisibleLight visible(world.state, world.rays, with_near_light(), world.tasks);
-    visible.begin_frame(world.state, world.rays, world.tasks);
+    IrradianceCache visible(world.state, world.rays, with_near_field(), world.tasks);
+    visible.update(world.state, world.rays, world.tasks);
     const auto batch = visible.make_batch();
     constexpr int k_size = 512;
     std::vector<std::size_t> pixels;
@@ -222,28 +222,28 @@ TEST(VisibleLight, NoDarkPixelsAtTheFootOfWalls)
     EXPECT_EQ(dark, 0);
 }
 
-TEST(VisibleLight, RepairedTreeEqualsANewOne)
+TEST(LightTree, UpdatedTreeEqualsNewTree)
 {
     World world("cornell", 1, 2);
-    EmitterTree repaired(world.state, world.rays, {}, world.tasks);
+    LightTree updated(world.state, world.rays, {}, world.tasks);
     std::uint64_t dirty = 0;
     for (const int frame : {2, 3, 7, 40, 39, 12, 12, 13}) {
         world.go(frame);
-        repaired.update(world.state, world.rays, world.tasks);
-        dirty += repaired.dirty_leaves();
-        const EmitterTree fresh(world.state, world.rays, {}, world.tasks);
-        ASSERT_EQ(repaired.size(), fresh.size());
-        EXPECT_EQ(repaired.flux().r, fresh.flux().r) << "frame " << frame;
-        EXPECT_EQ(repaired.flux().g, fresh.flux().g) << "frame " << frame;
-        EXPECT_EQ(repaired.flux().b, fresh.flux().b) << "frame " << frame;
+        updated.update(world.state, world.rays, world.tasks);
+        dirty += updated.dirty_leaves();
+        const LightTree fresh(world.state, world.rays, {}, world.tasks);
+        ASSERT_EQ(updated.size(), fresh.size());
+        EXPECT_EQ(updated.flux().r, fresh.flux().r) << "frame " << frame;
+        EXPECT_EQ(updated.flux().g, fresh.flux().g) << "frame " << frame;
+        EXPECT_EQ(updated.flux().b, fresh.flux().b) << "frame " << frame;
     }
     EXPECT_GT(dirty, 0u);
 }
 
-TEST(VisibleLight, OnlyWhatMovedIsTouched)
+TEST(LightTree, UpdateTouchesOnlyLeavesNearDynamicObjects)
 {
     World world("cornell", 1, 1);
-    EmitterTree tree(world.state, world.rays, {}, world.tasks);
+    LightTree tree(world.state, world.rays, {}, world.tasks);
     world.go(1);
     tree.update(world.state, world.rays, world.tasks);
     EXPECT_EQ(tree.dirty_leaves(), 0u);
@@ -254,8 +254,8 @@ TEST(VisibleLight, OnlyWhatMovedIsTouched)
     EXPECT_LT(tree.dirty_leaves(), tree.size() / 50);
 }
 
-// The spot lights the red wall, the floor and the back; the ceiling above and the wall opposite see them.
-TEST(VisibleLight, LightComesRoundCornersAndBringsColour)
+// The spot light illuminates the red wall, the floor and the back wall, which the ceiling and the green wall see.
+TEST(IrradianceCache, LightReachesHiddenSurfacesAndCarriesColour)
 {
     constexpr int k_size = 64;
     const auto light = indirect_of("cornell", {1}, 2, k_size);
@@ -271,7 +271,7 @@ TEST(VisibleLight, LightComesRoundCornersAndBringsColour)
     for (const float value : light) ASSERT_TRUE(std::isfinite(value) && value >= 0);
 }
 
-TEST(VisibleLight, NothingComesFromNoLight)
+TEST(IrradianceCache, NoIrradianceWithoutLights)
 {
     scene::Scene dark = scene::make_builtin("cornell");
     for (scene::Light& light : dark.lights) light.color = glm::vec3(0);
@@ -279,7 +279,7 @@ TEST(VisibleLight, NothingComesFromNoLight)
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
     Tasks tasks(1);
-    VisibleLight visible(state, rays, {}, tasks);
+    IrradianceCache visible(state, rays, {}, tasks);
     trace::Remembered remembered;
     remembered.visible = &visible;
     trace::TracedOptions options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keys of surface points: which part of a triangle speaks for a point, at which level of detail.
+// Keys of cache points: the part of a triangle that represents a surface point, by level of detail.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -10,7 +10,7 @@
 namespace gnomon::irradiance_cache {
 namespace {
 
-TEST(Anchors, PartsAreNoLargerThanWanted)
+TEST(Anchors, PartsAreNoLargerThanSpacing)
 {
     for (std::uint32_t level = 0; level <= 6; ++level) {
         const float spacing = 3 / static_cast<float>(1u << level);
@@ -18,7 +18,7 @@ TEST(Anchors, PartsAreNoLargerThanWanted)
         EXPECT_EQ(exact.level, level);
         EXPECT_EQ(exact.fraction, 1);
         EXPECT_EQ(finer.level, level + 1);
-        EXPECT_NEAR(finer.fraction, 0.01f, 0.001f) << "it has just begun";
+        EXPECT_NEAR(finer.fraction, 0.01f, 0.001f) << "the fade has just begun";
         EXPECT_EQ(part_detail(9, 1.01f * spacing).level, level);
     }
     for (const float spacing : {1e-6f, 0.0f}) EXPECT_EQ(part_detail(9, spacing).level, k_part_levels);
@@ -27,7 +27,7 @@ TEST(Anchors, PartsAreNoLargerThanWanted)
     EXPECT_EQ(part_detail(std::numeric_limits<float>::quiet_NaN(), 1).level, 0u);
 }
 
-TEST(Anchors, AKeyTellsItsPart)
+TEST(Anchors, KeyEncodesPart)
 {
     for (const std::uint32_t level : {0u, 1u, 5u, k_part_levels}) {
         const Part part = part_of(part_key(123456, false, level, 0.2f, 0.3f));
@@ -35,7 +35,7 @@ TEST(Anchors, AKeyTellsItsPart)
         EXPECT_FALSE(part.front);
         EXPECT_EQ(part.level, level);
         EXPECT_FALSE(is_lattice(part_key(123456, true, level, 0.2f, 0.3f)));
-        // As many as there are numbers.
+        // The largest triangle number.
         constexpr std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
         const AnchorKey key = part_key(last, true, level, 0.2f, 0.3f);
         EXPECT_EQ(part_of(key).triangle, last);
@@ -49,7 +49,7 @@ TEST(Anchors, AKeyTellsItsPart)
     EXPECT_EQ(part_key(1, true, 0, 0.1f, 0.1f), part_key(1, true, 0, 0.8f, 0.1f));
 }
 
-TEST(Anchors, MoreTrianglesThanNumbersAreRefused)
+TEST(Anchors, RejectsMoreTrianglesThanNumbers)
 {
     scene::Scene scene;
     scene.meshes.resize(2);

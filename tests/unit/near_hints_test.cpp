@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hints of where near light is wanted: a name for every cell, however many large triangles there are, and no more
-// memory than is allowed beyond what frames show.
+// Hints of where the near field is needed: unique names for all cells of many large triangles, and a memory limit that
+// changes no answer.
 #include "irradiance_cache/near_field/near_hints.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using State = NearHints::State;
 
 constexpr float k_radius = 0.01f;
 
-TEST(NearHints, EveryCellOfAnyTriangleHasANameOfItsOwn)
+TEST(NearHints, CellsHaveUniqueNames)
 {
     const NearHints hints({.radius = k_radius});
     const glm::vec3 large[3] = {{0, 0, 0}, {100, 0, 0}, {0, 100, 0}},
@@ -29,19 +29,19 @@ TEST(NearHints, EveryCellOfAnyTriangleHasANameOfItsOwn)
     EXPECT_EQ(hints.cells_along(small), 1u);
     std::set<NearHints::Cell> names;
     std::size_t asked = 0;
-    // Of 2^17 such triangles the cells are 2^31; both sides of them, twice as many.
+    // 2^17 such triangles have 2^31 cells, and twice as many sides of cells.
     for (const std::uint32_t triangle :
          {0u, 1u, (1u << 17) - 1, 1u << 17, 1u << 18, std::numeric_limits<std::uint32_t>::max()})
         for (const bool front : {false, true})
             for (const float u : {0.0f, 0.3f, 0.999f, 1.0f})
                 for (const float v : {0.0f, 0.3f, 0.7f}) {
                     names.insert(NearHints::cell_at(triangle, side, u, v, front));
-                    asked += u != 1;   // the last cell, once more
+                    asked += u != 1;   // u = 1 is in the last cell, too
                 }
     EXPECT_EQ(names.size(), asked);
 }
 
-TEST(NearHints, WhatIsForgottenIsFoundAgainAsItWas)
+TEST(NearHints, ForgottenCellsGetTheSameAnswer)
 {
     scene::Scene scene = test::scene_with_balls();
     test::add_object(scene, 0);
@@ -51,7 +51,7 @@ TEST(NearHints, WhatIsForgottenIsFoundAgainAsItWas)
     const auto triangles = static_cast<std::uint32_t>(world.scene->meshes[0].triangles.size());
     const auto ask_all = [&](NearHints& hints, int frame) {
         NearHints::Scratch scratch;
-        std::vector<NearHints::Asked> asked;
+        std::vector<NearHints::Claim> asked;
         std::vector<State> states;
         std::vector<NearHints::Cell> cells;
         for (std::uint32_t t = 0; t < triangles; ++t) {
@@ -62,7 +62,7 @@ TEST(NearHints, WhatIsForgottenIsFoundAgainAsItWas)
                 const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(side);
                 cells.push_back(NearHints::cell_at(t, side, u, 0, true));
                 const State state = hints.claim(cells.back());
-                EXPECT_TRUE(state != State::asked) << "frame " << frame;
+                EXPECT_TRUE(state != State::claimed) << "frame " << frame;
                 if (state == State::unknown) asked.push_back({cells.back(), 0, t, side});
             }
         }
@@ -77,7 +77,7 @@ TEST(NearHints, WhatIsForgottenIsFoundAgainAsItWas)
     EXPECT_GT(std::count(states.begin(), states.end(), State::none), 0);
     EXPECT_EQ(ask_all(all, 2).second, 0u);
     EXPECT_EQ(ask_all(few, 1).first, states);
-    EXPECT_EQ(ask_all(few, 2).second, 0u) << "what the last frame asked for stays";
+    EXPECT_EQ(ask_all(few, 2).second, 0u) << "cells of the last frame stay";
     few.end_frame();
     few.end_frame();
     EXPECT_EQ(few.bytes(), 0u);

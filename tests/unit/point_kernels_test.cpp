@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inner loops of indirect light against plain ones.
+// The vectorised kernels of the irradiance cache against plain loops.
 #include "irradiance_cache/light_tree/point_kernels.h"
 
 #include <gtest/gtest.h>
@@ -19,16 +19,16 @@ struct World {
     scene::SceneState state{scene, scene->timeline.time_of(3)};
     ray::RayScene rays{state};
     Tasks tasks{1};
-    EmitterTree tree{state, rays, EmitterOptions{}, tasks};
+    LightTree tree{state, rays, LightTreeOptions{}, tasks};
 
-    // Some nodes with flux, with some weights.
+    // Random nodes with flux, with random weights.
     std::vector<SeenNode> some(std::uint32_t count, unsigned seed) const
     {
         std::mt19937 random(seed);
         std::vector<SeenNode> seen;
         while (seen.size() < count) {
             const auto node = static_cast<NodeId>(random() % tree.size());
-            if (tree.still_flux().at(node) == glm::vec3(0)) continue;
+            if (tree.static_flux().at(node) == glm::vec3(0)) continue;
             seen.push_back(pack_seen(node, std::ldexp(1.0f + static_cast<float>(random() % 1000) / 1000, -4)));
         }
         seen.resize((count + k_seen_step - 1) / k_seen_step * k_seen_step, 0);
@@ -36,7 +36,7 @@ struct World {
     }
 };
 
-TEST(PointKernels, APackedNodeKeepsItsNumberAndNearlyItsWeight)
+TEST(PointKernels, PackedNodeKeepsNumberAndApproximateWeight)
 {
     std::mt19937 random(7);
     for (int i = 0; i < 100000; ++i) {
@@ -46,13 +46,13 @@ TEST(PointKernels, APackedNodeKeepsItsNumberAndNearlyItsWeight)
         const SeenNode seen = pack_seen(node, weight);
         ASSERT_EQ(seen_node(seen), node);
         ASSERT_NEAR(seen_weight(seen) / weight, 1, 1.0f / 256) << weight;
-        ASSERT_NE(seen, 0u) << "means nothing seen";
+        ASSERT_NE(seen, 0u) << "0 is padding";
     }
     EXPECT_GT(seen_weight(pack_seen(1, 1e-30f)), 0);
     EXPECT_TRUE(std::isfinite(seen_weight(pack_seen(1, 1e30f))));
 }
 
-TEST(PointKernels, SumsAsAPlainLoopDoes)
+TEST(PointKernels, SumEqualsPlainLoop)
 {
     const World world;
     const glm::vec3 origin(0.1f, -0.9f, 0.2f);
@@ -64,7 +64,7 @@ TEST(PointKernels, SumsAsAPlainLoopDoes)
         double size = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
             const NodeId node = seen_node(seen[k]);
-            const glm::dvec3 to(world.tree.samples().at(node) - origin), flux(world.tree.still_flux().at(node));
+            const glm::dvec3 to(world.tree.samples().at(node) - origin), flux(world.tree.static_flux().at(node));
             for (int c = 0; c < 3; ++c)
                 sum[c] += flux[c] * static_cast<double>(seen_weight(seen[k])) * glm::normalize(to);
             size += glm::length(flux) * static_cast<double>(seen_weight(seen[k]));
@@ -75,7 +75,7 @@ TEST(PointKernels, SumsAsAPlainLoopDoes)
     }
 }
 
-TEST(PointKernels, ACutBringsTheLightOfAllLeaves)
+TEST(PointKernels, CutApproximatesAllLeaves)
 {
     const World world;
     std::mt19937 random(11);
@@ -95,7 +95,7 @@ TEST(PointKernels, ACutBringsTheLightOfAllLeaves)
         }
         for (NodeId id = 0; id < world.tree.size(); ++id) {
             if (world.tree.children(id) != scene::none) continue;
-            const EmitterQuad& quad = world.tree.quad(id / 4);
+            const VirtualLightQuad& quad = world.tree.quad(id / 4);
             const NodeId lane = id % 4;
             if (!(quad.flux[lane] > 0)) continue;
             const glm::dvec3 to(glm::vec3(quad.x[lane], quad.y[lane], quad.z[lane]) - origin);
@@ -111,13 +111,13 @@ TEST(PointKernels, ACutBringsTheLightOfAllLeaves)
     }
     EXPECT_NEAR(sum / brute_sum, 1, 0.01);
     EXPECT_LT(worst, 0.06);
-    EXPECT_LT(below / sum, 0.002) << "lost: the place that is asked for a node lies below the horizon";
+    EXPECT_LT(below / sum, 0.002) << "lost: the sample of the node is below the horizon";
 }
 
-TEST(PointKernels, FindsWhatDynamicObjectsMayChange)
+TEST(PointKernels, FindsNodesThatDynamicObjectsMayChange)
 {
     const World world;
-    ASSERT_TRUE(world.tree.any_differs()) << "the ball stands in the light";
+    ASSERT_TRUE(world.tree.any_differs()) << "the ball occludes some light";
     std::mt19937 random(3);
     const auto number = [&] { return static_cast<float>(random() % 2000) / 1000 - 1; };
     std::size_t found = 0, asked = 0;
@@ -147,7 +147,7 @@ TEST(PointKernels, FindsWhatDynamicObjectsMayChange)
                 const double along = std::clamp(glm::dot(at, to) / glm::dot(to, to), 0.0, 1.0);
                 margin = std::min(margin, glm::length(at - along * to) - static_cast<double>(sphere.radius));
             }
-            const bool differs = world.tree.flux().at(node) != world.tree.still_flux().at(node);
+            const bool differs = world.tree.flux().at(node) != world.tree.static_flux().at(node);
             const bool listed = next < changed.size() && changed[next].place == k;
             if (listed && std::abs(margin) > 1e-4) {
                 EXPECT_EQ(changed[next].crossed, margin < 0);
@@ -165,23 +165,23 @@ TEST(PointKernels, FindsWhatDynamicObjectsMayChange)
     EXPECT_LT(found, asked);
 }
 
-TEST(DynamicEmitters, LightComesOffTheBallAndFollowsIt)
+TEST(LightTree, DynamicLightsFollowTheBall)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     scene::SceneState state(scene, scene->timeline.time_of(1));
     ray::RayScene rays(state);
     Tasks tasks(1);
-    EmitterTree tree(state, rays, {}, tasks);
+    LightTree tree(state, rays, {}, tasks);
     const auto middle = [&] {
         glm::vec3 sum(0);
-        for (const DynamicEmitter& emitter : tree.dynamic_objects()) sum += emitter.position;
-        return sum / static_cast<float>(tree.dynamic_objects().size());
+        for (const DynamicVirtualLight& light : tree.dynamic_lights()) sum += light.position;
+        return sum / static_cast<float>(tree.dynamic_lights().size());
     };
-    ASSERT_FALSE(tree.dynamic_objects().empty());
-    for (const DynamicEmitter& emitter : tree.dynamic_objects()) {
-        EXPECT_GT(emitter.flux.z, emitter.flux.x) << "a blue ball";
-        EXPECT_NEAR(glm::length(emitter.normal), 1, 1e-4f);
-        EXPECT_LT(emitter.area, 0.2f) << "half of its surface at most";
+    ASSERT_FALSE(tree.dynamic_lights().empty());
+    for (const DynamicVirtualLight& light : tree.dynamic_lights()) {
+        EXPECT_GT(light.flux.z, light.flux.x) << "a blue ball";
+        EXPECT_NEAR(glm::length(light.normal), 1, 1e-4f);
+        EXPECT_LT(light.area, 0.2f) << "half of its surface at most";
     }
     const glm::vec3 before = middle();
     state.advance(scene->timeline.time_of(21));

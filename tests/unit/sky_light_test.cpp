@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sky as directions.
+// The sky as a set of directions.
 #include "irradiance_cache/points/sky_light.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ scene::Background blue_sky()
     return sky;
 }
 
-TEST(SkyLight, AnOpenSurfaceGetsTheWholeSky)
+TEST(SkyLight, OpenSurfaceReceivesFullSkyIrradiance)
 {
     const scene::Background background = blue_sky();
     const SkyLight sky(background);
@@ -45,7 +45,7 @@ TEST(SkyLight, AnOpenSurfaceGetsTheWholeSky)
     }
 }
 
-TEST(SkyLight, TheSunIsNotInIt)
+TEST(SkyLight, ExcludesTheSun)
 {
     scene::Background sunny = blue_sky();
     sunny.sun_direction = glm::vec3(0, 1, 0);
@@ -54,14 +54,14 @@ TEST(SkyLight, TheSunIsNotInIt)
     for (std::size_t i = 0; i < k_sky_directions; ++i) EXPECT_EQ(with.light(i), without.light(i));
 }
 
-TEST(SkyLight, AColourIsNoSky)
+TEST(SkyLight, PlainColourGivesNoLight)
 {
     scene::Background grey;
     grey.color = glm::vec3(0.5f);
     EXPECT_FALSE(SkyLight(grey).any());
 }
 
-TEST(SkyLight, ConesHoldEveryDirectionThatMeetsTheSphere)
+TEST(SkyLight, ConeContainsAllDirectionsThatMeetTheSphere)
 {
     const SkyLight sky(blue_sky());
     std::mt19937 random(5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of a plane are interpolated between those that are reckoned; all others are reckoned.
+// Pixels within a plane are interpolated between computed ones; all others are computed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,39 +30,39 @@ glm::vec3 light_at(const IndirectPoint& p)
     return {p.position.x, p.position.y, 1 + p.position.z};
 }
 
-// Reckons what is to be reckoned; the rest is filled in.
+// Computes the selected pixels and interpolates the others.
 std::vector<glm::vec3> light_of(const std::vector<IndirectPoint>& points, SparsePixels& pixels,
                                 std::vector<std::uint8_t> exempt)
 {
     exempt.resize(points.size());
     std::vector<glm::vec3> light(points.size(), glm::vec3(-1));
     pixels.choose(points, exempt);
-    for (const std::uint32_t i : pixels.reckoned()) light[i] = light_at(points[i]);
+    for (const std::uint32_t i : pixels.computed()) light[i] = light_at(points[i]);
     pixels.fill(light.data());
     return light;
 }
 
-TEST(SparsePixels, LinearLightOfAPlaneComesBack)
+TEST(SparsePixels, ReproducesLinearLightOnAPlane)
 {
     const auto points = tile_of(100);
     SparsePixels pixels;
     const auto light = light_of(points, pixels, {});
-    EXPECT_EQ(pixels.reckoned().size(), 81u);
+    EXPECT_EQ(pixels.computed().size(), 81u);
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
 
-TEST(SparsePixels, NothingIsInterpolatedAcrossAStep)
+TEST(SparsePixels, DoesNotInterpolateAcrossAStep)
 {
     const auto points = tile_of(14);
     SparsePixels pixels;
     const auto light = light_of(points, pixels, {});
-    EXPECT_LT(pixels.reckoned().size(), 300u);
+    EXPECT_LT(pixels.computed().size(), 300u);
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << points[i].x << ", " << points[i].y;
 }
 
-TEST(SparsePixels, WhatIsExemptOrHasNoPlaceIsReckoned)
+TEST(SparsePixels, ComputesExemptAndUnplacedPoints)
 {
     auto points = tile_of(100);
     points[33].x = points[33].y = -1;   // of (1, 1)
@@ -73,7 +73,7 @@ TEST(SparsePixels, WhatIsExemptOrHasNoPlaceIsReckoned)
     const auto light = light_of(points, pixels, exempt);
     for (const std::size_t i : {std::size_t{33}, std::size_t{500}, points.size() - 1})
         EXPECT_TRUE(
-            std::binary_search(pixels.reckoned().begin(), pixels.reckoned().end(), static_cast<std::uint32_t>(i)));
+            std::binary_search(pixels.computed().begin(), pixels.computed().end(), static_cast<std::uint32_t>(i)));
     for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT(glm::length(light[i] - light_at(points[i])), 1e-4f) << i;
 }
 

@@ -49,15 +49,15 @@ std::uint32_t gathered(std::uint32_t x)
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
 constexpr int k_smallest_side = 2;   // one level
 
-// Of a view's pyramid, from the level of four nodes down.
+// The nodes of a view's pyramid, from the level of four nodes down.
 std::size_t nodes_of(int side)
 {
     return (4 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) - 4) / 3;
 }
 
-// All of them, where their views fit; else the strongest, in the scene's order.
+// All lights if their views fit; else the strongest, in the scene's order.
 std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const light_views::SceneBounds& bounds,
-                                            const EmitterOptions& options)
+                                            const LightTreeOptions& options)
 {
     const auto views = [&](scene::LightId l) {
         return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, light_views::k_projection));
@@ -76,8 +76,8 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
 
 }   // namespace
 
-EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options,
-                         Tasks& tasks)
+LightTree::LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options,
+                     Tasks& tasks)
     : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene())), state_(&state), rays_(&rays)
 {
     const scene::Scene& scene = state.scene();
@@ -105,7 +105,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     quads_.resize(end / 4);
     GNOMON_CHECK(end <= k_most_nodes);
     samples_.places.resize(end);
-    for (Flux* flux : {&flux_, &still_})
+    for (Flux* flux : {&flux_, &static_flux_})
         for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->resize(end);
     children_.assign(end, k_none);
     for (const View& view : views_)
@@ -118,7 +118,7 @@ EmitterTree::EmitterTree(const scene::SceneState& state, const ray::RayScene& ra
     gather_dynamic();
 }
 
-void EmitterTree::find_dynamics()
+void LightTree::find_dynamics()
 {
     dynamics_.clear();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
@@ -126,18 +126,18 @@ void EmitterTree::find_dynamics()
     promoted_ = rays_->promoted();
 }
 
-void EmitterTree::find_roots()
+void LightTree::find_roots()
 {
     roots_.clear();
     for (const View& view : views_) {
-        const EmitterQuad& top = quads_[view.first / 4];
+        const VirtualLightQuad& top = quads_[view.first / 4];
         if (std::max({top.flux[0], top.flux[1], top.flux[2], top.flux[3]}) > 0) roots_.push_back(view.first / 4);
     }
 }
 
-// What a light map's ray hits, as a light; area 0: nothing.
-EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits,
-                                       std::size_t i, double measure) const
+// The surface that a light map's ray hits, as a virtual point light. Its area is 0 if there is none.
+LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
+                                   double measure) const
 {
     if (hits.object[i] == scene::none) return {};
     const scene::Scene& scene = state_->scene();
@@ -154,7 +154,7 @@ EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& qu
     normal /= length;
     float cosine = -glm::dot(normal, queue.direction(i));
     if (cosine < 0) normal = -normal, cosine = -cosine;
-    // The wide view of a directional light leaves out what the near one has.
+    // The wide view of a directional light leaves out the part that the near one covers.
     if (light.type == scene::LightType::directional && view.face == 1) {
         const glm::vec4 clip = view.near_clip * glm::vec4(position, 1);
         if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) return {};
@@ -174,8 +174,8 @@ EmitterTree::Leaf EmitterTree::leaf_at(const View& view, const ray::RayQueue& qu
     return leaf;
 }
 
-// Casts the static layer, builds the pyramid, and darkens what moving objects shadow.
-void EmitterTree::make_view(View& view)
+// Traces the leaves of static surfaces and builds the pyramid above them.
+void LightTree::make_view(View& view)
 {
     const scene::SceneState& state = *state_;
     const ray::RayScene& rays = *rays_;
@@ -185,10 +185,10 @@ void EmitterTree::make_view(View& view)
     const NodeId leaves = first_of_level(view, view.levels);
     const auto count = static_cast<std::uint32_t>(view.side * view.side);
     const NodeId end = leaves + count;
-    std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, EmitterQuad{});
+    std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, VirtualLightQuad{});
     for (NodeId id = view.first; id < end; ++id) {
         flux_.set(id, glm::vec3(0));
-        still_.set(id, glm::vec3(0));
+        static_flux_.set(id, glm::vec3(0));
         view.dirty.push_back(id);
     }
     std::fill(view.occluded.begin(), view.occluded.end(), 0);
@@ -199,7 +199,7 @@ void EmitterTree::make_view(View& view)
     view.projection = projections[static_cast<std::size_t>(view.face)];
     view.near_clip = projections[0].clip_from_world;
 
-    // Cast one ray a leaf, in tree order: neighbours share packets.
+    // Cast one ray per leaf, in tree order, so that neighbours share packets.
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
     std::vector<double> measure(count);
@@ -228,11 +228,11 @@ void EmitterTree::make_view(View& view)
         node.area = leaf.area;
         node.radius = std::sqrt(leaf.area * static_cast<float>(1 / k_pi));
         node.flux = luminance(leaf.flux);
-        still_.set(leaves + i, leaf.flux);
+        static_flux_.set(leaves + i, leaf.flux);
         flux_.set(leaves + i, leaf.flux);
     }
 
-    // Pull up: means weighted by flux; four children in one fixed order.
+    // Pull up: means weighted by flux, over the four children in a fixed order.
     for (int level = view.levels - 1; level > 0; --level)
         for (std::uint32_t i = 0; i < 1u << (2 * level); ++i) {
             const NodeId id = first_of_level(view, level) + i, child = 4 * children_[id];
@@ -247,7 +247,7 @@ void EmitterTree::make_view(View& view)
                 normal += part.flux * part.normal;
             }
             sum_children(flux_, id);
-            still_.set(id, flux_.at(id));
+            static_flux_.set(id, flux_.at(id));
             if (!(node.flux > 0)) continue;
             node.position = position / node.flux;
             node.normal = normal / node.flux;
@@ -262,7 +262,7 @@ void EmitterTree::make_view(View& view)
         }
     for (NodeId id = view.first; id < end; ++id) {
         const Node& node = node_of(id);
-        EmitterQuad& quad = quads_[id / 4];
+        VirtualLightQuad& quad = quads_[id / 4];
         const NodeId lane = id % 4;
         quad.x[lane] = node.position.x, quad.y[lane] = node.position.y, quad.z[lane] = node.position.z;
         quad.nx[lane] = node.normal.x, quad.ny[lane] = node.normal.y, quad.nz[lane] = node.normal.z;
@@ -270,18 +270,18 @@ void EmitterTree::make_view(View& view)
         samples_.places[id] = glm::vec4(node.sample, samples_.places[id].w);   // see mark_changes()
     }
     find_dynamic(view);
-    block_leaves(view, view.dynamic_objects);
+    occlude_leaves(view, view.dynamic_objects);
 }
 
-// Four children in one fixed order.
-void EmitterTree::sum_children(Flux& flux, NodeId id) const
+// Sums the four children in a fixed order.
+void LightTree::sum_children(Flux& flux, NodeId id) const
 {
     glm::vec3 sum(0);
     for (NodeId c = 4 * children_[id]; c < 4 * children_[id] + 4; ++c) sum += flux.at(c);
     flux.set(id, sum);
 }
 
-void EmitterTree::find_dynamic(View& view) const
+void LightTree::find_dynamic(View& view) const
 {
     view.dynamic_objects.clear();
     if (!view.on) return;
@@ -291,44 +291,48 @@ void EmitterTree::find_dynamic(View& view) const
     }
 }
 
-// Asks for the leaves in some rectangles anew whether something that moves keeps the light from them, and repairs the
-// flux above those that changed.
-void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>& where)
+// Tests again whether dynamic objects occlude the leaves in some rectangles, and updates the flux of those that changed
+// and of the nodes above them.
+void LightTree::occlude_leaves(View& view, const std::vector<light_views::Rect>& where)
 {
     if (where.empty()) return;
     const NodeId leaves = first_of_level(view, view.levels);
-    std::vector<std::uint32_t> asked;
+    // Select the lit leaves in the rectangles.
+    std::vector<std::uint32_t> tested;
     for (const light_views::Rect& rect : where)
         for (int y = rect.y0; y < rect.y1; ++y)
             for (int x = rect.x0; x < rect.x1; ++x) {
                 const std::uint32_t i = morton(x, y);
-                if (quads_[(leaves + i) / 4].flux[i % 4] > 0) asked.push_back(i);
+                if (quads_[(leaves + i) / 4].flux[i % 4] > 0) tested.push_back(i);
             }
-    std::sort(asked.begin(), asked.end());
-    asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+    std::sort(tested.begin(), tested.end());
+    tested.erase(std::unique(tested.begin(), tested.end()), tested.end());
+    // Cast a ray from each to the light, against dynamic objects.
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
     const scene::LightState& at = state_->light(view.light);
-    for (const std::uint32_t i : asked) {
+    for (const std::uint32_t i : tested) {
         const glm::vec3 from = samples_.at(leaves + i);
         if (view.projection.perspective)
             queue.push(from, 0, at.position - from, options_.ray_end);
         else
             queue.push(from, 0, -at.direction, k_infinity);
     }
-    std::vector<std::uint8_t> occluded(asked.size() + ray::k_packet_pad);
-    rays_->occluded(queue, 0, asked.size(), occluded.data(), ray::Against::dynamic_only);
+    std::vector<std::uint8_t> occluded(tested.size() + ray::k_packet_pad);
+    rays_->occluded(queue, 0, tested.size(), occluded.data(), ray::Against::dynamic_only);
 
+    // Set the flux of those that changed.
     std::vector<std::uint32_t> dirty;
-    for (std::size_t k = 0; k < asked.size(); ++k) {
-        const std::uint32_t i = asked[k];
+    for (std::size_t k = 0; k < tested.size(); ++k) {
+        const std::uint32_t i = tested[k];
         if (view.occluded[i] == occluded[k]) continue;
         view.occluded[i] = occluded[k];
-        flux_.set(leaves + i, occluded[k] ? glm::vec3(0) : still_.at(leaves + i));
+        flux_.set(leaves + i, occluded[k] ? glm::vec3(0) : static_flux_.at(leaves + i));
         dirty.push_back(i);
         view.dirty.push_back(leaves + i);
     }
     dirty_leaves_ += dirty.size();
+    // Sum the nodes above them, level by level.
     for (int level = view.levels - 1; level > 0; --level) {
         for (std::uint32_t& i : dirty) i >>= 2;
         dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
@@ -340,8 +344,8 @@ void EmitterTree::block_leaves(View& view, const std::vector<light_views::Rect>&
     }
 }
 
-// Notes which nodes have another flux than when nothing that moves stands in the light.
-void EmitterTree::mark_changes()
+// Marks the nodes whose flux differs from their static flux.
+void LightTree::mark_changes()
 {
     changed_.clear();
     for (View& view : views_) {
@@ -349,16 +353,16 @@ void EmitterTree::mark_changes()
         for (const NodeId id : view.dirty) {
             float& mark = samples_.places[id].w;
             differing_ -= mark != 0;
-            mark = flux_.at(id) == still_.at(id) ? 0.0f : 1.0f;
+            mark = flux_.at(id) == static_flux_.at(id) ? 0.0f : 1.0f;
             differing_ += mark != 0;
         }
         view.dirty.clear();
     }
 }
 
-// What the lights shine on that moves, anew for every frame in which anything does: by owner and by the octant in which
-// it faces.
-void EmitterTree::gather_dynamic()
+// Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by the
+// octant that they face.
+void LightTree::gather_dynamic()
 {
     dynamic_.clear();
     struct Lit {
@@ -371,33 +375,35 @@ void EmitterTree::gather_dynamic()
     queue.purpose = ray::RayClass::indirect;
     ray::Hits hits;
     std::vector<double> measure;
-    std::vector<std::uint32_t> asked;
+    std::vector<std::uint32_t> texels;
     for (const View& view : views_) {
-        // Their texels; of large dynamic objects not every one.
+        // Select the texels of dynamic objects; of large objects only every few.
         std::size_t area = 0;
         for (const light_views::Rect& rect : view.dynamic_objects)
             area += static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
         int step = 1;
         while (area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) > options_.dynamic_rays)
             step *= 2;
-        asked.clear();
+        texels.clear();
         for (const light_views::Rect& rect : view.dynamic_objects)
             for (int y = rect.y0 / step * step; y < rect.y1; y += step)
-                for (int x = rect.x0 / step * step; x < rect.x1; x += step) asked.push_back(morton(x, y));
-        std::sort(asked.begin(), asked.end());
-        asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
-        if (asked.empty()) continue;
+                for (int x = rect.x0 / step * step; x < rect.x1; x += step) texels.push_back(morton(x, y));
+        std::sort(texels.begin(), texels.end());
+        texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
+        if (texels.empty()) continue;
+        // Cast a ray through each.
         queue.clear();
         measure.clear();
-        for (const std::uint32_t i : asked) {
+        for (const std::uint32_t i : texels) {
             const light_views::TexelRay r = light_views::texel_ray(view.projection, static_cast<int>(gathered(i)),
                                                                    static_cast<int>(gathered(i >> 1)));
             queue.push(r.origin, 0, r.direction, k_infinity);
             measure.push_back(r.measure * step * step);
         }
-        hits.resize(asked.size());
-        rays_->closest(queue, 0, asked.size(), hits, ray::Sides::both);
-        for (std::size_t i = 0; i < asked.size(); ++i) {
+        hits.resize(texels.size());
+        rays_->closest(queue, 0, texels.size(), hits, ray::Sides::both);
+        // Sum the lit surfaces by owner and octant.
+        for (std::size_t i = 0; i < texels.size(); ++i) {
             if (hits.object[i] == scene::none || !rays_->moves(hits.object[i])) continue;
             const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
             if (!(leaf.area > 0)) continue;
@@ -407,45 +413,46 @@ void EmitterTree::gather_dynamic()
             const auto [at, first] =
                 found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, dynamic_.size());
             if (first) dynamic_.push_back({.owner = owner});
-            DynamicEmitter& emitter = dynamic_[at->second];
+            DynamicVirtualLight& light = dynamic_[at->second];
             const float flux = luminance(leaf.flux);
-            emitter.flux += leaf.flux;
-            emitter.area += leaf.area;
-            emitter.position += flux * leaf.position;
-            emitter.normal += flux * leaf.normal;
+            light.flux += leaf.flux;
+            light.area += leaf.area;
+            light.position += flux * leaf.position;
+            light.normal += flux * leaf.normal;
             lit.push_back({leaf.position, leaf.sample, at->second});
         }
     }
+    // Divide the sums, and take the surface nearest to the mean position as the sample.
     std::vector<float> nearest(dynamic_.size(), k_infinity);
-    for (DynamicEmitter& emitter : dynamic_) {
-        const float flux = luminance(emitter.flux), length = glm::length(emitter.normal);
-        if (flux > 0) emitter.position /= flux;
-        if (length > 0) emitter.normal /= length;
+    for (DynamicVirtualLight& light : dynamic_) {
+        const float flux = luminance(light.flux), length = glm::length(light.normal);
+        if (flux > 0) light.position /= flux;
+        if (length > 0) light.normal /= length;
     }
     for (const Lit& leaf : lit) {
         const float distance = glm::length(leaf.position - dynamic_[leaf.of].position);
         if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, dynamic_[leaf.of].sample = leaf.sample;
     }
-    // The brightest, in the order in which they were met.
-    if (dynamic_.size() > options_.dynamic_emitters) {
+    // Keep the brightest, in the order in which they were found.
+    if (dynamic_.size() > options_.dynamic_lights) {
         std::vector<float> flux;
-        for (const DynamicEmitter& emitter : dynamic_) flux.push_back(luminance(emitter.flux));
-        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_emitters),
-                         flux.end(), std::greater<>());
-        const float least = flux[options_.dynamic_emitters];
-        std::erase_if(dynamic_, [&](const DynamicEmitter& emitter) { return !(luminance(emitter.flux) > least); });
+        for (const DynamicVirtualLight& light : dynamic_) flux.push_back(luminance(light.flux));
+        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_lights), flux.end(),
+                         std::greater<>());
+        const float least = flux[options_.dynamic_lights];
+        std::erase_if(dynamic_, [&](const DynamicVirtualLight& light) { return !(luminance(light.flux) > least); });
     }
-    std::erase_if(dynamic_, [](const DynamicEmitter& emitter) { return emitter.flux == glm::vec3(0); });
+    std::erase_if(dynamic_, [](const DynamicVirtualLight& light) { return light.flux == glm::vec3(0); });
 }
 
-std::uint32_t EmitterTree::owner_of(scene::ObjectId object) const
+std::uint32_t LightTree::owner_of(scene::ObjectId object) const
 {
     const scene::GroupId group = state_->scene().objects[object].group;
-    constexpr std::uint32_t k_alone = 1u << 31;   // apart from all groups, and from k_no_owner
+    constexpr std::uint32_t k_alone = 1u << 31;   // differs from all groups and from k_no_owner
     return group == scene::none || rays_->has_own_instance(object) ? object | k_alone : group;
 }
 
-void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
 {
     state_ = &state;
     rays_ = &rays;
@@ -465,15 +472,15 @@ void EmitterTree::update(const scene::SceneState& state, const ray::RayScene& ra
         find_roots();
         ++geometry_version_, ++flux_version_;
     }
-    const bool still =
+    const bool unchanged =
         changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
-    if (still && !geometry_changed_) return;
-    if (!still && !promoted) follow_dynamic(changes);
+    if (unchanged && !geometry_changed_) return;
+    if (!unchanged && !promoted) follow_dynamic(changes);
     mark_changes();
     gather_dynamic();
 }
 
-void EmitterTree::follow_dynamic(const scene::FrameChanges& changes)
+void LightTree::follow_dynamic(const scene::FrameChanges& changes)
 {
     for (View& view : views_) {
         if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
@@ -482,12 +489,12 @@ void EmitterTree::follow_dynamic(const scene::FrameChanges& changes)
         find_dynamic(view);
         where.insert(where.end(), view.dynamic_objects.begin(), view.dynamic_objects.end());
         const std::uint64_t before = dirty_leaves_;
-        block_leaves(view, where);
+        occlude_leaves(view, where);
         if (dirty_leaves_ != before) ++flux_version_;
     }
 }
 
-float EmitterTree::leaf_spacing() const
+float LightTree::leaf_spacing() const
 {
     std::vector<float> area;
     for (const View& view : views_) {
@@ -502,9 +509,9 @@ float EmitterTree::leaf_spacing() const
     return std::sqrt(*middle);
 }
 
-std::size_t EmitterTree::bytes() const
+std::size_t LightTree::bytes() const
 {
-    return quads_.size() * sizeof(EmitterQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
+    return quads_.size() * sizeof(VirtualLightQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the scene's lights shine on, as lights themselves: the leaves are pixels of light maps [Dachsbacher and
-// Stamminger 2005], the nodes above them their pyramids [Ki and Oh 2007, 3.1].
+// The light tree: the surfaces that the scene's lights shine on, as virtual point lights. Its leaves are pixels of
+// light maps [Dachsbacher and Stamminger 2005], its nodes the maps' pyramids [Ki and Oh 2007, 3.1].
 //
-// Leaves are static surfaces alone. Where something that moves stands between a light and a leaf, the leaf is dark for
-// as long; that changes its present flux and that of the nodes above it, and nothing else. So which nodes a surface
-// point sees, past everything static, is worth remembering.
+// Leaves lie on static surfaces alone. While a dynamic object occludes a leaf from its light, the leaf is dark. That
+// changes the current flux of the leaf and of the nodes above it, and nothing else, so it pays to remember which nodes
+// a surface point sees past static geometry.
 //
-// Cost: construction casts one ray a leaf. A frame: rays against what moves, in the tiles that it left or entered, and
-// the nodes above what changed (`dirty_leaves`, `dirty_nodes`). Present flux equals that of a tree made anew, to the
-// bit.
+// Cost: construction casts one ray per leaf. A frame casts rays against dynamic objects in the tiles that they left or
+// entered, and updates the nodes above changed leaves (`dirty_leaves`, `dirty_nodes`).
+// Invariant: the flux of an updated tree equals that of a new one, bit for bit.
 
 #include <atomic>
 #include <span>
@@ -21,88 +21,89 @@
 
 namespace gnomon::irradiance_cache {
 
-struct EmitterOptions {
+struct LightTreeOptions {
     int side = 256;                  // texels of a view, at most; a power of two
     std::size_t leaves = 1u << 17;   // of all views together, at most; views get smaller sides by halves
-    int least_side = 16;             // or smaller, where there would be more nodes than numbers for them
-    std::size_t views = 6144;        // at most, six for a lamp that shines all around; the weakest lights are left out
-    float least_cosine = 0.05f;      // surfaces at a more grazing angle stand for no larger area
+    int least_side = 16;             // smaller only if there were more nodes than k_node_bits can number
+    std::size_t views = 6144;        // at most; six for a point light; the weakest lights are left out
+    float least_cosine = 0.05f;      // bounds the area of surfaces at grazing angles
     float ray_end = 0.9999f;
-    std::size_t dynamic_rays = 4096;     // by view, against what moves and is lit
-    std::size_t dynamic_emitters = 64;   // at most; the darkest are left out
+    std::size_t dynamic_rays = 4096;   // per view, to find lit dynamic objects
+    std::size_t dynamic_lights = 64;   // at most; the darkest are left out
 };
 
 using NodeId = std::uint32_t;
 inline constexpr std::uint32_t k_node_bits = 18;   // of a node's number, at most
 
-/// Four nodes with the same parent, side by side. A node stands for the static leaves below it.
-struct EmitterQuad {
+/// Four virtual point lights with the same parent: nodes of the tree, each of which represents the static leaves below
+/// it.
+struct VirtualLightQuad {
     float x[4], y[4], z[4];      // mean position, weighted by static flux
-    float radius[4];             // around it, holds all leaves
-    float nx[4], ny[4], nz[4];   // mean normal, weighted by static flux; shorter than 1 where they differ
+    float radius[4];             // of a sphere around it that encloses all leaves
+    float nx[4], ny[4], nz[4];   // mean normal, weighted by static flux; shorter than 1 if normals differ
     float area[4];               // of the surfaces, square units
-    float flux[4];               // static, luminance; 0: nothing there
+    float flux[4];               // static flux, luminance; 0: no node
 };
 
-/// What the lights shine on of a thing that moves, and that faces one octant.
-struct DynamicEmitter {
-    std::uint32_t owner = 0;            // owner_of() what it is on
+/// The lit surfaces of a dynamic object, or of a group, that face one octant.
+struct DynamicVirtualLight {
+    std::uint32_t owner = 0;            // owner_of() the object
     glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is unit
-    glm::vec3 sample{0};                // where visibility is asked
+    glm::vec3 sample{0};                // place for which visibility is tested
     glm::vec3 flux{0};
     float area = 0;
 };
 
-class EmitterTree {
+class LightTree {
  public:
-    /// Lights that move are made anew in every frame in which they do.
-    EmitterTree(const scene::SceneState& state, const ray::RayScene& rays, const EmitterOptions& options, Tasks& tasks);
+    LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options, Tasks& tasks);
 
-    /// Follows one advance() of the state, after the ray scene did. Where somebody moved something static by hand, for
-    /// the first time, all is made anew.
+    /// Follows one advance() of the state, after the ray scene did. Rebuilds the views of lights that moved; and all
+    /// views where a static object was promoted to a dynamic one.
     void update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
     /// Nodes 4 q ... 4 q + 3.
-    const EmitterQuad& quad(NodeId q) const { return quads_[q]; }
-    /// All of them: four nodes each.
-    std::span<const EmitterQuad> quads() const { return quads_; }
-    /// The quad of a node's children; none for leaves.
+    const VirtualLightQuad& quad(NodeId q) const { return quads_[q]; }
+    /// All quads.
+    std::span<const VirtualLightQuad> quads() const { return quads_; }
+    /// The quad of a node's children; scene::none for leaves.
     NodeId children(NodeId id) const { return children_[id]; }
-    /// The same by node.
+    /// The same for all nodes.
     std::span<const NodeId> children() const { return children_; }
-    /// Present flux by node: radiant exitance times area, pi times the radiance of a diffuse surface times its area.
+    /// Flux by node: radiant exitance times area, which is pi times a diffuse surface's radiance times its area.
     struct Flux {
         std::vector<float> r, g, b;
         glm::vec3 at(NodeId id) const { return {r[id], g[id], b[id]}; }
         void set(NodeId id, const glm::vec3& flux) { r[id] = flux.x, g[id] = flux.y, b[id] = flux.z; }
     };
+    /// In this frame.
     const Flux& flux() const { return flux_; }
-    /// As if nothing that moves stood in the light.
-    const Flux& still_flux() const { return still_; }
+    /// Without dynamic objects.
+    const Flux& static_flux() const { return static_flux_; }
     bool differs(NodeId id) const { return samples_.places[id].w != 0; }
     bool any_differs() const { return differing_ > 0; }
-    /// Nodes that the last update asked anew, or all that may have changed: their flux and their mark; some twice.
+    /// Nodes whose flux or differs() the last update may have changed; some twice.
     const std::vector<NodeId>& changed() const { return changed_; }
-    const std::vector<DynamicEmitter>& dynamic_objects() const { return dynamic_; }
-    /// Of an object that moves: its rigid group, or it alone.
+    const std::vector<DynamicVirtualLight>& dynamic_lights() const { return dynamic_; }
+    /// A number for what moves together with a dynamic object: its rigid group, or the object alone.
     std::uint32_t owner_of(scene::ObjectId object) const;
-    /// By node: a place on the leaf nearest to the mean, promoted: where visibility is asked. Beside it, w: 1 if
-    /// present flux differs from still flux, else 0: who asks which ways cross what moves wants both.
+    /// By node: a place just above the leaf nearest to the mean, for which visibility is tested. w is 1 if the flux
+    /// differs from the static flux, else 0; both are read together.
     struct Samples {
         std::vector<glm::vec4> places;
         glm::vec3 at(NodeId id) const { return glm::vec3(places[id]); }
     };
     const Samples& samples() const { return samples_; }
-    /// Quads below the tops of the views' pyramids, of those that have any flux.
+    /// Top quads of the views that have any flux.
     const std::vector<NodeId>& roots() const { return roots_; }
-    /// Nodes were made anew: what was remembered about them is void. Counts up.
+    /// Counts the updates that rebuilt nodes, after which lists of visible nodes are void.
     std::uint32_t geometry_version() const { return geometry_version_; }
-    /// By the last update.
+    /// Whether the last update did.
     bool geometry_changed() const { return geometry_changed_; }
-    /// Present flux changed. Counts up.
+    /// Counts the updates that changed flux.
     std::uint32_t flux_version() const { return flux_version_; }
 
-    /// Of the lit leaves: the square root of their median area.
+    /// The square root of the median area of lit leaves.
     float leaf_spacing() const;
 
     std::size_t size() const { return children_.size(); }
@@ -114,8 +115,8 @@ class EmitterTree {
     struct View {
         scene::LightId light = scene::none;
         int face = 0;
-        int side = 0, levels = 0;   // 2^levels texels a side
-        NodeId first = 0;           // of its nodes, a multiple of 4: level 1, level 2, ... in Morton order
+        int side = 0, levels = 0;   // 2^levels texels per side
+        NodeId first = 0;           // its first node, a multiple of 4: level 1, level 2, ... in Morton order
         bool on = false;
         light_views::ViewProjection projection;
         std::vector<light_views::Rect> dynamic_objects;   // footprints now
@@ -133,7 +134,7 @@ class EmitterTree {
                  double measure) const;
     void follow_dynamic(const scene::FrameChanges& changes);
     void find_dynamic(View& view) const;
-    void block_leaves(View& view, const std::vector<light_views::Rect>& where);
+    void occlude_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
     void gather_dynamic();
     void find_dynamics();
@@ -144,21 +145,21 @@ class EmitterTree {
         return view.first + ((1u << (2 * level)) - 4) / 3;   // level 1 is the first
     }
 
-    EmitterOptions options_;
+    LightTreeOptions options_;
     light_views::Casters casters_;
     light_views::SceneBounds bounds_;
     std::vector<View> views_;
-    std::vector<EmitterQuad> quads_;
+    std::vector<VirtualLightQuad> quads_;
     Samples samples_;
-    Flux flux_, still_;
+    Flux flux_, static_flux_;
     std::size_t differing_ = 0;
-    std::vector<DynamicEmitter> dynamic_;
+    std::vector<DynamicVirtualLight> dynamic_;
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
     std::vector<NodeId> changed_;             // by the last update
-    std::vector<scene::ObjectId> dynamics_;   // what moves and casts shadows
+    std::vector<scene::ObjectId> dynamics_;   // dynamic objects that cast shadows
     std::uint32_t promoted_ = 0;              // RayScene::promoted() then
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;

@@ -5,7 +5,7 @@
 
 namespace gnomon::irradiance_cache {
 
-// One about all, then each half of them, cut where they are furthest apart.
+// Adds a sphere around all, then those of each half, split at the median of the longest axis.
 void MovingSpheres::enclose(std::span<Sphere> spheres)
 {
     if (spheres.empty()) return;

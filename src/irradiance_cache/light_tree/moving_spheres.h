@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What moves, enclosed: a sphere about each thing, and spheres about those, down to one about all that moves together.
+// A bounding-sphere hierarchy of dynamic objects: a sphere around each object, and spheres around those, up to one
+// around all that move together.
 //
-// They lie one after another, parents first. Who asks which spheres something meets goes through them in order, and
-// jumps to `next` from one that it does not meet.
+// Nodes lie in depth-first order. A traversal goes through them in order, and skips to `next` from a sphere that is not
+// met.
 
 #include <cstdint>
 #include <span>
@@ -18,23 +19,23 @@ struct Sphere {
     float radius = 0;
 };
 
-inline constexpr float k_grown = 1.0001f;   // spheres around what moves, against rounding
+inline constexpr float k_grown = 1.0001f;   // factor on radii, against rounding
 
 class MovingSpheres {
  public:
     struct Node {
         Sphere sphere;
         std::uint32_t next;   // the first after those inside it
-        bool single;          // about one thing
+        bool single;          // around one object
     };
     void clear() { nodes_.clear(); }
     bool empty() const { return nodes_.empty(); }
-    /// Encloses what moves together. Cost: O(n log n).
+    /// Adds the spheres of objects that move together. Cost: O(n log n).
     void add(std::vector<Sphere> together) { enclose(together); }
     const std::vector<Node>& nodes() const { return nodes_; }
 
-    /// Calls `single` for every thing whose sphere, and those about it, `meets` says yes to; stops where it returns
-    /// true, and returns whether it did.
+    /// Calls single(sphere) for every object for whose sphere, and those around it, meets(sphere) is true. Stops if it
+    /// returns true, and returns whether it did.
     template <class Meets, class Single>
     bool any(const Meets& meets, const Single& single) const
     {

@@ -17,21 +17,21 @@ namespace gnomon::irradiance_cache::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float k_tiny = 1e-30f;
-constexpr float k_least_reach = 1e-6f;   // of cosines about their mean, so that it may be divided by
+constexpr float k_least_reach = 1e-6f;   // of cosines around their mean, so that it is no zero divisor
 constexpr float k_second_order = 0.5f;   // largest A / (pi d^2) for which a kernel's second order helps
-constexpr float k_mixed = 0.1f;          // spread of normals above which one place cannot speak for a node
-constexpr float k_horizon = 0.1f;        // cosine at the point below which it cannot either
+constexpr float k_mixed = 0.1f;          // spread of normals above which one place cannot represent a node
+constexpr float k_horizon = 0.1f;        // cosine at the point below which it cannot, either
 
-// Quads are looked at this many at a time, in any vector width.
+// Quads that are evaluated together, in any vector width.
 constexpr std::size_t k_group = 4;
 
-// What the emitters of a group of quads may do at a point.
+// The nodes of a group of quads, as a point sees them.
 struct Group {
-    alignas(64) float light[4 * k_group];    // irradiance, visibility apart
-    alignas(64) float most[4 * k_group];     // that no place inside the node exceeds, nearly
+    alignas(64) float light[4 * k_group];    // irradiance, visibility ignored
+    alignas(64) float most[4 * k_group];     // approximate upper bound for any place inside the node
     alignas(64) float width[4 * k_group];    // radius over distance
-    alignas(64) float spread[4 * k_group];   // of the normals: 0 where all agree
-    unsigned there;                          // lanes with flux, not wholly below the horizon
+    alignas(64) float spread[4 * k_group];   // of the normals: 0 if all agree
+    unsigned there;                          // lanes with flux that are not entirely below the horizon
 };
 
 #if HWY_HAVE_SCALABLE
@@ -41,14 +41,14 @@ constexpr std::size_t k_lanes = std::min<std::size_t>(4 * k_group, HWY_MAX_BYTES
 #endif
 using Wide = hn::FixedTag<float, k_lanes>;
 
-// One member of quads that follow each other in `quads`, side by side.
-using Member = const float (EmitterQuad::*)[4];
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> load(const EmitterQuad* const* quads, std::size_t i, Member member)
+// Loads one member of consecutive quads into a vector.
+using Member = const float (VirtualLightQuad::*)[4];
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> load(const VirtualLightQuad* const* quads, std::size_t i, Member member)
 {
     return hn::LoadU(hn::FixedTag<float, 4>(), quads[i]->*member);
 }
 template <class D>
-HWY_INLINE hn::Vec<D> side_by_side(D d, const EmitterQuad* const* quads, Member member)
+HWY_INLINE hn::Vec<D> side_by_side(D d, const VirtualLightQuad* const* quads, Member member)
 {
     if constexpr (hn::MaxLanes(d) == 16) {
         const hn::Half<D> half;
@@ -61,7 +61,7 @@ HWY_INLINE hn::Vec<D> side_by_side(D d, const EmitterQuad* const* quads, Member 
     }
 }
 
-// The mean of what is above zero, of values that lie evenly within `reach` of their mean.
+// The mean of max(x, 0) for x uniform within `reach` of its mean.
 template <class D>
 HWY_INLINE hn::Vec<D> rectified(D d, hn::Vec<D> mean, hn::Vec<D> reach)
 {
@@ -72,41 +72,40 @@ HWY_INLINE hn::Vec<D> rectified(D d, hn::Vec<D> mean, hn::Vec<D> reach)
 }
 
 // @param count  of quads, 1 to k_group
-HWY_INLINE void evaluate(const EmitterTree& tree, const NodeId* ids, std::size_t count, const glm::vec3& origin,
+HWY_INLINE void evaluate(const LightTree& tree, const NodeId* ids, std::size_t count, const glm::vec3& origin,
                          const glm::vec3& normal, Group& group)
 {
     const Wide d;
-    const EmitterQuad* quads[k_group];
+    const VirtualLightQuad* quads[k_group];
     for (std::size_t i = 0; i < k_group; ++i) quads[i] = &tree.quad(ids[std::min(i, count - 1)]);
     const auto inverse_pi = hn::Set(d, static_cast<float>(1 / k_pi)), tiny = hn::Set(d, k_tiny);
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
     group.there = 0;
     for (std::size_t first = 0; first < 4 * count; first += k_lanes) {
-        const EmitterQuad* const* const q = quads + first / 4;
-        const auto x = hn::Sub(side_by_side(d, q, &EmitterQuad::x), hn::Set(d, origin.x));
-        const auto y = hn::Sub(side_by_side(d, q, &EmitterQuad::y), hn::Set(d, origin.y));
-        const auto z = hn::Sub(side_by_side(d, q, &EmitterQuad::z), hn::Set(d, origin.z));
+        const VirtualLightQuad* const* const q = quads + first / 4;
+        const auto x = hn::Sub(side_by_side(d, q, &VirtualLightQuad::x), hn::Set(d, origin.x));
+        const auto y = hn::Sub(side_by_side(d, q, &VirtualLightQuad::y), hn::Set(d, origin.y));
+        const auto z = hn::Sub(side_by_side(d, q, &VirtualLightQuad::z), hn::Set(d, origin.z));
         const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
         const auto inverse = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
-        const auto area = hn::Mul(side_by_side(d, q, &EmitterQuad::area), inverse_pi);
-        const auto flux = side_by_side(d, q, &EmitterQuad::flux);
-        const auto nx = side_by_side(d, q, &EmitterQuad::nx), ny = side_by_side(d, q, &EmitterQuad::ny),
-                   nz = side_by_side(d, q, &EmitterQuad::nz);
+        const auto area = hn::Mul(side_by_side(d, q, &VirtualLightQuad::area), inverse_pi);
+        const auto flux = side_by_side(d, q, &VirtualLightQuad::flux);
+        const auto nx = side_by_side(d, q, &VirtualLightQuad::nx), ny = side_by_side(d, q, &VirtualLightQuad::ny),
+                   nz = side_by_side(d, q, &VirtualLightQuad::nz);
         const auto mx = hn::Set(d, normal.x), my = hn::Set(d, normal.y), mz = hn::Set(d, normal.z);
-        const auto width = hn::Mul(side_by_side(d, q, &EmitterQuad::radius), inverse);
+        const auto width = hn::Mul(side_by_side(d, q, &VirtualLightQuad::radius), inverse);
         const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, mx), hn::Mul(y, my)), hn::Mul(z, mz)), inverse);
-        const auto emitter =
-            hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, nx), hn::Mul(y, ny)), hn::Mul(z, nz)), inverse));
+        const auto source = hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, nx), hn::Mul(y, ny)), hn::Mul(z, nz)), inverse));
         const auto disk = hn::Mul(hn::Div(inverse_pi, hn::Add(hn::Add(square, area), tiny)), flux);
         const auto spread =
             hn::Max(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), zero);
         hn::Store(spread, d, group.spread + first);
         const auto reach = hn::Sqrt(spread), room = hn::Add(width, reach);
-        const auto r = hn::Max(receiver, zero), e = rectified(d, emitter, reach);
-        hn::Store(hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Max(hn::Add(emitter, room), zero), one)),
-                          disk),
-                  d, group.most + first);
-        // The kernel's mean over a disk to second order, as far as that holds (point_kernels.h).
+        const auto r = hn::Max(receiver, zero), e = rectified(d, source, reach);
+        hn::Store(
+            hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Max(hn::Add(source, room), zero), one)), disk),
+            d, group.most + first);
+        // Compute the kernel's mean over a disk to second order, as far as that holds (point_kernels.h).
         const auto solid = hn::Div(area, hn::Max(square, tiny));
         const auto near = hn::Min(solid, hn::Set(d, k_second_order)), beyond = hn::Sub(solid, near);
         const auto mutual = hn::Add(hn::Add(hn::Mul(nx, mx), hn::Mul(ny, my)), hn::Mul(nz, mz));
@@ -125,7 +124,7 @@ HWY_INLINE void evaluate(const EmitterTree& tree, const NodeId* ids, std::size_t
         constexpr unsigned k_all = (1u << k_lanes) - 1;
         group.there |= ((bits[0] | static_cast<unsigned>(bits[1]) << 8) & k_all) << first;
     }
-    group.there &= (1u << (4 * count)) - 1;   // what fills the last vector is the last quad again
+    group.there &= (1u << (4 * count)) - 1;   // the last vector is padded with the last quad
 }
 
 HWY_INLINE float of_quad(const Group& group, std::size_t i)
@@ -143,12 +142,12 @@ HWY_INLINE std::size_t pop(std::vector<NodeId>& stack, NodeId (&quads)[k_group])
     return count;
 }
 
-// All light, visibility apart, from a cut in which no node may be wrong by more than `wrong`; 0: from the tops of the
-// trees, and then more than nothing where anything might arrive.
-float estimate(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+// Estimates the light of all nodes, visibility ignored, from a cut whose nodes have error bounds of at most `wrong`.
+// With 0, the cut is the roots, and the estimate is above 0 wherever any light might arrive.
+float estimate(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
                float wrong, std::vector<NodeId>& stack, std::vector<NodeId>& kept)
 {
-    constexpr float k_likely = 0.05f;   // share of the most that a wide node can bring
+    constexpr float k_likely = 0.05f;   // fraction of its upper bound that a wide node is assumed to bring
     float total = 0, most = 0;
     Group group;
     NodeId quads[k_group];
@@ -172,7 +171,7 @@ float estimate(const EmitterTree& tree, const CutOptions& options, const glm::ve
                 kept.push_back(below);
         }
     }
-    // The light of what was kept is that of its parts.
+    // The light of a kept node is that of its children.
     for (std::size_t k = 0; k < kept.size(); k += k_group) {
         const std::size_t count = std::min(k_group, kept.size() - k);
         evaluate(tree, kept.data() + k, count, origin, normal, group);
@@ -181,23 +180,23 @@ float estimate(const EmitterTree& tree, const CutOptions& options, const glm::ve
     return wrong > 0 ? total : std::max(total, k_likely * most);
 }
 
-void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+void cut_tree_of(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
                  std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
 {
-    // Estimate all light, visibility apart, by coarse cuts, each of which says what matters to the next.
+    // Estimate the light of all nodes by coarse cuts, each of which gives the error threshold of the next.
     float total = estimate(tree, options, origin, normal, 0, stack, nodes);
-    for (const float share : {0.3f, options.estimate}) {
+    for (const float fraction : {0.3f, options.estimate}) {
         if (!(total > 0)) break;
-        total = estimate(tree, options, origin, normal, share * total, stack, nodes);
+        total = estimate(tree, options, origin, normal, fraction * total, stack, nodes);
     }
     Group group, parts;
     NodeId quads[k_group];
     struct Kept {
         NodeId id, below;
-        bool mixed;   // one place cannot speak for the whole node
+        bool mixed;   // one place cannot represent the whole node
     } waiting[k_group];
     std::size_t waits = 0;
-    // Refine.
+    // Refine each node whose error bound exceeds the threshold [Walter et al. 2005, Section 4].
     const float wrong = options.error * total, negligible = options.negligible * total;
     float kept = 0;
     nodes.clear();
@@ -242,8 +241,8 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
                 stack.push_back(below);
                 continue;
             }
-            // One place must be able to speak for the whole node: on a side that can be seen, above the horizon. Else
-            // the node would be lost with it, and its parts are asked one by one.
+            // One place must represent the whole node: on a side that can be visible, above the horizon. Otherwise the
+            // whole node could be lost, so each of its children gets a visibility ray of its own.
             const glm::vec3 to = tree.samples().at(id) - origin;
             const bool mixed = group.spread[i] > k_mixed || glm::dot(to, normal) < k_horizon * glm::length(to);
             waiting[waits++] = {id, below, mixed};
@@ -251,23 +250,23 @@ void cut_tree_of(const EmitterTree& tree, const CutOptions& options, const glm::
         }
     }
     keep_waiting();
-    // Coarse nodes are too dark, since the kernel is convex: share out what they lack.
+    // Coarse nodes are too dark because the kernel is convex. Scale all weights to make up for it.
     constexpr float k_most_lack = 1.25f;
     const float lack = kept > 0 ? std::clamp(total / kept, 1.0f, k_most_lack) : 1.0f;
     for (float& weight : weights) weight *= lack;
 }
 
-// By node, four floats each; null where there are no nodes.
-HWY_INLINE const float* places_of(const EmitterTree& tree)
+// The samples, four floats per node; null if there are none.
+HWY_INLINE const float* places_of(const LightTree& tree)
 {
     const std::vector<glm::vec4>& places = tree.samples().places;
     return places.empty() ? nullptr : &places.front().x;
 }
 
-// Bits of a weight: the leading ones of a float between 2^-64 and 2^64.
+// A weight is stored as the leading bits of a float between 2^-64 and 2^64.
 constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
 
-void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void sum_seen_of(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
                  glm::vec3 (&light)[3])
 {
     const hn::CappedTag<float, k_seen_step> d;
@@ -276,7 +275,7 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
     const float* const places = places_of(tree);
-    const EmitterTree::Flux& flux = tree.still_flux();
+    const LightTree::Flux& flux = tree.static_flux();
     auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto packed = hn::LoadU(du, seen + k);
@@ -303,8 +302,8 @@ void sum_seen_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t co
     light[2] = {total(bx), total(by), total(bz)};
 }
 
-void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                     const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed)
+void find_changed_of(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                     const MovingSpheres& dynamic_bounds, std::vector<ChangedNode>& changed)
 {
     const hn::CappedTag<float, k_seen_step> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -318,7 +317,7 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
         const auto at = hn::BitCast(di, hn::ShiftLeft<2>(node));
         auto found = hn::Lt(one, zero), crossed = found;
         if (differs) found = hn::Gt(hn::GatherIndex(d, places + 3, at), zero);
-        if (!dynamic_objects.empty()) {
+        if (!dynamic_bounds.empty()) {
             const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
             const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
             const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
@@ -335,7 +334,7 @@ void find_changed_of(const EmitterTree& tree, const SeenNode* seen, std::uint32_
                 const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
                 return hn::Le(off, hn::Set(d, sphere.radius * sphere.radius));
             };
-            const std::vector<MovingSpheres::Node>& nodes = dynamic_objects.nodes();
+            const std::vector<MovingSpheres::Node>& nodes = dynamic_bounds.nodes();
             for (std::uint32_t m = 0; m < nodes.size();) {
                 const auto near = meets(nodes[m].sphere);
                 if (nodes[m].single) crossed = hn::Or(crossed, near);
@@ -367,7 +366,7 @@ HWY_EXPORT(cut_tree_of);
 HWY_EXPORT(sum_seen_of);
 HWY_EXPORT(find_changed_of);
 
-void cut_tree(const EmitterTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
+void cut_tree(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
               std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
 {
     HWY_DYNAMIC_DISPATCH(cut_tree_of)(tree, options, origin, normal, nodes, weights, stack);
@@ -391,16 +390,16 @@ float seen_weight(SeenNode seen)
     return std::bit_cast<float>(((seen & ((1u << k_weight_bits) - 1)) << k_weight_shift) + k_weight_bias);
 }
 
-void sum_seen(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+void sum_seen(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
               glm::vec3 (&light)[3])
 {
     HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, seen, count, origin, light);
 }
 
-void find_changed(const EmitterTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                  const MovingSpheres& dynamic_objects, std::vector<ChangedNode>& changed)
+void find_changed(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                  const MovingSpheres& dynamic_bounds, std::vector<ChangedNode>& changed)
 {
-    HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, dynamic_objects, changed);
+    HWY_DYNAMIC_DISPATCH(find_changed_of)(tree, seen, count, origin, dynamic_bounds, changed);
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -12,7 +12,7 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-// A cell's name: triangle | place among its cells | side. A word of a table: the name | state.
+// A cell's name: triangle | place among its cells | side. A word of a table: name | state.
 constexpr int k_state_bits = 2, k_front_bits = 1, k_place_bits = 14;
 constexpr std::size_t k_least_slots = 64;
 
@@ -112,18 +112,18 @@ NearHints::State NearHints::claim(Cell cell)
     Shard& shard = shard_of(cell);
     const std::lock_guard lock(shard.mutex);
     if (const std::uint64_t* const word = find(shard, cell)) return state_in(*word);
-    shard.now.add(word_of(cell, State::asked));
+    shard.now.add(word_of(cell, State::claimed));
     return State::unknown;
 }
 
-void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& asked, Scratch& scratch)
+void NearHints::answer(const ray::RayScene& rays, const std::vector<Claim>& claims, Scratch& scratch)
 {
-    // Spread over the cell by a lattice of irrational steps, each place with a direction of its own.
+    // Spread the origins over the cell by a lattice of irrational steps, and give each a direction of its own.
     constexpr float k_step_u = 0.7548777f, k_step_v = 0.5698403f;
     const auto count = static_cast<std::size_t>(options_.rays);
     scratch.rays.clear();
     scratch.rays.purpose = ray::RayClass::indirect;
-    for (const Asked& a : asked) {
+    for (const Claim& a : claims) {
         glm::vec3 p[3];
         rays.geometry(a.object).corners(a.triangle, p);
         glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
@@ -140,7 +140,7 @@ void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& aske
             float u = (static_cast<float>(row) + (x - std::floor(x))) * per_side;
             float v = (static_cast<float>(column) + (y - std::floor(y))) * per_side;
             if (u + v > 1) {
-                // Of a cell that the hypotenuse cuts, the mirror image; of one beyond it, nothing is ever asked.
+                // Mirror the origin into the triangle if the hypotenuse cuts the cell. Cells beyond it are never used.
                 const float over = u + v - 1;
                 u = std::max(u - over, 0.0f), v = std::max(v - over, 0.0f);
                 if (u + v > 1) u = 1 - v;
@@ -153,17 +153,43 @@ void NearHints::answer(const ray::RayScene& rays, const std::vector<Asked>& aske
     scratch.hits.resize(scratch.rays.size());
     rays.closest(scratch.rays, 0, scratch.rays.size(), scratch.hits, ray::Sides::both, ray::Against::static_only);
     scratch.cast += scratch.rays.size();
-    for (std::size_t k = 0; k < asked.size(); ++k) {
+    // Store the answers, and wake those who wait for them.
+    for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto first = scratch.hits.object.begin() + static_cast<std::ptrdiff_t>(k * count);
         const bool any = std::any_of(first, first + static_cast<std::ptrdiff_t>(count),
                                      [](scene::ObjectId object) { return object != scene::none; });
-        const Cell cell = asked[k].cell;
+        const Cell cell = claims[k].cell;
         Shard& shard = shard_of(cell);
         const std::lock_guard lock(shard.mutex);
         std::uint64_t* const word = shard.now.find(cell);
         GNOMON_CHECK(word);
         *word = word_of(cell, any ? State::near : State::none);
     }
+    {
+        const std::lock_guard lock(wait_mutex_);
+    }   // whoever saw a claimed cell waits by now
+    answered_.notify_all();
+}
+
+void NearHints::abandon() noexcept
+{
+    {
+        const std::lock_guard lock(wait_mutex_);
+        abandoned_ = true;
+    }
+    answered_.notify_all();
+}
+
+NearHints::State NearHints::wait(Cell cell)
+{
+    State now = state(cell);
+    if (now != State::claimed) return now;
+    std::unique_lock lock(wait_mutex_);
+    answered_.wait(lock, [&] {
+        now = state(cell);
+        return now != State::claimed || abandoned_;
+    });
+    return now;
 }
 
 void NearHints::end_frame()

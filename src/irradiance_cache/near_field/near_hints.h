@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Which places on static surfaces have others so near that they want near light (near_light.h): a few per cent of most
-// images.
+// Hints of where the near field (near_light.h) is needed: which places on static surfaces have others close by. In most
+// images these are a few per cent of the pixels.
 //
-// Every static triangle is cut into cells of about the near radius; of a cell's sides a few short rays, spread over the
-// cell, tell once and for all whether anything stands close. A function of the static geometry and the radius alone: so
-// what was forgotten is found again as it was.
+// Every static triangle is divided into cells of about the near radius. A few short rays, spread over a side of a cell,
+// decide once whether anything is close to it. The answer is a function of the static geometry and the radius, so a
+// forgotten hint is found again as it was.
 //
-// Cost: 16 to 32 bytes a cell and side, of those that were asked for; `rays` short rays where one is asked for the
-// first time. A look-up takes a lock, one of many.
+// Threads claim unknown cells, answer all that they claimed, and only then wait for those that others claimed; the wait
+// sleeps on a condition variable.
+//
+// Cost: 16 to 32 bytes per cell and side that was looked up; `rays` short rays for one that is new. A look-up takes one
+// of many locks.
 
 #include <array>
+#include <condition_variable>
 #include <mutex>
 #include <vector>
 
@@ -21,30 +25,30 @@ namespace gnomon::irradiance_cache {
 struct NearHintOptions {
     float radius = 0;                // scene units
     float cell = 3;                  // radii: size of a cell
-    int most_cells = 128;            // along a triangle's longest side; no more than that
-    int rays = 16;                   // a cell and side,
-    float reach = 1.5f;              // radii: their length; rather too long than that something is missed
-    std::size_t memory = 4u << 20;   // bytes; beyond, what two such amounts ago was asked for is forgotten
+    int most_cells = 128;            // at most, along a triangle's longest side
+    int rays = 16;                   // per cell and side
+    float reach = 1.5f;              // radii: their length; a hint too many costs less than a surface that is missed
+    std::size_t memory = 4u << 20;   // bytes; beyond that, cells unused for two such amounts are forgotten
 };
 
 class NearHints {
  public:
-    using Cell = std::uint64_t;   // of one side: names it
-    enum class State : std::uint8_t { unknown, asked, none, near };
+    using Cell = std::uint64_t;   // names one side of a cell
+    enum class State : std::uint8_t { unknown, claimed, none, near };
 
     explicit NearHints(const NearHintOptions& options);
 
     /// Cells along a triangle's longest side.
     std::uint32_t cells_along(const glm::vec3 (&corners)[3]) const;
-    /// @param triangle  among all of the scene; of something static
+    /// @param triangle  among all of the scene; of a static object
     /// @param side      cells_along() it
     static Cell cell_at(std::uint32_t triangle, std::uint32_t side, float u, float v, bool front);
 
     State state(Cell cell);
-    /// The same, but of a cell that was unknown: it counts as asked now, and the caller is the one to answer.
+    /// The same; but an unknown cell is claimed, and the caller must answer or abandon it.
     State claim(Cell cell);
-    /// A cell with the place on the scene by which it was found.
-    struct Asked {
+    /// A claimed cell, and its place in the scene.
+    struct Claim {
         Cell cell;
         scene::ObjectId object;
         std::uint32_t triangle;   // of the object
@@ -55,10 +59,15 @@ class NearHints {
         ray::Hits hits;
         std::uint64_t cast = 0;   // counts up
     };
-    /// Answers claimed cells. From any thread.
-    void answer(const ray::RayScene& rays, const std::vector<Asked>& asked, Scratch& scratch);
+    /// Answers claimed cells. Thread-safe.
+    void answer(const ray::RayScene& rays, const std::vector<Claim>& claims, Scratch& scratch);
+    /// Wakes all who wait, because some cells will not be answered. Thread-safe.
+    void abandon() noexcept;
+    /// Waits until a cell is answered. Thread-safe.
+    /// @return  State::claimed if it was abandoned
+    State wait(Cell cell);
 
-    /// Between frames: forgets if they take too much. Every claimed cell must have its answer.
+    /// Between frames: forgets cells if they take too much memory. Every claimed cell must be answered.
     void end_frame();
     std::size_t bytes() const;
 
@@ -72,7 +81,7 @@ class NearHints {
     };
     struct Shard {
         std::mutex mutex;
-        Table now, before;   // what is asked for moves from the second to the first
+        Table now, before;   // cells that are looked up move from the second to the first
     };
     static constexpr std::size_t k_shards = 64;
     Shard& shard_of(Cell cell);
@@ -81,6 +90,9 @@ class NearHints {
     NearHintOptions options_;
     std::vector<glm::vec3> directions_;
     std::array<Shard, k_shards> shards_;
+    std::mutex wait_mutex_;
+    std::condition_variable answered_;
+    bool abandoned_ = false;   // under wait_mutex_
 };
 
 }   // namespace gnomon::irradiance_cache

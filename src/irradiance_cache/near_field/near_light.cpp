@@ -11,7 +11,7 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-// At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
+// The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
 constexpr float k_least_cosine = 0.1f;
 constexpr float k_ray_end = 0.9999f;
 
@@ -30,11 +30,12 @@ std::vector<glm::vec3> cosine_directions(int count)
 
 NearLight::NearLight(const NearOptions& options) : options_(options), directions_(cosine_directions(options.rays)) {}
 
-void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                    std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                       std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
 {
     const scene::Scene& scene = state.scene();
     const std::size_t n = directions_.size();
+    // Cast the short rays.
     ray::RayQueue& queue = scratch.rays;
     queue.clear();
     queue.purpose = scratch.shadow_rays.purpose = ray::RayClass::indirect;
@@ -48,10 +49,10 @@ void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, c
     rays.closest(queue, 0, queue.size(), scratch.hits, ray::Sides::both, against);
     scratch.cast += queue.size();
 
-    // What do they meet, and how is it lit?
+    // Light the surfaces that they meet, and queue a ray to each light.
     scratch.shadow_rays.clear();
     scratch.lit.clear();
-    const auto share = static_cast<float>(k_pi) / static_cast<float>(n);
+    const auto weight = static_cast<float>(k_pi) / static_cast<float>(n);
     for (std::size_t k = 0; k < count; ++k) {
         answers[k] = {};
         for (std::size_t i = k * n; i < k * n + n; ++i) {
@@ -60,7 +61,7 @@ void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, c
             answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
             const glm::vec3 direction = queue.direction(i);
             if (!(glm::dot(direction, receivers[k].geometric_normal) > 0)) continue;
-            const float near = 1 - far_share(scratch.hits.t[i], options_.radius);
+            const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius);
             if (rays.moves(object)) continue;
             const ray::ObjectGeometry& geometry = rays.geometry(object);
             const std::uint32_t triangle = scratch.hits.triangle[i];
@@ -90,15 +91,16 @@ void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, c
                     scratch.shadow_rays.push(from, 0, at.position - from, k_ray_end);
                 const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
                 const float at_point = std::max(glm::dot(direction, receivers[k].normal), k_least_cosine);
-                scratch.lit.push_back({k, radiance * (near * share), direction / at_point});
+                scratch.lit.push_back({k, radiance * (near * weight), direction / at_point});
             }
         }
     }
-    const std::size_t asked = scratch.shadow_rays.size();
-    scratch.cast += asked;
-    scratch.occluded.resize(asked + ray::k_packet_pad);
-    rays.occluded(scratch.shadow_rays, 0, asked, scratch.occluded.data(), against);
-    for (std::size_t s = 0; s < asked; ++s) {
+    // Add the light that arrives.
+    const std::size_t shadow_rays = scratch.shadow_rays.size();
+    scratch.cast += shadow_rays;
+    scratch.occluded.resize(shadow_rays + ray::k_packet_pad);
+    rays.occluded(scratch.shadow_rays, 0, shadow_rays, scratch.occluded.data(), against);
+    for (std::size_t s = 0; s < shadow_rays; ++s) {
         if (scratch.occluded[s]) continue;
         const Scratch::Lit& lit = scratch.lit[s];
         for (int colour = 0; colour < 3; ++colour)

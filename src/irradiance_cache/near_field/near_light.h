@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Light from surfaces so near that the light map cannot tell them apart: a leaf of it is as wide as they are far. In
-// slits and corners that is most of the light.
+// Indirect light from surfaces so near that the light tree cannot tell them apart, because one of its leaves is as wide
+// as they are far away. In slits and corners that is most of the light.
 //
-// Short rays, spread by the cosine, find those surfaces; rays from there to the lights say how they are lit. Every
-// point uses the same directions, so neighbours differ by what they see and not by chance. What arrives from within the
-// radius is near light, fading out towards it; the nodes of the emitters' tree give the rest (far_share()).
+// Short rays with a cosine distribution find those surfaces, and rays from there to the lights find how they are lit.
+// All points use the same directions around their normal, so neighbouring points differ only by what they see. The near
+// field fades out towards its radius; nodes of the light tree provide the rest (far_fraction()).
 //
-// Cost: `rays` short rays a point, and one ray a light where they meet a lit surface. Only static surfaces give near
-// light; what moves may block it, and is light of its own (DynamicEmitter).
+// Cost: `rays` short rays per point, and one ray per light where they meet a lit surface. Only static surfaces are part
+// of the near field. Dynamic objects occlude it, and are light sources of their own (DynamicVirtualLight).
 
 #include <vector>
 
@@ -16,8 +16,8 @@
 
 namespace gnomon::irradiance_cache {
 
-/// Share of the light from a surface that is not near light. 0 within half the radius, 1 from the radius on.
-inline float far_share(float distance, float radius)
+/// Fraction of the light from a surface that is not part of the near field: 0 within half the radius, 1 from it on.
+inline float far_fraction(float distance, float radius)
 {
     if (!(distance < radius)) return 1;
     const float t = std::max(0.0f, 2 * distance / radius - 1);
@@ -25,11 +25,11 @@ inline float far_share(float distance, float radius)
 }
 
 struct NearOptions {
-    float radius = 0;   // scene units; 0: no near light
+    float radius = 0;   // scene units; 0: no near field
     int rays = 64;
 };
 
-/// Unit vectors around +z, spread by the cosine: a Fibonacci lattice on the disk below.
+/// Unit vectors around +z with a cosine distribution: a Fibonacci lattice on the unit disk, projected up.
 std::vector<glm::vec3> cosine_directions(int count);
 
 struct NearReceiver {
@@ -37,8 +37,8 @@ struct NearReceiver {
 };
 
 struct NearAnswer {
-    glm::vec3 light[3] = {};      // by colour, as RememberedPoint's
-    float nearest = k_infinity;   // way to what the rays met first, scene units
+    glm::vec3 light[3] = {};      // by colour, as CachePoint::light
+    float nearest = k_infinity;   // distance to the nearest surface, scene units
 };
 
 class NearLight {
@@ -56,9 +56,10 @@ class NearLight {
     };
     explicit NearLight(const NearOptions& options = {});
     const NearOptions& options() const { return options_; }
-    /// @param against  what may lie near and keep light off: static_only or everything
-    void ask(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-             std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+    /// Computes the near field of some receivers. Thread-safe.
+    /// @param against  the geometry that rays meet: static_only or everything
+    void gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
 
  private:
     NearOptions options_;

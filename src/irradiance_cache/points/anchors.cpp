@@ -19,11 +19,11 @@ namespace {
 constexpr int k_bias = 1 << 17;
 constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
 constexpr int k_level_bias = 32;
-// Part: bit 62: front | bit 61: near light | level (4 bits) | triangle (32) | index (16).
+// Part: bit 62: front | bit 61: near field | level (4 bits) | triangle (32) | index (16).
 constexpr int k_triangle_shift = 16, k_level_shift = 48;
 
-// The lattice is moved by these shares of its spacing along the axes: walls like to stand at round numbers, and a line
-// in the very plane of a wall would find nothing but rounding.
+// The lattice is offset by these fractions of its spacing along the axes. Walls often stand at round coordinates, and
+// for a line within the plane of a wall, hits would depend on rounding.
 constexpr float k_offset[3] = {0.3819660f, 0.2360680f, 0.1458980f};
 
 int axis_of(const glm::vec3& n)
@@ -52,7 +52,7 @@ LatticeCursor::Step LatticeCursor::go(const IndirectPoint& point, int level)
     const glm::vec3 n = point.geometric_normal;
     const bool other = !any_ || level != level_ || n != normal_;
     if (other) {
-        any_ = false;   // until this step is whole
+        any_ = false;   // until this step is complete
         level_ = level, normal_ = n;
         per_h_ = spacing_of(-level);
         axis_ = axis_of(n), b_ = (axis_ + 1) % 3, c_ = (axis_ + 2) % 3;
@@ -62,7 +62,7 @@ LatticeCursor::Step LatticeCursor::go(const IndirectPoint& point, int level)
     const float i = std::floor(x), j = std::floor(y);
     if (!(std::abs(i) < k_bias - 2 && std::abs(j) < k_bias - 2)) return Step::outside;
     const float fx = x - i, fy = y - j;
-    // Where the point's own plane meets the lines, in spacings.
+    // Intersect the point's plane with the lines, in spacings.
     const float height = point.position[axis_] * per_h_ - k_offset[axis_] + 0.5f - fx * slope_b_ - fy * slope_c_;
     float k[4];
     for (int corner = 0; corner < 4; ++corner) {

@@ -11,7 +11,7 @@ SkyLight::SkyLight(const scene::Background& background)
     scene::Background sky = background;
     sky.sun_radiance = glm::vec3(0);
     constexpr double k_golden = 2.399963229728653;   // radians; pi (3 - sqrt 5)
-    constexpr double k_share = 4 * k_pi / static_cast<double>(k_sky_directions);
+    constexpr double k_solid_angle = 4 * k_pi / static_cast<double>(k_sky_directions);
     for (std::size_t i = 0; i < k_sky_directions; ++i) {
         const double up = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(k_sky_directions);
         const double across = std::sqrt(1 - up * up), angle = k_golden * static_cast<double>(i);
@@ -19,14 +19,14 @@ SkyLight::SkyLight(const scene::Background& background)
         y_[i] = static_cast<float>(up);
         z_[i] = static_cast<float>(across * std::sin(angle));
         if (background.kind != scene::Background::Kind::sky) continue;
-        light_[i] = sky.radiance(direction(i)) * static_cast<float>(k_share);
+        light_[i] = sky.radiance(direction(i)) * static_cast<float>(k_solid_angle);
         any_ = any_ || light_[i] != glm::vec3(0);
     }
 }
 
 SkyMask SkyLight::towards(const glm::vec3& at, float radius) const
 {
-    // Within the angle whose sine is radius over distance; from inside the sphere, everywhere.
+    // Select the directions within the angle whose sine is radius over distance; inside the sphere, all.
     const float square = glm::dot(at, at) - radius * radius;
     const float least = square > 0 ? std::sqrt(square) : -k_infinity;
     SkyMask mask;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The sky as directions: the same for every point, so that which of them a point sees past everything static is one bit
-// each, and what moves takes from it only the bits in its cone.
+// The light of the sky from a fixed set of directions. Which of them a point sees past static geometry is one bit each,
+// and a dynamic object can hide only those within the cone of its bounding sphere.
 //
-// Each direction stands for an equal share of the sphere (a spherical Fibonacci lattice) with the sky's gradient there;
-// the sun is a light of its own. Environment images are lights, too (scene/environment.h), and are not meant here.
+// Each direction represents an equal solid angle (a spherical Fibonacci lattice) with the radiance of the sky's
+// gradient. The sun is a light of its own, and environment images are lights, too (scene/environment.h).
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace gnomon::irradiance_cache {
 
 inline constexpr std::size_t k_sky_directions = 128;
 
-/// A bit by direction.
+/// A bit per direction.
 struct SkyMask {
     std::array<std::uint64_t, k_sky_directions / 64> bits{};
     void set(std::size_t i) { bits[i / 64] |= std::uint64_t{1} << (i % 64); }
@@ -35,7 +35,7 @@ struct SkyMask {
     {
         for (std::size_t w = 0; w < bits.size(); ++w) bits[w] |= other.bits[w];
     }
-    /// Calls body(i) for every bit that is set, rising.
+    /// Calls body(i) for every set bit, in rising order.
     template <typename Body>
     void for_each(const Body& body) const
     {
@@ -47,14 +47,14 @@ struct SkyMask {
 
 class SkyLight {
  public:
-    /// @param background  of the scene; gives light if it is a sky
+    /// @param background  the scene's; it gives light if it is a sky
     explicit SkyLight(const scene::Background& background);
     bool any() const { return any_; }
     glm::vec3 direction(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
-    /// Radiance times solid angle: irradiance on a surface that faces the direction.
+    /// Radiance times solid angle, which is the irradiance on a surface that faces the direction.
     const glm::vec3& light(std::size_t i) const { return light_[i]; }
     /// Directions whose rays from a point may meet a sphere.
-    /// @param at  its centre, from the point
+    /// @param at  the sphere's centre, relative to the point
     SkyMask towards(const glm::vec3& at, float radius) const;
 
  private:

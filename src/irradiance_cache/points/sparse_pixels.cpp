@@ -10,9 +10,9 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-// What is one plane: normals this close, and no further from it than this share of a pixel.
+// Points lie in one plane if their normals are this close, and their distance from it is below this many pixels.
 constexpr float k_same_normal = 0.9999f, k_off_plane = 0.25f;
-// Both normals, object and triangle.
+// Size of both normals, object and triangle.
 constexpr std::size_t k_plane_bytes = 2 * sizeof(glm::vec3) + 2 * sizeof(std::uint32_t);
 
 bool in_plane(const IndirectPoint& a, const IndirectPoint& b)
@@ -22,7 +22,7 @@ bool in_plane(const IndirectPoint& a, const IndirectPoint& b)
            std::abs(glm::dot(b.position - a.position, a.geometric_normal)) < k_off_plane * a.width;
 }
 
-// In the tile.
+// Index of a pixel in the tile.
 constexpr std::size_t place_of(int x, int y)
 {
     return static_cast<std::size_t>(y) * SparsePixels::k_side + static_cast<std::size_t>(x);
@@ -30,14 +30,14 @@ constexpr std::size_t place_of(int x, int y)
 
 }   // namespace
 
-// Pixels that follow each other in a row or a column and lie in one plane get its number.
+// Gives neighbouring pixels in a row or a column that lie in one plane the same number.
 void SparsePixels::number_planes(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt)
 {
     at_.fill(-1);
     plane_.fill(-1);
     first_of_plane_.clear();
     direct_.assign(points.size(), 0);
-    // These lie side by side in memory.
+    // Compare the members that define a plane at once; they are adjacent in memory.
     static_assert(offsetof(IndirectPoint, triangle) + sizeof(IndirectPoint::triangle) ==
                   offsetof(IndirectPoint, geometric_normal) + k_plane_bytes);
     const auto plane_bytes = [](const IndirectPoint& p) {
@@ -78,7 +78,7 @@ void SparsePixels::number_planes(std::span<const IndirectPoint> points, const st
     }
 }
 
-// A block of one plane: its corners are reckoned, and the rest is filled in.
+// Selects the corners of a block if all its pixels lie in one plane.
 bool SparsePixels::take(int x0, int y0, int step)
 {
     const Block b{x0, y0, std::min(x0 + step, k_side - 1), std::min(y0 + step, k_side - 1)};
@@ -97,21 +97,21 @@ bool SparsePixels::take(int x0, int y0, int step)
 void SparsePixels::choose(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt)
 {
     blocks_.clear();
-    reckoned_.clear();
+    computed_.clear();
     number_planes(points, exempt);
     for (int y = 0; y < k_side; y += k_step)
         for (int x = 0; x < k_side; x += k_step) {
             if (take(x, y, k_step)) continue;
             for (const int y0 : {y, y + k_least_step})
                 for (const int x0 : {x, x + k_least_step})
-                    if (!take(x0, y0, k_least_step)) reckon_all(x0, y0);
+                    if (!take(x0, y0, k_least_step)) compute_all(x0, y0);
         }
     for (std::uint32_t i = 0; i < direct_.size(); ++i)
-        if (direct_[i]) reckoned_.push_back(i);
+        if (direct_[i]) computed_.push_back(i);
 }
 
-// The far rows and columns are the next blocks' as well, but of the last ones.
-void SparsePixels::reckon_all(int x0, int y0)
+// Selects all pixels of a block without its far row and column, which belong to the next blocks.
+void SparsePixels::compute_all(int x0, int y0)
 {
     for (int y = y0; y < y0 + k_least_step; ++y)
         for (int x = x0; x < x0 + k_least_step; ++x)

@@ -26,11 +26,11 @@ constexpr std::uint32_t k_flux_comp[] =
 #include "irradiance_cache/vulkan/point_flux.comp.inc"
     ;
 
-constexpr std::size_t k_least_crossed = 1 << 14;   // that there is room for; more if need be
+constexpr std::size_t k_least_crossed = 1 << 14;   // initial room; grows if needed
 
-static_assert(sizeof(shared::GpuQuad) == sizeof(EmitterQuad) &&
-              offsetof(shared::GpuQuad, nx) == offsetof(EmitterQuad, nx) &&
-              offsetof(shared::GpuQuad, flux) == offsetof(EmitterQuad, flux));
+static_assert(sizeof(shared::GpuQuad) == sizeof(VirtualLightQuad) &&
+              offsetof(shared::GpuQuad, nx) == offsetof(VirtualLightQuad, nx) &&
+              offsetof(shared::GpuQuad, flux) == offsetof(VirtualLightQuad, flux));
 static_assert(sizeof(shared::GpuCutRequest) == sizeof(CutRequest) &&
               offsetof(shared::GpuCutRequest, estimate) == offsetof(CutRequest, estimate));
 static_assert(sizeof(shared::GpuSumRequest) == 20 && sizeof(shared::GpuPointLight) == sizeof(PointSums::Light));
@@ -68,11 +68,11 @@ GpuPoints::GpuPoints(const std::shared_ptr<vk::Device>& device)
 {
     fitting(spheres_, "moving spheres", sizeof(shared::GpuMovingSphere));
     fitting(count_, "count", sizeof(std::uint32_t));
-    fitting(crossed_, "crossed ways", k_least_crossed * sizeof(shared::GpuCrossed));
-    fitting(store_, "seen nodes", std::size_t{1} << 20);
+    fitting(crossed_, "crossed paths", k_least_crossed * sizeof(shared::GpuCrossed));
+    fitting(store_, "visible nodes", std::size_t{1} << 20);
 }
 
-// A buffer of at least so many bytes; what it held is lost if it has to be another.
+// Makes a buffer at least so large; its content is lost if it is replaced.
 vk::Buffer& GpuPoints::fitting(vk::Buffer& buffer, const char* name, std::size_t bytes)
 {
     if (buffer && buffer.bytes() >= bytes) return buffer;
@@ -84,10 +84,10 @@ vk::Buffer& GpuPoints::fitting(vk::Buffer& buffer, const char* name, std::size_t
     return buffer;
 }
 
-void GpuPoints::begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects)
+void GpuPoints::begin_frame(const LightTree& tree, const MovingSpheres& dynamic_bounds)
 {
     tree_ = &tree;
-    send_spheres(dynamic_objects);
+    send_spheres(dynamic_bounds);
     if (geometry_version_ != tree.geometry_version())
         send_tree(tree);
     else
@@ -95,7 +95,7 @@ void GpuPoints::begin_frame(const EmitterTree& tree, const MovingSpheres& dynami
     geometry_version_ = tree.geometry_version();
 }
 
-void GpuPoints::send_tree(const EmitterTree& tree)
+void GpuPoints::send_tree(const LightTree& tree)
 {
     std::vector<glm::vec3> flux;
     for (NodeId id = 0; id < tree.size(); ++id) flux.push_back(tree.flux().at(id));
@@ -105,16 +105,16 @@ void GpuPoints::send_tree(const EmitterTree& tree)
         fitting(buffer, name, values.size_bytes());
         uploads.push_back(vk::upload_of(buffer, values));
     };
-    send(quads_, "emitters", tree.quads());
-    send(children_, "emitters' children", tree.children());
-    send(roots_, "emitters' roots", std::span<const NodeId>(tree.roots()));
-    send(places_, "emitters' places", std::span<const glm::vec4>(tree.samples().places));
-    send(flux_, "emitters' flux", std::span<const glm::vec3>(flux));
-    commands_.upload("send emitters", uploads);
+    send(quads_, "light tree", tree.quads());
+    send(children_, "light tree's children", tree.children());
+    send(roots_, "light tree's roots", std::span<const NodeId>(tree.roots()));
+    send(places_, "light tree's places", std::span<const glm::vec4>(tree.samples().places));
+    send(flux_, "light tree's flux", std::span<const glm::vec3>(flux));
+    commands_.upload("send light tree", uploads);
     commands_.submit();
 }
 
-void GpuPoints::send_flux(const EmitterTree& tree)
+void GpuPoints::send_flux(const LightTree& tree)
 {
     if (tree.changed().empty()) return;
     std::vector<NodeId> nodes = tree.changed();
@@ -136,10 +136,10 @@ void GpuPoints::send_flux(const EmitterTree& tree)
     commands_.submit();
 }
 
-void GpuPoints::send_spheres(const MovingSpheres& dynamic_objects)
+void GpuPoints::send_spheres(const MovingSpheres& dynamic_bounds)
 {
     std::vector<shared::GpuMovingSphere> spheres;
-    for (const MovingSpheres::Node& node : dynamic_objects.nodes())
+    for (const MovingSpheres::Node& node : dynamic_bounds.nodes())
         spheres.push_back({node.sphere.centre, node.sphere.radius, node.next, node.single ? 1u : 0u});
     const std::size_t bytes = spheres.size() * sizeof(shared::GpuMovingSphere);
     if (spheres.size() == spheres_host_.size() &&
@@ -168,7 +168,7 @@ void GpuPoints::cut(std::span<const CutRequest> points, const CutOptions& option
     fitting(nodes_, "nodes of cuts", points.size() * GNOMON_CUT_ROOM * sizeof(shared::GpuCutNode));
     const vk::Upload upload = vk::upload_of(requests_, points);
     commands_.upload("send points", {&upload, 1});
-    commands_.pass("forget cuts").writes(count_, Use::copy_target).copy([&](vk::Recorder& r) { r.fill(count_, 0); });
+    commands_.pass("clear cuts").writes(count_, Use::copy_target).copy([&](vk::Recorder& r) { r.fill(count_, 0); });
     commands_.pass("cuts of points")
         .reads(quads_, Use::storage_read)
         .reads(children_, Use::storage_read)
@@ -225,7 +225,7 @@ void GpuPoints::cut(std::span<const CutRequest> points, const CutOptions& option
     }
 }
 
-// Room for a list; the first of what is free that fits it exactly, for lists of all lengths come and go.
+// Takes room for a list: a free place of the same length, or else at the end. Lists of all lengths come and go.
 std::uint32_t GpuPoints::take(std::uint32_t count)
 {
     const std::uint32_t steps = steps_of(count);
@@ -257,7 +257,7 @@ void GpuPoints::keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists)
         list.name = take(list.count);
         const auto own = std::as_bytes(seen.subspan(at, std::size_t{steps_of(list.count)} * k_seen_step));
         const VkDeviceSize offset = VkDeviceSize{list.name} * sizeof(SeenNode);
-        // What follows each other goes at once.
+        // Merge adjacent uploads.
         if (!uploads.empty() && uploads.back().offset + uploads.back().bytes.size() == offset)
             uploads.back().bytes = {uploads.back().bytes.data(), uploads.back().bytes.size() + own.size()};
         else
@@ -267,10 +267,10 @@ void GpuPoints::keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists)
     if (uploads.empty()) return;
     if (VkDeviceSize{end_} * sizeof(SeenNode) > store_.bytes()) {
         vk::Buffer wider;
-        fitting(wider, "seen nodes", std::size_t{end_} * sizeof(SeenNode));
+        fitting(wider, "visible nodes", std::size_t{end_} * sizeof(SeenNode));
         const VkBufferCopy all{0, 0, std::min<VkDeviceSize>(store_.bytes(), VkDeviceSize{before} * sizeof(SeenNode))};
         if (all.size > 0) {
-            commands_.pass("move seen nodes")
+            commands_.pass("move visible nodes")
                 .reads(store_, Use::copy_source)
                 .writes(wider, Use::copy_target)
                 .copy([&](vk::Recorder& r) {
@@ -280,14 +280,14 @@ void GpuPoints::keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists)
         }
         store_ = std::move(wider);
     }
-    commands_.upload("send seen nodes", uploads);
+    commands_.upload("send visible nodes", uploads);
     commands_.submit();
 }
 
 void GpuPoints::dispatch_sum(std::uint32_t points)
 {
     const auto most = static_cast<std::uint32_t>(crossed_.bytes() / sizeof(shared::GpuCrossed));
-    commands_.pass("forget crossed ways").writes(count_, Use::copy_target).copy([&](vk::Recorder& r) {
+    commands_.pass("clear crossed paths").writes(count_, Use::copy_target).copy([&](vk::Recorder& r) {
         r.fill(count_, 0);
     });
     commands_.pass("sums of points")
@@ -335,7 +335,7 @@ void GpuPoints::sum(std::span<const SumRequest> points, PointSums& sums)
         commands_.submit();
         const std::size_t found = all.as<std::uint32_t>()[0];
         if (found * sizeof(shared::GpuCrossed) > crossed_.bytes()) {
-            fitting(crossed_, "crossed ways", found * sizeof(shared::GpuCrossed));   // and once more
+            fitting(crossed_, "crossed paths", found * sizeof(shared::GpuCrossed));   // and try again
             continue;
         }
         std::memcpy(sums.light.data(), lights.mapped(), points.size() * sizeof(PointSums::Light));
@@ -346,7 +346,7 @@ void GpuPoints::sum(std::span<const SumRequest> points, PointSums& sums)
         std::memcpy(sums.crossed.data(), crossed.mapped(), found * sizeof(PointSums::Crossed));
         break;
     }
-    // Which invocation was first is chance.
+    // Sort: the order of the device's invocations is undefined.
     std::sort(sums.crossed.begin(), sums.crossed.end(),
               [](const auto& a, const auto& b) { return std::pair(a.point, a.place) < std::pair(b.point, b.place); });
 }

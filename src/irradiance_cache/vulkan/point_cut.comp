@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// The cut through the emitters' tree for a surface point, by a work group: the twin of cut_tree() in
-// src/irradiance_cache/light_tree/point_kernels.cpp, which says what the formulas mean.
+// The cut through the light tree for a surface point, by a work group. The reference implementation, which explains the
+// formulas, is cut_tree() in src/irradiance_cache/light_tree/point_kernels.cpp.
 //
-// The group walks the tree from a stack it shares, eight quads at a time, a node an invocation. What an invocation adds
-// to a list comes after what those before it add, so lists have one order.
+// The group walks the tree from a shared stack, eight quads at a time, one node per invocation. Invocations append to
+// lists in the order of their lanes, so lists have a fixed order.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "irradiance_cache/vulkan/points_shared.h"
@@ -13,7 +13,7 @@ layout(local_size_x = GNOMON_POINT_LANES) in;
 layout(binding = 0, scalar) readonly buffer Quads { GpuQuad at[]; } quads;
 layout(binding = 1, scalar) readonly buffer Children { uint at[]; } children;   // by node: a quad, or none
 layout(binding = 2, scalar) readonly buffer Roots { uint at[]; } roots;
-layout(binding = 3, scalar) readonly buffer Places { vec4 at[]; } places;   // by node: where visibility is asked
+layout(binding = 3, scalar) readonly buffer Places { vec4 at[]; } places;   // by node: for which visibility is tested
 layout(binding = 4, scalar) readonly buffer Requests { GpuCutRequest at[]; } requests;
 layout(binding = 5, scalar) writeonly buffer Cuts { GpuCut at[]; } cuts;
 layout(binding = 6, scalar) buffer Count { uint nodes; } count_of;   // of all cuts
@@ -21,10 +21,10 @@ layout(binding = 7, scalar) writeonly buffer Nodes { GpuCutNode at[]; } nodes;
 layout(push_constant, scalar) uniform Push { PointCutPush push; };
 
 const uint k_none = 0xffffffffu, k_lanes = GNOMON_POINT_LANES, k_quads = k_lanes / 4;
-// A popped quad pushes four, and a tree has at most eight levels of them: 8 + 8 * 24 at a time. Where there is no room,
-// a node is not refined.
+// A popped quad pushes at most four, and a tree has at most eight levels: 8 + 8 * 24 quads at a time. A node is not
+// refined if there is no room.
 const uint k_stack = 512;
-// As point_kernels.cpp.
+// The same values as in point_kernels.cpp.
 const float k_per_pi = 0.318309886183791, k_tiny = 1e-30, k_least_reach = 1e-6, k_second_order = 0.5, k_mixed = 0.1;
 const float k_horizon = 0.1, k_likely = 0.05, k_most_lack = 1.25;
 
@@ -48,7 +48,7 @@ struct Node {
     bool there;
 };
 
-// The mean of what is above zero, of values that lie evenly within `reach` of their mean.
+// The mean of max(x, 0) for x uniform within `reach` of its mean.
 float rectified(float mean, float reach)
 {
     reach = max(reach, k_least_reach);
@@ -63,14 +63,14 @@ Node evaluate(uint id)
     const vec3 n = vec3(quads.at[q].nx[k], quads.at[q].ny[k], quads.at[q].nz[k]);
     const float square = dot(to, to), inverse = 1 / sqrt(max(square, k_tiny));
     const float area = quads.at[q].area[k] * k_per_pi, flux = quads.at[q].flux[k];
-    const float receiver = dot(to, normal) * inverse, emitter = -dot(to, n) * inverse;
+    const float receiver = dot(to, normal) * inverse, source = -dot(to, n) * inverse;
     const float disk = k_per_pi / (square + area + k_tiny) * flux;
     Node node;
     node.width = quads.at[q].radius[k] * inverse;
     node.spread = max(1 - dot(n, n), 0);
     const float reach = sqrt(node.spread);
-    const float r = max(receiver, 0), e = rectified(emitter, reach);
-    node.most = min(r + node.width, 1) * clamp(emitter + node.width + reach, 0, 1) * disk;
+    const float r = max(receiver, 0), e = rectified(source, reach);
+    node.most = min(r + node.width, 1) * clamp(source + node.width + reach, 0, 1) * disk;
     const float solid = area / max(square, k_tiny), near = min(solid, k_second_order), beyond = solid - near;
     const float change = near * (receiver * (1 - 3 * e * e) - dot(n, normal) * e);
     const float cosine = change > 0 ? max(receiver + change, 0) : r * r / max(r - change, k_tiny);
@@ -79,7 +79,7 @@ Node evaluate(uint id)
     return node;
 }
 
-// Which invocations say yes, a bit each; to all of them.
+// A bit for each invocation for which `yes` is true.
 uint vote(bool yes)
 {
     barrier();
@@ -111,7 +111,7 @@ void begin_walk()
     if (lane == 0) top = next_root = 0;
 }
 
-// Takes the next quads off the stack; false if there are none.
+// Pops the next quads off the stack; false if there are none.
 bool next_group()
 {
     barrier();
@@ -143,8 +143,8 @@ bool matters(Node node, float wrong)
     return node.most * (width > push.nearest ? 1 : width) > wrong;
 }
 
-// All light, visibility apart, from a cut in which no node may be wrong by more than `wrong`; 0: from the tops of the
-// trees, and then more than nothing where anything might arrive.
+// Estimates the light of all nodes, visibility ignored, from a cut whose nodes have error bounds of at most `wrong`.
+// With 0, the cut is the roots, and the estimate is above 0 wherever any light might arrive.
 float estimate(float wrong)
 {
     float total = 0, most = 0;
@@ -166,7 +166,7 @@ float estimate(float wrong)
             }
         }
         refine_into(refines, below);
-        // The light of what was kept is that of its parts.
+        // The light of a kept node is that of its children.
         const uint votes = vote(keeps), count = bitCount(votes);
         if (keeps) kept[before(votes)] = below;
         barrier();
@@ -180,12 +180,12 @@ void main()
 {
     const uint point = gl_WorkGroupID.x;
     origin = requests.at[point].origin, normal = requests.at[point].normal;
-    // Estimate all light by coarse cuts, each of which says what matters to the next.
+    // Estimate the light of all nodes by coarse cuts, each of which gives the error threshold of the next.
     float total = estimate(0);
     if (total > 0) total = estimate(0.3 * total);
     if (total > 0) total = estimate(requests.at[point].estimate * total);
 
-    // Refine.
+    // Refine each node whose error bound exceeds the threshold [Walter et al. 2005, Section 4].
     const float wrong = requests.at[point].error * total, negligible = push.negligible * total;
     uint cut_length = 0;
     float arrives = 0;   // of this invocation
@@ -204,7 +204,7 @@ void main()
                 refines = !leaf && matters(node, wrong) && has_room();
                 waits = !leaf && !refines;
                 light = node.light, flux = quads.at[id >> 2].flux[id & 3];
-                // One place must be able to speak for the whole node.
+                // One place must represent the whole node.
                 const vec3 to = places.at[id].xyz - origin;
                 mixed = node.spread > k_mixed || dot(to, normal) < k_horizon * length(to);
             }
@@ -220,7 +220,7 @@ void main()
         }
         cut_length += bitCount(votes);
 
-        // Nodes have the light of their parts, or are asked part by part.
+        // Keep the others with the light of their children, or their children one by one.
         votes = vote(waits);
         const uint count = bitCount(votes);
         if (waits) {
@@ -262,11 +262,11 @@ void main()
             cut_length += bitCount(keeping);
         }
     }
-    // Coarse nodes are too dark, since the kernel is convex: share out what they lack.
+    // Coarse nodes are too dark because the kernel is convex. Scale all weights to make up for it.
     arrives = sum_of_all(arrives);
     const float factor = arrives > 0 ? clamp(total / arrives, 1, k_most_lack) : 1;
     const uint kept_count = min(cut_length, GNOMON_CUT_ROOM);
-    // Cuts lie one after another, as they are ready.
+    // Append the cut to those of other groups.
     if (lane == 0) {
         first = atomicAdd(count_of.nodes, kept_count);
         cuts.at[point] = GpuCut(first, cut_length);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Puts the flux of nodes where it changed.
+// Stores the flux of changed nodes.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "irradiance_cache/vulkan/points_shared.h"

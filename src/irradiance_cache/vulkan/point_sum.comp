@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Present light of the nodes that a surface point sees, by a work group; nodes whose way passes something that moves
-// are listed instead. The twin of sum_seen() and find_changed() in src/irradiance_cache/light_tree/point_kernels.cpp.
+// Sums the present light of a point's visible nodes, by a work group. Nodes whose path crosses the bounds of a dynamic
+// object are listed instead. The reference implementation is sum_seen() and find_changed() in
+// src/irradiance_cache/light_tree/point_kernels.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "irradiance_cache/vulkan/points_shared.h"
@@ -61,7 +62,7 @@ void main()
     sums[lane] = light;
     barrier();
     if (lane >= 3) return;
-    vec3 sum = vec3(0);   // of one colour, in one order
+    vec3 sum = vec3(0);   // of one colour, in a fixed order
     for (uint i = 0; i < GNOMON_POINT_LANES; ++i) sum += lane == 0 ? sums[i].r : lane == 1 ? sums[i].g : sums[i].b;
     if (lane == 0) lights.at[point].r = sum;
     if (lane == 1) lights.at[point].g = sum;

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_IRRADIANCE_CACHE_POINTS_SHARED_H
 #define GNOMON_IRRADIANCE_CACHE_POINTS_SHARED_H
-// The emitters' tree and surface points as shaders see them. Layout: scalar.
+// The light tree and cache points as shaders see them. Layout: scalar.
 
 #include "vk/shared_types.h"
 
 GNOMON_SHARED_BEGIN(irradiance_cache)
 
-// Invocations that work on one point together: those of eight quads.
+// Invocations per point: one for each node of eight quads.
 #define GNOMON_POINT_LANES 32
-// Nodes of a cut that there is room for; longer ones are the processor's.
+// Room for the nodes of a cut; longer cuts are made by the CPU.
 #define GNOMON_CUT_ROOM 1024
-// As point_kernels.h.
+// The packing of visible nodes, as in point_kernels.h.
 #define GNOMON_WEIGHT_BITS 14
 #define GNOMON_WEIGHT_SHIFT 16
 #define GNOMON_WEIGHT_BIAS (63u << 23)
 
-/// As EmitterQuad.
+/// Same layout as VirtualLightQuad.
 struct GpuQuad {
     float x[4], y[4], z[4];
     float radius[4];
@@ -25,7 +25,7 @@ struct GpuQuad {
     float flux[4];
 };
 
-/// As CutRequest.
+/// Same layout as CutRequest.
 struct GpuCutRequest {
     vec3 origin;
     float error;
@@ -33,7 +33,7 @@ struct GpuCutRequest {
     float estimate;
 };
 
-/// Of one point: where its cut begins, and its length, perhaps more than there is room for.
+/// Where the cut of a point begins, and its length, which may exceed the room for it.
 struct GpuCut {
     uint first, count;
 };
@@ -42,7 +42,7 @@ struct GpuCutNode {
     float weight;
 };
 
-/// As MovingSpheres::Node.
+/// A MovingSpheres::Node.
 struct GpuMovingSphere {
     vec3 centre;
     float radius;
@@ -54,12 +54,12 @@ struct GpuSumRequest {
     uint first, count;   // in the store
 };
 
-/// By colour.
+/// Summed light by colour.
 struct GpuPointLight {
     vec3 r, g, b;
 };
 
-/// As PointSums::Crossed.
+/// Same layout as PointSums::Crossed.
 struct GpuCrossed {
     uint point, place, seen;
 };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Small triangles that share one remembered point: leaves, rounded edges, balls.
+// Clusters of small triangles that share one cache point: leaves, rounded edges, balls.
 //
-// A mesh's triangles are sorted into cubes of its own space and by the axis they face most; the largest of each set
-// stands for all. That depends on the mesh and the size of the cubes (a power of two), never on what was seen. Cost:
-// O(triangles) for each mesh and size, when first asked.
+// The triangles of a mesh are sorted into cubes in its own space, by centre and by the axis that they face most. The
+// largest triangle of each cluster represents it. Clusters depend on the mesh and on the cubes' size, a power of two.
+// Cost: O(triangles) for each mesh and size, at the first use.
 
 #include <cstdint>
 #include <map>
@@ -19,7 +19,7 @@ namespace gnomon::irradiance_cache {
 class TriangleClusters {
  public:
     /// @param level  cubes are 2^level units of the mesh's space wide
-    /// @return by triangle: the one that stands for it. Thread-safe; valid as long as this object.
+    /// @return  by triangle: the one that represents it. Thread-safe; valid as long as this object.
     const std::vector<std::uint32_t>& representatives(scene::MeshId id, const scene::Mesh& mesh, int level);
     std::size_t bytes() const;
 

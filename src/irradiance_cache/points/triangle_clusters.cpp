@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "irradiance_cache/light_tree/triangle_clusters.h"
+#include "irradiance_cache/points/triangle_clusters.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@ namespace gnomon::irradiance_cache {
 namespace {
 
 struct Cube {
-    std::array<std::int64_t, 4> at;   // place, and axis that it faces
+    std::array<std::int64_t, 4> at;   // coordinates, and the axis that triangles face
     bool operator==(const Cube&) const = default;
 };
 struct CubeHash {
@@ -52,7 +52,7 @@ const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshI
                     ? static_cast<std::int64_t>(std::floor(std::clamp(centre[axis], -1e15, 1e15)))
                     : 0;
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        // The two sides of a thin thing are not one.
+        // Keep the two sides of a thin object apart.
         cube[t].at[3] = 2 * axis + (cross[axis] < 0 ? 1 : 0);
         const float area = glm::dot(cross, cross);
         const auto [at, fresh] = largest.try_emplace(cube[t], Largest{t, area});

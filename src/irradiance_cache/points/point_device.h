@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Who cuts the emitters' tree for surface points and sums what they see, if not the processor's threads: a device
-// (vulkan/gpu_points.h). Visibility, too, if it can.
+// A device that cuts the light tree for surface points and sums the light of the nodes that they see
+// (vulkan/gpu_points.h). It may trace visibility rays, too.
 //
-// Many points at a time: VisibleLight collects all that an image needs before it asks. What a point sees is kept on
-// the engine's side. Its arithmetic is that of point_kernels.h up to rounding, and repeatable.
+// It works on many points at a time (device_evaluator.h) and keeps the visible nodes of each. Its arithmetic equals
+// that of point_kernels.h up to rounding, and is repeatable.
 
 #include <span>
 #include <vector>
@@ -14,7 +14,7 @@
 
 namespace gnomon::irradiance_cache {
 
-/// A point that wants its cut: cut_tree()'s arguments.
+/// The arguments of cut_tree() for a point.
 struct CutRequest {
     glm::vec3 origin{0};
     float error = 0;
@@ -22,26 +22,26 @@ struct CutRequest {
     float estimate = 0;
 };
 
-/// Cuts of some points: of point p, nodes first[p] ... first[p + 1] - 1, and what a unit of flux of each brings.
+/// Cuts of some points. Point p has the nodes first[p] ... first[p + 1] - 1, each with what a unit of its flux brings.
 struct PointCuts {
     std::vector<std::uint32_t> first;
     std::vector<NodeId> node;
     std::vector<float> weight;
 };
 
-/// Seen nodes that an engine keeps.
+/// A list of visible nodes that a device keeps.
 struct KeptNodes {
     std::uint32_t name = 0, count = 0;
 };
 
-/// A point that wants the present light of its seen nodes.
+/// A point whose present light is to be summed.
 struct SumRequest {
     glm::vec3 origin{0};
     KeptNodes seen;
 };
 
-/// Present flux times weight times direction over seen nodes, by point and colour; but for nodes whose way to the point
-/// passes something that moves: those are listed, if they have any flux.
+/// Present flux times weight times direction, summed over visible nodes, by point and colour. Nodes whose path to the
+/// point crosses the bounds of a dynamic object are not summed but listed, if they have any flux.
 struct PointSums {
     struct Light {
         glm::vec3 of[3];   // by colour
@@ -55,30 +55,29 @@ struct PointSums {
     std::vector<Crossed> crossed;   // by point and place, rising
 };
 
-class PointEngine {
+class PointDevice {
  public:
-    virtual ~PointEngine() = default;
+    virtual ~PointDevice() = default;
 
-    /// After the tree followed the frame. What is kept stays; it is the caller's to forget it where nodes were made
-    /// anew.
-    virtual void begin_frame(const EmitterTree& tree, const MovingSpheres& dynamic_objects) = 0;
+    /// After the tree followed the frame. Kept lists stay; the caller forgets those of nodes that were made again.
+    virtual void begin_frame(const LightTree& tree, const MovingSpheres& dynamic_bounds) = 0;
 
-    /// As cut_tree().
+    /// Like cut_tree().
     virtual void cut(std::span<const CutRequest> points, const CutOptions& options, PointCuts& cuts) = 0;
 
     /// Keeps lists that lie one after another, each padded with 0 to k_seen_step.
-    /// @param lists  in: their lengths without what pads them; out: their names
+    /// @param lists  in: their lengths without padding; out: their names
     virtual void keep(std::span<const SeenNode> seen, std::span<KeptNodes> lists) = 0;
     virtual void forget(const KeptNodes& list) = 0;
 
     virtual void sum(std::span<const SumRequest> points, PointSums& sums) = 0;
 
-    /// It answers rays, too.
+    /// Whether it traces rays, too.
     virtual bool traces() const { return false; }
-    /// As RayScene::occluded(), for all of a queue. Only if it traces.
+    /// Like RayScene::occluded(), for all rays of a queue; for one thread at a time. Only if it traces.
     virtual void occluded(const ray::RayQueue& rays, std::uint8_t* occluded, ray::Against against);
 
-    /// Of its own memory, seen nodes apart.
+    /// Bytes of its memory, kept lists aside.
     virtual std::size_t bytes() const = 0;
 };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // This file is compiled once for each instruction set: Highway includes it again and again.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "irradiance_cache/light_tree/lattice_kernels.cpp"
+#define HWY_TARGET_INCLUDE "irradiance_cache/points/lattice_kernels.cpp"
 #include <hwy/foreach_target.h>   // first of all
 
 #include <hwy/highway.h>
 
-#include "irradiance_cache/light_tree/lattice_kernels.h"
+#include "irradiance_cache/points/lattice_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::irradiance_cache::HWY_NAMESPACE {
@@ -42,7 +42,7 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
                                                      hn::Mul(hn::Sub(hn::Set(d, cell.y[i]), y), gy)),
                                              hn::Mul(hn::Sub(hn::Set(d, cell.z[i]), z), gz)),
                                      per_plane);
-            const auto near = hn::Sub(one, hn::Abs(off));   // NaN where there is no anchor
+            const auto near = hn::Sub(one, hn::Abs(off));   // NaN if there is no cache point
             const auto agree =
                 hn::Add(hn::Add(hn::Mul(hn::Set(d, cell.nx[i]), nx), hn::Mul(hn::Set(d, cell.ny[i]), ny)),
                         hn::Mul(hn::Set(d, cell.nz[i]), nz));
@@ -51,7 +51,7 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
             auto weight = hn::Mul(between[i], along);
             if (reach.open_only) {
                 const auto db = hn::Sub(hn::Set(d, anchor_b[i]), b), dc = hn::Sub(hn::Set(d, anchor_c[i]), c);
-                // Where the wall comes nearer; behind one that recedes there may be anything.
+                // Apply the slope only where the wall comes nearer; behind a wall that recedes there may be others.
                 const auto nearer = [&](int way, V along_other)
                                         HWY_ATTR { return hn::Mul(hn::Set(d, cell.slope[way][i]), along_other); };
                 const auto low = [&](V at, float from, int way, V along_other) HWY_ATTR {

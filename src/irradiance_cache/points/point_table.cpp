@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "irradiance_cache/points/surface_points.h"
+#include "irradiance_cache/points/point_table.h"
 
 #include <algorithm>
 
@@ -9,19 +9,19 @@ namespace {
 
 constexpr std::size_t k_least_slots = 256;
 
-std::size_t bytes_of(const RememberedPoint& p)
+std::size_t bytes_of(const CachePoint& p)
 {
-    return sizeof(RememberedPoint) + p.count * sizeof(SeenNode);
+    return sizeof(CachePoint) + p.count * sizeof(SeenNode);
 }
 
 }   // namespace
 
-SurfacePoints::SurfacePoints()
+PointTable::PointTable()
 {
     for (Shard& shard : shards_) shard.slots.assign(k_least_slots, nullptr);
 }
 
-void SurfacePoints::insert(Shard& shard, RememberedPoint* point)
+void PointTable::insert(Shard& shard, CachePoint* point)
 {
     const std::size_t mask = shard.slots.size() - 1;
     std::size_t slot = (mixed(point->key) >> 6) & mask;
@@ -29,7 +29,7 @@ void SurfacePoints::insert(Shard& shard, RememberedPoint* point)
     shard.slots[slot] = point;
 }
 
-RememberedPoint& SurfacePoints::at(AnchorKey key)
+CachePoint& PointTable::find_or_create(AnchorKey key)
 {
     const std::uint64_t hash = mixed(key);
     Shard& shard = shards_[hash % k_shards];
@@ -38,8 +38,8 @@ RememberedPoint& SurfacePoints::at(AnchorKey key)
     for (std::size_t slot = (hash >> 6) & mask; shard.slots[slot]; slot = (slot + 1) & mask)
         if (shard.slots[slot]->key == key) return *shard.slots[slot];
 
-    shard.points.push_back(std::make_unique<RememberedPoint>());
-    RememberedPoint* const point = shard.points.back().get();
+    shard.points.push_back(std::make_unique<CachePoint>());
+    CachePoint* const point = shard.points.back().get();
     point->key = key;
     if (2 * shard.points.size() > shard.slots.size()) {
         shard.slots.assign(2 * shard.slots.size(), nullptr);
@@ -50,26 +50,27 @@ RememberedPoint& SurfacePoints::at(AnchorKey key)
     return *point;
 }
 
-void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget,
-                                const std::function<void(const RememberedPoint&)>& dropped)
+void PointTable::drop_unseen(std::uint32_t frame, std::size_t budget,
+                             const std::function<void(const CachePoint&)>& dropped)
 {
     const std::size_t all = bytes();
     if (all <= budget) return;
-    // By age: which frames must go so that a quarter of the budget is free again.
+    // Sum the points' bytes by age.
     constexpr std::uint32_t k_ages = 256;
     std::array<std::size_t, k_ages> size{};
-    const auto age_of = [&](const RememberedPoint& p) { return std::min(frame - p.ready.load(), k_ages - 1); };
+    const auto age_of = [&](const CachePoint& p) { return std::min(frame - p.ready.load(), k_ages - 1); };
     for (const Shard& shard : shards_)
         for (const auto& p : shard.points) size[age_of(*p)] += bytes_of(*p);
-    // Large images need room for more than their own points, too.
+    // Raise the budget for large images.
     budget = std::max(budget, 2 * size[0]);
     if (all <= budget) return;
+    // Find the age from which points are dropped, so that a quarter of the budget is free again.
     std::uint32_t oldest = k_ages - 1;
     for (std::size_t left = all; oldest > 0; --oldest) {
         left -= size[oldest];
         if (left <= budget / 4 * 3) break;
     }
-    oldest = std::max(oldest, 1u);   // what the last frame shows stays
+    oldest = std::max(oldest, 1u);   // points of the last frame stay
     for (Shard& shard : shards_) {
         std::erase_if(shard.points, [&](const auto& p) {
             if (age_of(*p) < oldest) return false;
@@ -82,7 +83,7 @@ void SurfacePoints::drop_unseen(std::uint32_t frame, std::size_t budget,
     }
 }
 
-void SurfacePoints::clear(const std::function<void(const RememberedPoint&)>& dropped)
+void PointTable::clear(const std::function<void(const CachePoint&)>& dropped)
 {
     for (Shard& shard : shards_) {
         for (const auto& p : shard.points) dropped(*p);
@@ -92,19 +93,19 @@ void SurfacePoints::clear(const std::function<void(const RememberedPoint&)>& dro
     seen_bytes_ = 0;
 }
 
-std::size_t SurfacePoints::size() const
+std::size_t PointTable::size() const
 {
     std::size_t sum = 0;
     for (const Shard& shard : shards_) sum += shard.points.size();
     return sum;
 }
 
-std::size_t SurfacePoints::bytes() const
+std::size_t PointTable::bytes() const
 {
     std::size_t sum = 0;
     for (const Shard& shard : shards_) {
         sum += (shard.slots.size() + shard.points.size()) * sizeof(void*);
-        sum += shard.points.size() * sizeof(RememberedPoint);
+        sum += shard.points.size() * sizeof(CachePoint);
     }
     return sum + seen_bytes_.load();
 }

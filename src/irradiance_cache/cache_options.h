@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Options and counters of the irradiance cache (irradiance_cache.h).
+
+#include <cstddef>
+#include <cstdint>
+
+#include "irradiance_cache/light_tree/point_kernels.h"
+
+namespace gnomon::irradiance_cache {
+
+struct CacheOptions {
+    LightTreeOptions light_tree;
+    // Spacing of cache points on the screen, in pixels: the first where neighbours can be interpolated, down to the
+    // second where they are separated by corners.
+    float widest = 24, narrowest = 12;
+    float level_blend = 0.3f;     // fraction of a level of detail over which it fades into the next
+    float pixels_per_part = 6;    // spacing of parts of dynamic objects
+    float pixels_per_leaf = 16;   // spacing of points on small triangles that no lattice fits: foliage, rods
+    float pixels_per_own = 2;     // size of the part around the pixel itself, used where all other points are dark
+    CutOptions cut;
+    // Replace cut.error and cut.estimate for points on dynamic objects, because their cut is made again in every frame.
+    float moving_error = 0.2f, moving_estimate = 0.05f;
+    // Near field (near_field/near_light.h): its radius in sizes of a light-tree leaf, and the spacing of far points, in
+    // radii, above which it is left out.
+    float near_radius = 1, near_spacing = 4;
+    float pixels_per_near = 2;           // spacing of near-field points,
+    float pixels_per_near_cluster = 4;   // and of those that represent smaller triangles
+    int near_rays = 64;
+    float untested = 0.02f;   // light of dynamic objects below this fraction of a point's light is added without a ray
+    // Bytes for cache points, or twice those of the last frame's points if that is more. The points that were unused
+    // for longest are dropped first.
+    std::size_t memory = 16u << 20;
+};
+
+struct CacheCounters {
+    std::uint64_t rays = 0;           // all visibility rays
+    std::uint64_t rays_dynamic = 0;   // those cast for dynamic objects
+    std::uint64_t new_points = 0, summed_points = 0;
+    std::uint64_t near_points = 0;   // new near-field points; not counted in new_points
+    std::uint64_t nodes = 0;         // visible nodes of new points
+    void add(const CacheCounters& other)
+    {
+        rays += other.rays, rays_dynamic += other.rays_dynamic;
+        new_points += other.new_points, summed_points += other.summed_points;
+        near_points += other.near_points;
+        nodes += other.nodes;
+    }
+};
+
+}   // namespace gnomon::irradiance_cache

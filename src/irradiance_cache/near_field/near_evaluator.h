@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Evaluates near-field points: the near field of static geometry once, and again with dynamic objects in those frames
+// in which one may occlude it.
+
+#include <span>
+#include <vector>
+
+#include "irradiance_cache/cache_frame.h"
+#include "irradiance_cache/points/cache_point.h"
+
+namespace gnomon::irradiance_cache {
+
+/// Holds a thread's scratch memory.
+class NearEvaluator {
+ public:
+    /// Brings the near-field points among the claimed ones up to this frame.
+    void evaluate(const CacheFrame& frame, std::span<CachePoint* const> claimed, CacheCounters& counters);
+
+ private:
+    template <class Wanted, class Store>
+    void gather(const CacheFrame& frame, std::span<CachePoint* const> claimed, ray::Against against,
+                const Wanted& wanted, const Store& store, CacheCounters& counters);
+
+    std::vector<CachePoint*> points_;
+    std::vector<NearReceiver> receivers_;
+    std::vector<NearAnswer> answers_;
+    NearLight::Scratch scratch_;
+};
+
+}   // namespace gnomon::irradiance_cache

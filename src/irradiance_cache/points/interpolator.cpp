@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/points/interpolator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "irradiance_cache/points/parts.h"
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+// A cache point contributes to surfaces with normals above this cosine, within k_plane_distance.
+constexpr float k_facing = 0.7f;
+// Where no other point is left, it contributes within this many spacings.
+constexpr float k_plane_around = 2.0f;
+// A free distance may end this fraction of the spacing short of a surface point. That is less than a pixel. Without it,
+// the foot of a wall would take its light from the dark points inside the wall, and would be a dark line.
+constexpr float k_room = 0.005f;
+// A level contributes nothing below the first bilinear weight, and fully from the second on.
+constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
+// Fraction of a point's irradiance that may come from a level that is slightly too coarse.
+constexpr float k_least_rest = 0.02f;
+
+}   // namespace
+
+void Interpolator::blend_level(const CacheFrame& frame, std::span<const IndirectPoint> points, BatchWork& work,
+                               glm::vec3* irradiance)
+{
+    // Interpolate the four points of each cell.
+    gather_anchors(work);
+    light_.resize(work.lattice.size());
+    around_.resize(work.lattice.size());
+    for (const CollectedCell& cell : work.cells)
+        interpolate_cell(cell.anchors, {k_plane_distance * spacing_of(cell.level), k_facing, true}, work.lattice_points,
+                         cell.first, cell.end - cell.first, light_);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < work.lattice.size(); ++k) {
+        LatticeRequest request = work.lattice[k];
+        const IndirectPoint& point = points[request.point];
+        const glm::vec3 between(light_.r[k], light_.g[k], light_.b[k]);
+        const float spacing = spacing_of(request.level);
+        // Fade the widest level in and the finest one out.
+        const float narrowest = frame.options.narrowest * point.width;
+        const float finest = frame.fade_in(2 * spacing / narrowest - 1);
+        float weight = frame.fade_in(frame.options.widest * point.width / spacing - 1) * finest;
+        weight *= std::clamp((light_.weight[k] - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
+        weight = request.weight * weight;
+        // Let this level provide an invisible rest, too; all weights still sum to 1.
+        if (const float rest = request.weight - weight; rest < 2 * k_least_rest)
+            weight = std::min(request.weight, request.weight - 2 * std::max(rest - k_least_rest, 0.0f));
+        irradiance[request.point] += weight * between;
+        if (!frame.near_field.applies_at(spacing)) work.near_weight[request.point] -= weight;
+        request.weight -= weight;
+        if (!(request.weight > 0)) continue;
+        // Request the next level, or parts after the finest.
+        if (spacing > narrowest) {
+            if (frame.fade_in(spacing / narrowest - 1) < 1) request.fallback = fallback(work, k);
+            --request.level;
+            work.lattice[kept++] = request;
+            continue;
+        }
+        work.parts.push_back({request.point, finest * request.weight, 0, nullptr, fallback(work, k)});
+        if (finest < 1)
+            work.parts.push_back({request.point, (1 - finest) * request.weight, 0, nullptr, request.fallback});
+    }
+    work.lattice.resize(kept);
+}
+
+// Copies the values of each cell's cache points into the layout of interpolate_cell().
+void Interpolator::gather_anchors(BatchWork& work)
+{
+    for (CollectedCell& collected : work.cells) {
+        CellAnchors& cell = collected.anchors;
+        const int b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
+        for (int i = 0; i < 4; ++i) {
+            const CachePoint& from = *collected.point[i];
+            work.queued = work.queued || from.queued;
+            const glm::vec3 p = from.position, n = from.normal;
+            // A point that does not exist is infinitely far away, and separated from everything.
+            cell.x[i] = from.exists ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
+            cell.nx[i] = n.x, cell.ny[i] = n.y, cell.nz[i] = n.z;
+            const float room = k_room * lattice_spacing(from.key);
+            const auto free = [&](int way) {   // across the surface that ends it
+                return from.free[way] + room * std::sqrt(1 + from.slope(way) * from.slope(way));
+            };
+            cell.low_b[i] = from.exists ? p[b] - free(0) : k_infinity;
+            cell.high_b[i] = p[b] + free(1);
+            cell.low_c[i] = p[c] - free(2);
+            cell.high_c[i] = p[c] + free(3);
+            for (int way = 0; way < 4; ++way) cell.slope[way][i] = from.slope(way);
+            for (int colour = 0; colour < 3; ++colour)
+                for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
+        }
+    }
+}
+
+// The irradiance of a level where its weight is small. At the foot of a wall few cache points contribute, and the
+// others lie inside the wall.
+glm::vec3 Interpolator::fallback(const BatchWork& work, std::size_t k)
+{
+    const glm::vec3 between(light_.r[k], light_.g[k], light_.b[k]);
+    if (between != glm::vec3(0)) return between;
+    const LatticeRequest& request = work.lattice[k];
+    interpolate_cell(work.cells[request.cell].anchors, {k_plane_around * spacing_of(request.level), k_facing, false},
+                     work.lattice_points, k, 1, around_);
+    return {around_.r[k], around_.g[k], around_.b[k]};
+}
+
+void Interpolator::blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, bool last,
+                               BatchWork& work, glm::vec3* irradiance)
+{
+    dark_.clear();
+    for (const PartRequest& request : work.parts) {
+        const IndirectPoint& point = points[request.point];
+        if (request.part->queued) {
+            work.queued = true;
+            continue;
+        }
+        glm::vec3 light = request.part->irradiance(point.normal);
+        // Other geometry may cover the centre of a part. Then use the lattice around, and if that is dark, too, a part
+        // around the pixel, so that no black dot appears.
+        if (light == glm::vec3(0)) light = request.fallback;
+        if (light == glm::vec3(0) && request.part->version == 0) light = frame.average;   // deferred
+        if (light != glm::vec3(0) || last) {
+            irradiance[request.point] += request.weight * light;
+            continue;
+        }
+        const PartWeights parts = select_pixel_parts(frame, point);
+        for (int i = 0; i < parts.count; ++i)
+            dark_.push_back({request.point, request.weight * parts.weight[i], parts.key[i], nullptr, glm::vec3(0)});
+    }
+    work.parts.swap(dark_);
+}
+
+}   // namespace gnomon::irradiance_cache

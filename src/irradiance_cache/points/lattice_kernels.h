@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Interpolates the four cache points of a lattice cell at many surface points of the cell, in the widest instruction
+// set of the CPU (Highway). Each point is computed by itself in a fixed order of operations, so its bits do not depend
+// on how many are computed together.
+
+#include <cstddef>
+#include <vector>
+
+namespace gnomon::irradiance_cache {
+
+/// The four cache points of a cell, as a structure of arrays.
+struct CellAnchors {
+    float x[4], y[4], z[4], nx[4], ny[4], nz[4];   // x is infinite if a point does not exist
+    // Free ranges around the point along the lattice's other two axes, and how much shorter they get per unit along the
+    // other axis if the wall that ends them stands at an angle: low b, high b, low c, high c.
+    float low_b[4], high_b[4], low_c[4], high_c[4];
+    float slope[4][4];   // by range and point
+    float light[9][4];   // by colour and axis
+    int axis;
+};
+
+/// Surface points in a structure of arrays, padded so that the last vector may be read completely.
+struct LatticePoints {
+    std::vector<float> x, y, z;      // positions
+    std::vector<float> gx, gy, gz;   // geometric normals, unit
+    std::vector<float> nx, ny, nz;   // shading normals, unit
+    std::vector<float> fx, fy;       // place in the cell, 0 to 1
+    void resize(std::size_t count);
+    static constexpr std::size_t k_pad = 16;
+};
+
+/// Interpolated irradiance by colour, and the part of the bilinear weight (1 in total) of the cache points that
+/// contribute. The irradiance is 0 where the weight is 0.
+struct LatticeLight {
+    std::vector<float> r, g, b, weight;
+    void resize(std::size_t count);
+};
+
+/// The surface points to which a cache point contributes.
+struct LatticeReach {
+    float plane;      // distance from their plane, scene units: no weight from there on
+    float facing;     // cosine between the normals: no weight below
+    bool open_only;   // only within the free ranges
+};
+
+/// Fills light[first ... first + count) for the points there, all of one cell. May write up to k_pad - 1 beyond.
+void interpolate_cell(const CellAnchors& cell, const LatticeReach& reach, const LatticePoints& points,
+                      std::size_t first, std::size_t count, LatticeLight& light);
+
+}   // namespace gnomon::irradiance_cache

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/points/parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+// The cross product of a triangle's sides.
+glm::vec3 cross_of(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
+{
+    glm::vec3 corner[3];
+    geometry.corners(triangle, corner);
+    return glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
+// Adds parts of a point's own triangle of about `spacing`.
+// @param cross  cross_of() the triangle
+void add_own_parts(const CacheFrame& frame, PartWeights& parts, const IndirectPoint& point, const glm::vec3& cross,
+                   float spacing)
+{
+    const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
+    const bool front = glm::dot(cross, point.geometric_normal) > 0;
+    const PartDetail detail = part_detail(0.5f * glm::length(cross), spacing);
+    const float finer = frame.rays->moves(point.object) ? 1.0f : frame.fade_in(detail.fraction);
+    parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
+    if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
+}
+
+}   // namespace
+
+void PartWeights::add(AnchorKey k, float w)
+{
+    if (!(w > 0)) return;
+    const auto* const at = std::find(key, key + count, k);
+    if (at != key + count) {
+        weight[at - key] += w;
+        return;
+    }
+    key[count] = k, weight[count] = w;
+    ++count;
+}
+
+PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, float spacing, float cluster_spacing)
+{
+    const ray::ObjectGeometry& geometry = frame.rays->geometry(point.object);
+    const scene::Object& object = frame.state->scene().objects[point.object];
+    const bool moves = frame.rays->moves(point.object);
+    const std::uint32_t first = frame.triangles.first(point.object);
+    const glm::vec3 own = cross_of(geometry, point.triangle);
+    const float twice_area = glm::length(own);
+    PartWeights parts;
+    if (!(twice_area < spacing * spacing)) {
+        add_own_parts(frame, parts, point, own, spacing);
+        return parts;
+    }
+    // Fade from the small triangle itself to its clusters.
+    const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(frame.state->object_matrix(point.object)))));
+    const float in_mesh = scale > 0 ? cluster_spacing / scale : cluster_spacing;
+    const bool clusters = in_mesh > 0 && std::isfinite(in_mesh);
+    const float together = !clusters                  ? 0.0f
+                           : moves || twice_area == 0 ? 1.0f
+                                                      : frame.fade_in(spacing / std::sqrt(twice_area) - 1);
+    parts.add(part_key(first + point.triangle, glm::dot(own, point.geometric_normal) > 0, 0, point.u, point.v),
+              1 - together);
+    if (!(together > 0)) return parts;
+    // Fade from one size of clusters to the next.
+    const auto add_cluster = [&](int level, float weight) {
+        if (!(weight > 0)) return;
+        const std::uint32_t triangle =
+            frame.clusters.representatives(object.mesh, *geometry.mesh, level)[point.triangle];
+        const glm::vec3 cross = cross_of(geometry, triangle);
+        parts.add(part_key(first + triangle, glm::dot(cross, point.geometric_normal) > 0,
+                           part_detail(0.5f * glm::length(cross), cluster_spacing).level, 1 / 3.0f, 1 / 3.0f),
+                  weight);
+    };
+    const Detail detail = detail_of(in_mesh);
+    const float wider = moves ? 1.0f : frame.fade_in(detail.fraction);
+    add_cluster(detail.level, together * wider);
+    add_cluster(detail.level - 1, together * (1 - wider));
+    return parts;
+}
+
+PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point)
+{
+    const CacheOptions& options = frame.options;
+    if (frame.rays->moves(point.object))
+        return select_parts(frame, point, options.pixels_per_part * point.width, options.pixels_per_part * point.width);
+    return select_parts(frame, point, options.narrowest * point.width, options.pixels_per_leaf * point.width);
+}
+
+PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point)
+{
+    PartWeights parts;
+    add_own_parts(frame, parts, point, cross_of(frame.rays->geometry(point.object), point.triangle),
+                  frame.options.pixels_per_own * point.width);
+    return parts;
+}
+
+}   // namespace gnomon::irradiance_cache

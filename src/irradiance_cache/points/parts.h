@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Selects the parts of triangles from which a surface point is interpolated where no lattice point reaches it.
+//
+// A triangle wider than the spacing is divided into parts (micro-triangles) of about that size. Smaller triangles share
+// the points of the largest triangle of their cluster (triangle_clusters.h). One level of detail fades into the next,
+// except on dynamic objects, whose points live for one frame.
+
+#include "irradiance_cache/cache_frame.h"
+
+namespace gnomon::irradiance_cache {
+
+/// Up to four parts with their weights.
+struct PartWeights {
+    AnchorKey key[4];
+    float weight[4];
+    int count = 0;
+    void add(AnchorKey k, float w);
+};
+
+/// Parts of the point's triangle of about `spacing`, or those that represent the small triangles around it.
+/// @param cluster_spacing  between the triangles that represent smaller ones
+PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, float spacing, float cluster_spacing);
+/// The same with the spacing for light from afar.
+PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point);
+/// Parts of the point's triangle around the pixel itself.
+PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point);
+
+}   // namespace gnomon::irradiance_cache

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The rays of an evaluation: which nodes of its cut and which directions of the sky a new point sees past static
+// geometry, and what dynamic objects change of a point's light in this frame.
+//
+// Both classes hold a thread's scratch memory. Points are added one after another, so that the rays of many are traced
+// together.
+
+#include <vector>
+
+#include "irradiance_cache/cache_frame.h"
+#include "irradiance_cache/points/cache_point.h"
+
+namespace gnomon::irradiance_cache {
+
+class PointDevice;
+
+/// Answers occlusion rays on the CPU, or on a device.
+struct OcclusionTester {
+    const ray::RayScene* rays = nullptr;
+    PointDevice* device = nullptr;   // null: the CPU
+    /// Sets occluded[i] for each ray of the queue; padded for packets.
+    void test(const ray::RayQueue& queue, ray::Against against, std::vector<std::uint8_t>& occluded,
+              CacheCounters& counters) const;
+};
+
+/// The static visibility of new points.
+class StaticVisibility {
+ public:
+    StaticVisibility() { rays_.purpose = ray::RayClass::indirect; }
+    void clear();
+    std::size_t rays() const { return rays_.size(); }
+    /// Adds a point with its cut: the nodes, and what a unit of flux of each brings.
+    void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
+    /// Traces a ray to each node, and calls store(point, nodes) in order, where `nodes` are those that are visible.
+    template <class Store>
+    void trace_nodes(const OcclusionTester& tester, CacheCounters& counters, const Store& store);
+    /// Traces rays to the sky, and adds the light of visible directions to the points' static light.
+    void trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
+
+ private:
+    struct Added {
+        CachePoint* point;
+        std::size_t first;   // of its rays
+    };
+    std::vector<Added> added_;
+    ray::RayQueue rays_;
+    std::vector<NodeId> nodes_;    // by ray
+    std::vector<float> weights_;   // by ray
+    std::vector<SeenNode> seen_;   // of one point
+    std::vector<std::uint8_t> occluded_;
+};
+
+/// Corrections of static light by what dynamic objects change in this frame.
+class PresentLight {
+ public:
+    PresentLight() { rays_.purpose = bounce_rays_.purpose = ray::RayClass::indirect; }
+    void clear();
+    /// Adds flux that arrives from a node unless a dynamic object occludes it.
+    /// @param direction  to the node; its length is the node's weight
+    void add_if_unoccluded(const CacheFrame& frame, CachePoint& point, NodeId node, const glm::vec3& flux,
+                           const glm::vec3& direction);
+    /// Takes away the light of visible sky directions that a dynamic object may hide, and adds it if it does not.
+    void correct_sky(const CacheFrame& frame, CachePoint& point);
+    /// Adds light that bounces off dynamic objects. Where it is a small part of the point's light, no ray is cast.
+    void add_dynamic_lights(const CacheFrame& frame, CachePoint& point);
+    /// Traces the rays, and adds what arrives.
+    void finish(const OcclusionTester& tester, CacheCounters& counters);
+
+ private:
+    struct Contribution {   // light that arrives if nothing is in between
+        CachePoint* point;
+        glm::vec3 flux, direction;
+    };
+    void add_arriving(const OcclusionTester& tester, const ray::RayQueue& rays,
+                      const std::vector<Contribution>& contributions, ray::Against against, CacheCounters& counters);
+
+    ray::RayQueue rays_, bounce_rays_;
+    std::vector<Contribution> contributions_, bounces_;
+    std::vector<std::uint8_t> occluded_;
+};
+
+/// After all corrections: light of which only rounding errors are left becomes 0, because a dark point is treated
+/// differently from one with a little light.
+void end_corrections(CachePoint& point);
+
+template <class Store>
+void StaticVisibility::trace_nodes(const OcclusionTester& tester, CacheCounters& counters, const Store& store)
+{
+    tester.test(rays_, ray::Against::static_only, occluded_, counters);
+    for (std::size_t a = 0; a < added_.size(); ++a) {
+        const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
+        seen_.clear();
+        for (std::size_t r = added_[a].first; r < last; ++r)
+            if (!occluded_[r]) seen_.push_back(pack_seen(nodes_[r], weights_[r]));
+        store(*added_[a].point, std::span<const SeenNode>(seen_));
+        counters.nodes += seen_.size();
+    }
+    counters.new_points += added_.size();
+}
+
+}   // namespace gnomon::irradiance_cache
