@@ -20,8 +20,7 @@ struct CullingTile : BenchPoints {
 };
 
 /// Walks the counting kd-tree with every ray that each method traced, and fills in nodes and tests of the record.
-/// @param ray_end  of shadow rays, as a fraction of the way to a lamp
-void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state, float ray_end,
+void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state,
                      const std::vector<CullingTile>& tiles, Tasks& tasks, CullingFrame& record);
 
 }   // namespace gnomon::bench

@@ -14,7 +14,7 @@ namespace gnomon::bench {
 class PaperBench {
  public:
     PaperBench(const scene::SceneState& state, const ray::RayScene& rays, int threads,
-               const shadow_culling::PaperOptions& options, float ray_end);
+               const shadow_culling::PaperOptions& options);
 
     /// Before a frame's primary hits: empties the image.
     void clear_image(Size size);
@@ -54,7 +54,6 @@ class PaperBench {
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     shadow_culling::PaperCulling culling_;
-    float ray_end_;
     int width_ = 0;
     std::vector<shadow_culling::PrimaryHit> image_;
     std::vector<Worker> workers_;

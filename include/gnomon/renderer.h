@@ -15,8 +15,8 @@ namespace gnomon {
 /// Path-traced indirect light: slow, and right on average; how far off it is, is estimated. Everything else of the
 /// image is as without it: the same rays through the same places of a pixel, so `samples` smooths edges here too.
 struct ReferenceLightOptions {
-    int spp = 1024;    // paths per pixel, 1 to 16,777,216
-    int bounces = 1;   // diffuse bounces, 0 to 1000; 1: direct light and one bounce
+    int spp = 1024;    // paths per pixel
+    int bounces = 1;   // diffuse bounces; 1: direct light and one bounce
     std::uint64_t seed = 0;
 };
 
@@ -30,28 +30,29 @@ enum class RenderMethod { trace, raster };
 /// it is measured against: the same image, at their cost.
 enum class ShadowTextures { off, per_caster, depth, coherent };
 
+/// gnomon/ranges.h has the ranges of numbers.
 struct RenderOptions {
     Size size{};                    // 0 x 0: the file's own, else 1280 x 720
     std::string camera = "auto";    // a name, a number from 0, or auto: the first
-    double turntable_seconds = 0;   // 0.001 to 1,000,000: the camera circles the scene in that time instead; 0: not
+    double turntable_seconds = 0;   // the camera circles the scene in that time instead; 0: not
     RenderMethod renderer = RenderMethod::trace;
-    int max_depth = 10;                 // reflections and refractions in a row, 0 to 64
-    int samples = 1;                    // per pixel, 1 to 4096
-    std::optional<double> exposure{};   // stops, -100 to 100; none: automatic, from this frame alone
+    int max_depth = 10;                 // reflections and refractions in a row
+    int samples = 1;                    // per pixel
+    std::optional<double> exposure{};   // stops; none: automatic, from this frame alone
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
-    int shadow_filter = 1;   // width of the edges of its shadows, in texels of the light's view, 0 (hard) to 64
+    int shadow_filter = 1;   // width of the edges of its shadows, in texels of the light's view; 0: hard
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
-    int rsm_samples = 256;                              // Indirect::rsm: 1 to 65536
+    int rsm_samples = 256;                              // Indirect::rsm
     int indirect_level = 5;                             // Indirect::quadtree: where refinement ends; 6 (coarse), 5 or 4
     double depth_threshold = 0.05;   // Indirect::quadtree: parts that differ more are not one cluster; fraction of the
                                      // light view's depth range
     double normal_threshold = 0.9;   // Indirect::quadtree: nor those whose normals' cosine is not above this
     bool indirect_at_every_pixel =
         false;                  // Indirect::rsm, quadtree: else at 64 a side, interpolated where that is fair
-    int indirect_memory = 16;   // Indirect::visible: MB of remembered points, 1 to 65536; changes time, not images
+    int indirect_memory = 16;   // Indirect::visible: MB of remembered points; changes time, not images
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;       // 0: all

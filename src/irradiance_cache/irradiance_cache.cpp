@@ -26,11 +26,6 @@ constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
 // Shares of a point's light that may be taken from a level that is a little too coarse.
 constexpr float k_least_rest = 0.02f;
 
-float luminance(const glm::vec3& c)
-{
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-}
-
 }   // namespace
 
 void VisibleCounters::add(const VisibleCounters& o)

@@ -72,6 +72,7 @@ void check_blocks(const std::vector<BlockExpectation>& blocks, std::span<const S
         }
         if (!found) fail_check(__FILE__, __LINE__, fmt::format("{}: no block '{}'", codes[0].name, block.binding));
     }
+    for (std::size_t i = 0; i < codes.size(); ++i) check_all_expected(reflections[i], codes[i], blocks);
 }
 
 }   // namespace

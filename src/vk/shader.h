@@ -3,7 +3,8 @@
 // SPIR-V as the build embedded it, and what it says of itself (by SPIRV-Cross): bindings, block layouts, inputs.
 //
 // Descriptor layouts are made from this and from nothing else. What the host knows too (the bytes of shared structures,
-// which binding holds which) is checked against it when a pipeline is made: see BlockExpectation.
+// which binding holds which) is checked against it when a pipeline is made: see BlockExpectation. A pipeline is refused
+// where a block of structures has no expectation.
 
 #include <cstdint>
 #include <span>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "vk/api.h"
+#include "vk/shared_members.h"
 
 namespace gnomon::vk {
 
@@ -20,10 +22,8 @@ struct ShaderCode {
     std::span<const std::uint32_t> words;
 };
 
-struct BlockMember {
-    std::string name;
-    std::uint32_t offset = 0, size = 0;
-};
+/// A member of a block; those of a structure within it as "outer.inner".
+using BlockMember = SharedMember;
 
 /// One binding of set 0.
 struct Binding {
@@ -56,13 +56,40 @@ struct Reflection {
 /// @throws InternalError  for code that SPIRV-Cross cannot read, or that uses another set than 0
 Reflection reflect(const ShaderCode& code);
 
-/// A structure the host shares with a shader: its bytes and the offsets of its members must be the shader's.
+/// A structure the host shares with a shader. Its bytes and all of its members must be the shader's: names, offsets,
+/// sizes and strides of arrays; neither side may have a member that the other lacks.
 struct BlockExpectation {
     std::string binding;   // the block's instance name in the shader; "" for the push constants
     std::size_t bytes = 0;
-    std::vector<std::pair<std::string, std::size_t>> offsets;   // some or all members
+    std::vector<SharedMember> members;
 };
+
+/// Of a structure with GNOMON_MEMBERS: a block of one, or of any number.
+template <class Struct>
+BlockExpectation shared_block(std::string binding)
+{
+    return {std::move(binding), sizeof(Struct), shared_members(static_cast<const Struct*>(nullptr))};
+}
+template <class Struct>
+BlockExpectation shared_push()
+{
+    return shared_block<Struct>("");
+}
+
+/// The lists of several rooms as one.
+template <class... Lists>
+std::vector<BlockExpectation> all_blocks(BlockExpectation first, const Lists&... lists)
+{
+    std::vector<BlockExpectation> all{std::move(first)};
+    (all.insert(all.end(), lists.begin(), lists.end()), ...);
+    return all;
+}
+
 /// @throws InternalError  naming what differs
 void check_block(const Reflection& reflection, const ShaderCode& code, const BlockExpectation& expected);
+/// Every block of structures, and the push constants, must be among `expected`.
+/// @throws InternalError  naming one that is not
+void check_all_expected(const Reflection& reflection, const ShaderCode& code,
+                        std::span<const BlockExpectation> expected);
 
 }   // namespace gnomon::vk

@@ -2,12 +2,14 @@
 #ifndef GNOMON_VK_SHARED_TYPES_H
 #define GNOMON_VK_SHARED_TYPES_H
 // GLSL's names for types, on the host: for `*_shared.h`, the headers that C++ and GLSL both include. Blocks have the
-// `scalar` layout, which is C++'s own; pipelines check it against the shader all the same.
+// `scalar` layout, which is C++'s own; pipelines check every member against the shader all the same, by the lists that
+// GNOMON_MEMBERS makes.
 
 #ifdef __cplusplus
 #include <cstdint>
 
 #include "base/math.h"
+#include "vk/shared_members.h"
 
 namespace gnomon::vk::shared {
 using uint = std::uint32_t;

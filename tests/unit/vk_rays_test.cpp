@@ -75,7 +75,7 @@ struct Stage {
                                                     .generation = {"rays.rgen", k_generation},
                                                     .miss = {"rays.rmiss", k_miss},
                                                     .any_hit = {"rays.rahit", k_any_hit},
-                                                    .blocks = {{"", sizeof(std::uint32_t), {}}}});
+                                                    .blocks = {{"", sizeof(std::uint32_t), {{"mask", 0, 4, 0}}}}});
     }
 
     // Places both, moved along x, and builds the top level.

@@ -17,6 +17,7 @@
 
 #include "base/tasks.h"
 #include "light_views/casters.h"
+#include "ray/origin.h"
 #include "ray/ray_scene.h"
 
 namespace gnomon::irradiance_cache {
@@ -27,7 +28,7 @@ struct EmitterOptions {
     int least_side = 16;             // or smaller, where there would be more nodes than numbers for them
     std::size_t views = 6144;        // at most, six for a lamp that shines all around; the weakest lights are left out
     float least_cosine = 0.05f;      // surfaces at a more grazing angle stand for no larger area
-    float ray_end = 0.9999f;
+    float ray_end = ray::k_shadow_ray_end;
     std::size_t dynamic_rays = 4096;     // by view, against what moves and is lit
     std::size_t dynamic_emitters = 64;   // at most; the darkest are left out
 };

@@ -13,7 +13,6 @@ namespace {
 
 // At the point's own normal the sum is irradiance; at grazing angles it must not explode elsewhere.
 constexpr float k_least_cosine = 0.1f;
-constexpr float k_ray_end = 0.9999f;
 
 }   // namespace
 
@@ -87,7 +86,7 @@ void NearLight::ask(const scene::SceneState& state, const ray::RayScene& rays, c
                 if (light.type == scene::LightType::directional)
                     scratch.shadow_rays.push(from, 0, -at.direction, k_infinity);
                 else
-                    scratch.shadow_rays.push(from, 0, at.position - from, k_ray_end);
+                    scratch.shadow_rays.push(from, 0, at.position - from, ray::k_shadow_ray_end);
                 const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
                 const float at_point = std::max(glm::dot(direction, receivers[k].normal), k_least_cosine);
                 scratch.lit.push_back({k, radiance * (near * share), direction / at_point});
