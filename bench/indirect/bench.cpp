@@ -209,6 +209,7 @@ class Bench {
         }
     }
 
+    // LONG: one sequence of measurements, each of which depends on the state that those before it left.
     IndirectRow measure(const IndirectMethodInfo& info)
     {
         IndirectRow row;

@@ -225,6 +225,7 @@ void Pipeline::make_table(const std::shared_ptr<Device>& device, std::uint32_t g
     }
 }
 
+// LONG: one Vulkan structure after the other, all of which the call at the end reads.
 Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& desc)
     : name_(desc.name), color_targets_(desc.colors.size())
 {
