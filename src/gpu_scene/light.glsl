@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A light at a point, as src/scene/light.cpp has it. Included after gpu_scene/gpu_scene_shared.h.
 
-const float k_most_irradiance = 1e12, k_least_square = 1e-30;   // as there
+#include "scene/light_shared.h"
+
+const float k_most_irradiance = GNOMON_MOST_IRRADIANCE, k_least_square = GNOMON_LEAST_SQUARE;
 
 // What a light does at a point with nothing between. False: nothing.
 bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradiance)

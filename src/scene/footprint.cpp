@@ -9,9 +9,9 @@ namespace gnomon::scene {
 
 namespace {
 
-constexpr float k_no_sample_more = 1e-3f;   // of a sample: rounding does not ask for one more
-constexpr float k_one_level = 0.25f;        // so near to a level's texel size, in halvings, that level does
-constexpr float k_far = 1e5f;               // periods, or texels: from where on there are too few bits left for steps
+constexpr float k_no_sample_more = GNOMON_FOOTPRINT_NO_SAMPLE_MORE;   // of a sample: rounding does not ask for one more
+constexpr float k_one_level = GNOMON_FOOTPRINT_ONE_LEVEL;        // so near to a level's texel size, in halvings, that level does
+constexpr float k_far = GNOMON_FOOTPRINT_FAR;               // periods, or texels: from where on there are too few bits left for steps
 
 using Four = float __attribute__((vector_size(16)));   // a colour in a register
 

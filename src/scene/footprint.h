@@ -8,15 +8,15 @@
 
 #include <cmath>
 
+#include "scene/footprint_shared.h"
 #include "scene/texture.h"
 
 namespace gnomon::scene {
 
 /// A single sample has the footprint of the area it stands for, as long as that is up to k_stretch squared times as
-/// long as wide. From there on samples are k_stretch times as wide as the footprint, and lie side by side. The device's
-/// are in gpu_scene/footprint_shared.h.
-inline constexpr float k_stretch = 1.73205081f;
-inline constexpr int k_most_samples = 6;
+/// long as wide. From there on samples are k_stretch times as wide as the footprint, and lie side by side.
+inline constexpr float k_stretch = GNOMON_FOOTPRINT_STRETCH;
+inline constexpr int k_most_samples = GNOMON_FOOTPRINT_SAMPLES;
 
 /// Linear RGBA over an ellipse around uv. Where it is longer than k_most_samples can cover, they grow wider.
 /// @param diameter, other  conjugate ones, in uv units; zeros, infinities and NaN are allowed

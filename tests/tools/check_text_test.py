@@ -37,7 +37,7 @@ class CheckText(unittest.TestCase):
             ("length", k_first + "int a;\n" * 600, 1),
             ("functions", k_first + "void f()\n{\n" + "    f();\n" * 99 + "}\n", 3),
             ("functions", k_first + "struct A {\n    void f()\n    {\n" + "        f();\n" * 99 + "    }\n};\n", 4),
-            ("references", k_first + "// As in sr" + "c/elsewhere/gone.cpp.\n", 2),
+            ("references", k_first + "// As in src" + "/elsewhere/gone.cpp.\n", 2),
             ("references", k_first + "int a;   // elsewhere/" + "gone.glsl has it\n", 2),
             ("references", k_first + "// See tests/" + "gone.\n", 2),
             ("newline", k_first + "int a; \n", 2),
