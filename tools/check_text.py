@@ -105,7 +105,7 @@ def names_a_file(root: pathlib.Path, path: pathlib.Path, name: str) -> bool:
 
 
 def check_references(path, lines, root):
-    if path.suffix != ".md" and not is_source(path):
+    if (path.suffix != ".md" and not is_source(path)) or path.name == "CHANGELOG.md":   # history keeps old names
         return
     for number, line in enumerate(lines, 1):
         text = line

@@ -23,7 +23,7 @@ template <class E, int... Values>
 std::set<int> enumerators(std::integer_sequence<int, Values...>)
 {
     std::set<int> found;
-    ((is_enumerator<static_cast<E>(Values)>() ? found.insert(Values) : found.end()), ...);
+    ((is_enumerator<static_cast<E>(Values)>() ? void(found.insert(Values)) : void()), ...);
     return found;
 }
 
@@ -42,7 +42,8 @@ TYPED_TEST(EnumNames, EveryValueHasOneNameAndReadsBack)
         EXPECT_TRUE(named.insert(static_cast<int>(entry.value)).second) << entry.name;
         EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
         EXPECT_EQ(name_of(entry.value), entry.name);
-        if (entry.offered) EXPECT_EQ(parse_enum<TypeParam>("option", entry.name), entry.value);
+        if (!entry.offered) continue;
+        EXPECT_EQ(parse_enum<TypeParam>("option", entry.name), entry.value);
     }
     const std::set<int> all = enumerators<TypeParam>(std::make_integer_sequence<int, 32>());
     EXPECT_GE(all.size(), 2u);
