@@ -115,6 +115,7 @@ def main() -> int:
         "layers": lambda: run(sys.executable, "tools/check_layers.py"),
         "targets": lambda: run(sys.executable, "tools/check_targets.py", arguments.build / "link_graph.txt"),
         "text": lambda: run(sys.executable, "tools/check_text.py"),
+        "words": lambda: run(sys.executable, "tools/check_words.py"),
         "spelling": lambda: run("codespell", "--quiet-level=2", f"--ignore-words-list={k_words}", *prose),
         "formatting": lambda: check_format(sources, arguments.fix),
         "analysis": lambda: check_tidy(arguments.build, arguments.all, arguments.jobs),
