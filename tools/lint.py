@@ -4,9 +4,10 @@
 
     lint.py [--all] [--fix] [--jobs N] [--build FOLDER]
 
-Layers, text checks, formatting (clang-format 14), spelling (codespell), static analysis (clang-tidy 14). Analysis is
-slow, so a file that was clean is analysed again only after it, a header of ours that it includes, or .clang-tidy has
-changed; --all analyses every file. --fix formats in place.
+Layers, links of targets, text checks (lengths of files and functions, names of files), formatting (clang-format 14),
+spelling (codespell), static analysis (clang-tidy 14). Analysis is slow, so a file that was clean is analysed again only
+after it, a header of ours that it includes, or .clang-tidy has changed; --all analyses every file. --fix formats in
+place.
 """
 import argparse
 import concurrent.futures
@@ -21,7 +22,7 @@ k_root = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(k_root / "tools"))
 import check_text  # noqa: E402
 
-k_folders = ("src", "include", "tests", "bench", "examples", "fuzz")
+k_folders = ("src", "include", "cli", "viewer", "bench", "tests", "microbench", "examples")
 k_include = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 # Words that codespell takes for misspelt: a level of detail, a misspelling that a test is about, a material statement,
 # GLSL, d-dimensional, radiometry, what stands still.
@@ -38,7 +39,7 @@ def own_headers(file: pathlib.Path, seen: dict[pathlib.Path, bytes]) -> None:
         return
     seen[file] = file.read_bytes()
     for name in k_include.findall(seen[file].decode("utf-8", "replace")):
-        for base in (file.parent, k_root / "src", k_root / "include", k_root / "tests"):
+        for base in (file.parent, k_root / "src", k_root / "include", k_root / "tests", k_root):
             if (base / name).is_file():
                 own_headers((base / name).resolve(), seen)
                 break
@@ -112,7 +113,9 @@ def main() -> int:
 
     checks = {
         "layers": lambda: run(sys.executable, "tools/check_layers.py"),
+        "targets": lambda: run(sys.executable, "tools/check_targets.py", arguments.build / "link_graph.txt"),
         "text": lambda: run(sys.executable, "tools/check_text.py"),
+        "words": lambda: run(sys.executable, "tools/check_words.py"),
         "spelling": lambda: run("codespell", "--quiet-level=2", f"--ignore-words-list={k_words}", *prose),
         "formatting": lambda: check_format(sources, arguments.fix),
         "analysis": lambda: check_tidy(arguments.build, arguments.all, arguments.jobs),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/settings.h"
 
+#include "api/check_options.h"
 #include "gnomon/error.h"
 #include "options/render_options.h"
 
@@ -12,9 +13,7 @@ namespace {
 RenderOptions shown_options(const options::OptionValues& values)
 {
     RenderOptions options = options::read_render_options(values);
-    if (options.overlay == Overlay::redrawn &&
-        (options.renderer == RenderMethod::trace || options.shadow_textures == ShadowTextures::off))
-        throw UsageError("--overlay redrawn shows light views: it needs --renderer raster, with shadow textures");
+    check_redrawn_overlay(options);
     return options;
 }
 

@@ -2,14 +2,14 @@
 #include "bench/culling/bench.h"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 
+#include "base/clocks.h"
 #include "bench/culling/counts.h"
 #include "bench/culling/images.h"
 #include "bench/culling/paper_bench.h"
 #include "bench/culling/summary.h"
 #include "gnomon/error.h"
+#include "ray/origin.h"
 #include "shadow_culling/certified/certified_culling.h"
 
 namespace gnomon::bench {
@@ -18,18 +18,6 @@ namespace {
 
 using shadow_culling::CertifiedCulling;
 using shadow_culling::CertifiedOptions;
-
-double cpu_ms()
-{
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
-double wall_ms()
-{
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // The number of a method's results that differ from tracing every ray.
 std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, std::vector<std::uint8_t> CullingTile::*method)
@@ -55,13 +43,12 @@ class Run {
         rays_.keep_one_tree();
         CertifiedOptions certified_options;
         certified_options.pixels_per_part = options.pixels_per_part;
-        ray_end_ = certified_options.ray_end;
         if (options.certified) {
             culling_ = std::make_unique<CertifiedCulling>(state_, rays_, certified_options);
             for (int t = 0; t < tasks_.threads(); ++t) batches_.push_back(culling_->make_batch());
         }
         if (options.paper)
-            paper_ = std::make_unique<PaperBench>(state_, rays_, tasks_.threads(), options.paper_options, ray_end_);
+            paper_ = std::make_unique<PaperBench>(state_, rays_, tasks_.threads(), options.paper_options);
         if (options.counts) kdtree_ = std::make_unique<ray::CountingKdTree>(state_, rays_);
         columns_ = (options.size.width + PointTracer::k_tile - 1) / PointTracer::k_tile;
         const int rows = (options.size.height + PointTracer::k_tile - 1) / PointTracer::k_tile;
@@ -84,7 +71,7 @@ class Run {
         if (culling_) follow_certified(record);
         if (kdtree_) {
             if (frame != options_.frames.first) kdtree_->update(state_, rays_);
-            count_on_kdtree(*kdtree_, state_, ray_end_, tiles_, tasks_, record);
+            count_on_kdtree(*kdtree_, state_, tiles_, tasks_, record);
         }
         return record;
     }
@@ -149,7 +136,7 @@ class Run {
             if (light.type == scene::LightType::spot &&
                 scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
                 continue;
-            worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray_end_);
+            worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray::k_shadow_ray_end);
             worker.whose.push_back(p);
             tile.facing[l * tile.points.size() + p] = 1;
         }
@@ -239,7 +226,6 @@ class Run {
     scene::SceneState state_;
     ray::RayScene rays_;
     Tasks tasks_;
-    float ray_end_ = 1;
     std::unique_ptr<CertifiedCulling> culling_;
     std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches_;   // by worker
     std::unique_ptr<PaperBench> paper_;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/culling/counts.h"
 
+#include "ray/origin.h"
+
 namespace gnomon::bench {
 
-void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state, float ray_end,
+void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state,
                      const std::vector<CullingTile>& tiles, Tasks& tasks, CullingFrame& record)
 {
     const scene::Scene& scene = state.scene();
@@ -22,7 +24,7 @@ void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& s
         for (std::size_t l = 0; l < scene.lights.size(); ++l) {
             const scene::LightState& at = state.light(static_cast<scene::LightId>(l));
             const bool directional = scene.lights[l].type == scene::LightType::directional;
-            const float end = directional ? k_infinity : ray_end;
+            const float end = directional ? k_infinity : ray::k_shadow_ray_end;
             for (std::size_t p = 0; p < tile.points.size(); ++p) {
                 const std::size_t at_point = l * tile.points.size() + p;
                 if (!tile.facing[at_point]) continue;

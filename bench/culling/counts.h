@@ -21,8 +21,7 @@ struct CullingTile : BenchPoints {
 
 /// Traverses the counting kd-tree with every ray that each method traced, and fills in `nodes` and `tests` of the
 /// record.
-/// @param ray_end  end of a shadow ray, as a fraction of the distance to the light
-void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state, float ray_end,
+void count_on_kdtree(const ray::CountingKdTree& tree, const scene::SceneState& state,
                      const std::vector<CullingTile>& tiles, Tasks& tasks, CullingFrame& record);
 
 }   // namespace gnomon::bench

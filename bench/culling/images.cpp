@@ -13,11 +13,6 @@ constexpr double k_overexposed_fraction = 0.02;   // of the pixels may be overex
 constexpr float k_faded = 0.35f;                  // of the light, where no result is wrong
 constexpr std::uint8_t k_wrong_color[3] = {255, 32, 64};
 
-float luminance(const glm::vec3& c)
-{
-    return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f));
-}
-
 void put(Image8& image, int x, int y, const glm::vec3& linear)
 {
     for (int c = 0; c < 3; ++c)

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/culling/paper_bench.h"
 
+#include "ray/origin.h"
+
 namespace gnomon::bench {
 
 using shadow_culling::PaperTracer;
 using shadow_culling::ShadowPoint;
 
 PaperBench::PaperBench(const scene::SceneState& state, const ray::RayScene& rays, int threads,
-                       const shadow_culling::PaperOptions& options, float ray_end)
-    : state_(&state),
-      rays_(&rays),
-      culling_(state, rays, options),
-      ray_end_(ray_end),
-      workers_(static_cast<std::size_t>(threads))
+                       const shadow_culling::PaperOptions& options)
+    : state_(&state), rays_(&rays), culling_(state, rays, options), workers_(static_cast<std::size_t>(threads))
 {
 }
 
@@ -45,7 +43,7 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
             const ShadowPoint& point = points[p];
             const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
             if (!(glm::dot(d, point.normal) > 0)) continue;
-            w.queue.push(point.origin, 0, d, directional ? k_infinity : ray_end_);
+            w.queue.push(point.origin, 0, d, directional ? k_infinity : ray::k_shadow_ray_end);
             w.point.push_back(p);
             w.origins.push_back(culling_.primitive(point.object, point.triangle));
         }

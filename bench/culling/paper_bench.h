@@ -14,7 +14,7 @@ namespace gnomon::bench {
 class PaperBench {
  public:
     PaperBench(const scene::SceneState& state, const ray::RayScene& rays, int threads,
-               const shadow_culling::PaperOptions& options, float ray_end);
+               const shadow_culling::PaperOptions& options);
 
     /// Empties the image. Call it before set_pixel() in every frame.
     void clear_image(Size size);
@@ -53,7 +53,6 @@ class PaperBench {
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     shadow_culling::PaperCulling culling_;
-    float ray_end_;
     int width_ = 0;
     std::vector<shadow_culling::PrimaryHit> image_;
     std::vector<Worker> workers_;

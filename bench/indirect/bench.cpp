@@ -2,10 +2,9 @@
 #include "bench/indirect/bench.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 
+#include "base/clocks.h"
 #include "bench/indirect/reference_cache.h"
 #include "gnomon/error.h"
 
@@ -14,18 +13,6 @@ namespace gnomon::bench {
 namespace {
 
 constexpr std::uint64_t k_seed = 1, k_other_seed = 2;
-
-double cpu_ms()
-{
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
-double wall_ms()
-{
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 struct Times {
     double wall = 0, cpu = 0;
@@ -229,6 +216,7 @@ class Bench {
     }
 
     // Runs one method over the range.
+    // LONG: one sequence of measurements, each of which depends on the state that those before it left.
     IndirectRow measure(const IndirectMethodInfo& info)
     {
         // Construct the method at the first frame.

@@ -6,8 +6,8 @@
 
 #ifdef GNOMON_VULKAN
 #include <algorithm>
-#include <ctime>
 
+#include "base/clocks.h"
 #include "light_quadtree/vulkan/gpu_map_light.h"
 #include "vk/device_timer.h"
 
@@ -19,13 +19,6 @@ using light_quadtree::GpuMapLight;
 using light_quadtree::MapSurfaces;
 
 constexpr std::size_t k_listed_per_row = 1024;   // points per row of a list laid out as an image
-
-double cpu_ms()
-{
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 // Positions and normals on the device, and their irradiance.
 struct Points {

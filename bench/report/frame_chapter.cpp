@@ -9,6 +9,7 @@
 #include "bench/report/image_figures.h"
 #include "bench/report/stage_figures.h"
 #include "gnomon/renderer.h"
+#include "options/enum_names.h"
 #include "options/option_values.h"
 
 namespace gnomon::bench {
@@ -124,8 +125,8 @@ class FrameChapter : public BenchChapter {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const Way& way : ways_)
             list.push_back({{"scene", scene_name_},
-                            {"shadow_culling", way.culling == ShadowCulling::off ? "off" : "certified"},
-                            {"indirect", way.indirect == Indirect::off ? "off" : "visible"},
+                            {"shadow_culling", options::name_of(way.culling)},
+                            {"indirect", options::name_of(way.indirect)},
                             {"threads", way.threads},
                             {"first_frame", frames_.first},
                             {"not_done_percent",

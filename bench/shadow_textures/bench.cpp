@@ -2,12 +2,12 @@
 #include "bench/shadow_textures/bench.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/check.h"
+#include "base/clocks.h"
 #include "gnomon/error.h"
 #ifdef GNOMON_VULKAN
 #include "scene/builtin/builtin.h"
@@ -46,13 +46,6 @@ namespace {
 
 using light_views::LightViews;
 using light_views::LightViewsOptions;
-
-double clock_ms(clockid_t clock)
-{
-    timespec t{};
-    clock_gettime(clock, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 double median(std::vector<double> values)
 {
@@ -213,11 +206,11 @@ class Runner {
     template <class Body>
     double timed(double& cpu, const Body& body)
     {
-        const double begin = clock_ms(CLOCK_PROCESS_CPUTIME_ID), begin_thread = clock_ms(CLOCK_THREAD_CPUTIME_ID);
+        const double begin = cpu_ms(), begin_thread = thread_cpu_ms();
         body();
-        cpu += clock_ms(CLOCK_THREAD_CPUTIME_ID) - begin_thread;
+        cpu += thread_cpu_ms() - begin_thread;
         commands_.submit();
-        if (!by_timestamps_) return clock_ms(CLOCK_PROCESS_CPUTIME_ID) - begin;
+        if (!by_timestamps_) return cpu_ms() - begin;
         double sum = 0;
         for (const vk::PassTiming& timing : commands_.timings()) sum += timing.ms;
         return sum;

@@ -5,6 +5,7 @@
 #include "gnomon/compare.h"
 #include "gnomon/error.h"
 #include "gnomon/frame.h"
+#include "gnomon/ranges.h"
 #include "gnomon/renderer.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"

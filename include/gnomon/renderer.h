@@ -15,8 +15,8 @@ namespace gnomon {
 /// Path-traced indirect light: slow, unbiased, and with an estimate of its error. Direct light is computed as without
 /// it, with the same camera rays, so `samples` still controls anti-aliasing.
 struct ReferenceLightOptions {
-    int spp = 1024;    // paths per pixel, 1 to 16,777,216
-    int bounces = 1;   // diffuse bounces, 0 to 1000; 1: direct light and one bounce
+    int spp = 1024;    // paths per pixel
+    int bounces = 1;   // diffuse bounces; 1: direct light and one bounce
     std::uint64_t seed = 0;
 };
 
@@ -30,21 +30,22 @@ enum class RenderMethod { trace, raster };
 /// is compared with; they give the same image at a higher cost.
 enum class ShadowTextures { off, per_caster, depth, coherent };
 
+/// gnomon/ranges.h has the ranges of numbers.
 struct RenderOptions {
     Size size{};                    // 0 x 0: the file's own resolution, else 1280 x 720
     std::string camera = "auto";    // a name, an index from 0, or auto: the first
-    double turntable_seconds = 0;   // 0: off, else 0.001 to 1,000,000: seconds in which the camera circles the scene
+    double turntable_seconds = 0;   // seconds in which the camera circles the scene; 0: off
     RenderMethod renderer = RenderMethod::trace;
-    int max_depth = 10;                 // longest chain of reflections and refractions, 0 to 64
-    int samples = 1;                    // per pixel, 1 to 4096
-    std::optional<double> exposure{};   // stops, -100 to 100; none: automatic, from this frame only
+    int max_depth = 10;                 // longest chain of reflections and refractions
+    int samples = 1;                    // per pixel
+    std::optional<double> exposure{};   // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
-    int shadow_filter = 1;   // width of shadow edges in texels of the light view, 0 (hard) to 64
+    int shadow_filter = 1;                              // width of shadow edges in texels of the light view; 0: hard
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
-    int rsm_samples = 256;                              // Indirect::rsm: 1 to 65536
+    int rsm_samples = 256;                              // Indirect::rsm
     int indirect_level = 5;          // Indirect::quadtree: finest level of refinement, 6 (coarse), 5 or 4
     double depth_threshold = 0.05;   // Indirect::quadtree: largest depth difference within a cluster, as a fraction of
                                      // the light view's depth range
@@ -52,7 +53,7 @@ struct RenderOptions {
     /// Indirect::rsm, quadtree: gather at every pixel. Otherwise, gather at 64 receivers along the longer side, and
     /// interpolate where the surfaces agree.
     bool indirect_at_every_pixel = false;
-    int indirect_memory = 16;   // Indirect::visible: MB of irradiance cache, 1 to 65536; changes time, not images
+    int indirect_memory = 16;   // Indirect::visible: MB of irradiance cache; changes time, not images
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;   // 0: all

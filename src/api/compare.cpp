@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "api/check_options.h"
 #include "image/flip.h"
 #include "image/image_metrics.h"
 #include "io/image/exr.h"
@@ -17,7 +18,6 @@
 namespace gnomon {
 
 namespace {
-constexpr int k_most_threads = 1024;
 
 // An image with its values as the file holds them.
 struct Loaded {
@@ -118,8 +118,7 @@ double peak_of(const Loaded& reference)
 CompareResult compare(const std::filesystem::path& test, const std::filesystem::path& reference,
                       const CompareOptions& options)
 {
-    if (options.threads < 0 || options.threads > k_most_threads)
-        throw UsageError(fmt::format("threads are out of range: 0 (all) to {}", k_most_threads));
+    check_range("threads are", options.threads, ranges::threads);
     Loaded a = load_image(test, options.layer), b = load_image(reference, options.layer);
     const std::string names = fmt::format("{} and {}", test.string(), reference.string());
     if (a.image.width != b.image.width || a.image.height != b.image.height)

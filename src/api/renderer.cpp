@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "api/check_options.h"
 #include "base/check.h"
 #include "base/stopwatch.h"
 #include "frame/cluster_overlay.h"
@@ -29,59 +30,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr Size k_default_size{1280, 720};
-constexpr int k_max_side = 32768;
-constexpr int k_most_paths = 1 << 24;
-constexpr int k_most_bounces = 1000;
-constexpr double k_most_stops = 100;
-constexpr double k_fastest_turn = 0.001, k_slowest_turn = 1e6;   // seconds
-constexpr std::int64_t k_max_pixels = 256'000'000;               // 3 GB of colour alone
-
-void check_options(const RenderOptions& o)
-{
-    const auto side_fits = [](int n) { return n >= 0 && n <= k_max_side; };
-    if (!side_fits(o.size.width) || !side_fits(o.size.height) || (o.size.width == 0) != (o.size.height == 0))
-        throw UsageError(
-            fmt::format("size {}x{} is out of range: 1 to {} a side", o.size.width, o.size.height, k_max_side));
-    if (static_cast<std::int64_t>(o.size.width) * o.size.height > k_max_pixels)
-        throw UsageError(fmt::format("size {}x{} has more than {} million pixels", o.size.width, o.size.height,
-                                     k_max_pixels / 1'000'000));
-    if (o.max_depth < 0 || o.max_depth > 64) throw UsageError("max depth is out of range: 0 to 64");
-    if (o.samples < 1 || o.samples > 4096) throw UsageError("samples are out of range: 1 to 4096");
-    if (o.reference) {
-        if (o.reference->spp < 1 || o.reference->spp > k_most_paths)
-            throw UsageError(fmt::format("spp is out of range: 1 to {}", k_most_paths));
-        if (o.reference->bounces < 0 || o.reference->bounces > k_most_bounces)
-            throw UsageError(fmt::format("bounces are out of range: 0 to {}", k_most_bounces));
-    }
-    if (o.indirect_memory < 1 || o.indirect_memory > 65536)
-        throw UsageError("memory of indirect light is out of range: 1 to 65536 MB");
-    if (o.rsm_samples < 1 || o.rsm_samples > 65536) throw UsageError("RSM samples are out of range: 1 to 65536");
-    if (o.indirect_level < 4 || o.indirect_level > 6) throw UsageError("indirect level is out of range: 4 to 6");
-    if (!(o.depth_threshold >= 0 && o.depth_threshold <= 1))
-        throw UsageError("depth threshold is out of range: 0 to 1");
-    if (!(o.normal_threshold >= -1 && o.normal_threshold <= 1))
-        throw UsageError("normal threshold is out of range: -1 to 1");
-    if (o.exposure && !(std::abs(*o.exposure) <= k_most_stops))
-        throw UsageError(fmt::format("exposure is out of range: -{0} to {0} stops", k_most_stops));
-    if (o.turntable_seconds != 0 && !(o.turntable_seconds >= k_fastest_turn && o.turntable_seconds <= k_slowest_turn))
-        throw UsageError(fmt::format("a turntable takes {} to {} seconds", k_fastest_turn, k_slowest_turn));
-    if (o.threads < 0 || o.threads > 1024) throw UsageError("threads are out of range: 0 (all) to 1024");
-    if (o.shadow_filter < 0 || o.shadow_filter > 64) throw UsageError("the shadow filter is out of range: 0 to 64");
-    if (o.renderer == RenderMethod::raster && (o.overlay == Overlay::shadow_states || o.overlay == Overlay::clusters))
-        throw UsageError(
-            "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
-    if (o.renderer == RenderMethod::raster && o.reference)
-        throw UsageError("the reference is traced: not with the rasteriser");
-    if (o.overlay == Overlay::redrawn &&
-        (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
-        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
-    if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
-        throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
-    if (o.overlay == Overlay::clusters && (o.indirect != Indirect::quadtree || o.reference))
-        throw UsageError(
-            "an overlay of clusters shows what the light quad-tree chose: it needs indirect light by quadtree");
-}
-
 // An image of the method's inside, already in screen colours.
 void give_overlay(const Image8& image, Frame& result)
 {
@@ -398,10 +346,10 @@ Size image_size(const Scene& scene, const RenderOptions& options)
         throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
     if (options.overlay != Overlay::shadow_states) return size;
     const std::size_t panels = overlay_lights(*scene.inside(), options).size();
-    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > k_max_pixels)
+    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > ranges::k_max_pixels)
         throw UsageError(
             fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",
-                        panels, k_max_pixels / 1'000'000));
+                        panels, ranges::k_max_pixels / 1'000'000));
     return frame::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
 }
 

@@ -45,6 +45,10 @@ inline float luminance(const glm::vec3& c)
 {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
+inline double luminance(const glm::dvec3& c)
+{
+    return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+}
 
 /// Transforms a point, without the division by w (all our matrices are affine).
 inline glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p)

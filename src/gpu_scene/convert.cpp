@@ -8,17 +8,12 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
-#include "gpu_scene/footprint_shared.h"
-#include "scene/footprint.h"
 
 namespace gnomon::gpu_scene {
 
 namespace {
 
 using shared::GpuTextureUse;
-
-static_assert(static_cast<float>(GNOMON_FOOTPRINT_STRETCH) == scene::k_stretch &&
-              GNOMON_FOOTPRINT_SAMPLES == scene::k_most_samples);
 
 GpuTextureUse convert_use(const scene::TextureUse& use)
 {

@@ -9,8 +9,7 @@
 layout(local_size_x = 64) in;
 layout(binding = 0, scalar) readonly buffer Objects { GpuObject at[]; } objects;
 layout(binding = 1, scalar) readonly buffer Draws { GpuDraw at[]; } draws;
-struct Command { uint index_count, instance_count, first_index; int vertex_offset; uint first_instance; };
-layout(binding = 2, scalar) buffer Commands { Command at[]; } commands;
+layout(binding = 2, scalar) buffer Commands { GpuDrawCommand at[]; } commands;
 layout(binding = 3, scalar) buffer Counts { uint drawn; uint triangles; } counts;
 layout(push_constant, scalar) uniform Push { CullPush push; };
 

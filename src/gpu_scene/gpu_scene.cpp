@@ -8,6 +8,7 @@
 
 #include "gnomon/error.h"
 #include "gpu_scene/convert.h"
+#include "gpu_scene/scene_blocks.h"
 
 namespace gnomon::gpu_scene {
 
@@ -60,21 +61,13 @@ Box3 bounds_of(std::span<const glm::vec3> positions, const scene::Mesh& mesh, co
 GpuScene::GpuScene(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state)
     : device_(device), scene_(state.shared_scene())
 {
-    using vk::BlockExpectation;
-    cull_ = vk::Pipeline(
-        device,
-        vk::ComputeDesc{.name = "cull",
-                        .code = {"gpu_scene/cull.comp", k_cull_code},
-                        .blocks = {{"objects",
-                                    sizeof(GpuObject),
-                                    {{"shown", offsetof(GpuObject, shown)},
-                                     {"positions", offsetof(GpuObject, positions)},
-                                     {"first_index", offsetof(GpuObject, first_index)}}},
-                                   {"draws",
-                                    sizeof(GpuDraw),
-                                    {{"count", offsetof(GpuDraw, count)}, {"extent", offsetof(GpuDraw, extent)}}},
-                                   {"commands", sizeof(VkDrawIndexedIndirectCommand), {}},
-                                   {"", sizeof(shared::CullPush), {}}}});
+    static_assert(sizeof(shared::GpuDrawCommand) == sizeof(VkDrawIndexedIndirectCommand));
+    cull_ = vk::Pipeline(device, vk::ComputeDesc{.name = "cull",
+                                                 .code = {"gpu_scene/cull.comp", k_cull_code},
+                                                 .blocks = vk::all_blocks(
+                                                     vk::shared_push<shared::CullPush>(), draw_blocks(),
+                                                     std::vector{vk::shared_block<shared::GpuDrawCommand>("commands"),
+                                                                 vk::shared_block<shared::CullCounts>("counts")})});
     std::vector<vk::Upload> uploads;
     lay_out(state, uploads);
 }

@@ -90,12 +90,41 @@ struct GpuLight {
     uint of_environment;
 };
 
+/// VkDrawIndexedIndirectCommand.
+struct GpuDrawCommand {
+    uint index_count, instance_count, first_index;
+    int vertex_offset;
+    uint first_instance;
+};
+
+/// Results of one culling.
+struct CullCounts {
+    uint drawn;
+    uint triangles;
+};
+
 /// The view against which draws are culled, as push constants.
 struct CullPush {
     vec4 planes[6];   // a point is inside where dot(xyz, p) + w >= 0
     uint draws;
     uint classes;   // unused: keeps the size a multiple of 8
 };
+
+#ifdef __cplusplus
+GNOMON_MEMBERS(GpuObject, to_world, normal_x, normal_y, normal_z, shown, mirrored, positions, normals, texcoords,
+               colors, first_index, tangents)
+GNOMON_MEMBERS(GpuDraw, object, material, first_triangle, count, centre, extent)
+GNOMON_MEMBERS(GpuTextureUse, texture, texcoord, offset, scale, rotation_cos, rotation_sin)
+GNOMON_MEMBERS(GpuMaterial, base_color, alpha, emissive, alpha_cutoff, ambient, metallic, specular, roughness, shine,
+               transmittance, transmission, ior, normal_scale, occlusion_strength, model, alpha_mode,
+               base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture)
+GNOMON_MEMBERS(GpuTexture, width, height, levels, wrap_u, wrap_v, magnify, minify, first)
+GNOMON_MEMBERS(GpuLight, color, type, position, range, direction, shown, cos_inner, cos_outer, constant_falloff,
+               cosine_profile, of_environment)
+GNOMON_MEMBERS(GpuDrawCommand, index_count, instance_count, first_index, vertex_offset, first_instance)
+GNOMON_MEMBERS(CullCounts, drawn, triangles)
+GNOMON_MEMBERS(CullPush, planes, draws, classes)
+#endif
 
 GNOMON_SHARED_END
 #endif

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The light at a point, as in src/scene/light.cpp. Included after gpu_scene/gpu_scene_shared.h.
 
-const float k_most_irradiance = 1e12, k_least_square = 1e-30;  // as in that file
+#include "scene/light_shared.h"
+
+const float k_most_irradiance = GNOMON_MOST_IRRADIANCE, k_least_square = GNOMON_LEAST_SQUARE;
 
 // Computes the unoccluded light at a point. Returns false if there is none.
 bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradiance)

@@ -3,7 +3,7 @@
 // bindings: GNOMON_OBJECTS ... (see below).
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"
-#include "gpu_scene/footprint_shared.h"
+#include "scene/footprint_shared.h"
 
 layout(binding = GNOMON_OBJECTS, scalar) readonly buffer Objects { GpuObject at[]; } objects;
 layout(binding = GNOMON_DRAWS, scalar) readonly buffer Draws { GpuDraw at[]; } draws;
@@ -15,7 +15,8 @@ layout(binding = GNOMON_COLORS, scalar) readonly buffer Colors { vec4 at[]; } co
 
 const uint k_repeat = 0u, k_mirror = 1u;  // scene::Wrap; otherwise clamp
 const uint k_nearest = 0u;                 // scene::Filter
-const float k_no_sample_more = 1e-3, k_one_level = 0.25, k_far = 1e5;  // as in src/scene/footprint.cpp
+const float k_no_sample_more = GNOMON_FOOTPRINT_NO_SAMPLE_MORE, k_one_level = GNOMON_FOOTPRINT_ONE_LEVEL;
+const float k_far = GNOMON_FOOTPRINT_FAR;
 
 // The use's transform without its offset, for differences of coordinates.
 vec2 apply_to_step(GpuTextureUse use, vec2 uv)

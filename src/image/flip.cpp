@@ -223,7 +223,7 @@ FlipExposures flip_exposures(const ImageF& reference)
     std::vector<float> light(reference.data.size() / 3);
     for (std::size_t i = 0; i < light.size(); ++i) {
         const float* p = &reference.data[i * 3];
-        const float l = luminance({p[0], p[1], p[2]});
+        const float l = luminance(glm::vec3(p[0], p[1], p[2]));
         light[i] = l > 0 ? std::min(l, std::numeric_limits<float>::max()) : 0.0f;
     }
     const auto middle = light.begin() + static_cast<std::ptrdiff_t>((light.size() - 1) / 2);

@@ -43,7 +43,7 @@ double gray(const ImageF& image, int x, int y, int channel)
 {
     const float* p = image.pixel(x, y);
     if (channel >= 0) return sane(p[channel]);
-    return 0.2126 * sane(p[0]) + 0.7152 * sane(p[1]) + 0.0722 * sane(p[2]);
+    return luminance(glm::dvec3(sane(p[0]), sane(p[1]), sane(p[2])));
 }
 
 // Positions of windows along one axis, and their weights, which sum to 1 even if cut.

@@ -130,7 +130,7 @@ double auto_exposure(std::span<const float> rgb)
     std::vector<std::int64_t> histogram(bins, 0);
     std::int64_t lit = 0;
     for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
-        const float light = luminance({sane(rgb[i]), sane(rgb[i + 1]), sane(rgb[i + 2])});
+        const float light = luminance(glm::vec3(sane(rgb[i]), sane(rgb[i + 1]), sane(rgb[i + 2])));
         if (!(light > 0)) continue;
         const int bin = static_cast<int>(std::floor((std::log2(light) - k_lowest_stop) * k_bins_per_stop));
         ++histogram[static_cast<std::size_t>(std::clamp(bin, 0, bins - 1))];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options/option_table.h"
 
+#include "options/enum_names.h"
+
 namespace gnomon::options {
 
 namespace {
@@ -23,7 +25,8 @@ constexpr SubcommandInfo k_subcommands[] = {
     {bench_trace, "bench trace", "SCENE", 1, "measure the overhead of a traced frame beyond its rays", true},
     {bench_culling, "bench culling", "SCENE", 1, "measure shadow culling", true},
     {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures on Vulkan", true},
-    {bench_indirect, "bench indirect", "SCENE", 1, "compare methods for indirect light with a path-traced reference", true},
+    {bench_indirect, "bench indirect", "SCENE", 1, "compare methods for indirect light with a path-traced reference",
+     true},
     {bench_all, "bench all", "--report DIR", 0, "write one page with measurements for all papers", true},
 };
 
@@ -39,15 +42,14 @@ constexpr std::string_view k_comparison = "Comparison";
 constexpr std::string_view k_common = "Everywhere";
 
 constexpr double k_many = 1e9;
-constexpr double k_side = 32768;
 
 // clang-format off
 constexpr Option k_options[] = {
     {.name = "out", .letter = 'o', .argument = "OUT", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
      .help = "output file: .png, .exr (linear light, all layers), .mp4, or a numbered set such as name-{frame:04}.png"},
-    {.name = "size", .argument = "WxH", .kind = Kind::size, .low = 1, .high = k_side, .subcommands = k_images, .group = k_output,
+    {.name = "size", .argument = "WxH", .kind = Kind::size, .range = ranges::image_side, .subcommands = k_images, .group = k_output,
      .help = "size of the image in pixels; keeps the vertical field of view (default: that of the file, else 1280x720)"},
-    {.name = "size", .argument = "WxH", .kind = Kind::size, .fallback = "512x512", .low = 1, .high = k_side,
+    {.name = "size", .argument = "WxH", .kind = Kind::size, .fallback = "512x512", .range = ranges::image_side,
      .subcommands = k_benches, .group = k_output, .help = "size of the image in pixels; keeps the vertical field of view"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = k_reports, .group = k_output,
      .help = "also write DIR/index.html: tables and charts with the paper's values, and the data"},
@@ -57,22 +59,22 @@ constexpr Option k_options[] = {
      .help = "use smaller images and fewer frames: takes minutes instead of a quarter of an hour"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
      .help = "also write a labelled grid of up to 12 frames, evenly spaced over the range"},
-    {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = "trace|raster",
+    {.name = "renderer", .argument = "NAME", .kind = Kind::choice, .fallback = "trace", .choices = k_choices<RenderMethod>,
      .subcommands = k_images | bit(bench_indirect), .group = k_output,
      .help = "trace: ray tracing on the CPU; raster: rasterisation with Vulkan, without reflections and refraction"},
 
-    {.name = "frame", .argument = "N", .kind = Kind::integer, .low = 1, .high = k_many,
+    {.name = "frame", .argument = "N", .kind = Kind::integer, .range = {1, k_many},
      .subcommands = bit(render) | bit(bench_trace), .group = k_frames, .help = "a single frame, counted from 1"},
-    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .subcommands = bit(render),
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(render),
      .group = k_frames,
      .help = "first and last frame (default: the whole clip for a video or a numbered set, frame 1 for an image)"},
-    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .subcommands = bit(bench_culling),
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(bench_culling),
      .group = k_frames, .help = "first and last frame (default: the first 100 frames)"},
-    {.name = "frames", .argument = "A-B", .kind = Kind::range, .low = 1, .high = k_many, .subcommands = bit(bench_indirect),
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(bench_indirect),
      .group = k_frames, .help = "first and last frame (default: the first 10 frames)"},
-    {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .low = 1, .high = 200,
+    {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .range = {1, 200},
      .subcommands = bit(bench_shadow_textures), .group = k_frames, .help = "number of frames to measure, after two warm-up frames; times are medians"},
-    {.name = "fps", .argument = "F", .kind = Kind::number, .low = 0.001, .high = 1000,
+    {.name = "fps", .argument = "F", .kind = Kind::number, .range = {0.001, 1000},
      .subcommands = k_images | bit(info), .group = k_frames,
      .help = "frames per second (default: that of the file, else 24)"},
     {.name = "chunk", .argument = "I/N", .kind = Kind::chunk, .subcommands = bit(render), .group = k_frames,
@@ -80,33 +82,32 @@ constexpr Option k_options[] = {
     {.name = "resume", .subcommands = bit(render), .group = k_frames,
      .help = "keep frames that are already complete: for a video, those of the same scene and options; for numbered "
              "images, all complete files of the right size"},
-    {.name = "warm-up", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .subcommands = bit(render),
+    {.name = "warm-up", .argument = "N", .kind = Kind::integer, .range = {0, k_many}, .subcommands = bit(render),
      .group = k_frames,
      .help = "first render the N frames before the range without writing them, to fill the caches (default: 0; 8 for a "
              "single image with --overlay shadow-states)"},
-    {.name = "repeat", .argument = "R", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 1000,
-     .subcommands = bit(bench_culling), .group = k_frames,
-     .help = "number of runs; times are medians over the runs, and counts must be equal in all runs"},
-    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 1024,
+    {.name = "repeat", .argument = "R", .kind = Kind::integer, .fallback = "1", .range = {1, 1000},
+     .subcommands = bit(bench_culling), .group = k_frames, .help = "number of runs; times are medians over the runs, and counts must be equal in all runs"},
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::threads,
      .subcommands = bit(bench_culling), .group = k_frames, .help = "number of threads, 0: all; does not change counts"},
-    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 1024,
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .range = ranges::threads,
      .subcommands = bit(bench_shadow_textures), .group = k_frames,
      .help = "accepted for consistency; has no effect here, because one thread plans and the device draws"},
 
-    {.name = "objects", .argument = "N...", .kind = Kind::integer, .low = 1, .high = 1e6, .repeats = true,
+    {.name = "objects", .argument = "N...", .kind = Kind::integer, .range = {1, 1e6}, .repeats = true,
      .subcommands = bit(bench_shadow_textures), .group = k_scene, .help = "numbers of spheres in the scene (default: 300)"},
-    {.name = "dynamic", .argument = "P...", .kind = Kind::number, .low = 0, .high = 100, .repeats = true,
+    {.name = "dynamic", .argument = "P...", .kind = Kind::number, .range = {0, 100}, .repeats = true,
      .subcommands = bit(bench_shadow_textures), .group = k_scene, .help = "percentages of dynamic spheres (default: 10)"},
-    {.name = "movers", .argument = "M", .kind = Kind::integer, .low = 0, .high = 1e6,
+    {.name = "movers", .argument = "M", .kind = Kind::integer, .range = {0, 1e6},
      .subcommands = bit(bench_shadow_textures), .group = k_scene,
      .help = "number of dynamic objects, instead of a percentage, in a crowd of small static objects of constant density"},
-    {.name = "vertices", .argument = "V", .kind = Kind::integer, .fallback = "2037", .low = 5, .high = 1e6,
+    {.name = "vertices", .argument = "V", .kind = Kind::integer, .fallback = "2037", .range = {5, 1e6},
      .subcommands = bit(bench_shadow_textures), .group = k_scene, .help = "number of vertices per sphere"},
     {.name = "camera", .argument = "NAME|N|auto", .kind = Kind::text, .fallback = "auto", .subcommands = k_scened, .group = k_scene,
      .help = "camera by name or by number from 0; auto: the first"},
-    {.name = "turntable", .argument = "SECONDS", .kind = Kind::number, .low = 0.001, .high = 1e6, .subcommands = k_images,
+    {.name = "turntable", .argument = "SECONDS", .kind = Kind::number, .range = ranges::turntable_seconds, .subcommands = k_images,
      .group = k_scene, .help = "let the camera circle the scene once in this time"},
-    {.name = "lights", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .subcommands = k_scened, .group = k_scene,
+    {.name = "lights", .argument = "N", .kind = Kind::integer, .range = {0, k_many}, .subcommands = k_scened, .group = k_scene,
      .help = "keep the first N lights of the file (default: all)"},
     {.name = "light", .argument = "\"...\"", .kind = Kind::text, .repeats = true, .subcommands = k_scened, .group = k_scene,
      .help = "replace the file's lights by \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y Z R G B\", in "
@@ -114,29 +115,29 @@ constexpr Option k_options[] = {
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
      .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg"},
 
-    {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 1, .high = 4096,
+    {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::samples,
      .subcommands = k_images, .group = k_quality, .help = "samples per pixel"},
-    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .low = 0, .high = 64,
+    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .range = ranges::max_depth,
      .subcommands = k_images | bit(bench_trace), .group = k_quality, .help = "largest number of reflections and refractions along a path"},
-    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 64,
+    {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "0", .range = ranges::max_depth,
      .subcommands = bit(bench_culling), .group = k_quality,
      .help = "largest number of reflections and refractions along a path; shadows are computed at all hits; 0: primary "
              "hits only"},
-    {.name = "accelerator", .argument = "NAME", .kind = Kind::choice, .fallback = "embree", .choices = "embree|kdtree",
+    {.name = "accelerator", .argument = "NAME", .kind = Kind::choice, .fallback = "embree", .choices = k_choices<Accelerator>,
      .subcommands = k_images, .group = k_quality,
      .help = "acceleration structure; kdtree: slow, counts nodes and triangle tests, the same image except at edges"},
 
-    {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "auto", .low = -100, .high = 100,
+    {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "auto", .range = ranges::exposure,
      .subcommands = k_images, .group = k_look, .help = "exposure in stops; auto: computed from each frame separately"},
-    {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = "none|neutral|agx|aces",
+    {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = k_choices<ToneMap>,
      .subcommands = k_images, .group = k_look, .help = "tone mapping operator"},
-    {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = "shadow-states|redrawn|clusters",
+    {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = k_choices<Overlay>,
      .subcommands = k_images, .group = k_look,
      .help = "colour the image by internal state. shadow-states: cached shadows, in a panel of --size for each light, "
              "with a legend; results that differ from tracing every ray are counted and highlighted. redrawn: what the "
              "light views of the rasteriser drew in this frame: red is dynamic, green came to rest, yellow was repaired. "
              "clusters: the light clusters of --indirect quadtree"},
-    {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .low = 0, .high = k_many, .subcommands = k_images,
+    {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .range = {0, k_many}, .subcommands = k_images,
      .group = k_look, .help = "show shadow states only for this light, counted from 0 (default: for all lights)"},
 
     {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "paper|certified", .repeats = true,
@@ -151,15 +152,15 @@ constexpr Option k_options[] = {
      .help = "methods to measure. per-caster: draw all casters for every receiver (slow); depth: one depth buffer; "
              "coherent: keep it from frame to frame; items: the same with one item buffer in place of all textures "
              "(default: depth coherent items)"},
-    {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "certified", .choices = "off|paper|certified",
+    {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "certified", .choices = k_choices<ShadowCulling>,
      .subcommands = k_images, .group = k_shadows,
      .help = "reuse traced shadows. certified: only proven ones, the same image as off; paper: the approximate method "
              "published in 2009, which can be wrong and depends on earlier frames"},
     {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .fallback = "coherent",
-     .choices = "per-caster|depth|coherent", .subcommands = k_images, .group = k_shadows,
+     .choices = k_choices<ShadowTextures>, .subcommands = k_images, .group = k_shadows,
      .help = "method for rasterised shadows. coherent: redraw only what changed; depth, per-caster: redraw everything, "
              "receiver by receiver; all give the same image"},
-    {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 64,
+    {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::shadow_filter,
      .subcommands = k_images, .group = k_shadows, .help = "width of the edges of rasterised shadows in texels; 0: hard edges"},
     {.name = "moving-lights", .subcommands = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,
      .help = "move every light along a small circle, so that no cached result can be reused"},
@@ -168,29 +169,29 @@ constexpr Option k_options[] = {
      .subcommands = bit(bench_indirect), .group = k_indirect,
      .help = "methods to measure: visible, quadtree:LEVEL, rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk in sides "
              "of the light map; 0.3); may be repeated (default: visible; with --report, every method of the paper)"},
-    {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = "off|rsm|quadtree|visible",
+    {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
      .subcommands = k_images, .group = k_indirect,
      .help = "method for one-bounce indirect light. visible: irradiance cache, with shadows and without noise; quadtree: "
              "clusters of lit surfaces, as published in 2007; rsm: samples of a reflective shadow map; the latter two "
              "without shadows"},
-    {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .low = 1, .high = 65536,
+    {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .range = ranges::indirect_memory,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
      .help = "visible: size of the irradiance cache, at least twice the points of a frame; points unseen for longest are "
              "evicted first; affects time, not images"},
-    {.name = "indirect-on", .argument = "WHERE", .kind = Kind::choice, .fallback = "auto", .choices = "auto|cpu|vulkan",
+    {.name = "indirect-on", .argument = "WHERE", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<IndirectOn>,
      .subcommands = k_images, .group = k_indirect,
      .help = "visible with --renderer raster: where to cut the light tree, trace rays and sum irradiance. vulkan: on the "
              "device, including rays if it has ray-tracing pipelines; auto: on the device unless it is a software "
              "driver; the same image up to rounding"},
-    {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .low = 1, .high = 65536,
+    {.name = "rsm-samples", .argument = "N", .kind = Kind::integer, .fallback = "256", .range = ranges::rsm_samples,
      .subcommands = k_images, .group = k_indirect, .help = "rsm: number of samples of the reflective shadow map"},
-    {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .low = 4, .high = 6,
+    {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .range = ranges::indirect_level,
      .subcommands = k_images, .group = k_indirect,
      .help = "quadtree: finest level of the cut. 6: 16 x 16 nodes; 5: 32 x 32; 4: 64 x 64"},
-    {.name = "depth-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.05", .low = 0, .high = 1,
+    {.name = "depth-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.05", .range = ranges::depth_threshold,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
      .help = "quadtree: largest difference of depths in a cluster, as a fraction of the light view's depth range"},
-    {.name = "normal-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.9", .low = -1, .high = 1,
+    {.name = "normal-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.9", .range = ranges::normal_threshold,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect, .help = "quadtree: smallest cosine between normals in a cluster"},
     {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full",
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
@@ -198,17 +199,17 @@ constexpr Option k_options[] = {
 
     {.name = "reference", .subcommands = bit(render), .group = k_reference,
      .help = "compute indirect light by path tracing: slow, unbiased, with an estimate of its noise"},
-    {.name = "spp", .argument = "N", .kind = Kind::integer, .fallback = "1024", .low = 1, .high = 1 << 24,
+    {.name = "spp", .argument = "N", .kind = Kind::integer, .fallback = "1024", .range = ranges::spp,
      .subcommands = bit(render), .group = k_reference, .help = "paths per pixel of the reference"},
-    {.name = "spp", .argument = "N", .kind = Kind::integer, .fallback = "4096", .low = 2, .high = 1 << 24,
+    {.name = "spp", .argument = "N", .kind = Kind::integer, .fallback = "4096", .range = {2, ranges::spp.high},
      .subcommands = bit(bench_indirect), .group = k_reference, .help = "paths per point of the reference"},
-    {.name = "judged", .argument = "N", .kind = Kind::integer, .fallback = "4", .low = 1, .high = 1000,
+    {.name = "judged", .argument = "N", .kind = Kind::integer, .fallback = "4", .range = {1, 1000},
      .subcommands = bit(bench_indirect), .group = k_reference, .help = "number of frames in the range that are compared with a reference"},
     {.name = "keep-references", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_indirect),
      .group = k_reference, .help = "folder in which references are kept and reused"},
-    {.name = "bounces", .argument = "N", .kind = Kind::integer, .fallback = "1", .low = 0, .high = 1000,
+    {.name = "bounces", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::bounces,
      .subcommands = bit(render), .group = k_reference, .help = "diffuse bounces of the reference; 0: direct light only"},
-    {.name = "seed", .argument = "S", .kind = Kind::integer, .fallback = "0", .low = 0, .high = k_many,
+    {.name = "seed", .argument = "S", .kind = Kind::integer, .fallback = "0", .range = {0, k_many},
      .subcommands = bit(render), .group = k_reference, .help = "seed of the reference's random numbers"},
 
     {.name = "layer", .argument = "NAME", .kind = Kind::text, .subcommands = bit(compare), .group = k_comparison,
@@ -224,9 +225,8 @@ constexpr Option k_options[] = {
      .help = "write one JSON document to standard output and all other text to standard error; --json=FILE writes it to a file"},
     {.name = "config", .argument = "FILE", .kind = Kind::text, .subcommands = k_every, .group = k_common,
      .help = "file with options as a JSON object, such as {\"size\": \"640x360\"}; the command line takes precedence"},
-    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .low = 0, .high = 1024,
-     .subcommands = k_every & ~(bit(bench_culling) | bit(bench_shadow_textures)), .group = k_common,
-     .help = "number of threads, 0: all; does not change images"},
+    {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .range = ranges::threads,
+     .subcommands = k_every & ~(bit(bench_culling) | bit(bench_shadow_textures)), .group = k_common, .help = "number of threads, 0: all; does not change images"},
     {.name = "quiet", .subcommands = k_every, .group = k_common, .help = "print only errors"},
     {.name = "verbose", .letter = 'v', .subcommands = k_every, .group = k_common, .help = "print more details"},
     {.name = "help", .letter = 'h', .subcommands = k_every, .group = k_common, .help = "show this help"},

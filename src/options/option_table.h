@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "gnomon/ranges.h"
+
 namespace gnomon::options {
 
 enum class Subcommand : std::uint8_t {
@@ -35,8 +37,8 @@ struct SubcommandInfo {
 enum class Kind : std::uint8_t {
     flag,
     optional_file,    // a flag with an optional file: --json or --json=FILE
-    integer,          // in low ... high
-    number,           // in low ... high
+    integer,          // in `range`
+    number,           // in `range`
     number_or_auto,   // a number, or the word auto
     text,
     choice,   // one of `choices`
@@ -53,7 +55,7 @@ struct Option {
     std::string_view fallback{};        // the default, as it would be typed; empty: none, or described in `help`
     std::string_view choices{};         // "a|b|c"; of text: prefixes of the values in a list, up to a colon
     std::string_view built_choices{};   // the choices that are built; empty: all
-    double low = 0, high = 0;
+    Range range{};                      // of numbers, and of the sides of a size
     bool repeats = false;
     bool built = true;
     std::uint32_t subcommands = 0;   // set of bit(Subcommand) that accept it

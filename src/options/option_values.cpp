@@ -43,20 +43,10 @@ bool among(std::string_view word, std::string_view choices)
     return false;
 }
 
-// Formats choices as "off, paper or certified".
-std::string listed(std::string_view choices)
-{
-    std::string text(choices);
-    const std::size_t last = text.rfind('|');
-    if (last != std::string::npos) text.replace(last, 1, " or ");
-    for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos;) text.replace(at, 1, ", ");
-    return text;
-}
-
 // Describes the values that an option accepts, for the end of an error message; empty if the value is valid.
 std::string expectation(const Option& option, const std::string& value)
 {
-    const auto within = [&](double v) { return v >= option.low && v <= option.high; };
+    const auto within = [&](double v) { return option.range.contains(v); };
     switch (option.kind) {
         case Kind::flag:
         case Kind::optional_file:
@@ -66,7 +56,7 @@ std::string expectation(const Option& option, const std::string& value)
         case Kind::integer: {
             const auto v = parse_integer(value);
             if (v && within(static_cast<double>(*v))) return {};
-            return fmt::format("expected a whole number from {} to {}", option.low, option.high);
+            return fmt::format("expected a whole number from {} to {}", option.range.low, option.range.high);
         }
         case Kind::number_or_auto:
             if (value == "auto") return {};
@@ -75,14 +65,15 @@ std::string expectation(const Option& option, const std::string& value)
             const auto v = parse_number(value);
             if (v && within(*v)) return {};
             return fmt::format("expected {}a number from {} to {}",
-                               option.kind == Kind::number_or_auto ? "auto or " : "", option.low, option.high);
+                               option.kind == Kind::number_or_auto ? "auto or " : "", option.range.low,
+                               option.range.high);
         }
         case Kind::choice:
             return among(value, option.choices) ? std::string() : "expected " + listed(option.choices);
         case Kind::size: {
             const auto v = parse_size(value);
             if (v && within(v->width) && within(v->height)) return {};
-            return fmt::format("expected WxH, {} to {} a side", option.low, option.high);
+            return fmt::format("expected WxH, {} to {} a side", option.range.low, option.range.high);
         }
         case Kind::range:
             return parse_range(value) ? std::string() : "expected A-B with 1 <= A <= B";
@@ -92,6 +83,15 @@ std::string expectation(const Option& option, const std::string& value)
     return {};
 }
 }   // namespace
+
+std::string listed(std::string_view choices)
+{
+    std::string text(choices);
+    const std::size_t last = text.rfind('|');
+    if (last != std::string::npos) text.replace(last, 1, " or ");
+    for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos;) text.replace(at, 1, ", ");
+    return text;
+}
 
 std::optional<double> parse_number(std::string_view word)
 {
@@ -194,6 +194,14 @@ int OptionValues::integer(std::string_view name) const
     const auto value = parse_integer(text(name));
     GNOMON_CHECK(value.has_value());
     return static_cast<int>(*value);
+}
+
+void OptionValues::check_choices(std::string_view name, std::string_view choices) const
+{
+    const Option* option = find_option(subcommand_, name);
+    if (!option || option->kind != Kind::choice || option->choices != choices)
+        throw InternalError(fmt::format("the choices of --{} are '{}' in the table of options, and '{}' by its type",
+                                        name, option ? option->choices : "", choices));
 }
 
 double OptionValues::number(std::string_view name) const

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gnomon/types.h"
+#include "options/enum_names.h"
 #include "options/option_table.h"
 
 namespace gnomon::options {
@@ -44,8 +45,18 @@ class OptionValues {
     std::vector<std::string> all(std::string_view name) const;
     int integer(std::string_view name) const;
     double number(std::string_view name) const;
+    /// An option whose choices are an enum's.
+    /// @throws InternalError  if the option's choices are not those of E
+    template <class E>
+    E choice(std::string_view name) const
+    {
+        check_choices(name, k_choices<E>);
+        return parse_enum<E>(name, text(name));
+    }
 
  private:
+    void check_choices(std::string_view name, std::string_view choices) const;
+
     Subcommand subcommand_;
     std::map<std::string, std::vector<std::string>, std::less<>> values_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lies behind everything, as src/scene/light.cpp and environment.cpp have it. Included with `frame` (RasterFrame)
 // and `environment` (texels) declared.
+#include "scene/light_shared.h"
 
 vec3 environment_texel(int column, int row)
 {
@@ -22,13 +23,13 @@ vec3 background_radiance(vec3 direction)
     }
     const float y = clamp(direction.y, -1, 1);
     vec3 result = y >= 0 ? mix(frame.horizon, frame.zenith, sqrt(y))
-                         : mix(frame.horizon, frame.ground, min(1, -y / 0.08));
+                         : mix(frame.horizon, frame.ground, min(1, -y / GNOMON_SKY_HAZE_DEPTH));
     if (frame.sun_radiance != vec3(0)) {
         const float cosine = dot(direction, frame.sun_direction);
-        if (cosine > 0.99996)
+        if (cosine > GNOMON_SUN_DISC)
             result += frame.sun_radiance;
         else if (cosine > 0)
-            result += 0.25 * frame.horizon * pow(cosine, 250);
+            result += GNOMON_SUN_GLOW * frame.horizon * pow(cosine, GNOMON_SUN_GLOW_POWER);
     }
     return result;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "gpu_scene/scene_blocks.h"
 #include "scene/environment.h"
 
 namespace gnomon::raster {
@@ -45,28 +46,6 @@ constexpr VkFormat k_id_format = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat k_depth_format = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat k_wide_format = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr float k_nearest = 1e-6f;   // scene units: what a perspective view without a near plane begins at
-
-// The blocks that the shaders of this room share with the host, as far as a shader has them.
-const std::vector<vk::BlockExpectation> k_scene_blocks = {
-    {"objects",
-     sizeof(gpu_scene::shared::GpuObject),
-     {{"normal_x", offsetof(gpu_scene::shared::GpuObject, normal_x)},
-      {"colors", offsetof(gpu_scene::shared::GpuObject, colors)}}},
-    {"draws", sizeof(gpu_scene::shared::GpuDraw), {{"material", offsetof(gpu_scene::shared::GpuDraw, material)}}}};
-const std::vector<vk::BlockExpectation> k_material_blocks = {
-    {"materials",
-     sizeof(gpu_scene::shared::GpuMaterial),
-     {{"shine", offsetof(gpu_scene::shared::GpuMaterial, shine)},
-      {"emissive_texture", offsetof(gpu_scene::shared::GpuMaterial, emissive_texture)}}},
-    {"textures", sizeof(gpu_scene::shared::GpuTexture), {{"first", offsetof(gpu_scene::shared::GpuTexture, first)}}}};
-
-template <class... Lists>
-std::vector<vk::BlockExpectation> all_of(vk::BlockExpectation push, const Lists&... lists)
-{
-    std::vector<vk::BlockExpectation> all{std::move(push)};
-    (all.insert(all.end(), lists.begin(), lists.end()), ...);
-    return all;
-}
 
 // From one light's layer of what is lit to the next. Each can be bound: whole multiples of 256 bytes always can.
 std::size_t lit_pixels(Size size)
@@ -116,42 +95,40 @@ void RasterFrame::make_pipelines()
 {
     using vk::ComputeDesc;
     using vk::GraphicsDesc;
-    const vk::BlockExpectation draw_block{"", sizeof(DrawPush), {{"eye", offsetof(DrawPush, eye)}}};
+    const vk::BlockExpectation draw_push = vk::shared_push<DrawPush>();
+    const std::vector frame_block{vk::shared_block<shared::RasterFrame>("Frame")};
     opaque_ = vk::Pipeline(device_, GraphicsDesc{.name = "ids",
                                                  .vertex = {"visibility.vert", k_visibility_vert},
                                                  .fragment = {"visibility.frag", k_visibility_frag},
                                                  .colors = {k_id_format},
                                                  .depth = k_depth_format,
-                                                 .blocks = all_of(draw_block, k_scene_blocks)});
+                                                 .blocks = vk::all_blocks(draw_push, gpu_scene::draw_blocks())});
     masked_ = vk::Pipeline(device_, GraphicsDesc{.name = "ids with holes",
                                                  .vertex = {"visibility_masked.vert", k_masked_vert},
                                                  .fragment = {"visibility_masked.frag", k_masked_frag},
                                                  .colors = {k_id_format},
                                                  .depth = k_depth_format,
-                                                 .blocks = all_of(draw_block, k_scene_blocks, k_material_blocks)});
+                                                 .blocks = vk::all_blocks(draw_push, gpu_scene::scene_data_blocks())});
     peel_ = vk::Pipeline(device_, GraphicsDesc{.name = "peel",
                                                .vertex = {"visibility.vert", k_visibility_vert},
                                                .fragment = {"visibility_peel.frag", k_peel_frag},
                                                .colors = {k_id_format},
                                                .depth = k_depth_format,
-                                               .blocks = all_of(draw_block, k_scene_blocks)});
-    const vk::BlockExpectation frame_block{"frame", sizeof(shared::RasterFrame), {}};
-    resolve_ = vk::Pipeline(
-        device_, ComputeDesc{.name = "surfaces",
-                             .code = {"resolve.comp", k_resolve_comp},
-                             .blocks = all_of({"", sizeof(ResolvePush), {{"last", offsetof(ResolvePush, last)}}},
-                                              k_scene_blocks, k_material_blocks)});
+                                               .blocks = vk::all_blocks(draw_push, gpu_scene::draw_blocks())});
+    resolve_ =
+        vk::Pipeline(device_, ComputeDesc{.name = "surfaces",
+                                          .code = {"resolve.comp", k_resolve_comp},
+                                          .blocks = vk::all_blocks(vk::shared_push<ResolvePush>(),
+                                                                   gpu_scene::scene_data_blocks(), frame_block)});
     shade_ = vk::Pipeline(
         device_,
         ComputeDesc{.name = "lights",
                     .code = {"shade.comp", k_shade_comp},
-                    .blocks = {{"", sizeof(ShadePush), {{"layers", offsetof(ShadePush, layers)}}},
-                               {"lights",
-                                sizeof(gpu_scene::shared::GpuLight),
-                                {{"of_environment", offsetof(gpu_scene::shared::GpuLight, of_environment)}}}}});
+                    .blocks = vk::all_blocks(vk::shared_push<ShadePush>(), frame_block,
+                                             std::vector{vk::shared_block<gpu_scene::shared::GpuLight>("lights")})});
     bounce_ = vk::Pipeline(device_, ComputeDesc{.name = "bounced light",
                                                 .code = {"bounce.comp", k_bounce_comp},
-                                                .blocks = {{"", sizeof(BouncePush), {}}}});
+                                                .blocks = vk::all_blocks(vk::shared_push<BouncePush>(), frame_block)});
 }
 
 // Images of the image's size; kept from frame to frame.

@@ -60,5 +60,15 @@ struct BouncePush {
     uint layers;   // also add to the layer of indirect light
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(RasterFrame, eye, orthographic, right, width, up, height, forward, pixel_spread, pixel_width, background,
+               stand_in, background_color, zenith, horizon, ground, sun_direction, sun_radiance, ambient,
+               environment_width, environment_height, harmonics)
+GNOMON_MEMBERS(DrawPush, clip_from_offset, eye)
+GNOMON_MEMBERS(ResolvePush, sample_offset, weight, first, peeled, last)
+GNOMON_MEMBERS(ShadePush, first_light, light_count, shadowed, colors, layers, first_lit, lit_count, lit_pixels)
+GNOMON_MEMBERS(BouncePush, layers)
+#endif
+
 GNOMON_SHARED_END
 #endif

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/check.h"
+#include "base/math.h"
 
 namespace gnomon::raster {
 
@@ -53,7 +54,7 @@ void paint_redrawn(const IdImage& ids, const std::vector<Redrawn>& objects, doub
         for (int x = 0; x < color.width; ++x) {
             float* const rgb = color.pixel(x, y);
             const std::uint32_t id = ids.pixel(x, y)[0];
-            const float light = scale * (0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]);
+            const float light = scale * luminance(glm::vec3(rgb[0], rgb[1], rgb[2]));
             const float grey = light > 0 ? light / (1 + light) : 0.0f;
             const Redrawn what = id == 0 ? Redrawn::kept : objects[id - 1];
             const float shade = what == Redrawn::kept ? grey : k_mark_floor + (1 - k_mark_floor) * grey;

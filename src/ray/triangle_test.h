@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "base/math.h"
+#include "ray/limits_shared.h"
 
 namespace gnomon::ray {
 
@@ -16,8 +17,9 @@ struct TriangleHit {
     bool behind = false;         // from where the corners run clockwise
 };
 
-// Volumes up to this share of their sum count as 0: such rays meet both triangles of an edge.
-inline constexpr float k_edge_slack = 0x1p-23f;
+// Volumes up to this fraction of their sum count as 0: such rays meet both triangles of an edge.
+inline constexpr float k_edge_slack = GNOMON_EDGE_SLACK;
+static_assert(k_edge_slack == 0x1p-23f);
 
 /// @return whether the ray meets the triangle, from either side, past tnear, up to and with tfar
 inline bool meets(const glm::vec3& origin, const glm::vec3& direction, float tnear, float tfar, const glm::vec3 (&p)[3],

@@ -42,7 +42,7 @@ EnvironmentSampler::EnvironmentSampler(const scene::Environment& environment)
         for (int x = 0; x < image.width; ++x) {
             const float* p = image.pixel(x, y);
             const auto column = static_cast<std::size_t>(static_cast<std::int64_t>(x) * width_ / image.width);
-            cells_[row * columns + column] += weight * static_cast<double>(luminance({p[0], p[1], p[2]}));
+            cells_[row * columns + column] += weight * static_cast<double>(luminance(glm::vec3(p[0], p[1], p[2])));
         }
     }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "ray/origin.h"
 #include "reference/reference.h"
 
 namespace gnomon::reference {
@@ -14,7 +15,6 @@ namespace {
 constexpr int k_batches = 16;
 constexpr int k_least_batch = 4;   // smaller ones are not worth it: every sample is then a batch of its own
 constexpr std::size_t k_paths_at_once = 2048;
-constexpr float k_shadow_end = 0.9999f;   // a shadow ray ends this fraction short of its lamp
 
 // Paths that carry little end at random from this bounce on; those that go on make up for it.
 constexpr int k_first_roulette = 4;
@@ -315,7 +315,7 @@ void ReferencePaths::ask_lights()
         const float cosine = glm::dot(sample.to_light, path.normal);
         const bool directional = scene.lights[l].type == scene::LightType::directional;
         shadow_rays_.push(path.origin, 0, directional ? -at.direction : at.position - path.origin,
-                          directional ? k_infinity : k_shadow_end);
+                          directional ? k_infinity : ray::k_shadow_ray_end);
         shadow_path_.push_back(i);
         const bool lacks_pi = path.aff && !scene.lights[l].of_environment;
         const float factor = (lacks_pi ? k_float_pi : 1.0f) * cosine * (sum / light_chance_[chosen]);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/morton.h"
+
 namespace gnomon::reference {
 
 namespace {
@@ -26,14 +28,6 @@ std::uint32_t second_dimension(std::uint32_t i)
 }
 
 // The bits of a number, each followed by a zero.
-std::uint64_t spread_bits(std::uint64_t x)
-{
-    x = (x | (x << 16)) & 0x0000ffff0000ffffull;
-    x = (x | (x << 8)) & 0x00ff00ff00ff00ffull;
-    x = (x | (x << 4)) & 0x0f0f0f0f0f0f0f0full;
-    x = (x | (x << 2)) & 0x3333333333333333ull;
-    return (x | (x << 1)) & 0x5555555555555555ull;
-}
 
 }   // namespace
 
@@ -43,7 +37,7 @@ const std::vector<SamplePattern::Point>& SamplePattern::points(int count)
     if (!points.empty()) return points;
     for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(count); ++i)
         points.emplace_back(reversed_bits(i), second_dimension(i));
-    const auto morton = [](const Point& p) { return 2 * spread_bits(p.first) | spread_bits(p.second); };
+    const auto morton = [](const Point& p) { return morton_code(p.second, p.first); };
     std::sort(points.begin(), points.end(), [&](const Point& a, const Point& b) { return morton(a) < morton(b); });
     return points;
 }

@@ -85,7 +85,7 @@ void Environment::gather()
             const auto column = static_cast<std::size_t>(static_cast<std::int64_t>(x) * columns_ / image_.width);
             Cell& cell = cells_[row * static_cast<std::size_t>(columns_) + column];
             const glm::dvec3 flux = solid_angle * glm::dvec3(p[0], p[1], p[2]);
-            const double light = 0.2126 * flux.x + 0.7152 * flux.y + 0.0722 * flux.z;
+            const double light = luminance(flux);
             cell.flux += flux;
             cell.light += light;
             cell.weighted += light * glm::dvec3(direction_at((x + 0.5) / width, (y + 0.5) / height));

@@ -9,9 +9,11 @@ namespace gnomon::scene {
 
 namespace {
 
-constexpr float k_no_sample_more = 1e-3f;   // in samples; keeps rounding from adding one
-constexpr float k_one_level = 0.25f;        // this near to a level's texel size, in octaves, one level suffices
-constexpr float k_far = 1e5f;               // periods or texels; beyond, floats have too few bits left for steps
+constexpr float k_no_sample_more = GNOMON_FOOTPRINT_NO_SAMPLE_MORE;   // in samples; keeps rounding from adding one
+// This near to a level's texel size, in octaves, one level suffices.
+constexpr float k_one_level = GNOMON_FOOTPRINT_ONE_LEVEL;
+// Periods or texels; beyond, floats have too few bits left for steps.
+constexpr float k_far = GNOMON_FOOTPRINT_FAR;
 
 using Four = float __attribute__((vector_size(16)));   // a colour in a register
 

@@ -9,15 +9,15 @@
 
 #include <cmath>
 
+#include "scene/footprint_shared.h"
 #include "scene/texture.h"
 
 namespace gnomon::scene {
 
 /// Up to a ratio of k_stretch squared, a single sample is used, with the footprint of the ellipse's area. Beyond,
-/// samples are k_stretch times as wide as the ellipse and lie side by side. The device's constants are in
-/// gpu_scene/footprint_shared.h.
-inline constexpr float k_stretch = 1.73205081f;
-inline constexpr int k_most_samples = 6;
+/// samples are k_stretch times as wide as the ellipse and lie side by side.
+inline constexpr float k_stretch = GNOMON_FOOTPRINT_STRETCH;
+inline constexpr int k_most_samples = GNOMON_FOOTPRINT_SAMPLES;
 
 /// Linear RGBA over an ellipse around uv. If it is longer than k_most_samples can cover, samples get wider.
 /// @param diameter, other  conjugate diameters in uv units; zeros, infinities and NaN are allowed

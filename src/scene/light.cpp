@@ -4,12 +4,14 @@
 #include <algorithm>
 
 #include "scene/environment.h"
+#include "scene/light_shared.h"
 
 namespace gnomon::scene {
 
 namespace {
 
-constexpr float k_least_square = 1e-30f;   // of a squared distance; its inverse is finite
+constexpr float k_least_square = GNOMON_LEAST_SQUARE;   // of a squared distance; its inverse is finite
+static_assert(k_most_irradiance == GNOMON_MOST_IRRADIANCE);
 
 // Clamps irradiance to 0 ... k_most_irradiance; NaN becomes 0 because it compares false.
 glm::vec3 bounded(const glm::vec3& irradiance)
@@ -70,12 +72,12 @@ glm::vec3 Background::radiance(const glm::vec3& direction) const
         const float t = std::pow(y, 0.5f);
         result = glm::mix(horizon, zenith, t);
     } else {
-        constexpr float haze_depth = 0.08f;   // sine of the depression at which the ground's own colour begins
+        constexpr float haze_depth = GNOMON_SKY_HAZE_DEPTH;
         result = glm::mix(horizon, ground, std::min(1.0f, -y / haze_depth));
     }
     if (sun_radiance != glm::vec3(0)) {
         const float cosine = glm::dot(direction, sun_direction);
-        constexpr float disc = 0.99996f, glow_power = 250.0f, glow = 0.25f;   // 0.5 degrees across
+        constexpr float disc = GNOMON_SUN_DISC, glow_power = GNOMON_SUN_GLOW_POWER, glow = GNOMON_SUN_GLOW;
         if (cosine > disc)
             result += sun_radiance;
         else if (cosine > 0)

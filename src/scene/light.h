@@ -31,7 +31,7 @@ struct Light {
     NodeId node = none;
     bool of_environment = false;   // part of an environment map; only for diffuse reflection, because specular
                                    // reflection sees the map itself
-    bool by_default = false;   // added by the library, not by the file
+    bool by_default = false;       // added by the library, not by the file
 };
 
 /// A light at the current time.

@@ -3,6 +3,7 @@
 // here changes the image.
 #include <algorithm>
 
+#include "scene/light_reach.h"
 #include "trace/tile_tracer.h"
 
 namespace gnomon::trace {
@@ -30,8 +31,9 @@ StateMark TileTracer::mark_of(std::uint32_t p, std::size_t l, bool& untrusted) c
     const scene::Light& light = scene_.lights[l];
     const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
     const shadow_culling::ShadowPoint& here = shadow_points_[p];
-    const glm::vec3 to_light = light.type == scene::LightType::directional ? -at.direction : at.position - here.origin;
-    if (!at.visible || !(glm::dot(to_light, here.normal) > 0) || !(glm::dot(to_light, shading_normals_[p]) > 0) ||
+    const glm::vec3 to_light = scene::LightReach(light, at).from(here.origin);
+    if (!at.visible || !scene::LightReach::faces(to_light, here.normal) ||
+        !scene::LightReach::faces(to_light, shading_normals_[p]) ||
         scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0))
         return StateMark::away;
     if (scene_.objects[here.object].dynamic) return StateMark::moving;

@@ -4,26 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/morton.h"
 #include "base/stopwatch.h"
+#include "ray/origin.h"
+#include "scene/light_reach.h"
 
 namespace gnomon::trace {
 
 namespace {
 
-// A shadow ray ends this fraction short of its lamp, so that a lamp drawn as a surface does not shadow itself.
-constexpr float k_shadow_end = 0.9999f;
-
 constexpr int k_least_paths = 2;   // of a point that a reference is asked about: fewer have no spread
-
-// Every second bit of a Morton code.
-std::uint32_t even_bits(std::uint32_t code)
-{
-    code &= 0x55555555u;
-    code = (code | (code >> 1)) & 0x33333333u;
-    code = (code | (code >> 2)) & 0x0f0f0f0fu;
-    code = (code | (code >> 4)) & 0x00ff00ffu;
-    return (code | (code >> 8)) & 0x0000ffffu;
-}
 
 float largest_share(const glm::vec3& share)
 {
@@ -252,20 +242,18 @@ void TileTracer::light_points(bool primary, const TileRect& tile, bool show_stat
 // One queue of shadow rays from all points that face the light.
 void TileTracer::queue_shadow_rays(std::size_t l)
 {
-    const scene::Light& light = scene_.lights[l];
-    const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
-    const bool directional = light.type == scene::LightType::directional;
-    const bool bounded = light.type == scene::LightType::spot || light.range > 0;   // may leave a point it faces dark
+    const scene::LightReach light(scene_.lights[l], state_.light(static_cast<scene::LightId>(l)));
+    const float end = light.directional() ? k_infinity : ray::k_shadow_ray_end;
     shadow_rays_.clear();
     shadow_rays_.purpose = ray::RayClass::shadow;
     shadow_rays_.reserve(shadow_points_.size());
     shadow_point_.clear();
     for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
         const shadow_culling::ShadowPoint& here = shadow_points_[p];
-        const glm::vec3 to_light = directional ? -at.direction : at.position - here.origin;
-        if (glm::dot(to_light, here.normal) <= 0 || glm::dot(to_light, shading_normals_[p]) <= 0) continue;
-        if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
-        shadow_rays_.push(here.origin, 0, to_light, directional ? k_infinity : k_shadow_end);
+        const glm::vec3 to_light = light.from(here.origin);
+        if (!light.faces(to_light, here.normal) || !light.faces(to_light, shading_normals_[p])) continue;
+        if (light.dark_at(points_[p].surface.position)) continue;
+        shadow_rays_.push(here.origin, 0, to_light, end);
         shadow_point_.push_back(p);
     }
 }
@@ -286,17 +274,13 @@ void TileTracer::find_lit_by_rays(std::size_t l)
 // The same points, by certified shadow culling: most of them without a ray.
 void TileTracer::find_lit_by_memory(std::size_t l)
 {
-    const scene::Light& light = scene_.lights[l];
-    const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
-    const bool directional = light.type == scene::LightType::directional;
-    const bool bounded = light.type == scene::LightType::spot || light.range > 0;
+    const scene::LightReach light(scene_.lights[l], state_.light(static_cast<scene::LightId>(l)));
     occluded_.resize(shadow_points_.size() + ray::k_packet_pad);
     culling_->shadow(*batch_, static_cast<int>(l), occluded_.data());
     for (std::uint32_t p = 0; p < shadow_points_.size(); ++p) {
         if (occluded_[p]) continue;
-        const glm::vec3 to_light = directional ? -at.direction : at.position - shadow_points_[p].origin;
-        if (glm::dot(to_light, shading_normals_[p]) <= 0) continue;
-        if (bounded && scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0)) continue;
+        if (!light.faces(light.from(shadow_points_[p].origin), shading_normals_[p])) continue;
+        if (light.dark_at(points_[p].surface.position)) continue;
         lit_.push_back(p);
     }
 }

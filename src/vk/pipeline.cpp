@@ -72,6 +72,7 @@ void check_blocks(const std::vector<BlockExpectation>& blocks, std::span<const S
         }
         if (!found) fail_check(__FILE__, __LINE__, fmt::format("{}: no block '{}'", codes[0].name, block.binding));
     }
+    for (std::size_t i = 0; i < codes.size(); ++i) check_all_expected(reflections[i], codes[i], blocks);
 }
 
 }   // namespace
@@ -224,6 +225,7 @@ void Pipeline::make_table(const std::shared_ptr<Device>& device, std::uint32_t g
     }
 }
 
+// LONG: one Vulkan structure after the other, all of which the call at the end reads.
 Pipeline::Pipeline(const std::shared_ptr<Device>& device, const GraphicsDesc& desc)
     : name_(desc.name), color_targets_(desc.colors.size())
 {

@@ -32,32 +32,39 @@ struct Reader {
     {
         return spvc_compiler_get_decoration(compiler, id, which);
     }
-    std::vector<BlockMember> members(spvc_type type) const
+    std::vector<BlockMember> members(spvc_type type, const std::string& outer = {}, std::uint32_t start = 0) const
     {
         std::vector<BlockMember> result;
         const spvc_type_id id = spvc_type_get_base_type_id(type);
         for (unsigned m = 0; m < spvc_type_get_num_member_types(type); ++m) {
             unsigned offset = 0;
             check(spvc_compiler_type_struct_member_offset(compiler, type, m, &offset));
+            const std::string member_name = outer + spvc_compiler_get_member_name(compiler, id, m);
+            const spvc_type member = spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(type, m));
+            const bool is_array = spvc_type_get_num_array_dimensions(member) > 0;
+            if (spvc_type_get_basetype(member) == SPVC_BASETYPE_STRUCT && !is_array) {
+                const std::vector<BlockMember> inner =
+                    members(spvc_compiler_get_type_handle(compiler, spvc_type_get_base_type_id(member)),
+                            member_name + ".", start + offset);
+                result.insert(result.end(), inner.begin(), inner.end());
+                continue;
+            }
             std::size_t size = 0;
             check(spvc_compiler_get_declared_struct_member_size(compiler, type, m, &size));
-            result.push_back(
-                {spvc_compiler_get_member_name(compiler, id, m), offset, static_cast<std::uint32_t>(size)});
+            unsigned stride = 0;
+            if (is_array) check(spvc_compiler_type_struct_member_array_stride(compiler, type, m, &stride));
+            result.push_back({member_name, start + offset, size, stride});
         }
         return result;
     }
-    /// The members of a block that is one struct, and the struct itself under its own name.
+    /// The members of a block; for a block that is one struct, the struct's members.
     std::vector<BlockMember> block_members(spvc_type type) const
     {
-        std::vector<BlockMember> result = members(type);
-        if (result.size() != 1) return result;
+        if (spvc_type_get_num_member_types(type) != 1) return members(type);
         const spvc_type member = spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(type, 0));
         if (spvc_type_get_basetype(member) != SPVC_BASETYPE_STRUCT || spvc_type_get_num_array_dimensions(member) > 0)
-            return result;
-        const std::vector<BlockMember> inner =
-            members(spvc_compiler_get_type_handle(compiler, spvc_type_get_base_type_id(member)));
-        result.insert(result.end(), inner.begin(), inner.end());
-        return result;
+            return members(type);
+        return members(spvc_compiler_get_type_handle(compiler, spvc_type_get_base_type_id(member)));
     }
     std::uint32_t struct_bytes(spvc_type type) const
     {
@@ -225,13 +232,38 @@ void check_block(const Reflection& reflection, const ShaderCode& code, const Blo
         members = &found->members;
     }
     if (bytes != expected.bytes) differs(fmt::format("{} bytes in the shader, {} on the host", bytes, expected.bytes));
-    for (const auto& [name, offset] : expected.offsets) {
-        const auto member =
-            std::find_if(members->begin(), members->end(), [n = &name](const BlockMember& m) { return m.name == *n; });
-        if (member == members->end()) differs(fmt::format("no member '{}' in the shader", name));
-        if (member->offset != offset)
-            differs(fmt::format("'{}' is at {} in the shader, at {} on the host", name, member->offset, offset));
+    const auto find = [](const std::vector<SharedMember>& list, const std::string& name) {
+        const auto at = std::find_if(list.begin(), list.end(), [&](const SharedMember& m) { return m.name == name; });
+        return at == list.end() ? nullptr : &*at;
+    };
+    for (const SharedMember& host : expected.members) {
+        const SharedMember* shader = find(*members, host.name);
+        if (!shader) differs(fmt::format("no member '{}' in the shader", host.name));
+        const auto same = [&](const char* what, std::size_t in_shader, std::size_t on_host) {
+            if (in_shader != on_host)
+                differs(fmt::format("the {} of '{}' is {} in the shader, {} on the host", what, host.name, in_shader,
+                                    on_host));
+        };
+        same("offset", shader->offset, host.offset);
+        same("size", shader->size, host.size);
+        same("stride", shader->stride, host.stride);
     }
+    for (const SharedMember& shader : *members)
+        if (!find(expected.members, shader.name)) differs(fmt::format("no member '{}' on the host", shader.name));
+}
+
+void check_all_expected(const Reflection& reflection, const ShaderCode& code,
+                        std::span<const BlockExpectation> expected)
+{
+    const auto is_expected = [&](const std::string& binding) {
+        return std::any_of(expected.begin(), expected.end(), [&](const auto& e) { return e.binding == binding; });
+    };
+    if (reflection.push_bytes > 0 && !is_expected(""))
+        fail_check(__FILE__, __LINE__, fmt::format("{}: the host expects no push constants", code.name));
+    for (const Binding& binding : reflection.bindings)
+        if (binding.bytes > 4 && !binding.members.empty() && !is_expected(binding.name))   // else: one number
+            fail_check(__FILE__, __LINE__,
+                       fmt::format("{}: the host expects no structures in '{}'", code.name, binding.name));
 }
 
 }   // namespace gnomon::vk

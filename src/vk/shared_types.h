@@ -2,12 +2,14 @@
 #ifndef GNOMON_VK_SHARED_TYPES_H
 #define GNOMON_VK_SHARED_TYPES_H
 // GLSL's type names for the host, used by the `*_shared.h` headers that C++ and GLSL both include. Blocks have the
-// `scalar` layout, which equals C++'s; pipelines still check it against the shader.
+// `scalar` layout, which equals C++'s; pipelines still check every member against the shader, by the lists that
+// GNOMON_MEMBERS makes.
 
 #ifdef __cplusplus
 #include <cstdint>
 
 #include "base/math.h"
+#include "vk/shared_members.h"
 
 namespace gnomon::vk::shared {
 using uint = std::uint32_t;

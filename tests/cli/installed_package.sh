@@ -7,6 +7,8 @@ set -euo pipefail
 source=$1 build=$2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+# What is installed must be built first; a build of the tests alone leaves it out.
+cmake --build "$build" --target gnomon gnomon_shared documents >/dev/null
 cmake --install "$build" --prefix "$scratch/installed" >/dev/null
 cp -r "$source/examples" "$scratch/examples"
 cmake -G Ninja -S "$scratch/examples" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/installed" \

@@ -122,7 +122,8 @@ TEST(BenchIndirect, RefusesUnknownMethods)
         expect_failure(run({"bench", "indirect", "builtin:cornell", "--method", method}), 2, "the radius must be");
     // In a list as well, after which the scene is still recognised.
     expect_failure(run({"bench", "indirect", "--method", "visible", "rsm", "builtin:cornell"}), 2, "no method 'rsm'");
-    expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2, "the number must be");
+    expect_failure(run({"bench", "indirect", "--method", "rsm:64", "rsm:0", "builtin:cornell"}), 2,
+                   "the number must be");
     expect_failure(run({"bench", "indirect", "--method", "visible", "more", "builtin:cornell"}), 2, "takes 1 argument");
 }
 

@@ -49,6 +49,7 @@ struct Bad {
     std::string text, place;   // place: "line:column"
 };
 
+// LONG: a table of texts and the places of their errors.
 TEST(HostileAff, ErrorsNameLineAndColumn)
 {
     const AffFolder folder;

@@ -245,6 +245,7 @@ void add_floats(Maker& m)
 }
 }   // namespace
 
+// LONG: a table of scenes, one a statement.
 std::vector<MadeScene> made_gltf_scenes()
 {
     Maker m;

@@ -18,8 +18,12 @@ def check(text: str, *checks: str) -> subprocess.CompletedProcess:
 
 class CheckText(unittest.TestCase):
     def test_clean(self):
-        for text in [k_first + "int a = 0;   // see docs/wo" + "rk/notes, $TMP/wo" + "rk/x\n",
-                     k_first + "// LONG: a table\n" + "int a;\n" * 600]:
+        for text in [k_first + "int a = 0;   // see other/wo" + "rk/notes, $TMP/wo" + "rk/x\n",
+                     k_first + "// LONG: a table\n" + "int a;\n" * 600,
+                     k_first + "void f()\n{\n" + "    f();\n" * 98 + "}\n",
+                     k_first + "// LONG: a sequence\nvoid f()\n{\n" + "    f();\n" * 300 + "}\n",
+                     k_first + "// Not build/release/gnomon.h, https://example.org/src/x.cpp, /usr/include/a.h, a.cpp.\n"
+                     + '#include "other/made.h"\n']:
             result = check(text)
             self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
@@ -31,6 +35,11 @@ class CheckText(unittest.TestCase):
             ("spdx", "int a;\n", 1),
             ("ascii", k_first + "// \u00d7\n", 2),
             ("length", k_first + "int a;\n" * 600, 1),
+            ("functions", k_first + "void f()\n{\n" + "    f();\n" * 99 + "}\n", 3),
+            ("functions", k_first + "struct A {\n    void f()\n    {\n" + "        f();\n" * 99 + "    }\n};\n", 4),
+            ("references", k_first + "// As in src" + "/elsewhere/gone.cpp.\n", 2),
+            ("references", k_first + "int a;   // elsewhere/" + "gone.glsl has it\n", 2),
+            ("references", k_first + "// See tests/" + "gone.\n", 2),
             ("newline", k_first + "int a; \n", 2),
             ("newline", k_first + "\tint a;\n", 2),
             ("newline", k_first + "int a;\r\n", 2),

@@ -76,7 +76,7 @@ struct Stage {
                                                     .generation = {"rays.rgen", k_generation},
                                                     .miss = {"rays.rmiss", k_miss},
                                                     .any_hit = {"rays.rahit", k_any_hit},
-                                                    .blocks = {{"", sizeof(std::uint32_t), {}}}});
+                                                    .blocks = {{"", sizeof(std::uint32_t), {{"mask", 0, 4, 0}}}}});
     }
 
     // Translates both along x, and builds the TLAS.

@@ -31,12 +31,17 @@ const vk::ShaderCode k_double_code{"double.comp", k_double};
 struct Limits {
     std::uint32_t count, factor;
 };
+const std::vector<vk::SharedMember> k_limits{{"count", 0, 4, 0}, {"factor", 4, 4, 0}};
 // std430 puts a float into the fourth component of a vec3.
 struct Item {
     float place[3];
     float weight;
     std::uint32_t flags, unused[3];
 };
+
+const std::vector<vk::BlockExpectation> k_double_blocks{
+    {"", sizeof(Limits), k_limits},
+    {"Items", sizeof(Item), {{"place", 0, 12, 0}, {"weight", 12, 4, 0}, {"flags", 16, 4, 0}}}};
 
 class Vulkan : public VulkanTest {};
 
@@ -83,18 +88,42 @@ TEST_F(Vulkan, ReflectsBindingsSizesAndOffsets)
 
     const auto check = [&](const vk::BlockExpectation& e) { vk::check_block(r, k_double_code, e); };
     const std::string items = r.bindings[2].name;
-    check({"", sizeof(Limits), {{"factor", offsetof(Limits, factor)}}});
-    check({items, sizeof(Item), {{"weight", offsetof(Item, weight)}, {"flags", offsetof(Item, flags)}}});
-    // Every kind of mismatch is found.
-    EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item) + 4, {}}); }), "36 on the host"));
-    EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item), {{"flags", 12}}}); }), "'flags' is at 16"));
-    EXPECT_TRUE(has(thrown<InternalError>([&] { check({items, sizeof(Item), {{"flag", 16}}}); }), "no member 'flag'"));
+    const std::vector<vk::SharedMember> good{{"place", 0, 12, 0}, {"weight", 12, 4, 0}, {"flags", 16, 4, 0}};
+    check({"", sizeof(Limits), k_limits});
+    check({items, sizeof(Item), good});
+    // Every way of differing is found, and named.
+    const auto refusal = [&](std::size_t bytes, std::vector<vk::SharedMember> members) {
+        return thrown<InternalError>([&] { check({items, bytes, std::move(members)}); });
+    };
+    EXPECT_TRUE(has(refusal(sizeof(Item) + 4, good), "36 on the host"));
+    const auto changed = [&](std::size_t which, const vk::SharedMember& member) {
+        std::vector<vk::SharedMember> members = good;
+        members[which] = member;
+        return members;
+    };
+    EXPECT_TRUE(has(refusal(32, changed(2, {"flags", 12, 4, 0})), "the offset of 'flags' is 16 in the shader, 12"));
+    EXPECT_TRUE(has(refusal(32, changed(0, {"place", 0, 16, 0})), "the size of 'place' is 12 in the shader, 16"));
+    EXPECT_TRUE(has(refusal(32, changed(0, {"place", 0, 12, 4})), "the stride of 'place' is 0 in the shader, 4"));
+    EXPECT_TRUE(has(refusal(32, changed(2, {"flag", 16, 4, 0})), "no member 'flag' in the shader"));
+    for (std::size_t left_out = 0; left_out < good.size(); ++left_out) {
+        std::vector<vk::SharedMember> fewer = good;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(left_out));
+        EXPECT_TRUE(has(refusal(32, fewer), "no member '" + good[left_out].name + "' on the host"));
+    }
+    // A pipeline is refused where a block of structures, or its push constants, are not expected.
+    const vk::BlockExpectation limits{"", sizeof(Limits), k_limits}, some{items, sizeof(Item), good};
+    vk::check_all_expected(r, k_double_code, std::vector{limits, some});
+    EXPECT_TRUE(has(thrown<InternalError>([&] { vk::check_all_expected(r, k_double_code, std::vector{some}); }),
+                    "no push constants"));
+    EXPECT_TRUE(has(thrown<InternalError>([&] { vk::check_all_expected(r, k_double_code, std::vector{limits}); }),
+                    "no structures in '" + items + "'"));
     EXPECT_TRUE(has(thrown<InternalError>([&] { check({"elsewhere", 4, {}}); }), "no such binding"));
 }
 
 TEST_F(Vulkan, ComputesOnUploadedDataAndReadsItBack)
 {
-    const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
+    const vk::Pipeline pipeline(device_,
+                                vk::ComputeDesc{.name = "double", .code = k_double_code, .blocks = k_double_blocks});
     std::vector<std::uint32_t> numbers(1000);
     std::iota(numbers.begin(), numbers.end(), 7u);
     Item item{};
@@ -182,7 +211,8 @@ TEST_F(Vulkan, DrawsIndirectlyIntoColourAndReversedDepth)
 
 TEST_F(Vulkan, RefusesUndeclaredUses)
 {
-    const vk::Pipeline pipeline(device_, vk::ComputeDesc{.name = "double", .code = k_double_code});
+    const vk::Pipeline pipeline(device_,
+                                vk::ComputeDesc{.name = "double", .code = k_double_code, .blocks = k_double_blocks});
     const vk::Buffer a(device_, "a", 64), b(device_, "b", 64);
     vk::Commands commands(device_);
     const auto record = [&](const std::function<void(vk::Recorder&)>& body) {
@@ -389,7 +419,8 @@ TEST_F(Vulkan, BufferBeyondTheShaderLimitIsAMissingError)
             properties->limits.maxStorageBufferRange = 1 << 20;
         });
     const std::shared_ptr<vk::Device> device = vk::Device::open();
-    const vk::Pipeline pipeline(device, vk::ComputeDesc{.name = "double", .code = k_double_code});
+    const vk::Pipeline pipeline(device,
+                                vk::ComputeDesc{.name = "double", .code = k_double_code, .blocks = k_double_blocks});
     const vk::Buffer buffer(device, "many", (1 << 20) + 256);
     vk::Commands commands(device);
     const auto set = [&](VkDeviceSize offset, VkDeviceSize bytes) {

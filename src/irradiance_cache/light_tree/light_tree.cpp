@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "base/check.h"
+#include "base/morton.h"
 #include "light_views/texel_ray.h"
 #include "lighting/diffuse.h"
 #include "ray/origin.h"
@@ -17,33 +18,10 @@ namespace {
 
 constexpr NodeId k_none = scene::none;
 
-float luminance(const glm::vec3& c)
-{
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-}
-
-std::uint32_t spread(std::uint32_t x)
-{
-    x &= 0xffff;
-    x = (x | (x << 8)) & 0x00ff00ff;
-    x = (x | (x << 4)) & 0x0f0f0f0f;
-    x = (x | (x << 2)) & 0x33333333;
-    return (x | (x << 1)) & 0x55555555;
-}
-
 // Leaves in Morton order: the children of a node lie together.
 std::uint32_t morton(int x, int y)
 {
-    return spread(static_cast<std::uint32_t>(x)) | (spread(static_cast<std::uint32_t>(y)) << 1);
-}
-
-std::uint32_t gathered(std::uint32_t x)
-{
-    x &= 0x55555555;
-    x = (x | (x >> 1)) & 0x33333333;
-    x = (x | (x >> 2)) & 0x0f0f0f0f;
-    x = (x | (x >> 4)) & 0x00ff00ff;
-    return (x | (x >> 8)) & 0x0000ffff;
+    return static_cast<std::uint32_t>(morton_code(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)));
 }
 
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
@@ -204,8 +182,8 @@ void LightTree::make_view(View& view)
     queue.purpose = ray::RayClass::indirect;
     std::vector<double> measure(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const light_views::TexelRay r =
-            light_views::texel_ray(view.projection, static_cast<int>(gathered(i)), static_cast<int>(gathered(i >> 1)));
+        const light_views::TexelRay r = light_views::texel_ray(view.projection, static_cast<int>(even_bits(i)),
+                                                               static_cast<int>(even_bits(i >> 1)));
         queue.push(r.origin, 0, r.direction, k_infinity);
         measure[i] = r.measure;
     }
@@ -395,8 +373,8 @@ void LightTree::gather_dynamic()
         queue.clear();
         measure.clear();
         for (const std::uint32_t i : texels) {
-            const light_views::TexelRay r = light_views::texel_ray(view.projection, static_cast<int>(gathered(i)),
-                                                                   static_cast<int>(gathered(i >> 1)));
+            const light_views::TexelRay r = light_views::texel_ray(view.projection, static_cast<int>(even_bits(i)),
+                                                                   static_cast<int>(even_bits(i >> 1)));
             queue.push(r.origin, 0, r.direction, k_infinity);
             measure.push_back(r.measure * step * step);
         }

@@ -17,6 +17,7 @@
 
 #include "base/tasks.h"
 #include "light_views/casters.h"
+#include "ray/origin.h"
 #include "ray/ray_scene.h"
 
 namespace gnomon::irradiance_cache {
@@ -27,7 +28,7 @@ struct LightTreeOptions {
     int least_side = 16;             // smaller only if there were more nodes than k_node_bits can number
     std::size_t views = 6144;        // at most; six for a point light; the weakest lights are left out
     float least_cosine = 0.05f;      // bounds the area of surfaces at grazing angles
-    float ray_end = 0.9999f;
+    float ray_end = ray::k_shadow_ray_end;
     std::size_t dynamic_rays = 4096;   // per view, to find lit dynamic objects
     std::size_t dynamic_lights = 64;   // at most; the darkest are left out
 };

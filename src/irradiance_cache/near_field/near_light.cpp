@@ -13,7 +13,6 @@ namespace {
 
 // The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
 constexpr float k_least_cosine = 0.1f;
-constexpr float k_ray_end = 0.9999f;
 
 }   // namespace
 
@@ -88,7 +87,7 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
                 if (light.type == scene::LightType::directional)
                     scratch.shadow_rays.push(from, 0, -at.direction, k_infinity);
                 else
-                    scratch.shadow_rays.push(from, 0, at.position - from, k_ray_end);
+                    scratch.shadow_rays.push(from, 0, at.position - from, ray::k_shadow_ray_end);
                 const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
                 const float at_point = std::max(glm::dot(direction, receivers[k].normal), k_least_cosine);
                 scratch.lit.push_back({k, radiance * (near * weight), direction / at_point});

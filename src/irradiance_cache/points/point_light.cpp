@@ -14,11 +14,6 @@ namespace {
 // Light below this fraction of the static light is what rounding leaves of light that was taken away.
 constexpr float k_rounding = 1e-5f;
 
-float luminance(const glm::vec3& c)
-{
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-}
-
 // Whether a point's near field is gathered by rays of its own (near_field/), so that nodes provide only the rest.
 bool has_near_field(const CacheFrame& frame, const CachePoint& point)
 {

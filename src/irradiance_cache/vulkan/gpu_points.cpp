@@ -47,24 +47,24 @@ std::uint32_t steps_of(std::uint32_t count)
 GpuPoints::GpuPoints(const std::shared_ptr<vk::Device>& device)
     : device_(device),
       commands_(device),
-      cut_(device, vk::ComputeDesc{.name = "cuts of points",
-                                   .code = {"point_cut.comp", k_cut_comp},
-                                   .blocks = {{"", sizeof(shared::PointCutPush), {}},
-                                              {"quads", sizeof(shared::GpuQuad), {}},
-                                              {"requests", sizeof(shared::GpuCutRequest), {}},
-                                              {"cuts", sizeof(shared::GpuCut), {}},
-                                              {"nodes", sizeof(shared::GpuCutNode), {}}}}),
+      cut_(device,
+           vk::ComputeDesc{
+               .name = "cuts of points",
+               .code = {"point_cut.comp", k_cut_comp},
+               .blocks = {vk::shared_push<shared::PointCutPush>(), vk::shared_block<shared::GpuQuad>("quads"),
+                          vk::shared_block<shared::GpuCutRequest>("requests"), vk::shared_block<shared::GpuCut>("cuts"),
+                          vk::shared_block<shared::GpuCutNode>("nodes")}}),
       sum_(device, vk::ComputeDesc{.name = "sums of points",
                                    .code = {"point_sum.comp", k_sum_comp},
-                                   .blocks = {{"", sizeof(shared::PointSumPush), {}},
-                                              {"spheres", sizeof(shared::GpuMovingSphere), {}},
-                                              {"requests", sizeof(shared::GpuSumRequest), {}},
-                                              {"lights", sizeof(shared::GpuPointLight), {}},
-                                              {"crossed", sizeof(shared::GpuCrossed), {}}}}),
+                                   .blocks = {vk::shared_push<shared::PointSumPush>(),
+                                              vk::shared_block<shared::GpuMovingSphere>("spheres"),
+                                              vk::shared_block<shared::GpuSumRequest>("requests"),
+                                              vk::shared_block<shared::GpuPointLight>("lights"),
+                                              vk::shared_block<shared::GpuCrossed>("crossed")}}),
       flux_pipeline_(device, vk::ComputeDesc{.name = "flux of nodes",
                                              .code = {"point_flux.comp", k_flux_comp},
-                                             .blocks = {{"", sizeof(shared::PointFluxPush), {}},
-                                                        {"changed", sizeof(shared::GpuNodeFlux), {}}}})
+                                             .blocks = {vk::shared_push<shared::PointFluxPush>(),
+                                                        vk::shared_block<shared::GpuNodeFlux>("changed")}})
 {
     fitting(spheres_, "moving spheres", sizeof(shared::GpuMovingSphere));
     fitting(count_, "count", sizeof(std::uint32_t));

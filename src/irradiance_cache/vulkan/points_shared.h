@@ -83,5 +83,20 @@ struct PointFluxPush {
     uint count;
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(GpuQuad, x, y, z, radius, nx, ny, nz, area, flux)
+GNOMON_MEMBERS(GpuCutRequest, origin, error, normal, estimate)
+GNOMON_MEMBERS(GpuCut, first, count)
+GNOMON_MEMBERS(GpuCutNode, node, weight)
+GNOMON_MEMBERS(GpuMovingSphere, centre, radius, next, single)
+GNOMON_MEMBERS(GpuSumRequest, origin, first, count)
+GNOMON_MEMBERS(GpuPointLight, r, g, b)
+GNOMON_MEMBERS(GpuCrossed, point, place, seen)
+GNOMON_MEMBERS(GpuNodeFlux, node, flux)
+GNOMON_MEMBERS(PointCutPush, points, roots, nearest, negligible)
+GNOMON_MEMBERS(PointSumPush, points, spheres, most_crossed, unused)
+GNOMON_MEMBERS(PointFluxPush, count)
+#endif
+
 GNOMON_SHARED_END
 #endif

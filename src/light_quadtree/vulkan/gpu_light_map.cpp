@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "gpu_scene/scene_blocks.h"
 #include "light_views/texel_ray.h"
 
 namespace gnomon::light_quadtree {
@@ -60,16 +61,9 @@ void rectangle_planes(const light_views::ViewProjection& view, const Rect& rect,
     planes[5] = rows[2];
 }
 
-const std::vector<vk::BlockExpectation> k_view_blocks = {
-    {"views",
-     sizeof(GpuMapView),
-     {{"near_clip", offsetof(GpuMapView, near_clip)}, {"dirty", offsetof(GpuMapView, dirty)}}},
-    {"nodes", sizeof(GpuNode), {{"flux", offsetof(GpuNode, flux)}, {"members", offsetof(GpuNode, members)}}}};
-
-std::vector<vk::BlockExpectation> with_push(std::size_t bytes, std::vector<vk::BlockExpectation> blocks)
+std::vector<vk::BlockExpectation> view_blocks()
 {
-    blocks.push_back({"", bytes, {}});
-    return blocks;
+    return {vk::shared_block<GpuMapView>("views"), vk::shared_block<GpuNode>("nodes")};
 }
 
 }   // namespace
@@ -133,29 +127,34 @@ void GpuLightMap::make_pipelines()
 {
     using vk::ComputeDesc;
     using vk::GraphicsDesc;
-    const auto drawn = [&](const char* name, vk::ShaderCode vertex, vk::ShaderCode fragment) {
-        return vk::Pipeline(device_, GraphicsDesc{.name = name,
-                                                  .vertex = vertex,
-                                                  .fragment = fragment,
-                                                  .colors = {k_id_format},
-                                                  .depth = k_depth_format,
-                                                  .blocks = with_push(sizeof(shared::MapDrawPush), {})});
+    const auto drawn = [&](const char* name, vk::ShaderCode vertex, vk::ShaderCode fragment, const auto& blocks) {
+        return vk::Pipeline(device_,
+                            GraphicsDesc{.name = name,
+                                         .vertex = vertex,
+                                         .fragment = fragment,
+                                         .colors = {k_id_format},
+                                         .depth = k_depth_format,
+                                         .blocks = vk::all_blocks(vk::shared_push<shared::MapDrawPush>(), blocks)});
     };
-    ids_pipeline_ = drawn("light map ids", {"map_ids.vert", k_ids_vert}, {"map_ids.frag", k_ids_frag});
+    ids_pipeline_ =
+        drawn("light map ids", {"map_ids.vert", k_ids_vert}, {"map_ids.frag", k_ids_frag}, gpu_scene::draw_blocks());
     masked_pipeline_ = drawn("light map ids with holes", {"map_ids_masked.vert", k_masked_vert},
-                             {"map_ids_masked.frag", k_masked_frag});
-    texels_pipeline_ =
-        vk::Pipeline(device_, ComputeDesc{.name = "light map texels",
-                                          .code = {"map_texels.comp", k_texels_comp},
-                                          .blocks = with_push(sizeof(shared::TexelPush), k_view_blocks)});
-    level_pipeline_ = vk::Pipeline(device_, ComputeDesc{.name = "light map level",
-                                                        .code = {"map_level.comp", k_level_comp},
-                                                        .blocks = with_push(sizeof(shared::NodePush), k_view_blocks)});
-    std::vector<vk::BlockExpectation> of_cut = k_view_blocks;
-    of_cut.push_back({"clusters", sizeof(GpuCluster), {{"node", offsetof(GpuCluster, node)}}});
-    cut_pipeline_ = vk::Pipeline(device_, ComputeDesc{.name = "light clusters",
-                                                      .code = {"map_cut.comp", k_cut_comp},
-                                                      .blocks = with_push(sizeof(shared::CutPush), of_cut)});
+                             {"map_ids_masked.frag", k_masked_frag}, gpu_scene::scene_data_blocks());
+    texels_pipeline_ = vk::Pipeline(
+        device_, ComputeDesc{.name = "light map texels",
+                             .code = {"map_texels.comp", k_texels_comp},
+                             .blocks = vk::all_blocks(
+                                 vk::shared_push<shared::TexelPush>(), gpu_scene::scene_data_blocks(), view_blocks(),
+                                 std::vector{vk::shared_block<gpu_scene::shared::GpuLight>("lights")})});
+    level_pipeline_ = vk::Pipeline(
+        device_, ComputeDesc{.name = "light map level",
+                             .code = {"map_level.comp", k_level_comp},
+                             .blocks = vk::all_blocks(vk::shared_push<shared::NodePush>(), view_blocks())});
+    cut_pipeline_ = vk::Pipeline(
+        device_, ComputeDesc{.name = "light clusters",
+                             .code = {"map_cut.comp", k_cut_comp},
+                             .blocks = vk::all_blocks(vk::shared_push<shared::CutPush>(), view_blocks(),
+                                                      std::vector{vk::shared_block<GpuCluster>("clusters")})});
 }
 
 std::uint32_t GpuLightMap::views_on() const

@@ -49,15 +49,15 @@ GpuMapLight::GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene:
         desc.code = {"gather_samples.comp", k_samples_comp};
     else
         desc.code = {"gather_clusters.comp", k_clusters_comp};
-    desc.blocks = {{"", sizeof(GatherPush), {{"total", offsetof(GatherPush, total)}}}};
-    if (samples) desc.blocks.push_back({"views", sizeof(shared::GpuMapView), {}});
+    desc.blocks = {vk::shared_push<GatherPush>()};
+    if (samples) desc.blocks.push_back(vk::shared_block<shared::GpuMapView>("views"));
     pipeline_ = vk::Pipeline(device, desc);
     if (samples) {
         copy_pipeline_ = vk::Pipeline(device, vk::ComputeDesc{.name = "light map's texels to an image",
                                                               .code = {"map_image.comp", k_image_comp},
-                                                              .blocks = {{"", sizeof(shared::MapImagePush), {}},
-                                                                         {"views", sizeof(shared::GpuMapView), {}},
-                                                                         {"nodes", sizeof(shared::GpuNode), {}}}});
+                                                              .blocks = {vk::shared_push<shared::MapImagePush>(),
+                                                                         vk::shared_block<shared::GpuMapView>("views"),
+                                                                         vk::shared_block<shared::GpuNode>("nodes")}});
         const auto rows = (static_cast<std::uint32_t>(options.rsm.samples) - 1) / GNOMON_SAMPLES_A_ROW + 1;
         pattern_ = vk::Buffer(device, "sampling pattern", sizeof(glm::vec4) * rows * GNOMON_SAMPLES_A_ROW);
         pattern_image_ = grid_image(device, "sampling pattern", {GNOMON_SAMPLES_A_ROW, rows});

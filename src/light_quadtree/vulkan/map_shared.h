@@ -99,5 +99,19 @@ struct GatherPush {
     uint total;            // of the cut: index of the number of clusters
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(GpuMapView, clip_from_world, near_clip, origin, light, forward, first, across, levels, down, depth_range,
+               cell, perspective, leaves_out, on, dirty)
+GNOMON_MEMBERS(GpuNode, position, normal, depth, area, flux, members)
+GNOMON_MEMBERS(GpuCluster, position, disk, normal, red, green, blue, node, grid)
+GNOMON_MEMBERS(MapDrawPush, clip_from_world)
+GNOMON_MEMBERS(TexelPush, view, least_cosine)
+GNOMON_MEMBERS(NodePush, level, depth_threshold, normal_threshold)
+GNOMON_MEMBERS(CutPush, views, start, limit, write)
+GNOMON_MEMBERS(MapImagePush, all)
+GNOMON_MEMBERS(GatherPush, eye, pixel_width, pixel_spread, width, height, step, columns, rows, fill_grid, listed,
+               grid_normals, grid_off_plane, grid_neighbours, views, samples, total)
+#endif
+
 GNOMON_SHARED_END
 #endif

@@ -52,6 +52,14 @@ struct AlphaMaterial {
     vec2 row_u, row_v;   // uv' = offset + (dot(row_u, uv), dot(row_v, uv))
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(CasterConstants, clip_from_world, page, ties, material, place)
+GNOMON_MEMBERS(CellEntry, triangle, bounds)
+GNOMON_MEMBERS(CellTriangle, a, b, c, object, triangle, material)
+GNOMON_MEMBERS(CellBlock, around, nearest)
+GNOMON_MEMBERS(AlphaMaterial, first_byte, width, height, wrap_u, wrap_v, nearest, alpha, cutoff, offset, row_u, row_v)
+#endif
+
 GNOMON_SHARED_END
 
 #endif

@@ -68,6 +68,8 @@ GpuLightViews::GpuLightViews(const std::shared_ptr<vk::Device>& device, const Li
             else
                 desc.fragment = {"light_views/vulkan/caster.frag", k_frag};
             desc.colors = {k_item_format};
+            desc.blocks = {vk::shared_push<shared::CasterConstants>()};
+            if (masked) desc.blocks.push_back(vk::shared_block<shared::AlphaMaterial>("AlphaMaterials"));
             desc.depth = k_depth_format;
             desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
             // Keep objects in front of a directional light's view, because they cast shadows into it.

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "gpu_scene/scene_blocks.h"
 #include "ray/traceable.h"
 
 namespace gnomon::ray {
@@ -17,7 +18,6 @@ namespace gnomon::ray {
 namespace {
 
 using gpu_scene::GpuScene;
-using gpu_scene::shared::GpuMaterial;
 using gpu_scene::shared::GpuObject;
 using shared::GpuRayGeometry;
 using shared::RayPush;
@@ -127,17 +127,12 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
     work_.instances = instances_host_.size();
 
     pipeline_ = vk::Pipeline(
-        device,
-        vk::RayDesc{
-            .name = "occluded rays",
-            .generation = {"occluded.rgen", k_generation},
-            .miss = {"occluded.rmiss", k_miss},
-            .any_hit = {"occluded.rahit", k_any_hit},
-            .blocks = {
-                {"objects", sizeof(GpuObject), {{"colors", offsetof(GpuObject, colors)}}},
-                {"materials", sizeof(GpuMaterial), {{"base_color_texture", offsetof(GpuMaterial, base_color_texture)}}},
-                {"geometries", sizeof(GpuRayGeometry), {{"material", offsetof(GpuRayGeometry, material)}}},
-                {"", sizeof(RayPush), {{"reach", offsetof(RayPush, reach)}}}}});
+        device, vk::RayDesc{.name = "occluded rays",
+                            .generation = {"occluded.rgen", k_generation},
+                            .miss = {"occluded.rmiss", k_miss},
+                            .any_hit = {"occluded.rahit", k_any_hit},
+                            .blocks = vk::all_blocks(vk::shared_push<RayPush>(), gpu_scene::scene_data_blocks(),
+                                                     std::vector{vk::shared_block<GpuRayGeometry>("geometries")})});
 }
 
 // What of each mesh blocks light and can be met. Parts come sorted by surface class.

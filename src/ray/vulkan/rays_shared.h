@@ -25,5 +25,10 @@ struct RayPush {
 #define GNOMON_RAYS_STATIC 1u
 #define GNOMON_RAYS_DYNAMIC 2u
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(GpuRayGeometry, first_triangle, material)
+GNOMON_MEMBERS(RayPush, count, apart, mask, reach)
+#endif
+
 GNOMON_SHARED_END
 #endif

@@ -2,9 +2,10 @@
 // Answers a batch for one light: what is known, then what the mask of dynamic objects tells, then rays.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstring>
 
+#include "ray/origin.h"
+#include "scene/light_reach.h"
 #include "shadow_culling/certified/certified_culling.h"
 
 namespace gnomon::shadow_culling {
@@ -25,43 +26,30 @@ std::uint64_t eight_at(const Byte* bytes)
 
 }   // namespace
 
-// A light as this frame's queries see it.
-struct CertifiedCulling::Lamp {
+// A light as this frame's batches test it.
+struct CertifiedCulling::FrameLight {
     int index;
-    bool directional;
-    glm::vec3 to;   // its place, or the direction towards it
-    float end;      // of its shadow rays
-
-    glm::vec3 axis{0};         // of a spot, the way it shines
-    float outer_cosine = -2;   // of its cone; below -1: no spot
-
-    glm::vec3 from(const glm::vec3& origin) const { return directional ? to : to - origin; }
-    // Certainly dark, whatever stands between. A little room: the shading decides at the very edge.
-    bool outside_cone(const glm::vec3& to_light) const
-    {
-        constexpr float k_edge = 1e-4f;
-        if (outer_cosine < -1) return false;
-        return -glm::dot(to_light, axis) < (outer_cosine - k_edge) * glm::length(to_light);
-    }
+    scene::LightReach reach;
+    float end;   // of its shadow rays
 };
 
-bool CertifiedCulling::may_meet_dynamic(const Batch& batch, const Lamp& lamp, std::uint32_t point) const
+bool CertifiedCulling::may_meet_dynamic(const Batch& batch, const FrameLight& light, std::uint32_t point) const
 {
     constexpr std::size_t k_most_boxes = 8;   // where there are more a ray is cheaper
     if (batch.dynamic_objects.size() > k_most_boxes) return true;
     const glm::vec3& origin = batch.points[point].origin;
-    const glm::vec3 direction = lamp.from(origin);
+    const glm::vec3 direction = light.reach.from(origin);
     return std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(),
-                       [&](const Box3& box) { return segment_meets(box, origin, direction, lamp.end); });
+                       [&](const Box3& box) { return segment_meets(box, origin, direction, light.end); });
 }
 
 // Answers what is known, eight points at a time, and lists the rest.
-void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const
+void CertifiedCulling::sort_open(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const
 {
     const std::size_t count = batch.points.size();
-    const int shift = 2 * (lamp.index % k_lights_per_group);
+    const int shift = 2 * (light.index % k_lights_per_group);
     const std::uint8_t* const states =
-        batch.states.data() + static_cast<std::size_t>(lamp.index / k_lights_per_group) * batch.stride;
+        batch.states.data() + static_cast<std::size_t>(light.index / k_lights_per_group) * batch.stride;
     std::uint32_t* const asked_point = batch.asked.point.data();
     std::uint8_t* const moving = batch.asked.moving.data();
     std::uint8_t* const is_open = batch.open.data();
@@ -85,8 +73,8 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* o
             const bool open = !((known >> (8 * in_eight)) & 1);
             bool dark = false;
             if (open) {
-                const glm::vec3 direction = lamp.from(here.origin);
-                dark = !(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction);
+                const glm::vec3 direction = light.reach.from(here.origin);
+                dark = !light.reach.faces(direction, here.normal) || light.reach.outside_cone(direction);
                 occluded[p] = dark;
             }
             // Written always, kept where it is not dark: nobody can foretell which.
@@ -101,12 +89,12 @@ void CertifiedCulling::sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* o
 }
 
 // Asks the mask what dynamic objects do, and queues the rays it leaves.
-void CertifiedCulling::test_dynamic(Batch& batch, const Lamp& lamp, std::uint8_t* occluded)
+void CertifiedCulling::test_dynamic(Batch& batch, const FrameLight& light, std::uint8_t* occluded)
 {
     using Answer = DynamicMask::Answer;
     DynamicMask::Asked& asked = batch.asked;
     const bool draw = !batch.dynamic_objects.empty();
-    if (draw) mask_->answer(static_cast<std::uint32_t>(lamp.index), batch.points, asked);
+    if (draw) mask_->answer(static_cast<std::uint32_t>(light.index), batch.points, asked);
     for (std::size_t first = 0; first < asked.count; first += 8) {
         // What is settled, eight at a time: free, and static geometry known or out of the way.
         std::uint64_t rest = k_ones;
@@ -132,16 +120,16 @@ void CertifiedCulling::test_dynamic(Batch& batch, const Lamp& lamp, std::uint8_t
             }
             const glm::vec3& origin = batch.points[point].origin;
             if (batch.open[i] && !(draw && asked.clear[i])) {
-                batch.static_rays.push(origin, 0, lamp.from(origin), lamp.end);
+                batch.static_rays.push(origin, 0, light.reach.from(origin), light.end);
                 batch.static_point.push_back(point);
                 batch.then_dynamic.push_back(answer == Answer::unknown ||
-                                             (answer == Answer::not_drawn && may_meet_dynamic(batch, lamp, point)));
+                                             (answer == Answer::not_drawn && may_meet_dynamic(batch, light, point)));
                 continue;
             }
             batch.counters.skipped += batch.open[i];
-            if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_dynamic(batch, lamp, point)))
+            if (answer == Answer::free || (answer == Answer::not_drawn && !may_meet_dynamic(batch, light, point)))
                 continue;
-            batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+            batch.dynamic_rays.push(origin, 0, light.reach.from(origin), light.end);
             batch.dynamic_point.push_back(point);
         }
     }
@@ -151,7 +139,7 @@ void CertifiedCulling::test_dynamic(Batch& batch, const Lamp& lamp, std::uint8_t
 }
 
 // Traces what may meet something static, and queues what must then be traced against dynamic objects.
-void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* occluded)
+void CertifiedCulling::trace_static(Batch& batch, const FrameLight& light, std::uint8_t* occluded)
 {
     const std::size_t traced = batch.static_point.size();
     if (traced == 0) return;
@@ -162,10 +150,10 @@ void CertifiedCulling::trace_static(Batch& batch, const Lamp& lamp, std::uint8_t
         occluded[point] = batch.hit[r];
         if (batch.hit[r] || !batch.then_dynamic[r]) continue;
         const glm::vec3& origin = batch.points[point].origin;
-        batch.dynamic_rays.push(origin, 0, lamp.from(origin), lamp.end);
+        batch.dynamic_rays.push(origin, 0, light.reach.from(origin), light.end);
         batch.dynamic_point.push_back(point);
     }
-    note_seen(batch, lamp.index);
+    note_seen(batch, light.index);
 }
 
 // Notes what the rays against static geometry saw, in the finest parts.
@@ -215,17 +203,17 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
 
 // A light that moves: nothing is remembered of it, and nothing drawn, for nobody asks twice. Every point that it may
 // reach is a ray against all there is.
-void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const
+void CertifiedCulling::trace_all(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const
 {
     ray::RayQueue& queue = batch.static_rays;
     queue.clear();
     batch.static_point.clear();
     for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
         const ShadowPoint& here = batch.points[p];
-        const glm::vec3 direction = lamp.from(here.origin);
+        const glm::vec3 direction = light.reach.from(here.origin);
         occluded[p] = 1;
-        if (!(glm::dot(direction, here.normal) > 0) || lamp.outside_cone(direction)) continue;
-        queue.push(here.origin, 0, direction, lamp.end);
+        if (!light.reach.faces(direction, here.normal) || light.reach.outside_cone(direction)) continue;
+        queue.push(here.origin, 0, direction, light.end);
         batch.static_point.push_back(p);
     }
     const std::size_t traced = queue.size();
@@ -237,27 +225,22 @@ void CertifiedCulling::trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* o
 
 void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* occluded, std::uint8_t* rays)
 {
-    const scene::LightState& at = state_->light(static_cast<scene::LightId>(light));
-    const scene::Light& described = state_->scene().lights[static_cast<std::size_t>(light)];
-    const bool directional = described.type == scene::LightType::directional;
-    Lamp lamp{light, directional, directional ? -at.direction : at.position,
-              directional ? k_infinity : options_.ray_end};
-    if (described.type == scene::LightType::spot) {
-        lamp.axis = at.direction;
-        lamp.outer_cosine = std::cos(described.outer_angle);
-    }
+    const scene::LightReach reach(state_->scene().lights[static_cast<std::size_t>(light)],
+                                  state_->light(static_cast<scene::LightId>(light)));
+    const FrameLight here{light, reach, reach.directional() ? k_infinity : ray::k_shadow_ray_end};
     if (!light_on_[static_cast<std::size_t>(light)]) {
-        trace_all(batch, lamp, occluded);
+        trace_all(batch, here, occluded);
         if (rays)
             for (const std::uint32_t point : batch.static_point) rays[point] = 1;
         return;
     }
-    dynamic_->select(batch.bounds, lamp.to, directional, batch.dynamic_objects);
+    dynamic_->select(batch.bounds, reach.place(), reach.directional(), batch.dynamic_objects);
     batch.strip_open.assign(batch.strip_bounds.size(), 0);
     for (std::size_t s = 0; s < batch.strip_open.size(); ++s)
         batch.strip_open[s] =
-            std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(),
-                        [&](const Box3& box) { return may_shadow(box, batch.strip_bounds[s], lamp.to, directional); });
+            std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(), [&](const Box3& box) {
+                return may_shadow(box, batch.strip_bounds[s], reach.place(), reach.directional());
+            });
     batch.static_rays.clear();
     batch.static_point.clear();
     batch.then_dynamic.clear();
@@ -265,13 +248,13 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* occluded, s
     batch.dynamic_point.clear();
     batch.asked.clear_questions(batch.points.size());
     batch.open.resize(batch.points.size() + 8);
-    sort_open(batch, lamp, occluded);
-    test_dynamic(batch, lamp, occluded);
+    sort_open(batch, here, occluded);
+    test_dynamic(batch, here, occluded);
     if (rays) {
         for (const std::uint32_t point : batch.static_point) rays[point] = 1;
         for (const std::uint32_t point : batch.dynamic_point) rays[point] = 2;
     }
-    trace_static(batch, lamp, occluded);
+    trace_static(batch, here, occluded);
 
     // Trace against what moves, where nothing static was in the way.
     if (const std::size_t moving = batch.dynamic_point.size(); moving > 0) {

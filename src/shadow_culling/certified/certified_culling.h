@@ -41,11 +41,9 @@ struct CertifiedOptions {
     double rim_margins = 2;            // width of a receiver's rim (rim.h), in margins of the certificates
     CertificateOptions certificates;
     MaskOptions mask;
-    float ray_end = 0.9999f;   // shadow rays end at this fraction of the way to a lamp
 };
 
 struct CullingCounters {
-    std::uint64_t queries = 0;   // (point, light) pairs asked
     std::uint64_t skipped = 0;   // answered without a ray
     std::uint64_t dynamic_only =
         0;   // traced against dynamic objects alone (those that could meet one); the rest of NONE is skipped
@@ -104,13 +102,13 @@ class CertifiedCulling {
     std::size_t visible_triangles() const { return memory_->live_records(); }
 
  private:
-    struct Lamp;
-    void trace_all(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const;
-    void sort_open(Batch& batch, const Lamp& lamp, std::uint8_t* occluded) const;
-    void test_dynamic(Batch& batch, const Lamp& lamp, std::uint8_t* occluded);
-    void trace_static(Batch& batch, const Lamp& lamp, std::uint8_t* occluded);
+    struct FrameLight;
+    void trace_all(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const;
+    void sort_open(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const;
+    void test_dynamic(Batch& batch, const FrameLight& light, std::uint8_t* occluded);
+    void trace_static(Batch& batch, const FrameLight& light, std::uint8_t* occluded);
     void note_seen(Batch& batch, int light);
-    bool may_meet_dynamic(const Batch& batch, const Lamp& lamp, std::uint32_t point) const;
+    bool may_meet_dynamic(const Batch& batch, const FrameLight& light, std::uint32_t point) const;
     void forget_promoted();
     std::vector<RememberedLight> remembered_lights() const;
     RimCodes rim_of_record(RecordId record) const;

@@ -152,6 +152,8 @@ void DynamicMask::find_prints(const LightMask& mask, Block& block) const
         block.edges += static_cast<std::uint32_t>(units_[mask.prints[p].unit]->shape->edge.size());
 }
 
+// LONG: one pass over a block's prints that fills rows of bits; they stay in registers and on the stack, and each step
+// needs most of them.
 void DynamicMask::draw(LightMask& mask, Block& block)
 {
     const auto [low_x, high_x, low_y, high_y, texels] = place_of(block.key);

@@ -19,6 +19,55 @@ float largest_coordinate(const Box3& box)
     return largest;
 }
 
+// A box as its matrix leaves it: around a middle, three half edges.
+struct Placed {
+    glm::dvec3 middle, half[3], reach;   // reach: of the world box
+    float coordinate;                    // largest; 0: nothing to see
+
+    Box3 world() const { return {glm::vec3(middle - reach), glm::vec3(middle + reach)}; }
+};
+
+Placed place_box(const Box3& own, const glm::dmat4& to_world)
+{
+    Placed placed;
+    const glm::dvec3 middle = 0.5 * (glm::dvec3(own.low) + glm::dvec3(own.high));
+    const glm::dvec3 half = 0.5 * (glm::dvec3(own.high) - glm::dvec3(own.low));
+    placed.middle = transform_point(to_world, middle);
+    placed.reach = glm::dvec3(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        placed.half[axis] = half[axis] * glm::dvec3(to_world[axis]);
+        placed.reach += glm::abs(placed.half[axis]);
+    }
+    placed.coordinate = largest_coordinate(placed.world());
+    return placed;
+}
+
+// Whether the world box around a placed box lies farther than `room` from the pyramid of a face of a point light.
+bool far_from_face(const Placed& placed, const glm::dvec3& from_light, std::uint32_t face, double room)
+{
+    const int axis = static_cast<int>(face / 2);
+    const double out = face & 1 ? -from_light[axis] : from_light[axis];
+    const double furthest = out + placed.reach[axis];
+    if (furthest < -room) return true;
+    for (int other = 0; other < 3; ++other)
+        if (other != axis && std::abs(from_light[other]) - placed.reach[other] > furthest + room) return true;
+    return false;
+}
+
+// Whether all corners, in a face's space, lie farther than `room` outside of one side of its pyramid.
+bool outside_pyramid(const glm::dvec3 (&corners)[8], double room)
+{
+    for (int side = 0; side < 4; ++side) {
+        bool outside = true;
+        for (const glm::dvec3& q : corners) {
+            const double across = side & 1 ? q.x : q.y;
+            outside = outside && q.z + (side & 2 ? across : -across) < -room;
+        }
+        if (outside) return true;
+    }
+    return false;
+}
+
 }   // namespace
 
 // Finds where on the light's plane every dynamic object may be, by its box.
@@ -29,11 +78,6 @@ void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
     to.directional = state_->scene().lights[light].type == scene::LightType::directional;
     to.place = to.directional ? glm::normalize(-glm::dvec3(at.direction)) : glm::dvec3(at.position);
 
-    // A box as its matrix leaves it: around a middle, three half edges.
-    struct Placed {
-        glm::dvec3 middle, half[3], reach;   // reach: of the world box
-        float coordinate;                    // largest; 0: nothing to see
-    };
     static thread_local std::vector<Placed> placed;
     placed.resize(units_.size());
     Box3 bounds = triangles_.bounds();
@@ -49,20 +93,8 @@ void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
                 for (int i = 0; i < 3; ++i) own.add(geometry.positions[t[i]]);
         }
         if (own.empty()) continue;
-        glm::dvec3 middle = 0.5 * (glm::dvec3(own.low) + glm::dvec3(own.high));
-        const glm::dvec3 half = 0.5 * (glm::dvec3(own.high) - glm::dvec3(own.low));
-        glm::dmat4 to_world(1);
-        if (geometry.to_world) to_world = glm::dmat4(*geometry.to_world);
-        middle = transform_point(to_world, middle);
-        placed[u].middle = middle;
-        placed[u].reach = glm::dvec3(0);
-        for (int axis = 0; axis < 3; ++axis) {
-            placed[u].half[axis] = half[axis] * glm::dvec3(to_world[axis]);
-            placed[u].reach += glm::abs(placed[u].half[axis]);
-        }
-        const Box3 world{glm::vec3(middle - placed[u].reach), glm::vec3(middle + placed[u].reach)};
-        placed[u].coordinate = largest_coordinate(world);
-        bounds.add(world);
+        placed[u] = place_box(own, geometry.to_world ? glm::dmat4(*geometry.to_world) : glm::dmat4(1));
+        bounds.add(placed[u].world());
     }
     float coordinate = largest_coordinate(bounds);
     if (!to.directional)
@@ -89,18 +121,7 @@ void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
                 continue;
             }
             const double room = 2 * mask.margin;
-            if (!to.directional) {
-                // Most boxes are far from most faces.
-                const int axis = static_cast<int>(face / 2);
-                const double out = face & 1 ? -from_light[axis] : from_light[axis];
-                const double furthest = out + placed[u].reach[axis];
-                if (furthest < -room) continue;
-                bool far = false;
-                for (int other = 0; other < 3; ++other)
-                    far = far ||
-                          (other != axis && std::abs(from_light[other]) - placed[u].reach[other] > furthest + room);
-                if (far) continue;
-            }
+            if (!to.directional && far_from_face(placed[u], from_light, face, room)) continue;   // most are
             glm::dvec3 p[8];
             double near = k_infinity, far = -near, widest = 0;
             for (int c = 0; c < 8; ++c) {
@@ -116,17 +137,7 @@ void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
             print.between = static_cast<float>(options_.depth_margin * static_cast<double>(placed[u].coordinate));
             const auto between = static_cast<double>(print.between);
             if (!to.directional) {
-                // Is it outside one side of the face's pyramid?
-                if (far < -room) continue;
-                bool outside = false;
-                for (int side = 0; side < 4 && !outside; ++side) {
-                    outside = true;
-                    for (const glm::dvec3& q : p) {
-                        const double across = side & 1 ? q.x : q.y;
-                        outside = outside && q.z + (side & 2 ? across : -across) < -room;
-                    }
-                }
-                if (outside) continue;
+                if (far < -room || outside_pyramid(p, room)) continue;
                 if (!(k_widest * near > widest) || !(near > 10 * (mask.margin + between))) {
                     print.blind = true;
                     mask.prints.push_back(print);

@@ -57,6 +57,10 @@ GpuTextures::GpuTextures(const std::shared_ptr<vk::Device>& device, const LightV
                 desc.fragment = {"shadow_textures/vulkan/receiver_masked.frag", k_receiver_masked};
             else
                 desc.fragment = {"shadow_textures/vulkan/receiver.frag", k_receiver};
+            const vk::BlockExpectation push = vk::shared_push<light_views::shared::CasterConstants>();
+            const vk::BlockExpectation alpha = vk::shared_block<light_views::shared::AlphaMaterial>("AlphaMaterials");
+            desc.blocks = {push, vk::shared_block<shared::TexturePlace>("Places")};
+            if (masked) desc.blocks.push_back(alpha);
             desc.depth = VK_FORMAT_D32_SFLOAT;
             desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
             desc.depth_write = false;
@@ -64,7 +68,11 @@ GpuTextures::GpuTextures(const std::shared_ptr<vk::Device>& device, const LightV
             receiver_[perspective ? 0 : 1][masked ? 1 : 0] = vk::Pipeline(device, desc);
             desc.name = "casters between";
             desc.fragment = {};
-            if (masked) desc.fragment = {"shadow_textures/vulkan/caster_between.frag", k_between};
+            desc.blocks = {push};
+            if (masked) {
+                desc.fragment = {"shadow_textures/vulkan/caster_between.frag", k_between};
+                desc.blocks.push_back(alpha);
+            }
             desc.depth_write = true;
             caster_[perspective ? 0 : 1][masked ? 1 : 0] = vk::Pipeline(device, desc);
         }

@@ -14,8 +14,11 @@ constexpr std::uint32_t k_code[] =
 }   // namespace
 
 GpuVisibility::GpuVisibility(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views)
-    : pipeline_(device,
-                vk::ComputeDesc{.name = "shadow look-up", .code = {"shadow_textures/vulkan/visibility.comp", k_code}}),
+    : pipeline_(device, vk::ComputeDesc{.name = "shadow look-up",
+                                        .code = {"shadow_textures/vulkan/visibility.comp", k_code},
+                                        .blocks = vk::all_blocks(
+                                            vk::shared_push<shared::LookupConstants>(), look_up_blocks(),
+                                            std::vector{vk::shared_block<shared::TexturePlace>("Places")})}),
       records_(device, views)
 {
 }

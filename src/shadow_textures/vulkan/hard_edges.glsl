@@ -6,10 +6,9 @@
 // Cost: a word for each block of one cell's triangles, a comparison of bounds for those near the point's part of the
 // cell, an intersection test for those near the point, up to the first hit.
 
-const float k_shadow_end = 0.9999;            // a shadow ray ends this fraction short of its lamp ...
-const float k_lift_per_coordinate = 2e-6;     // ... and starts so far off its surface, as src/ray/origin.h has it
-const float k_edge_slack = 1.1920929e-7;      // as src/ray/triangle_test.h
-const float k_along_slack = 1e-5;              // of coordinates: more than that lift and the rounding of distances
+#include "ray/limits_shared.h"
+
+const float k_along_slack = 1e-5;   // of coordinates: more than the lift of origins and the rounding of distances
 
 // Same computation as ray::meets. `at`: barycentric coordinates of b and c at the hit.
 bool meets(CellTriangle triangle, vec3 origin, vec3 direction, float end, out vec2 at)
@@ -19,7 +18,7 @@ bool meets(CellTriangle triangle, vec3 origin, vec3 direction, float end, out ve
     float u = dot(cross(e0, p2 + p0), direction);
     float v = dot(cross(e1, p0 + p1), direction);
     float w = dot(cross(e2, p1 + p2), direction);
-    float sum = u + v + w, slack = k_edge_slack * abs(sum);
+    float sum = u + v + w, slack = GNOMON_EDGE_SLACK * abs(sum);
     at = vec2(u, v) / sum;
     if (!(min(min(u, v), w) >= -slack || max(max(u, v), w) <= slack)) return false;
     vec3 normal = cross(e2, e0);
@@ -84,7 +83,7 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     bool perspective = view.perspective != 0u;
     vec3 coordinates = abs(point);
     float largest = max(max(coordinates.x, coordinates.y), coordinates.z);
-    vec3 origin = point + k_lift_per_coordinate * largest * normal;
+    vec3 origin = point + GNOMON_LIFT_PER_COORDINATE * largest * normal;
     vec3 to_light = perspective ? view.origin - origin : -view.forward;
     if (dot(normal, to_light) <= 0.0) return 0.0;
     vec4 clip = view.clip_from_world * vec4(point, 1);
@@ -96,7 +95,7 @@ float hard_visibility(uint light_number, vec3 point, vec3 normal)
     uvec2 column = min(uvec2(at * float(side)), uvec2(side - 1u));
     uvec2 here = min(uvec2(256.0 * (at * float(side) - vec2(column))), uvec2(255u));
     uint list = cell_bases[number] + 2u * (column.y * side + column.x);
-    float end = perspective ? k_shadow_end : 3.0e38;
+    float end = perspective ? GNOMON_SHADOW_RAY_END : 3.0e38;
     uint part = (here.y * GNOMON_BLOCK_PARTS / 256u) * GNOMON_BLOCK_PARTS + here.x * GNOMON_BLOCK_PARTS / 256u;
     vec3 eye = abs(view.origin);
     float far = dot(point - view.origin, view.forward) + k_along_slack * (largest + max(max(eye.x, eye.y), eye.z));

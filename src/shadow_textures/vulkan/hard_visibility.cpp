@@ -11,11 +11,22 @@ constexpr std::uint32_t k_code[] =
 #include "shadow_textures/vulkan/visibility_hard.comp.inc"
     ;
 
+std::vector<vk::BlockExpectation> blocks()
+{
+    using namespace light_views::shared;
+    return vk::all_blocks(
+        vk::shared_push<shared::LookupConstants>(), look_up_blocks(),
+        std::vector{vk::shared_block<CellTriangle>("CellTriangles"), vk::shared_block<AlphaMaterial>("AlphaMaterials"),
+                    vk::shared_block<CellBlock>("StaticBlocks"), vk::shared_block<CellBlock>("MovingBlocks"),
+                    vk::shared_block<CellEntry>("StaticEntries"), vk::shared_block<CellEntry>("MovingEntries")});
+}
+
 }   // namespace
 
 HardVisibility::HardVisibility(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views)
     : pipeline_(device, vk::ComputeDesc{.name = "hard shadows",
-                                        .code = {"shadow_textures/vulkan/visibility_hard.comp", k_code}}),
+                                        .code = {"shadow_textures/vulkan/visibility_hard.comp", k_code},
+                                        .blocks = blocks()}),
       sampler_(vk::make_sampler(device, {})),
       records_(device, views),
       cells_(device, views)

@@ -11,6 +11,12 @@
 
 namespace gnomon::shadow_textures {
 
+/// Of shaders that include lookup.glsl or hard_edges.glsl: the records of views and lights.
+inline std::vector<vk::BlockExpectation> look_up_blocks()
+{
+    return {vk::shared_block<shared::ViewRecord>("ViewRecords"), vk::shared_block<shared::LightRecord>("LightRecords")};
+}
+
 class LookupRecords {
  public:
     LookupRecords(const std::shared_ptr<vk::Device>& device, const light_views::LightViews& views);

@@ -36,6 +36,13 @@ struct LookupConstants {
     uint first_light;   // first light to look up
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(ViewRecord, clip_from_world, origin, reach, forward, perspective, across, size, down, page, corner)
+GNOMON_MEMBERS(LightRecord, first_view, view_count)
+GNOMON_MEMBERS(LookupConstants, size, filter_width, self_margin, other_margin, border, objects, by_textures,
+               first_light)
+#endif
+
 GNOMON_SHARED_END
 
 #endif

@@ -38,6 +38,8 @@ PlainFrame::PlainFrame(const std::shared_ptr<vk::Device>& device, const light_vi
     desc.fragment = {"shadow_textures/vulkan/plain_frame.frag", k_frag};
     desc.colors = {color_.format()};
     desc.depth = depth_.format();
+    desc.blocks = vk::all_blocks(vk::shared_push<shared::PlainConstants>(), look_up_blocks());
+    desc.blocks.push_back(vk::shared_block<shared::TexturePlace>("Places"));
     pipeline_ = vk::Pipeline(device, desc);
 }
 

@@ -14,6 +14,10 @@ struct PlainConstants {
     LookupConstants lookup;
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(PlainConstants, clip_from_world, eye, lights, lookup)
+#endif
+
 GNOMON_SHARED_END
 
 #endif

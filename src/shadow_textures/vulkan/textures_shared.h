@@ -14,6 +14,10 @@ struct TexturePlace {
     int columns, rows;
 };
 
+#ifdef __cplusplus
+GNOMON_MEMBERS(TexturePlace, first_word, row_words, corner, columns, rows)
+#endif
+
 GNOMON_SHARED_END
 
 #endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The ranges of numeric options, both ends included. Renderer, comparison and command line check against these.
+
+#include <cstdint>
+
+namespace gnomon {
+
+struct Range {
+    double low = 0, high = 0;
+    constexpr bool contains(double value) const { return value >= low && value <= high; }   // not for NaN
+};
+
+namespace ranges {
+inline constexpr Range image_side{1, 32768};                // pixels
+inline constexpr std::int64_t k_max_pixels = 256'000'000;   // of one image: 3 GB of colour alone
+inline constexpr Range turntable_seconds{0.001, 1e6};
+inline constexpr Range max_depth{0, 64};
+inline constexpr Range samples{1, 4096};
+inline constexpr Range exposure{-100, 100};   // stops
+inline constexpr Range shadow_filter{0, 64};
+inline constexpr Range spp{1, 1 << 24};
+inline constexpr Range bounces{0, 1000};
+inline constexpr Range rsm_samples{1, 65536};
+inline constexpr Range indirect_level{4, 6};
+inline constexpr Range depth_threshold{0, 1};
+inline constexpr Range normal_threshold{-1, 1};
+inline constexpr Range indirect_memory{1, 65536};   // MB
+inline constexpr Range threads{0, 1024};            // 0: all
+}   // namespace ranges
+
+}   // namespace gnomon

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/check_options.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "gnomon/error.h"
+
+namespace gnomon {
+
+namespace {
+
+// Whole numbers in full, not as 1.67772e+07.
+std::string text_of(double end)
+{
+    const auto whole = static_cast<long long>(end);
+    return static_cast<double>(whole) == end ? fmt::format("{}", whole) : fmt::format("{}", end);
+}
+
+void check_size(const Size& size)
+{
+    if (size.width == 0 && size.height == 0) return;   // the file's own
+    if (!ranges::image_side.contains(size.width) || !ranges::image_side.contains(size.height))
+        throw UsageError(fmt::format("size {}x{} is out of range: {} to {} a side", size.width, size.height,
+                                     ranges::image_side.low, ranges::image_side.high));
+    if (static_cast<std::int64_t>(size.width) * size.height > ranges::k_max_pixels)
+        throw UsageError(fmt::format("size {}x{} has more than {} million pixels", size.width, size.height,
+                                     ranges::k_max_pixels / 1'000'000));
+}
+
+}   // namespace
+
+void check_range(std::string_view what, double value, const Range& range, std::string_view unit)
+{
+    if (!range.contains(value))
+        throw UsageError(
+            fmt::format("{} out of range: {} to {}{}", what, text_of(range.low), text_of(range.high), unit));
+}
+
+void check_redrawn_overlay(const RenderOptions& o)
+{
+    if (o.overlay == Overlay::redrawn &&
+        (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
+        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
+}
+
+void check_options(const RenderOptions& o)
+{
+    check_size(o.size);
+    check_range("max depth is", o.max_depth, ranges::max_depth);
+    check_range("samples are", o.samples, ranges::samples);
+    if (o.reference) {
+        check_range("spp is", o.reference->spp, ranges::spp);
+        check_range("bounces are", o.reference->bounces, ranges::bounces);
+    }
+    check_range("memory of indirect light is", o.indirect_memory, ranges::indirect_memory, " MB");
+    check_range("RSM samples are", o.rsm_samples, ranges::rsm_samples);
+    check_range("indirect level is", o.indirect_level, ranges::indirect_level);
+    check_range("depth threshold is", o.depth_threshold, ranges::depth_threshold);
+    check_range("normal threshold is", o.normal_threshold, ranges::normal_threshold);
+    if (o.exposure) check_range("exposure is", *o.exposure, ranges::exposure, " stops");
+    if (o.turntable_seconds != 0)
+        check_range("time of a turntable is", o.turntable_seconds, ranges::turntable_seconds, " seconds");
+    check_range("threads are", o.threads, ranges::threads);
+    check_range("shadow filter is", o.shadow_filter, ranges::shadow_filter);
+    if (o.renderer == RenderMethod::raster && (o.overlay == Overlay::shadow_states || o.overlay == Overlay::clusters))
+        throw UsageError(
+            "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
+    if (o.renderer == RenderMethod::raster && o.reference)
+        throw UsageError("the reference is traced: not with the rasteriser");
+    check_redrawn_overlay(o);
+    if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
+        throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
+    if (o.overlay == Overlay::clusters && (o.indirect != Indirect::quadtree || o.reference))
+        throw UsageError(
+            "an overlay of clusters shows what the light quad-tree chose: it needs indirect light by quadtree");
+}
+
+}   // namespace gnomon
