@@ -28,7 +28,7 @@ TEST(NearHints, CellsHaveUniqueNames)
     EXPECT_EQ(side, 128u);
     EXPECT_EQ(hints.cells_along(small), 1u);
     std::set<NearHints::Cell> names;
-    std::size_t asked = 0;
+    std::size_t expected = 0;
     // 2^17 such triangles have 2^31 cells, and twice as many sides of cells.
     for (const std::uint32_t triangle :
          {0u, 1u, (1u << 17) - 1, 1u << 17, 1u << 18, std::numeric_limits<std::uint32_t>::max()})
@@ -36,9 +36,9 @@ TEST(NearHints, CellsHaveUniqueNames)
             for (const float u : {0.0f, 0.3f, 0.999f, 1.0f})
                 for (const float v : {0.0f, 0.3f, 0.7f}) {
                     names.insert(NearHints::cell_at(triangle, side, u, v, front));
-                    asked += u != 1;   // u = 1 is in the last cell, too
+                    expected += u != 1;   // u = 1 is in the last cell, too
                 }
-    EXPECT_EQ(names.size(), asked);
+    EXPECT_EQ(names.size(), expected);
 }
 
 TEST(NearHints, ForgottenCellsGetTheSameAnswer)
@@ -49,9 +49,9 @@ TEST(NearHints, ForgottenCellsGetTheSameAnswer)
     scene.finish();
     const test::World world(std::move(scene));
     const auto triangles = static_cast<std::uint32_t>(world.scene->meshes[0].triangles.size());
-    const auto ask_all = [&](NearHints& hints, int frame) {
+    const auto claim_all = [&](NearHints& hints, int frame) {
         NearHints::Scratch scratch;
-        std::vector<NearHints::Claim> asked;
+        std::vector<NearHints::Claim> claimed;
         std::vector<State> states;
         std::vector<NearHints::Cell> cells;
         for (std::uint32_t t = 0; t < triangles; ++t) {
@@ -63,25 +63,25 @@ TEST(NearHints, ForgottenCellsGetTheSameAnswer)
                 cells.push_back(NearHints::cell_at(t, side, u, 0, true));
                 const State state = hints.claim(cells.back());
                 EXPECT_TRUE(state != State::claimed) << "frame " << frame;
-                if (state == State::unknown) asked.push_back({cells.back(), 0, t, side});
+                if (state == State::unknown) claimed.push_back({cells.back(), 0, t, side});
             }
         }
-        hints.answer(world.rays, asked, scratch);
+        hints.answer(world.rays, claimed, scratch);
         for (const NearHints::Cell cell : cells) states.push_back(hints.state(cell));
         hints.end_frame();
-        return std::pair(states, asked.size());
+        return std::pair(states, claimed.size());
     };
     NearHints all({.radius = k_radius}), few({.radius = k_radius, .memory = 1});
-    const auto [states, asked] = ask_all(all, 1);
+    const auto [states, claimed] = claim_all(all, 1);
     EXPECT_GT(std::count(states.begin(), states.end(), State::near), 0);
     EXPECT_GT(std::count(states.begin(), states.end(), State::none), 0);
-    EXPECT_EQ(ask_all(all, 2).second, 0u);
-    EXPECT_EQ(ask_all(few, 1).first, states);
-    EXPECT_EQ(ask_all(few, 2).second, 0u) << "cells of the last frame stay";
+    EXPECT_EQ(claim_all(all, 2).second, 0u);
+    EXPECT_EQ(claim_all(few, 1).first, states);
+    EXPECT_EQ(claim_all(few, 2).second, 0u) << "cells of the last frame stay";
     few.end_frame();
     few.end_frame();
     EXPECT_EQ(few.bytes(), 0u);
-    EXPECT_EQ(ask_all(few, 3), std::pair(states, asked));
+    EXPECT_EQ(claim_all(few, 3), std::pair(states, claimed));
 }
 
 }   // namespace

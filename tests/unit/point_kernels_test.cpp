@@ -120,7 +120,7 @@ TEST(PointKernels, FindsNodesThatDynamicObjectsMayChange)
     ASSERT_TRUE(world.tree.any_differs()) << "the ball occludes some light";
     std::mt19937 random(3);
     const auto number = [&] { return static_cast<float>(random() % 2000) / 1000 - 1; };
-    std::size_t found = 0, asked = 0;
+    std::size_t found = 0, tested = 0;
     for (int round = 0; round < 50; ++round) {
         const glm::vec3 origin(number(), number(), number());
         const auto count = static_cast<std::uint32_t>(random() % 100);
@@ -153,7 +153,7 @@ TEST(PointKernels, FindsNodesThatDynamicObjectsMayChange)
                 EXPECT_EQ(changed[next].crossed, margin < 0);
             }
             if (listed) ++next;
-            ++asked;
+            ++tested;
             found += listed;
             if (std::abs(margin) > 1e-4) {
                 EXPECT_EQ(listed, differs || margin < 0) << round << " " << k;
@@ -162,7 +162,7 @@ TEST(PointKernels, FindsNodesThatDynamicObjectsMayChange)
         EXPECT_EQ(next, changed.size());
     }
     EXPECT_GT(found, 20u);
-    EXPECT_LT(found, asked);
+    EXPECT_LT(found, tested);
 }
 
 TEST(LightTree, DynamicLightsFollowTheBall)

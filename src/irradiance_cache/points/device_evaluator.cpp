@@ -35,7 +35,7 @@ OcclusionTester DeviceEvaluator::tester(const CacheFrame& frame) const
     return {frame.rays, device_->traces() ? device_.get() : nullptr};
 }
 
-// Points that a thread takes at a time; all of them if the device traces rays, because it serves one thread.
+// Points that a thread takes at a time; all of them if the device traces rays, because only one thread may use it.
 std::size_t DeviceEvaluator::piece_size(std::size_t count) const
 {
     return device_->traces() ? std::max<std::size_t>(count, 1) : k_piece;
