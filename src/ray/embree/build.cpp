@@ -54,7 +54,8 @@ void RayScene::Impl::build(const scene::SceneState& state)
     still = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
     moving = new_scene(RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC);
 
-    // Decide which static meshes are worth keeping once.
+    // Decide which static meshes are worth keeping once: as the clip has them, so that a promoted object does not
+    // change how the others are stored.
     std::vector<std::size_t> copies(scene->meshes.size(), 0);
     for (const scene::Object& object : scene->objects) copies[object.mesh] += !object.dynamic;
     const auto instanced = [&](const scene::Object& object) {
@@ -66,8 +67,9 @@ void RayScene::Impl::build(const scene::SceneState& state)
 
     // How far does everything static reach?
     std::vector<Box3> mesh_box(scene->meshes.size());
-    for (const scene::Object& object : scene->objects) {
-        if (object.dynamic) continue;
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
+        if (state.is_dynamic(o)) continue;
+        const scene::Object& object = scene->objects[o];
         Box3& box = mesh_box[object.mesh];
         if (box.empty()) box = scene->meshes[object.mesh].bounds();
         const float reach = reach_of(box, glm::mat4(state.world(object.node)));
@@ -76,16 +78,16 @@ void RayScene::Impl::build(const scene::SceneState& state)
 
     // Flattened objects first: their geometry ids are the records' indices.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (!scene->objects[o].dynamic && !instanced(scene->objects[o])) add_still(state, o);
+        if (!state.is_dynamic(o) && !instanced(scene->objects[o])) add_still(state, o);
     first_instance = static_cast<unsigned>(still_records.size());
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (!scene->objects[o].dynamic && instanced(scene->objects[o])) add_still_instance(state, o);
+        if (!state.is_dynamic(o) && instanced(scene->objects[o])) add_still_instance(state, o);
     device.commit(still.get());
     device.check();
 
     for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
-    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    for (const scene::ObjectId o : state.dynamic_objects())
+        if (state.group_of(o) == scene::none) add_alone(state, o);
     const float reach = present_reach();
     for (std::uint32_t s = 0; s < solids.size(); ++s) {
         solids[s].margin = margin_of(reach, solids[s].to_world);
@@ -150,9 +152,10 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
         // One tree for all: what the most shrunken of them needs, with room for rays from where dynamic objects go.
         constexpr float k_room = 4;
         shared->box = box_of(shared->vertices.front().positions, mesh);
-        for (const scene::Object& other : scene->objects)
-            if (const glm::mat4 there(state.world(other.node));
-                !other.dynamic && other.mesh == object.mesh && meeting_by(there) == Meeting::truly)
+        for (scene::ObjectId other = 0; other < scene->objects.size(); ++other)
+            if (const glm::mat4 there(state.world(scene->objects[other].node));
+                !state.is_dynamic(other) && scene->objects[other].mesh == object.mesh &&
+                meeting_by(there) == Meeting::truly)
                 shared->margin = std::max(shared->margin, margin_of(k_room * still_reach, there));
         shared->attach_margin(device.get());
         device.commit(shared->tree.get());
@@ -184,6 +187,7 @@ void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
     solid.anchor = group.anchor;
     solid.tree = new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE);
     for (const scene::ObjectId o : group.objects) {
+        if (state.group_of(o) != g) continue;
         glm::dmat4 relative(1);
         for (scene::NodeId n = scene->objects[o].node; n != group.anchor; n = scene->nodes[n].parent)
             relative = scene->nodes[n].local * relative;
@@ -236,7 +240,7 @@ void RayScene::Impl::make_tree_of_one(Solid& solid)
 // What others' margins depend on.
 void RayScene::Impl::measure(Solid& solid, const scene::SceneState& state)
 {
-    solid.visible = state.object_visible(solid.objects.front());
+    solid.visible = !solid.objects.empty() && state.object_visible(solid.objects.front());
     solid.meeting = meeting_by(solid.to_world);
     solid.has_volume = solid.meeting != Meeting::never;
     solid.reach = reach_of(solid.box, solid.to_world);
@@ -254,7 +258,7 @@ void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
     rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
     rtcAttachGeometryByID(moving.get(), solid.instance.get(), s);
     place(solid, state);
-    show(solid, state.object_visible(solid.objects.front()));
+    show(solid, solid.visible);
 }
 
 void RayScene::Impl::build_one_tree()

@@ -101,7 +101,6 @@ struct RayScene::Impl {
     SceneHandle moving;
     std::deque<Solid> solids;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
-    std::uint32_t promoted = 0;   // static objects, by hand
 
     SceneHandle one;   // both, for comparison; mostly absent
 
@@ -128,7 +127,7 @@ struct RayScene::Impl {
     void add_still(const scene::SceneState& state, scene::ObjectId object);
     void add_still_instance(const scene::SceneState& state, scene::ObjectId object);
     void add_group(const scene::SceneState& state, scene::GroupId group);
-    /// A deforming object, or one that somebody took out of its surroundings by hand.
+    /// A deforming object, or one that was promoted or separated from its group.
     void add_alone(const scene::SceneState& state, scene::ObjectId object);
     static void measure(Solid& solid, const scene::SceneState& state);
     void finish(std::uint32_t solid, const scene::SceneState& state);
@@ -151,8 +150,7 @@ struct RayScene::Impl {
     void show(Solid& solid, bool visible);
     void make_tree_of_one(Solid& solid);
     void refit(Solid& solid, const scene::SceneState& state);
-    bool lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates);
-    bool rides_along(const scene::SceneState& state, scene::ObjectId object) const;
+    bool follow_overrides(const scene::SceneState& state);
     std::uint32_t solid_of(scene::ObjectId object) const;
 };
 

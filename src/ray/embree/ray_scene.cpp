@@ -120,26 +120,11 @@ const ObjectGeometry& RayScene::geometry(scene::ObjectId object) const
     return impl_->geometry[object];
 }
 
-bool RayScene::has_own_instance(scene::ObjectId object) const
-{
-    return impl_->solid_of_object[object] != scene::none;
-}
-
-bool RayScene::moves(scene::ObjectId object) const
-{
-    return impl_->scene->objects[object].dynamic || has_own_instance(object);
-}
-
 Meeting RayScene::meeting(scene::ObjectId object) const
 {
     if (const std::uint32_t s = impl_->solid_of(object); s != scene::none) return impl_->solids[s].meeting;
     const glm::mat4* to_world = impl_->geometry[object].to_world;
     return to_world ? meeting_by(*to_world) : Meeting::truly;
-}
-
-std::uint32_t RayScene::promoted() const
-{
-    return impl_->promoted;
 }
 
 Box3 RayScene::bounds() const

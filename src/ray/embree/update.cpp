@@ -2,8 +2,8 @@
 // From frame to frame: what moved is placed anew, what deformed is refitted, and the dynamic objects' top level is
 // rebuilt.
 #include <algorithm>
+#include <iterator>
 
-#include "base/bits.h"
 #include "ray/embree/impl.h"
 
 namespace gnomon::ray {
@@ -20,9 +20,7 @@ void RayScene::Impl::update(const scene::SceneState& state)
         return solid;
     };
 
-    // What somebody moved by hand leaves its surroundings.
-    bool regrouped = lift_out(state, changes.moved);
-    regrouped = lift_out(state, changes.appeared) || regrouped;
+    const bool regrouped = follow_overrides(state);
 
     // Place what moved. What appears may have moved unseen.
     for (const scene::GroupId g : changes.groups_moved) place(touch(solid_of_group[g]), state);
@@ -121,33 +119,18 @@ std::uint32_t RayScene::Impl::solid_of(scene::ObjectId o) const
     return g != scene::none ? solid_of_group[g] : scene::none;
 }
 
-// Whether an object is where its group takes it. The state multiplies the same matrices in the same order: equal bits.
-bool RayScene::Impl::rides_along(const scene::SceneState& state, scene::ObjectId o) const
-{
-    const scene::NodeId anchor = scene->groups[scene->objects[o].group].anchor;
-    const auto expected = [&](const auto& self, scene::NodeId n) -> glm::dmat4 {
-        return n == anchor ? state.world(n) : self(self, scene->nodes[n].parent) * scene->nodes[n].local;
-    };
-    const scene::NodeId node = scene->objects[o].node;
-    const glm::dmat4 by_group = expected(expected, node);
-    return same_bits(by_group, state.world(node));
-}
-
-// Static objects that move, and passengers that move against their group, become solids of their own, for good.
+// Gives promoted objects, and those that left their group, solids of their own, for good.
 // @return whether there were any
-bool RayScene::Impl::lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates)
+bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
 {
+    const scene::FrameChanges& changes = state.changes();
+    std::vector<scene::ObjectId> objects;
+    std::merge(changes.promoted.begin(), changes.promoted.end(), changes.separated.begin(), changes.separated.end(),
+               std::back_inserter(objects));
     bool still_changed = false, any = false;
-    for (const scene::ObjectId o : candidates) {
-        if (solid_of_object[o] != scene::none) continue;
-        const scene::GroupId g = scene->objects[o].group;
-        if (g == scene::none) {
-            for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
-            still_ids[o].clear();
-            statistics.static_triangles -= geometry[o].mesh->triangles.size();
-            still_changed = true;
-            ++promoted;
-        } else if (!rides_along(state, o)) {
+    for (const scene::ObjectId o : objects) {
+        if (solid_of_object[o] != scene::none) continue;   // this scene was built after the step that moved it
+        if (const scene::GroupId g = scene->objects[o].group; g != scene::none) {
             Solid& group = solids[solid_of_group[g]];
             for (unsigned id = 0; id < group.records.size(); ++id)
                 if (group.records[id].object == o) rtcDetachGeometry(group.tree.get(), id);
@@ -155,7 +138,10 @@ bool RayScene::Impl::lift_out(const scene::SceneState& state, const std::vector<
             device.commit(group.tree.get());
             rtcCommitGeometry(group.instance.get());
         } else {
-            continue;
+            for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
+            still_ids[o].clear();
+            statistics.static_triangles -= geometry[o].mesh->triangles.size();
+            still_changed = true;
         }
         add_alone(state, o);
         finish(solid_of_object[o], state);

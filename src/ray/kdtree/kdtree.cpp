@@ -119,12 +119,12 @@ struct CountingKdTree::Impl {
     KdOptions options;
     KdPart still, moving;
     const std::array<const KdPart*, 2> parts{&still, &moving};
-    std::vector<char> dynamic;   // by object
 
-    void regroup()
+    void regroup(const scene::SceneState& state)
     {
         std::vector<scene::ObjectId> of_still, of_moving;
-        for (scene::ObjectId o = 0; o < dynamic.size(); ++o) (dynamic[o] ? of_moving : of_still).push_back(o);
+        for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+            (state.is_dynamic(o) ? of_moving : of_still).push_back(o);
         still.groups = make_groups(*scene, of_still);
         moving.groups = make_groups(*scene, of_moving);
     }
@@ -176,8 +176,7 @@ CountingKdTree::CountingKdTree(const scene::SceneState& state, const RayScene& r
     Impl& in = *impl_;
     in.scene = state.shared_scene();
     in.options = options;
-    for (const scene::Object& object : in.scene->objects) in.dynamic.push_back(object.dynamic);
-    in.regroup();
+    in.regroup(state);
     in.rebuild(in.still, options.still, state, rays);
     in.rebuild(in.moving, options.moving, state, rays);
 }
@@ -188,18 +187,11 @@ void CountingKdTree::update(const scene::SceneState& state, const RayScene& rays
 {
     Impl& in = *impl_;
     const scene::FrameChanges& changes = state.changes();
-    // What somebody moved by hand is dynamic from now on.
-    bool regrouped = false;
-    for (const auto* list : {&changes.moved, &changes.appeared})
-        for (const scene::ObjectId o : *list)
-            if (!in.dynamic[o]) in.dynamic[o] = 1, regrouped = true;
-    if (regrouped) {
-        in.regroup();
+    if (!changes.promoted.empty()) {
+        in.regroup(state);
         in.rebuild(in.still, in.options.still, state, rays);
     }
-    if (regrouped || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
-        !changes.vanished.empty())
-        in.rebuild(in.moving, in.options.moving, state, rays);
+    if (!changes.changed.empty()) in.rebuild(in.moving, in.options.moving, state, rays);
 }
 
 bool CountingKdTree::occluded(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,

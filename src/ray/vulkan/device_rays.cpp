@@ -81,16 +81,13 @@ glm::mat4 placed(const scene::SceneState& state, scene::ObjectId o)
 
 }   // namespace
 
-DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene& scene, const scene::SceneState& state,
-                       const ray::RayScene* as)
+DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene& scene, const scene::SceneState& state)
     : device_(device), scene_(state.shared_scene())
 {
     GNOMON_CHECK(supported(*device));
     const std::size_t objects = scene_->objects.size();
     if (objects > std::min<std::uint64_t>(k_most_objects, device->ray_limits().most_instances))
         throw MissingError(fmt::format("Vulkan: {} objects are more than the device traces rays against", objects));
-    for (scene::ObjectId o = 0; o < objects; ++o)
-        dynamic_.push_back(scene_->objects[o].dynamic || (as && as->has_own_instance(o)));
     find_runs();
 
     // Tables by which holes are found, and the matrices of what is flat.
@@ -182,7 +179,7 @@ void DeviceRays::make_bottoms(const GpuScene& scene, const scene::SceneState& st
             add(bottom_of_mesh_[object.mesh], o, scene::none, false);
         // What stands still may be flat: its vertices are moved as they are, without an inverse.
         const glm::mat4 matrix = placed(state, o);
-        const bool flat = !dynamic_[o] && !has_volume(matrix) && finite(matrix);
+        const bool flat = !state.is_dynamic(o) && !has_volume(matrix) && finite(matrix);
         if (flat) matrices_host_.push_back(rows_of(matrix));
         if (flat || object.deforming)
             add(bottom_of_object_[o], o, flat ? static_cast<std::uint32_t>(matrices_host_.size() - 1) : scene::none,
@@ -258,16 +255,16 @@ void DeviceRays::place(const scene::SceneState& state, scene::ObjectId o)
     glm::mat4 matrix = placed(state, o);
     std::uint32_t bottom = bottom_of_object_[o];
     if (bottom != scene::none && bottoms_[bottom].matrix != scene::none) {
-        if (!dynamic_[o])
+        if (!state.is_dynamic(o))
             matrix = glm::mat4(1);   // it is in its vertices
         else
-            bottom = scene::none;   // somebody took it out of what stands still
+            bottom = scene::none;   // it was promoted
     }
     if (bottom == scene::none) bottom = bottom_of_mesh_[scene_->objects[o].mesh];
     const bool met = bottom != scene::none && state.object_visible(o) && has_volume(matrix) && !broken(state, o);
     instance.transform = rows_of(met ? matrix : glm::mat4(1));
     if (!met) return;
-    instance.mask = dynamic_[o] ? GNOMON_RAYS_DYNAMIC : GNOMON_RAYS_STATIC;
+    instance.mask = state.is_dynamic(o) ? GNOMON_RAYS_DYNAMIC : GNOMON_RAYS_STATIC;
     instance.accelerationStructureReference = bottoms_[bottom].structure.address();
 }
 
@@ -339,24 +336,15 @@ void DeviceRays::update(vk::Commands& commands, const GpuScene& scene, const sce
     const scene::FrameChanges& changes = state.changes();
     work_ = {};
 
-    // What moves by hand leaves what stands still, for good.
-    for (const auto* list : {&changes.moved, &changes.appeared})
-        for (const scene::ObjectId o : *list) dynamic_[o] = 1;
-
-    // Place what moved, appeared or vanished, or may have lost its numbers.
-    std::vector<scene::ObjectId> touched = changes.moved;
-    for (const auto* list : {&changes.appeared, &changes.vanished, &changes.deformed})
-        touched.insert(touched.end(), list->begin(), list->end());
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    // Place what changed. (What deformed may have vertices that are no numbers, or have finite ones again.)
     std::vector<vk::Upload> uploads;
-    for (const scene::ObjectId o : touched) {
+    for (const scene::ObjectId o : changes.changed) {
         place(state, o);
         uploads.push_back(vk::upload_of(instances_,
                                         std::span<const VkAccelerationStructureInstanceKHR>(&instances_host_[o], 1),
                                         o * sizeof(VkAccelerationStructureInstanceKHR)));
     }
-    work_.instances = touched.size();
+    work_.instances = changes.changed.size();
     commands.upload("send ray instances", uploads);
 
     // Build what deformed, and the top level if anything changed below it.
@@ -364,7 +352,7 @@ void DeviceRays::update(vk::Commands& commands, const GpuScene& scene, const sce
     for (const scene::ObjectId o : changes.deformed)
         if (bottom_of_object_[o] != scene::none && !broken(state, o)) deformed.push_back(bottom_of_object_[o]);
     if (!deformed.empty()) build_bottoms(commands, scene, deformed, *deforming_storage_, scratch_);
-    if (!touched.empty()) build_top(commands, scratch_);
+    if (!changes.changed.empty()) build_top(commands, scratch_);
 }
 
 void DeviceRays::make_room(std::uint32_t rays)

@@ -28,10 +28,9 @@ class DeviceRays {
     static bool supported(const vk::Device& device) { return device.traces_rays(); }
 
     /// Builds everything and waits. @pre supported(*device)
-    /// @param as  of the same state: what it took for moving, it is here, too; null: what the scene says
     /// @throws MissingError  too little device memory, or more objects than the device takes
     DeviceRays(const std::shared_ptr<vk::Device>& device, const gpu_scene::GpuScene& scene,
-               const scene::SceneState& state, const ray::RayScene* as = nullptr);
+               const scene::SceneState& state);
 
     /// Records what follows one advance() of the state. Call after GpuScene::update.
     void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state);
@@ -80,7 +79,6 @@ class DeviceRays {
     std::shared_ptr<const scene::Scene> scene_;
     std::vector<std::vector<Run>> runs_;          // by mesh
     std::vector<std::uint32_t> first_geometry_;   // by mesh, in geometries_
-    std::vector<char> dynamic_;                   // by object
     std::vector<Bottom> bottoms_;
     std::vector<std::uint32_t> bottom_of_mesh_, bottom_of_object_;   // of its own
     std::vector<std::uint32_t> rigid_, deforming_;                   // numbers of bottoms

@@ -72,19 +72,18 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
             group_mask_[l / k_lights_per_group] |= static_cast<std::uint8_t>(3 << (2 * (l % k_lights_per_group)));
 }
 
-// A static object moved by hand: what stands still is no longer what it was.
+// Takes promoted objects out of the static triangles and of what is remembered.
 void CertifiedCulling::forget_promoted()
 {
-    const scene::FrameChanges& changes = state_->changes();
-    std::vector<RememberedLight> lights;
-    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list) {
-            if (triangles_->first_of(o) == no_triangle) continue;
-            if (lights.empty()) lights = remembered_lights();
-            const Forgotten forgotten = forget_object(o, lights, options_.certificates, *triangles_, *memory_);
-            counters_.forgotten_records += forgotten.records;
-            counters_.forgotten_visited += forgotten.visited;
-        }
+    const std::vector<scene::ObjectId>& promoted = state_->changes().promoted;
+    if (promoted.empty()) return;
+    const std::vector<RememberedLight> lights = remembered_lights();
+    for (const scene::ObjectId o : promoted) {
+        if (triangles_->first_of(o) == no_triangle) continue;   // it was singular
+        const Forgotten forgotten = forget_object(o, lights, options_.certificates, *triangles_, *memory_);
+        counters_.forgotten_records += forgotten.records;
+        counters_.forgotten_visited += forgotten.visited;
+    }
 }
 
 std::vector<RememberedLight> CertifiedCulling::remembered_lights() const

@@ -61,9 +61,7 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
     count_.assign(scene.objects.size(), 0);
     std::vector<scene::ObjectId> space;   // by triangle: none for the world's, else the instance's own
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].dynamic || rays.has_own_instance(o) || !state.object_visible(o) ||
-            rays.meeting(o) == ray::Meeting::never)
-            continue;
+        if (state.is_dynamic(o) || !state.object_visible(o) || rays.meeting(o) == ray::Meeting::never) continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {

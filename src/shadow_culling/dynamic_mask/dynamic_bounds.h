@@ -16,8 +16,8 @@ namespace gnomon::shadow_culling {
 class DynamicBounds {
  public:
     DynamicBounds(const scene::SceneState& state, const ray::RayScene& rays);
-    /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still, or
-    /// out of its group, is a dynamic object of its own from then on.
+    /// Follows one advance() of the state, after the ray scene did. Objects that were promoted, or separated from their
+    /// group, have boxes of their own from then on.
     void update(const scene::SceneState& state, const ray::RayScene& rays);
 
     /// Boxes that a ray from anywhere in `points` to the light may meet. Conservative.
@@ -35,7 +35,7 @@ class DynamicBounds {
         Box3 world;                    // empty while it is hidden
         std::uint64_t placed_at = 0;   // the update that last did
     };
-    std::uint32_t dynamic_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays);
+    std::uint32_t dynamic_of(scene::ObjectId object, const scene::SceneState& state);
     void place(DynamicObject& dynamic_object, const scene::SceneState& state, const ray::RayScene& rays);
     void grow_tree();
 

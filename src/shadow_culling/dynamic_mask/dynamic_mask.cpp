@@ -20,9 +20,7 @@ DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& ra
     : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
 {
     const scene::Scene& scene = state.scene();
-    unit_of_.assign(scene.objects.size(), scene::none);
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if (scene.objects[o].dynamic || rays.has_own_instance(o)) take_in(o);
+    for (const scene::ObjectId o : state.dynamic_objects()) add_unit(o);
     // Instances of one mesh have one shape.
     std::unordered_map<const glm::vec3*, std::shared_ptr<const DynamicShape>> shapes[2];
     for (const auto& unit : units_) {
@@ -34,21 +32,17 @@ DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& ra
     for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
 }
 
-// An object that moves, from now on.
-DynamicMask::Unit& DynamicMask::take_in(scene::ObjectId object)
+void DynamicMask::add_unit(scene::ObjectId object)
 {
-    unit_of_[object] = static_cast<std::uint32_t>(units_.size());
     units_.push_back(std::make_unique<Unit>());
     Unit& unit = *units_.back();
     unit.object = object;
     unit.deforming = state_->scene().objects[object].deforming;
     measure(unit);
-    return unit;
 }
 
 void DynamicMask::measure(Unit& unit) const
 {
-    unit.alone = rays_->has_own_instance(unit.object);
     unit.own = Box3{};
     if (unit.deforming) return;
     const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
@@ -64,14 +58,20 @@ void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScen
     rays_ = &rays;
     view_ = view;
     const scene::FrameChanges& changes = state.changes();
-    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list) {
-            const bool known = unit_of_[o] != scene::none;
-            if (known && units_[unit_of_[o]]->alone == rays.has_own_instance(o)) continue;
-            Unit& unit = known ? *units_[unit_of_[o]] : take_in(o);
-            if (known) measure(unit);   // taken out of its group
-            unit.shape = std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
-        }
+    // Promoted objects, and those that left their group, are now in a space of their own.
+    const auto find_shape = [&](Unit& unit) {
+        unit.shape =
+            std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(unit.object), unit.deforming));
+    };
+    for (std::size_t u = units_.size(); u < state.dynamic_objects().size(); ++u) {
+        add_unit(state.dynamic_objects()[u]);
+        find_shape(*units_.back());
+    }
+    for (const scene::ObjectId o : changes.separated) {
+        Unit& unit = *units_[state.dynamic_index(o)];
+        measure(unit);
+        find_shape(unit);
+    }
     bool crowded = false;   // with blocks that an earlier view asked for
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;

@@ -58,8 +58,8 @@ class DynamicMask {
                 const MaskOptions& options);
     ~DynamicMask();
 
-    /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still is
-    /// a dynamic object from then on. (What is known of what stands still remains true: it only got less.)
+    /// Follows one advance() of the state, after the ray scene did. (After a promotion, what is known of static objects
+    /// remains true, because there are only fewer of them.)
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view);
 
     /// Questions about one light, and their answers, by question. A thread's own; reused.
@@ -96,7 +96,7 @@ class DynamicMask {
  private:
     struct LightMask;
 
-    Unit& take_in(scene::ObjectId object);
+    void add_unit(scene::ObjectId object);
     void measure(Unit& unit) const;
     LightMask& prepared(std::uint32_t light);
     void place_prints(LightMask& mask, std::uint32_t light);
@@ -115,8 +115,7 @@ class DynamicMask {
     CullingView view_;
     const StaticTriangles& triangles_;
     std::uint32_t frame_ = 1;
-    std::vector<std::unique_ptr<Unit>> units_;
-    std::vector<std::uint32_t> unit_of_;   // by object; none: it stands still
+    std::vector<std::unique_ptr<Unit>> units_;   // by SceneState::dynamic_index()
     std::vector<std::unique_ptr<LightMask>> lights_;
 };
 

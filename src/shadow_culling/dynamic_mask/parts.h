@@ -18,12 +18,11 @@ struct Piece {
     std::int32_t layers;   // that begin right of it, where it goes up
 };
 
-// An object that moves.
+// A dynamic object.
 struct DynamicMask::Unit {
     scene::ObjectId object = scene::none;
     bool deforming = false;
-    bool alone = false;   // its corners are in its own space, else in its group's
-    Box3 own;             // in that space, of a rigid one
+    Box3 own;   // of a rigid one, in the space of its geometry (its own, or its group's)
     std::shared_ptr<const DynamicShape> shape;
 };
 

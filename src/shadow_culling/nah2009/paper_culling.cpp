@@ -29,11 +29,7 @@ PaperCulling::PaperCulling(const scene::SceneState& state, const ray::RayScene& 
 void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::FrameChanges& changes = state.changes();
-    std::vector<scene::ObjectId> started;
-    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list)
-            if (!triangles_.object_is_dynamic(o)) started.push_back(o);
-    begin_frame(state, rays, {changes.lights_moved, started, {}});
+    begin_frame(state, rays, {changes.lights_moved, changes.promoted, {}});
 }
 
 void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const PaperChanges& changes)
