@@ -289,16 +289,14 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
     work_ = {};
     const scene::FrameChanges& changes = state.changes();
     if (!changes.anything()) return;
-    // A promoted object leaves the static layer: cast it anew.
-    if (std::any_of(changes.promoted.begin(), changes.promoted.end(),
-                    [&](scene::ObjectId o) { return casters_.casts(o); })) {
+    // A promoted object leaves the static layer: cast it anew. (A transparent one as well, because the rays behind it
+    // were traced in other packets.)
+    if (!changes.promoted.empty()) {
         const std::uint32_t before = version_;
         *this = LightMap(state, rays, options_, tasks);
         version_ = before + 1;
         return;
     }
-    for (std::size_t d = ball_.size(); d < state.dynamic_objects().size(); ++d)
-        ball_.push_back(bounding_radius(state.scene(), state.scene().objects[state.dynamic_objects()[d]]));
 
     std::vector<Work> works(views_.size());
     std::vector<std::uint8_t> anew(views_.size(), 0);
@@ -308,7 +306,6 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
             anew[v] = 1;
             return;
         }
-        layers_[v].footprints.resize(ball_.size());
         std::vector<light_views::Rect> where;
         for (const scene::ObjectId o : changes.changed) {
             light_views::Rect& rect = layers_[v].footprints[state.dynamic_index(o)];

@@ -253,9 +253,11 @@ void SceneState::note_overridden()
             dynamic_index_[object] = static_cast<std::uint32_t>(dynamic_objects_.size());
             dynamic_objects_.push_back(object);
             changes_.promoted.push_back(object);
+            taken_objects_.push_back(object);
         } else if (!overrides_.empty() && group_of_[object] != none && object_visible(object) && !rides_along(object)) {
             group_of_[object] = none;
             changes_.separated.push_back(object);
+            taken_objects_.push_back(object);
         }
     }
 }

@@ -81,6 +81,9 @@ class SceneState {
     /// The rigid group with which a dynamic object moves; `none` for deforming, promoted, separated and static ones.
     GroupId group_of(ObjectId object) const { return group_of_[object]; }
 
+    /// Objects that a user override promoted or separated from their group, in order; ascending within a step.
+    const std::vector<ObjectId>& taken_objects() const { return taken_objects_; }
+
     /// User override: the node's transform is `local` from now on instead of its track's. nullptr removes the override.
     /// Takes effect at the next advance(). A static object that moves by it is promoted, and stays dynamic even after
     /// the override is removed; an override with the present matrix changes nothing.
@@ -125,6 +128,7 @@ class SceneState {
     std::vector<ObjectId> to_deform_;
     std::vector<SkinId> skins_due_;
     std::vector<std::uint32_t> skin_due_;   // by skin: the step that last listed it
+    std::vector<ObjectId> taken_objects_;
 };
 
 }   // namespace gnomon::scene

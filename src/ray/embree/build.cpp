@@ -65,16 +65,7 @@ void RayScene::Impl::build(const scene::SceneState& state)
                meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // flat ones are met where they lie
     };
 
-    // How far does everything static reach?
-    std::vector<Box3> mesh_box(scene->meshes.size());
-    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
-        if (state.is_dynamic(o)) continue;
-        const scene::Object& object = scene->objects[o];
-        Box3& box = mesh_box[object.mesh];
-        if (box.empty()) box = scene->meshes[object.mesh].bounds();
-        const float reach = reach_of(box, glm::mat4(state.world(object.node)));
-        if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
-    }
+    measure_still(state);
 
     // Flattened objects first: their geometry ids are the records' indices.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
@@ -86,8 +77,10 @@ void RayScene::Impl::build(const scene::SceneState& state)
     device.check();
 
     for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
-    for (const scene::ObjectId o : state.dynamic_objects())
-        if (state.group_of(o) == scene::none) add_alone(state, o);
+    // Those of the clip, then those that the user took, in the order in which an updated scene has them.
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    for (const scene::ObjectId o : state.taken_objects()) add_alone(state, o);
     const float reach = present_reach();
     for (std::uint32_t s = 0; s < solids.size(); ++s) {
         solids[s].margin = margin_of(reach, solids[s].to_world);
@@ -95,6 +88,21 @@ void RayScene::Impl::build(const scene::SceneState& state)
     }
     device.commit(moving.get());
     device.check();
+}
+
+// Finds the largest coordinate of the static objects.
+void RayScene::Impl::measure_still(const scene::SceneState& state)
+{
+    still_reach = 0;
+    std::vector<Box3> mesh_box(scene->meshes.size());
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
+        if (state.is_dynamic(o)) continue;
+        const scene::Object& object = scene->objects[o];
+        Box3& box = mesh_box[object.mesh];
+        if (box.empty()) box = scene->meshes[object.mesh].bounds();
+        const float reach = reach_of(box, glm::mat4(state.world(object.node)));
+        if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
+    }
 }
 
 void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)

@@ -129,6 +129,7 @@ struct RayScene::Impl {
     void add_group(const scene::SceneState& state, scene::GroupId group);
     /// A deforming object, or one that was promoted or separated from its group.
     void add_alone(const scene::SceneState& state, scene::ObjectId object);
+    void measure_still(const scene::SceneState& state);
     static void measure(Solid& solid, const scene::SceneState& state);
     void finish(std::uint32_t solid, const scene::SceneState& state);
     void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
@@ -151,6 +152,7 @@ struct RayScene::Impl {
     void make_tree_of_one(Solid& solid);
     void refit(Solid& solid, const scene::SceneState& state);
     bool follow_overrides(const scene::SceneState& state);
+    void separate(scene::ObjectId object, Solid& group);
     std::uint32_t solid_of(scene::ObjectId object) const;
 };
 

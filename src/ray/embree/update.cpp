@@ -131,12 +131,7 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
     for (const scene::ObjectId o : objects) {
         if (solid_of_object[o] != scene::none) continue;   // this scene was built after the step that moved it
         if (const scene::GroupId g = scene->objects[o].group; g != scene::none) {
-            Solid& group = solids[solid_of_group[g]];
-            for (unsigned id = 0; id < group.records.size(); ++id)
-                if (group.records[id].object == o) rtcDetachGeometry(group.tree.get(), id);
-            std::erase(group.objects, o);
-            device.commit(group.tree.get());
-            rtcCommitGeometry(group.instance.get());
+            separate(o, solids[solid_of_group[g]]);
         } else {
             for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
             still_ids[o].clear();
@@ -147,8 +142,29 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
         finish(solid_of_object[o], state);
         any = true;
     }
-    if (still_changed) device.commit(still.get());
+    if (still_changed) {
+        measure_still(state);
+        device.commit(still.get());
+    }
     return any;
+}
+
+// Takes an object out of the BLAS of its group, which is then as if it had never been there.
+void RayScene::Impl::separate(scene::ObjectId object, Solid& group)
+{
+    for (unsigned id = 0; id < group.records.size(); ++id)
+        if (group.records[id].object == object) rtcDetachGeometry(group.tree.get(), id);
+    std::erase(group.objects, object);
+    group.box = {};
+    for (const BakedVertices& vertices : group.vertices)
+        for (const scene::ObjectId o : group.objects)
+            if (geometry[o].positions == vertices.positions.data())
+                group.box.add(box_of(vertices.positions, *geometry[o].mesh));
+    group.reach = reach_of(group.box, group.to_world);
+    group.set_margin(group.margin);
+    device.commit(group.tree.get());
+    if (group.objects.empty()) show(group, false);
+    rtcCommitGeometry(group.instance.get());
 }
 
 }   // namespace gnomon::ray
