@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Construction: which triangles go where.
+// Constructs a RayScene: distributes the triangles among the static scene and the solids of the dynamic scene.
 #include <algorithm>
 
 #include "ray/embree/impl.h"
@@ -9,8 +9,8 @@ namespace gnomon::ray {
 
 namespace {
 
-// A mesh that this many static objects share, with at least so many triangles in all, is kept once and instanced;
-// below, flattened copies trace faster than instances.
+// A mesh that so many static objects share, with at least so many triangles in all instances together, is stored once
+// and instanced. Below these limits, flattened copies trace faster than instances.
 constexpr std::size_t k_instancing_copies = 8;
 constexpr std::size_t k_instancing_triangles = 1u << 20;
 
@@ -62,12 +62,12 @@ void RayScene::Impl::build(const scene::SceneState& state)
         const std::size_t n = copies[object.mesh];
         return !object.deforming && n >= k_instancing_copies &&
                n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles &&
-               meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // flat ones are met where they lie
+               meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // singular ones are flattened
     };
 
     measure_still(state);
 
-    // Flattened objects first: their geometry ids are the records' indices.
+    // Add flattened objects first, because their geometry ids are the indices of the records.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (!state.is_dynamic(o) && !instanced(scene->objects[o])) add_still(state, o);
     first_instance = static_cast<unsigned>(still_records.size());
@@ -111,7 +111,7 @@ void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, cons
     baked_bytes += vertices.bytes();
 }
 
-// What shading needs to know about an object.
+// Fills an object's ObjectGeometry.
 void RayScene::Impl::describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored)
 {
     ObjectGeometry& g = geometry[object];
@@ -130,7 +130,7 @@ void RayScene::Impl::add_still(const scene::SceneState& state, scene::ObjectId o
     const scene::Mesh& mesh = scene->meshes[object.mesh];
     const glm::dmat4& world = state.world(object.node);
     BakedVertices& vertices = still_vertices.emplace_back();
-    if (object.deforming) {   // a morph that stands still
+    if (object.deforming) {   // a constant morph
         const scene::DeformedMesh& shape = state.deformed(o);
         vertices.bake(shape.positions, shape.normals, shape.tangents,
                       object.skin != scene::none ? glm::dmat4(1) : world);
@@ -157,7 +157,8 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
         attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
-        // One tree for all: what the most shrunken of them needs, with room for rays from where dynamic objects go.
+        // One BLAS for all: use the margin of the most shrunken instance, with room for rays from dynamic objects that
+        // move away.
         constexpr float k_room = 4;
         shared->box = box_of(shared->vertices.front().positions, mesh);
         for (scene::ObjectId other = 0; other < scene->objects.size(); ++other)
@@ -186,7 +187,7 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
     still_ids[o].push_back(id);
 }
 
-// Objects that move as one share a tree, in the space of the node that moves them.
+// The objects of a rigid group share a BLAS, in the space of the group's anchor.
 void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
 {
     const scene::RigidGroup& group = scene->groups[g];
@@ -211,8 +212,8 @@ void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
     measure(solid, state);
 }
 
-// Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the frame in which
-// it was first seen. (A geometry of quality `refit` is built when it is committed for the first time.)
+// Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the first frame. (A
+// geometry of quality `refit` is built when it is committed for the first time.)
 void RayScene::Impl::add_alone(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = scene->objects[o];
@@ -232,8 +233,8 @@ void RayScene::Impl::add_alone(const scene::SceneState& state, scene::ObjectId o
     measure(solid, state);
 }
 
-// The tree of a solid that is one object, to be committed: refitted from frame to frame if it deforms, but where that
-// cannot be.
+// Makes the BLAS of a solid with one object; the caller commits it. If the object deforms, the BLAS is refitted from
+// frame to frame, unless its shape forbids that (has_points()).
 void RayScene::Impl::make_tree_of_one(Solid& solid)
 {
     const bool refitted = solid.deforming && !solid.sorted_anew;
@@ -245,7 +246,7 @@ void RayScene::Impl::make_tree_of_one(Solid& solid)
                   solid.records, refitted ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
 }
 
-// What others' margins depend on.
+// Measures what the margins of other solids depend on.
 void RayScene::Impl::measure(Solid& solid, const scene::SceneState& state)
 {
     solid.visible = !solid.objects.empty() && state.object_visible(solid.objects.front());
@@ -254,7 +255,7 @@ void RayScene::Impl::measure(Solid& solid, const scene::SceneState& state)
     solid.reach = reach_of(solid.box, solid.to_world);
 }
 
-// Builds a solid's tree, whose box depends on how far everything reaches, and places it.
+// Builds a solid's BLAS, whose margin depends on all solids, and places it.
 void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
 {
     Solid& solid = solids[s];

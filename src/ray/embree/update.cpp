@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From frame to frame: what moved is placed anew, what deformed is refitted, and the dynamic objects' top level is
-// rebuilt.
+// Follows the scene from frame to frame: places instances that moved, refits meshes that deformed, and rebuilds the
+// TLAS of the dynamic scene.
 #include <algorithm>
 #include <iterator>
 
@@ -22,7 +22,7 @@ void RayScene::Impl::update(const scene::SceneState& state)
 
     const bool regrouped = follow_overrides(state);
 
-    // Place what moved. What appears may have moved unseen.
+    // Place what moved. An object that appears may have moved while it was hidden.
     for (const scene::GroupId g : changes.groups_moved) place(touch(solid_of_group[g]), state);
     for (const auto* list : {&changes.moved, &changes.appeared})
         for (const scene::ObjectId o : *list)
@@ -37,7 +37,7 @@ void RayScene::Impl::update(const scene::SceneState& state)
     for (const scene::ObjectId o : changes.appeared)
         if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), true);
 
-    // Rebuild the dynamic objects' small top level, and nothing else.
+    // Rebuild the TLAS of the dynamic scene, and nothing else.
     if (statistics.touched > 0 || regrouped) follow_margins();
     if (statistics.touched > 0) device.commit(moving.get());
     if (one.get() && regrouped)
@@ -55,7 +55,8 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
     baked_bytes -= vertices.bytes();   // counted again below
     if (const bool anew = solid.has_points_at_rest || has_points(shape.positions, mesh); anew != solid.sorted_anew) {
         solid.sorted_anew = anew;
-        vertices.bake(mesh.positions, mesh.normals, mesh.tangents, glm::dmat4(1));   // refitted from rest, again
+        vertices.bake(mesh.positions, mesh.normals, mesh.tangents,
+                      glm::dmat4(1));   // refitting starts from the rest shape again
         make_tree_of_one(solid);
         solid.attach_margin(device.get());
         if (!anew) device.commit(solid.tree.get());
@@ -74,7 +75,7 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
     solid.box = box_of(shape.positions, mesh);
     solid.reach = reach_of(solid.box, solid.to_world);
     solid.set_margin(solid.margin);
-    // A refitted tree with vertices that are no numbers has a box that is none: it must not be sorted among others.
+    // A refitted tree with vertices that are not finite has an invalid box, which must not enter the TLAS.
     if (can_be_met(shape.positions))
         rtcEnableGeometry(solid.margin_geometry.get());
     else
@@ -119,7 +120,7 @@ std::uint32_t RayScene::Impl::solid_of(scene::ObjectId o) const
     return g != scene::none ? solid_of_group[g] : scene::none;
 }
 
-// Gives promoted objects, and those that left their group, solids of their own, for good.
+// Gives objects that were promoted, or separated from their group, solids of their own, permanently.
 // @return whether there were any
 bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
 {

@@ -9,7 +9,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Boxes are widened by this fraction of their largest coordinate, and of those between which a ray goes: rays are
+// Boxes are widened by this fraction of their own largest coordinate and of those of a ray's ends, because rays are
 // traced in single precision.
 constexpr float k_widen = 1e-5f;
 
@@ -27,7 +27,7 @@ Box3 widened(Box3 box)
     return box;
 }
 
-// Where something is that rays meet, by the box of its corners.
+// The box in which rays may hit an object, from the box of its vertices.
 Box3 met(const Box3& box, ray::Meeting meeting)
 {
     if (box.empty() || meeting == ray::Meeting::never) return Box3{};
@@ -89,7 +89,7 @@ DynamicBounds::DynamicBounds(const scene::SceneState& state, const ray::RayScene
     grow_tree();
 }
 
-// Takes in dynamic objects that are new.
+// Rebuilds the tree if there are new boxes.
 void DynamicBounds::grow_tree()
 {
     if (tree_.size() == dynamic_.size()) return;
@@ -145,7 +145,7 @@ void DynamicBounds::update(const scene::SceneState& state, const ray::RayScene& 
     grow_tree();
 }
 
-// Monotone: what it says of a box it says of every larger one around it. Rounding keeps order, so this holds to the
+// Monotone: if it is true for a box, it is true for every box around it. Rounding is monotone, so this holds to the
 // bit.
 bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light, bool directional)
 {

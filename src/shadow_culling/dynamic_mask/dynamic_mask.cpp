@@ -10,7 +10,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Rays start a lift above their triangle. What rises less than this part of it is not in their way.
+// Rays start one lift above their triangle. Whatever rises less than this fraction of a lift does not occlude them.
 constexpr float k_no_rise = 0.25f;
 
 }   // namespace
@@ -21,7 +21,7 @@ DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& ra
 {
     const scene::Scene& scene = state.scene();
     for (const scene::ObjectId o : state.dynamic_objects()) add_unit(o);
-    // Instances of one mesh have one shape.
+    // Share the shape among instances of one mesh.
     std::unordered_map<const glm::vec3*, std::shared_ptr<const DynamicShape>> shapes[2];
     for (const auto& unit : units_) {
         const ray::ObjectGeometry& geometry = rays.geometry(unit->object);
@@ -58,7 +58,7 @@ void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScen
     rays_ = &rays;
     view_ = view;
     const scene::FrameChanges& changes = state.changes();
-    // Promoted objects, and those that left their group, are now in a space of their own.
+    // Promoted objects, and those that left their group, now have a space of their own.
     const auto find_shape = [&](Unit& unit) {
         unit.shape =
             std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(unit.object), unit.deforming));
@@ -72,7 +72,7 @@ void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScen
         measure(unit);
         find_shape(unit);
     }
-    bool crowded = false;   // with blocks that an earlier view asked for
+    bool crowded = false;   // with blocks of earlier views
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;
 }
@@ -95,7 +95,7 @@ DynamicMask::LightMask& DynamicMask::prepared(std::uint32_t light)
     return mask;
 }
 
-// Whether a dynamic object may be in the way of its own point.
+// Whether a dynamic object may occlude its own point.
 bool DynamicMask::rises(const Print& print, const ShadowPoint& point) const
 {
     const std::vector<float>& rise = units_[print.unit]->shape->rise;
@@ -122,7 +122,7 @@ void DynamicMask::answer(std::uint32_t light, std::span<const ShadowPoint> point
     asked.answer.resize(texels.depth.size());
     asked.clear.resize(texels.depth.size());
 
-    // Count who asks for which block; neighbours mostly ask for one.
+    // Count the points of each block; neighbours mostly share one.
     asked.runs.clear();
     asked.key.clear();
     asked.asks.clear();
@@ -163,7 +163,7 @@ void DynamicMask::answer(std::uint32_t light, std::span<const ShadowPoint> point
         compare_depths(texels, first, end, over, asked.moving.data(), still, asked.answer.data(), asked.clear.data());
         if (!moving) continue;
 
-        // Is what begins over a point on a dynamic object only itself?
+        // For points on dynamic objects, test whether the first object over the point is only its own.
         for (std::size_t i = first; i < end; ++i) {
             if (asked.answer[i] != Answer::maybe_self) continue;
             const ShadowPoint& point = points[asked.point[i]];
