@@ -85,12 +85,10 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
         lights_.update(state, rays, tasks);
     }
     // Follow the geometry.
-    const bool promoted = rays.promoted() != promoted_;
+    const bool promoted = !changes.promoted.empty();
     if (promoted) drop_static_results();
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
-    if (first || promoted || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
-        !changes.vanished.empty())
-        enclose_dynamic_objects();
+    if (first || !changes.changed.empty()) enclose_dynamic_objects();
     evaluator_->begin_frame(frame_);
 }
 
@@ -105,11 +103,10 @@ void IrradianceCache::drop_static_results()
 // Groups the dynamic objects that cast shadows by what moves together.
 void IrradianceCache::find_dynamic_groups()
 {
-    const ray::RayScene& rays = *frame_.rays;
+    const scene::SceneState& state = *frame_.state;
     dynamic_groups_.clear();
-    promoted_ = rays.promoted();
-    for (scene::ObjectId o = 0; o < frame_.state->scene().objects.size(); ++o) {
-        if (!rays.moves(o) || !casters_.casts(o)) continue;
+    for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
+        if (!state.is_dynamic(o) || !casters_.casts(o)) continue;
         const std::uint32_t owner = lights_.owner_of(o);
         const auto at = std::find_if(dynamic_groups_.begin(), dynamic_groups_.end(),
                                      [&](const DynamicGroup& group) { return group.owner == owner; });
@@ -165,7 +162,7 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
     bool near_field = false;   // some pixel is narrow enough for it
     work.dynamic.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        work.dynamic[i] = frame_.rays->moves(points[i].object) || !(points[i].width > 0);
+        work.dynamic[i] = frame_.state->is_dynamic(points[i].object) || !(points[i].width > 0);
         near_field = near_field || (!work.dynamic[i] && points[i].width < 2 * near_field_.fade_width());
     }
     own.pixels.choose(points, work.dynamic);
@@ -238,7 +235,7 @@ void IrradianceCache::defer_new_points(PointClaims& claims)
     claims.defer_if([&](const CachePoint& point) {
         if (point.version == version) return false;
         const bool dynamic =
-            !is_lattice(point.key) && frame_.rays->moves(triangles_.object_of(part_of(point.key).triangle));
+            !is_lattice(point.key) && frame_.state->is_dynamic(triangles_.object_of(part_of(point.key).triangle));
         if (!dynamic) budget_.note_deferred();
         return !dynamic;
     });

@@ -99,7 +99,6 @@ class IrradianceCache {
     NearField near_field_;
     RayBudget budget_;
     std::vector<DynamicGroup> dynamic_groups_;
-    std::uint32_t promoted_ = 0;   // RayScene::promoted() then
     MovingSpheres dynamic_bounds_;
     CacheFrame frame_;
     PointTable table_;

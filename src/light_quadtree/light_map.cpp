@@ -44,13 +44,7 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
 {
     GNOMON_CHECK(options.least_side >= k_tile && options.side >= options.least_side);
     const scene::Scene& scene = state.scene();
-    dynamic_place_.assign(scene.objects.size(), scene::none);
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if ((scene.objects[o].dynamic || rays.has_own_instance(o)) && casters_.casts(o)) {
-            dynamic_place_[o] = static_cast<std::uint32_t>(dynamics_.size());
-            dynamics_.push_back(o);
-            ball_.push_back(bounding_radius(scene, scene.objects[o]));
-        }
+    for (const scene::ObjectId o : state.dynamic_objects()) ball_.push_back(bounding_radius(scene, scene.objects[o]));
     views_ = lay_out_views(scene, bounds_, options);
     const std::size_t end = views_.empty() ? 0 : views_.back().end();
     nodes_.resize(end);
@@ -65,7 +59,7 @@ light_views::Rect LightMap::footprint(const View& view, const scene::SceneState&
 {
     if (!view.on) return {};
     const light_views::Rect of_box = casters_.footprint(view.projection, state, object);
-    const auto ball = static_cast<double>(ball_[dynamic_place_[object]]);
+    const auto ball = static_cast<double>(ball_[state.dynamic_index(object)]);
     if (of_box.empty() || !(ball > 0)) return of_box;
     const glm::dmat4 world(state.object_matrix(object));
     const double scale = uniform_scale(glm::dmat3(world));
@@ -90,7 +84,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     layers.slot.assign(static_cast<std::size_t>(tiles) * static_cast<std::size_t>(tiles), -1);
     layers.kept.clear();
     layers.reach.assign(layers.slot.size(), {});
-    layers.footprints.assign(dynamics_.size(), {});
+    layers.footprints.assign(ball_.size(), {});
     aim_view(view, state, bounds_);
     if (!view.on) return;
 
@@ -111,7 +105,8 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
             for (int x = 0; x < 1 << level; ++x) make_node(view, level, x, y);
 
     // Add dynamic objects.
-    for (std::size_t d = 0; d < dynamics_.size(); ++d) layers.footprints[d] = footprint(view, state, dynamics_[d]);
+    for (std::size_t d = 0; d < ball_.size(); ++d)
+        layers.footprints[d] = footprint(view, state, state.dynamic_objects()[d]);
     const light_views::Rect everywhere{0, 0, view.side(), view.side()};
     repair_view(
         v,
@@ -294,20 +289,14 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
     work_ = {};
     const scene::FrameChanges& changes = state.changes();
     if (!changes.anything()) return;
-    std::vector<std::uint32_t> stirred;   // indices in dynamics_
-    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list)
-            if (dynamic_place_[o] != scene::none) {
-                stirred.push_back(dynamic_place_[o]);
-            } else if (casters_.casts(o)) {
-                // If the user moved a static object, the static layer changed: trace everything again.
-                const std::uint32_t before = version_;
-                *this = LightMap(state, rays, options_, tasks);
-                version_ = before + 1;
-                return;
-            }
-    std::sort(stirred.begin(), stirred.end());
-    stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
+    // A promoted object leaves the static layer: cast it anew. (A transparent one as well, because the rays behind it
+    // were traced in other packets.)
+    if (!changes.promoted.empty()) {
+        const std::uint32_t before = version_;
+        *this = LightMap(state, rays, options_, tasks);
+        version_ = before + 1;
+        return;
+    }
 
     std::vector<Work> works(views_.size());
     std::vector<std::uint8_t> anew(views_.size(), 0);
@@ -318,10 +307,10 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
             return;
         }
         std::vector<light_views::Rect> where;
-        for (const std::uint32_t d : stirred) {
-            light_views::Rect& rect = layers_[v].footprints[d];
+        for (const scene::ObjectId o : changes.changed) {
+            light_views::Rect& rect = layers_[v].footprints[state.dynamic_index(o)];
             where.push_back(rect);
-            rect = footprint(views_[v], state, dynamics_[d]);
+            rect = footprint(views_[v], state, o);
             where.push_back(rect);
         }
         repair_view(v, where, state, rays, works[v]);

@@ -57,7 +57,7 @@ class LightMap {
     static constexpr TexelMask k_whole_row = (TexelMask{1} << k_tile) - 1, k_whole_tile = ~TexelMask{0};
     static_assert(k_tile * k_tile == 64);
     struct Layers {
-        std::vector<light_views::Rect> footprints;   // current footprints, by index in dynamics_
+        std::vector<light_views::Rect> footprints;   // current footprints, by SceneState::dynamic_index()
         std::vector<std::int32_t> slot;   // by tile: index of its saved static layer; -1: the tile is all static
         std::vector<Tile> kept;
         std::vector<Distances> reach;   // by tile: distances to the static layer
@@ -77,9 +77,7 @@ class LightMap {
     std::vector<Layers> layers_;   // by view
     std::vector<LightNode> nodes_;
     std::vector<std::uint8_t> valid_;
-    std::vector<scene::ObjectId> dynamics_;      // dynamic objects that cast shadows
-    std::vector<std::uint32_t> dynamic_place_;   // by object; none: static
-    std::vector<float> ball_;   // by index in dynamics_: radius about the centre of its box; 0: it deforms
+    std::vector<float> ball_;   // by SceneState::dynamic_index(): radius about the centre of its box; 0: it deforms
     std::uint32_t version_ = 1;
     Work work_;
 };

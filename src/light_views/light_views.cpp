@@ -60,15 +60,13 @@ void LightViews::note_mobility(scene::ObjectId object)
     changed_.push_back(object);
 }
 
-// Collects the objects that moved, deformed, appeared, vanished, or changed mobility since the last update.
+// Lists the objects that changed, and those whose mobility differs from that of the last update.
 void LightViews::note_changes(const scene::SceneState& state)
 {
     const scene::FrameChanges& changes = state.changes();
     casters_.update(state);
     mobility_.update(changes);
-    changed_.clear();
-    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
-        changed_.insert(changed_.end(), list->begin(), list->end());
+    changed_ = changes.changed;
     for (const scene::ObjectId object : mobility_.became_dynamic()) note_mobility(object);
     for (const scene::ObjectId object : mobility_.became_static()) note_mobility(object);
     for (const scene::ObjectId object : overridden_) note_mobility(object);

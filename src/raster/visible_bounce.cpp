@@ -48,7 +48,7 @@ void VisibleBounce::update(vk::Commands& commands, const gpu_scene::GpuScene& sc
         on_device_->rays()->update(commands, scene, state);
     } else if (on_device_ && DeviceRays::supported(*device_)) {
         commands.submit();   // it builds from the scene as it is on the device
-        on_device_->trace_with(std::make_unique<DeviceRays>(device_, scene, state, &rays_), scene);
+        on_device_->trace_with(std::make_unique<DeviceRays>(device_, scene, state), scene);
     }
     light_.update(state, rays_, tasks_);
     batches_.clear();

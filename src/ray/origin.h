@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where rays that leave a surface start, a little above it, so that they do not meet it again; and where shadow rays
-// end.
+// The offset at which rays that leave a surface start, so that they do not hit it again, and where shadow rays end.
 
 #include <algorithm>
 
@@ -10,15 +9,15 @@
 
 namespace gnomon::ray {
 
-// A position interpolated from corners of this size is off its plane by a few units in the last place; new rays start
-// this much above it, which also covers the rounding of the instance transforms on the way.
+// As a fraction of the largest coordinate. A position interpolated from a triangle's corners is off the plane by a few
+// units in the last place; this also covers the rounding of instance transforms.
 inline constexpr float k_lift_per_coordinate = GNOMON_LIFT_PER_COORDINATE;
 
 // Shadow rays end at this fraction of the way to a light, so that a light drawn as a surface does not shadow itself.
-// Every shadow ray uses it: "the same image as with shadow culling off" depends on that.
+// Every shadow ray uses it, because certified culling is exact only if all agree.
 inline constexpr float k_shadow_ray_end = GNOMON_SHADOW_RAY_END;
 
-/// How far along the geometric normal a ray from this triangle (world-space corners) must start.
+/// Distance along the geometric normal at which rays from this triangle (world-space corners) start.
 inline float origin_lift(const glm::vec3 (&p)[3])
 {
     float largest = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Rays in bulk: structures of arrays, so that packets of 8 or 16 are loaded as they lie.
+// Queues of rays and of their hits, as structures of arrays, so that packets of 8 or 16 load without shuffling.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,14 +11,15 @@
 
 namespace gnomon::ray {
 
-inline constexpr std::size_t k_packet_pad = 16;   // arrays are padded so that the last packet may be read whole
+inline constexpr std::size_t k_packet_pad = 16;   // arrays are padded so that the last packet can be loaded whole
 
-/// What rays are for. It changes no answer: a tree that counts keeps a sum for each. `check`: what a measurement asks
-/// and an image does not need.
+/// The purpose of rays, for counting; it does not change the results. `check`: rays of a measurement, which the image
+/// does not need.
 enum class RayClass : std::uint8_t { primary, reflection, refraction, shadow, indirect, check };
 inline constexpr int k_ray_classes = 6;
 
-/// Rays to trace together. Neighbours in the queue share a packet: keep rays that go the same way side by side.
+/// Rays that are traced together. Neighbours in the queue share a packet, so rays of similar direction should be side
+/// by side.
 struct RayQueue {
     std::vector<float> ox, oy, oz, tnear;
     std::vector<float> dx, dy, dz, tfar;
@@ -33,10 +34,10 @@ struct RayQueue {
         if (padded <= ox.size()) return;
         for (auto* a : {&ox, &oy, &oz, &tnear, &dx, &dy, &dz, &tfar}) a->resize(padded);
     }
-    /// Direction need not be unit: distances are in its lengths.
+    /// The direction need not be a unit vector; distances are multiples of its length.
     void push(const glm::vec3& origin, float near_distance, const glm::vec3& direction, float far_distance)
     {
-        // Packets are loaded whole, from the last ray on too.
+        // A packet that begins at the last ray is loaded whole, too.
         if (count_ + k_packet_pad >= ox.size()) reserve(2 * count_ + k_packet_pad);
         ox[count_] = origin.x, oy[count_] = origin.y, oz[count_] = origin.z, tnear[count_] = near_distance;
         dx[count_] = direction.x, dy[count_] = direction.y, dz[count_] = direction.z, tfar[count_] = far_distance;
@@ -49,8 +50,8 @@ struct RayQueue {
     std::size_t count_ = 0;
 };
 
-/// Where on a triangle a hit lies, off its edges by a few millionths: surfaces meet at their edges, and a point on one,
-/// by rounding behind the other, would be in its shadow.
+/// Moves barycentric coordinates of a hit off the triangle's edges by a few millionths. Surfaces meet at edges, and a
+/// point on an edge that rounding puts behind the other surface would be in its shadow.
 inline glm::vec2 off_edges(float u, float v)
 {
     constexpr float k_off = 4e-6f;
@@ -60,8 +61,8 @@ inline glm::vec2 off_edges(float u, float v)
     return {u, v};
 }
 
-/// What closest-hit rays met, in the queue's order. `object` is scene::none where a ray left the scene; the rest is
-/// then undefined. u, v: the hit is at (1-u-v) p0 + u p1 + v p2 (off_edges()).
+/// Results of closest-hit rays, in the queue's order. `object` is scene::none where a ray hit nothing; the rest is then
+/// undefined. The hit is at (1-u-v) p0 + u p1 + v p2 (see off_edges()).
 struct Hits {
     std::vector<float> t, u, v;
     std::vector<scene::ObjectId> object;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Rays against a scene, on Embree. The only header of this folder that others need; no Embree type leaves it.
+// Traces rays against a scene, with Embree. Other folders need this header alone; it exposes no Embree type.
 //
-// Two scenes, because this Embree allows one level of instances: everything static, committed once and kept; and the
-// dynamic objects, one instance per rigid group or deforming object, of which only the small top level is rebuilt, and
-// only in frames in which one of them moved. Closest hit: the second scene starts with the first's distance. Any hit:
-// the second is asked only where the first let the ray pass. 'Dynamic objects only' is simply the second scene.
+// There are two Embree scenes, because Embree 3 allows one level of instances. The static one is committed once. The
+// dynamic one holds one instance (BLAS) per rigid group, deforming object, or object that a user override promoted or
+// separated from its group; only its top level (TLAS) is rebuilt, and only in frames in which something in it changed.
+// Closest-hit rays enter the dynamic scene with the distance found in the static one; any-hit rays enter it only if the
+// static one did not occlude them.
 //
-// Repeatable by construction: trees are built by one thread from inputs that do not depend on earlier frames (a
-// deforming mesh is built in its rest shape and refitted), so equal distances fall the same way every time. Robust mode
-// throughout.
+// Results are reproducible: BVHs are built by one thread from inputs that do not depend on earlier frames (a deforming
+// mesh is built in its rest shape and refitted), so that ties between equal distances are resolved the same way every
+// time. Embree's robust mode is on throughout.
 
 #include <cstdint>
 #include <memory>
@@ -20,18 +21,18 @@
 
 namespace gnomon::ray {
 
-/// What rays are tested against. `one_tree`: everything, in a single tree: what a ray tracer without our split would
-/// do, for comparison (see keep_one_tree).
+/// The objects that rays are tested against. `one_tree`: everything, in a single BVH without the split into static and
+/// dynamic objects, for comparison (see keep_one_tree).
 enum class Against : std::uint8_t { everything, static_only, dynamic_only, one_tree };
-/// What closest-hit rays see of one-sided surfaces: both sides, or their front alone (camera and mirror rays).
+/// The sides of one-sided surfaces that closest-hit rays can hit: both, or only the front (camera and mirror rays).
 enum class Sides : std::uint8_t { both, front };
 
-/// How rays meet an object. `never`: it is squeezed flat by the matrix that places it. `roughly`: so aslant that rays
-/// may meet it elsewhere than where its corners are.
+/// How well hits on an object agree with its vertices. `never`: its instance has a singular transform, and no ray hits
+/// it. `roughly`: the transform is so skewed that rounding may move hits away from the transformed vertices.
 enum class Meeting : std::uint8_t { never, roughly, truly };
 
-/// One object's triangles as the rays meet them. Positions and normals are in world space if `to_world` is null, else
-/// in a space that `to_world` takes to the world.
+/// One object's triangles as rays hit them. Positions and normals are in world space if `to_world` is null, else in a
+/// space that `to_world` transforms to world space.
 struct ObjectGeometry {
     const scene::Mesh* mesh = nullptr;   // triangles, texture coordinates, parts
     const glm::vec3* positions = nullptr;
@@ -39,7 +40,8 @@ struct ObjectGeometry {
     const glm::vec4* tangents = nullptr;   // null: none
     const glm::mat4* to_world = nullptr;
     const glm::mat3* normal_to_world = nullptr;   // inverse transpose, not normalised; null with to_world
-    bool mirrored = false;   // world winding is the reverse of the mesh's: the front is clockwise in corners()
+    bool mirrored =
+        false;   // the winding in world space is the reverse of the mesh's: corners() of a front run clockwise
 
     /// World-space corners of one triangle.
     void corners(std::uint32_t triangle, glm::vec3 (&p)[3]) const
@@ -60,66 +62,59 @@ struct Hit {
 
 struct RaySceneStatistics {
     std::uint64_t static_triangles = 0;   // in the static scene, flattened and instanced
-    std::uint64_t instances = 0;          // in the dynamic objects' scene
-    std::uint64_t bytes = 0;              // Embree's memory and our baked vertices
-    double build_ms = 0;                  // everything, at construction
-    std::uint64_t touched = 0;            // instances and refitted meshes handled by the last update
+    std::uint64_t instances = 0;          // in the dynamic scene
+    std::uint64_t bytes = 0;              // Embree's memory and the baked vertices
+    double build_ms = 0;                  // of the whole construction
+    std::uint64_t touched = 0;            // instances and meshes that the last update placed or refitted
 };
 
 struct KdCounts;   // kdtree.h
 
 class RayScene {
  public:
-    /// Builds from the state's present. Keeps a reference to the state's scene, not to the state.
+    /// Builds from the present state: objects that are dynamic now become instances. Keeps a reference to the state's
+    /// scene, not to the state.
     explicit RayScene(const scene::SceneState& state);
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
-    /// Follows one advance() of the state it was built from. Cost: what moved, and the dynamic objects' top level if
-    /// any did.
+    /// Follows one advance() of the state it was built from. Cost: the objects that changed, and the TLAS if there are
+    /// any; the static scene is committed again after a promotion.
     void update(const scene::SceneState& state);
 
-    /// Nearest surface along each ray; transparent ones count. rays[begin, end) only; hits must be sized. Thread-safe.
+    /// Finds the nearest surface along rays[begin, end), transparent ones included; hits must be sized. Thread-safe.
     /// @param against  all but `one_tree`
     void closest(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                  Against against = Against::everything) const;
-    /// occluded[i] = 1 where something that blocks light lies between tnear and tfar of ray begin + i, else 0.
+    /// Sets occluded[i] to 1 where a surface that blocks light lies between tnear and tfar of ray begin + i, else to 0.
     /// Thread-safe.
     void occluded(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
                   Against against = Against::everything) const;
 
-    /// The same by single rays: the twins of the packets, for tests and for lone rays.
+    /// The same for a single ray: the reference implementation of the packets, also used for lone rays.
     Hit closest_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides) const;
     bool occluded_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                          Against against = Against::everything) const;
 
-    /// Keeps one more tree over the same geometries and instances, rebuilt whenever something moves: the opponent of
-    /// benchmarks, never used by a renderer.
+    /// Also keeps a single BVH over the same geometries and instances, rebuilt whenever something moves. Benchmarks
+    /// compare with it; no renderer uses it.
     void keep_one_tree();
 
-    /// From now on answers queues by a CountingKdTree instead of Embree: far slower, the same up to edges and surfaces
-    /// in one place, and counted. For studies.
+    /// From now on traces queues with a CountingKdTree instead of Embree: far slower, with the same results except at
+    /// edges and coincident surfaces, and with counts. For studies.
     void trace_on_kdtree(const scene::SceneState& state);
-    /// What that tree did for rays of one purpose since the last update; zeros without it.
+    /// The work of that tree for rays of one purpose since the last update; zeros without it.
     KdCounts kdtree_work(RayClass purpose) const;
 
     const ObjectGeometry& geometry(scene::ObjectId object) const;
-    /// Whether an object moves by itself: it deforms, or somebody moved it by hand, out of what stands still or out of
-    /// its group.
-    bool has_own_instance(scene::ObjectId object) const;
-    /// Whether an object is among what moves: what `static_only` does not meet.
-    bool moves(scene::ObjectId object) const;
-    /// How rays meet it while it is visible.
+    /// How rays hit it while it is visible.
     Meeting meeting(scene::ObjectId object) const;
-    /// How many static objects somebody moved by hand for the first time. Counts up: what was remembered of static
-    /// things is void then.
-    std::uint32_t promoted() const;
-    /// Around everything visible, as of the last update.
+    /// Bounds of everything visible, as of the last update.
     Box3 bounds() const;
     RaySceneStatistics statistics() const;
 
-    /// Rays traced together: 16 where the processor has AVX-512, else 8 (4 without AVX).
+    /// Rays per packet: 16 where the processor has AVX-512, 8 with AVX, else 4.
     static int packet_width();
 
  private:

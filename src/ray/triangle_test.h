@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A ray against a triangle by signed volumes over its edges [Davidovic et al. 2012, '3D Rasterization: A Bridge
+// Ray-triangle intersection by signed volumes over the edges [Davidovic et al. 2012, '3D Rasterization: A Bridge
 // Between Rasterization and Ray Casting', 2].
 //
-// Watertight where two triangles share an edge to the bit: both compute the same volume, with opposite signs.
+// Watertight where two triangles share an edge to the bit, because both compute the same volume with opposite signs.
 
 #include <algorithm>
 
@@ -14,14 +14,14 @@ namespace gnomon::ray {
 
 struct TriangleHit {
     float t = 0, u = 0, v = 0;   // at (1-u-v) p0 + u p1 + v p2
-    bool behind = false;         // from where the corners run clockwise
+    bool behind = false;         // hit from the side on which the corners run clockwise
 };
 
-// Volumes up to this fraction of their sum count as 0: such rays meet both triangles of an edge.
+// Volumes up to this fraction of their sum count as 0, so that a ray at an edge hits both triangles.
 inline constexpr float k_edge_slack = GNOMON_EDGE_SLACK;
 static_assert(k_edge_slack == 0x1p-23f);
 
-/// @return whether the ray meets the triangle, from either side, past tnear, up to and with tfar
+/// @return whether the ray hits the triangle, from either side, at a distance in (tnear, tfar]
 inline bool meets(const glm::vec3& origin, const glm::vec3& direction, float tnear, float tfar, const glm::vec3 (&p)[3],
                   TriangleHit& hit)
 {

@@ -11,7 +11,7 @@ Mobility::Mobility(std::size_t object_count, int quiet_frames)
     : override_(object_count, MobilityOverride::automatic),
       last_active_(object_count, 0),
       dynamic_slot_(object_count, none),
-      asleep_at_(static_cast<std::size_t>(quiet_frames) + 1)
+      rested_at_(static_cast<std::size_t>(quiet_frames) + 1)
 {
     GNOMON_CHECK_LE(1, quiet_frames);
 }
@@ -22,12 +22,11 @@ void Mobility::update(const FrameChanges& changes)
     touched_ = 0;
     became_dynamic_.clear();
     became_static_.clear();
-    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
-        for (const ObjectId object : *list) wake(object);
+    for (const ObjectId object : changes.changed) note_change(object);
 
-    // Let those fall asleep whose rest ends now, unless they moved meanwhile.
-    std::vector<ObjectId>& due = asleep_at_[frame_ % asleep_at_.size()];
-    const auto quiet_frames = static_cast<std::uint32_t>(asleep_at_.size() - 1);
+    // Make those static whose rest ends now, unless they changed meanwhile.
+    std::vector<ObjectId>& due = rested_at_[frame_ % rested_at_.size()];
+    const auto quiet_frames = static_cast<std::uint32_t>(rested_at_.size() - 1);
     for (const ObjectId object : due) {
         ++touched_;
         const bool rested = last_active_[object] + quiet_frames <= frame_;
@@ -39,14 +38,13 @@ void Mobility::update(const FrameChanges& changes)
     std::sort(became_static_.begin(), became_static_.end());
 }
 
-void Mobility::wake(ObjectId object)
+void Mobility::note_change(ObjectId object)
 {
     ++touched_;
-    if (last_active_[object] == frame_) return;   // in two of the lists
     last_active_[object] = frame_;
     if (override_[object] != MobilityOverride::automatic) return;
-    const std::size_t quiet_frames = asleep_at_.size() - 1;
-    asleep_at_[(frame_ + quiet_frames) % asleep_at_.size()].push_back(object);
+    const std::size_t quiet_frames = rested_at_.size() - 1;
+    rested_at_[(frame_ + quiet_frames) % rested_at_.size()].push_back(object);
     if (dynamic_slot_[object] == none) make_dynamic(object);
 }
 
@@ -55,10 +53,10 @@ void Mobility::set_override(ObjectId object, MobilityOverride value)
     override_[object] = value;
     if (value == MobilityOverride::always_dynamic && dynamic_slot_[object] == none) make_dynamic(object);
     if (value == MobilityOverride::always_static && dynamic_slot_[object] != none) make_static(object);
-    // Back to automatic: it goes to sleep after its rest like any other.
+    // Back to automatic: it becomes static after its rest, as any other object.
     if (value == MobilityOverride::automatic && dynamic_slot_[object] != none) {
         last_active_[object] = frame_;
-        asleep_at_[(frame_ + asleep_at_.size() - 1) % asleep_at_.size()].push_back(object);
+        rested_at_[(frame_ + rested_at_.size() - 1) % rested_at_.size()].push_back(object);
     }
 }
 

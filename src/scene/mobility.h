@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Static or dynamic, over time: the reading of FrameChanges that caches use.
+// Mobility: which objects count as dynamic in the present frame, with hysteresis.
 //
-// An object becomes dynamic in the frame in which it moves, deforms, appears or vanishes, and static again after
-// `quiet_frames` frames of rest (hysteresis: a thing that moves now and then should not be redrawn into static buffers
-// each time it pauses). An author may fix an object either way. Cost a frame: what changed, and what fell asleep.
-// Hysteresis may change cost, never pixels.
+// An object becomes dynamic in the frame in which it changes, and static again after `quiet_frames` frames of rest.
+// Hysteresis keeps an object that moves now and then from being redrawn into static buffers each time it pauses. An
+// override fixes an object either way. It changes cost, never pixels.
+//
+// SceneState::is_dynamic() is another question: whether an object may ever change, or was promoted.
+//
+// Cost per frame: the objects that changed, and those whose rest ended.
 
 #include <vector>
 
@@ -17,32 +20,32 @@ enum class MobilityOverride : std::uint8_t { automatic, always_static, always_dy
 
 class Mobility {
  public:
-    /// @param quiet_frames  how long an object must rest to count as static, in frames; at least 1
+    /// @param quiet_frames  frames of rest after which an object counts as static; at least 1
     explicit Mobility(std::size_t object_count, int quiet_frames = 8);
 
-    /// Must be called once a frame, with that frame's changes.
+    /// Must be called once per frame, with the changes of that frame.
     void update(const FrameChanges& changes);
     void set_override(ObjectId object, MobilityOverride value);
 
     bool is_dynamic(ObjectId object) const;
-    /// Objects that changed sides in the last update, ascending.
+    /// Objects whose mobility changed in the last update, ascending.
     const std::vector<ObjectId>& became_dynamic() const { return became_dynamic_; }
     const std::vector<ObjectId>& became_static() const { return became_static_; }
     /// All objects that are dynamic now, in no particular order.
     const std::vector<ObjectId>& dynamic_objects() const { return dynamic_; }
-    /// Objects looked at in the last update.
+    /// Objects visited in the last update.
     std::uint64_t touched() const { return touched_; }
 
  private:
-    void wake(ObjectId object);
+    void note_change(ObjectId object);
     void make_dynamic(ObjectId object);
     void make_static(ObjectId object);
 
     std::vector<MobilityOverride> override_;
     std::vector<std::uint32_t> last_active_;    // frame number
-    std::vector<std::uint32_t> dynamic_slot_;   // place in dynamic_, or none
+    std::vector<std::uint32_t> dynamic_slot_;   // index in dynamic_, or none
     std::vector<ObjectId> dynamic_;
-    std::vector<std::vector<ObjectId>> asleep_at_;   // ring of quiet_frames + 1: who may fall asleep in which frame
+    std::vector<std::vector<ObjectId>> rested_at_;   // ring of quiet_frames + 1 frames: whose rest may end in each
     std::vector<ObjectId> became_dynamic_, became_static_;
     std::uint32_t frame_ = 0;
     std::uint64_t touched_ = 0;

@@ -11,15 +11,15 @@
 
 namespace gnomon::scene {
 
-// What hangs on a node, and when tracks change. Built once.
+// The objects, lights, cameras, groups and skins of each node, and when tracks change. Built once.
 struct SceneState::Index {
     ChangeIndex transforms, visibilities, deformations;   // ids: nodes, nodes, objects
     std::vector<ObjectId> object_at;                      // by node
     std::unordered_map<NodeId, std::vector<LightId>> lights_at;
     std::unordered_map<NodeId, bool> cameras_at;
     std::unordered_map<NodeId, GroupId> group_at;
-    // A joint may serve many skins, and a skin many objects: never listed one against the other.
-    std::unordered_map<NodeId, std::vector<SkinId>> skins_at;   // by joint; of skins that bend something
+    // A joint may belong to many skins, and a skin to many objects, so there is no table of joints against objects.
+    std::unordered_map<NodeId, std::vector<SkinId>> skins_at;   // by joint; skins that objects use
     std::vector<std::vector<ObjectId>> skinned_by;              // by skin
 
     explicit Index(const Scene& scene);
@@ -83,6 +83,13 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, double time)
     }
     for (std::size_t l = 0; l < scene_->lights.size(); ++l) lights_.push_back(light_at(static_cast<LightId>(l)));
 
+    dynamic_index_.assign(scene_->objects.size(), none);
+    for (ObjectId o = 0; o < scene_->objects.size(); ++o) {
+        group_of_.push_back(scene_->objects[o].group);
+        if (!scene_->objects[o].dynamic) continue;
+        dynamic_index_[o] = static_cast<std::uint32_t>(dynamic_objects_.size());
+        dynamic_objects_.push_back(o);
+    }
     deformed_slot_.assign(scene_->objects.size(), none);
     for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
         if (!scene_->objects[o].deforming) continue;
@@ -94,7 +101,7 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, double time)
 
 SceneState::~SceneState() = default;
 
-// World matrix and visibility from the parent's, which must be up to date.
+// Computes a node's world matrix and visibility from its parent's, which must be up to date.
 void SceneState::evaluate_node(NodeId n)
 {
     const Node& node = scene_->nodes[n];
@@ -113,8 +120,9 @@ const FrameChanges& SceneState::advance(double time)
     changes_ = FrameChanges{};
     to_deform_.clear();
     skins_due_.clear();
+    groups_toggled_.clear();
 
-    // Evaluate the tracks that change in between, and note where.
+    // Evaluate the tracks that change between the two times; collect the nodes that differ.
     std::vector<NodeId> roots;
     index_->transforms.query(before, time, due_);
     changes_.touched_nodes += due_.size();
@@ -130,15 +138,15 @@ const FrameChanges& SceneState::advance(double time)
     roots.insert(roots.end(), due_.begin(), due_.end());
     for (const NodeId n : overrides_changed_) {
         const Node& node = scene_->nodes[n];
-        const auto by_hand = overrides_.find(n);
-        local_[n] = by_hand != overrides_.end() ? by_hand->second
-                    : node.transform            ? node.transform->evaluate(time)
-                                                : node.local;
+        const auto overridden = overrides_.find(n);
+        local_[n] = overridden != overrides_.end() ? overridden->second
+                    : node.transform               ? node.transform->evaluate(time)
+                                                   : node.local;
         roots.push_back(n);
     }
     overrides_changed_.clear();
 
-    // Carry the news down, parents first.
+    // Update the nodes below, parents first.
     sort_unique(roots);
     for (const NodeId root : roots) visit_below(root);
 
@@ -151,7 +159,7 @@ const FrameChanges& SceneState::advance(double time)
     to_deform_.insert(to_deform_.end(), due_.begin(), due_.end());
     sort_unique(to_deform_);
     for (const ObjectId object : to_deform_) {
-        // What nobody sees is not computed; it is when it appears.
+        // A hidden object is deformed when it appears.
         if (!object_visible(object)) continue;
         deform(object);
         changes_.deformed.push_back(object);
@@ -175,7 +183,7 @@ void SceneState::visit_below(NodeId root)
         evaluate_node(n);
         const bool moved = !same_bits(old_world, world_[n]);
         const bool toggled = old_visible != static_cast<bool>(node_visible_[n]);
-        if (!moved && !toggled) continue;   // nothing below can have changed by this
+        if (!moved && !toggled) continue;   // so nothing below changed
 
         if (const ObjectId object = index_->object_at[n]; object != none) {
             if (toggled) (old_visible ? changes_.vanished : changes_.appeared).push_back(object);
@@ -183,8 +191,11 @@ void SceneState::visit_below(NodeId root)
             if (moved && node_visible_[n] && follows_node) changes_.moved.push_back(object);
             if (toggled && !old_visible && scene_->objects[object].deforming) to_deform_.push_back(object);
         }
-        if (const auto group = index_->group_at.find(n); group != index_->group_at.end() && node_visible_[n])
+        if (const auto group = index_->group_at.find(n); group != index_->group_at.end() && node_visible_[n]) {
             changes_.groups_moved.push_back(group->second);
+            if (has_volume(glm::mat4(old_world)) != has_volume(glm::mat4(world_[n])))
+                groups_toggled_.push_back(group->second);
+        }
         if (const auto at = index_->lights_at.find(n); at != index_->lights_at.end())
             for (const LightId l : at->second) {
                 const LightState now = light_at(l);
@@ -202,14 +213,24 @@ void SceneState::visit_below(NodeId root)
     }
 }
 
-// Sorts the lists and compares with the step before.
+// Completes and sorts the lists, and compares with the step before.
 void SceneState::note_lists()
 {
+    // A flat member of a group may keep its world matrix while the anchor's becomes singular.
+    for (const GroupId group : groups_toggled_)
+        for (const ObjectId object : scene_->groups[group].objects)
+            if (group_of_[object] == group && object_visible(object)) changes_.moved.push_back(object);
     sort_unique(changes_.moved);
     sort_unique(changes_.appeared);
     sort_unique(changes_.vanished);
     sort_unique(changes_.groups_moved);
     sort_unique(changes_.lights_moved);
+
+    changes_.changed = changes_.moved;
+    for (const auto* list : {&changes_.deformed, &changes_.appeared, &changes_.vanished})
+        changes_.changed.insert(changes_.changed.end(), list->begin(), list->end());
+    sort_unique(changes_.changed);
+    note_overridden();
 
     active_now_.clear();
     std::set_union(changes_.moved.begin(), changes_.moved.end(), changes_.deformed.begin(), changes_.deformed.end(),
@@ -221,6 +242,36 @@ void SceneState::note_lists()
     difference(active_before_, active_now_, changes_.stopped);
     difference(changes_.lights_moved, lights_active_before_, changes_.lights_started);
     difference(lights_active_before_, changes_.lights_moved, changes_.lights_stopped);
+}
+
+// Promotes the static objects that moved, which only a user override can do, and separates from their groups the
+// members that no longer move with them.
+void SceneState::note_overridden()
+{
+    for (const ObjectId object : changes_.changed) {
+        if (!is_dynamic(object)) {
+            dynamic_index_[object] = static_cast<std::uint32_t>(dynamic_objects_.size());
+            dynamic_objects_.push_back(object);
+            changes_.promoted.push_back(object);
+            taken_objects_.push_back(object);
+        } else if (!overrides_.empty() && group_of_[object] != none && object_visible(object) && !rides_along(object)) {
+            group_of_[object] = none;
+            changes_.separated.push_back(object);
+            taken_objects_.push_back(object);
+        }
+    }
+}
+
+// Whether an object is where its group takes it. evaluate_node() multiplies the same matrices in the same order, so the
+// bits are equal.
+bool SceneState::rides_along(ObjectId object) const
+{
+    const NodeId anchor = scene_->groups[group_of_[object]].anchor;
+    const auto by_group = [&](const auto& self, NodeId n) -> glm::dmat4 {
+        return n == anchor ? world_[n] : self(self, scene_->nodes[n].parent) * scene_->nodes[n].local;
+    };
+    const NodeId node = scene_->objects[object].node;
+    return same_bits(by_group(by_group, node), world_[node]);
 }
 
 LightState SceneState::light_at(LightId light) const
@@ -250,7 +301,7 @@ void SceneState::deform(ObjectId id)
     deform_mesh(mesh, time_, weights, joints, deformed_[deformed_slot_[id]]);
 }
 
-// Once a step, however many objects the skin bends.
+// Computes a skin's matrices once per step, for all its objects.
 const std::vector<glm::mat4>& SceneState::joints_of(SkinId id)
 {
     Joints& joints = joints_[id];
@@ -268,8 +319,9 @@ bool SceneState::object_there(ObjectId object) const
 {
     if (!object_visible(object)) return false;
     const Object& o = scene_->objects[object];
-    if (!o.dynamic || o.skin != none) return true;
-    return has_volume(glm::mat4(world_[o.group != none ? scene_->groups[o.group].anchor : o.node]));
+    if (!is_dynamic(object) || o.skin != none) return true;
+    const GroupId group = group_of_[object];
+    return has_volume(glm::mat4(world_[group != none ? scene_->groups[group].anchor : o.node]));
 }
 
 glm::mat4 SceneState::object_matrix(ObjectId object) const

@@ -36,7 +36,7 @@ StateMark TileTracer::mark_of(std::uint32_t p, std::size_t l, bool& untrusted) c
         !scene::LightReach::faces(to_light, shading_normals_[p]) ||
         scene::illuminate(light, at, points_[p].surface.position).irradiance == glm::vec3(0))
         return StateMark::away;
-    if (scene_.objects[here.object].dynamic) return StateMark::moving;
+    if (state_.is_dynamic(here.object)) return StateMark::moving;
     if (culling_) switch (culling_->state_of(*batch_, p, static_cast<int>(l))) {
             case shadow_culling::ShadowState::none:
                 return StateMark::none;

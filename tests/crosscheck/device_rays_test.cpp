@@ -346,8 +346,8 @@ TEST_F(DeviceRaysVulkan, AgreesWithRaySceneOnEveryRayAwayFromEdges)
     trace(4);
     EXPECT_EQ(sum.differing, 0u);
 
-    // A DeviceRays created now treats the same objects as dynamic as the given RayScene.
-    DeviceRays late(device_, scene, state, &rays);
+    // A DeviceRays created now treats the same objects as dynamic as the RayScene.
+    DeviceRays late(device_, scene, state);
     compare(commands, scene, late, rays, clear_rays(rays, state, 5), sum);
     EXPECT_EQ(sum.differing, 0u);
     EXPECT_GT(late.bytes(), 10'000u);

@@ -236,7 +236,7 @@ struct Lighting {
         }
         if (traces) {
             scene = std::make_unique<gpu_scene::GpuScene>(device, world.state);
-            engine->trace_with(std::make_unique<ray::DeviceRays>(device, *scene, world.state, &world.rays), *scene);
+            engine->trace_with(std::make_unique<ray::DeviceRays>(device, *scene, world.state), *scene);
         }
         visible.limit_rays(most_rays);
         const auto follow = [&] {

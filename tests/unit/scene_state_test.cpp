@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mobility: what advance() lists, and that it costs what moves.
+// What advance() lists, what is dynamic, and that a step costs what changed.
 #include "scene/state.h"
 
 #include <gtest/gtest.h>
@@ -151,19 +151,196 @@ TEST(SceneState, AgreesWithAFreshStateAtAnyTime)
     }
 }
 
-TEST(SceneState, MovesByHandAndGivesBack)
+glm::dmat4 at_height(double y)
+{
+    return glm::translate(glm::dmat4(1), glm::dvec3(0, y, 0));
+}
+
+TEST(SceneState, FollowsAUserOverrideAndItsRemoval)
 {
     Scene scene = scene_with_triangle_mesh();
     const NodeId node = add_object(scene);
     scene.finish();
     SceneState state(std::make_shared<Scene>(scene), 0);
-    const glm::dmat4 there = glm::translate(glm::dmat4(1), glm::dvec3(0, 5, 0));
+    const glm::dmat4 there = at_height(5);
     state.override_transform(node, &there);
     EXPECT_EQ(state.advance(0).moved, ids({0}));
     EXPECT_EQ(state.object_matrix(0)[3].y, 5.0f);
     state.override_transform(node, nullptr);
     EXPECT_EQ(state.advance(0).moved, ids({0}));
     EXPECT_EQ(state.object_matrix(0)[3].y, 0.0f);
+}
+
+TEST(SceneState, AStaticObjectIsPromotedOnceAndStaysDynamic)
+{
+    Scene scene = scene_with_triangle_mesh();
+    scene.nodes[add_object(scene)].transform = std::make_shared<Slide>(5, 6);
+    for (int i = 0; i < 3; ++i) add_object(scene);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    EXPECT_EQ(state.dynamic_objects(), ids({0}));
+    const glm::dmat4 there = at_height(5), higher = at_height(6);
+
+    state.override_transform(scene.objects[3].node, &there);
+    EXPECT_FALSE(state.is_dynamic(3)) << "before the next step";
+    EXPECT_EQ(state.advance(0).promoted, ids({3}));
+    EXPECT_TRUE(state.is_dynamic(3));
+    state.override_transform(scene.objects[3].node, &higher);
+    EXPECT_TRUE(state.advance(0).promoted.empty()) << "it was promoted before";
+    EXPECT_EQ(state.changes().changed, ids({3}));
+    state.override_transform(scene.objects[3].node, nullptr);
+    EXPECT_TRUE(state.advance(0).promoted.empty());
+    EXPECT_TRUE(state.is_dynamic(3)) << "after the override was removed";
+    state.advance(1);
+    EXPECT_TRUE(state.is_dynamic(3));
+
+    // Later ones follow in dynamic_objects().
+    state.override_transform(scene.objects[1].node, &there);
+    EXPECT_EQ(state.advance(1).promoted, ids({1}));
+    EXPECT_EQ(state.dynamic_objects(), ids({0, 3, 1}));
+    EXPECT_EQ(state.dynamic_index(3), 1u);
+    EXPECT_EQ(state.dynamic_index(1), 2u);
+    EXPECT_EQ(state.dynamic_index(2), none);
+    EXPECT_FALSE(state.is_dynamic(2));
+}
+
+TEST(SceneState, AnOverrideOfADynamicObjectIsNoPromotion)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const NodeId anchor = scene.add_node("anchor", none);
+    scene.nodes[anchor].transform = std::make_shared<Slide>(5, 6);
+    add_object(scene, anchor);
+    add_object(scene, anchor);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    const glm::dmat4 there = at_height(5);
+    // The whole group.
+    state.override_transform(anchor, &there);
+    EXPECT_EQ(state.advance(0).changed, ids({0, 1}));
+    EXPECT_TRUE(state.changes().promoted.empty());
+    EXPECT_TRUE(state.changes().separated.empty());
+    // One member against it: for good.
+    state.override_transform(scene.objects[1].node, &there);
+    EXPECT_EQ(state.advance(0).separated, ids({1}));
+    EXPECT_TRUE(state.changes().promoted.empty());
+    EXPECT_EQ(state.group_of(0), 0u);
+    EXPECT_EQ(state.group_of(1), none);
+    state.override_transform(scene.objects[1].node, nullptr);
+    EXPECT_TRUE(state.advance(0).separated.empty());
+    EXPECT_EQ(state.group_of(1), none);
+    EXPECT_EQ(state.dynamic_objects(), ids({0, 1}));
+}
+
+TEST(SceneState, AnOverrideOfAParentPromotesAllObjectsBelow)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const NodeId shelf = scene.add_node("shelf", none);
+    add_object(scene, shelf);
+    add_object(scene);
+    add_object(scene, shelf);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    const glm::dmat4 there = at_height(5);
+    state.override_transform(shelf, &there);
+    EXPECT_EQ(state.advance(0).promoted, ids({0, 2}));
+    EXPECT_EQ(state.dynamic_objects(), ids({0, 2}));
+}
+
+TEST(SceneState, AnOverrideWithThePresentMatrixChangesNothing)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const NodeId shelf = scene.add_node("shelf", none);
+    const NodeId node = add_object(scene, shelf);
+    for (int i = 0; i < 100; ++i) add_object(scene, shelf);
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    for (const NodeId n : {node, shelf}) {
+        const glm::dmat4 same(1);
+        state.override_transform(n, &same);
+        EXPECT_FALSE(state.advance(0).anything());
+        EXPECT_EQ(state.changes().touched_nodes, 1u) << "the node itself, and none below";
+        EXPECT_TRUE(state.changes().promoted.empty());
+    }
+    EXPECT_TRUE(state.dynamic_objects().empty());
+}
+
+TEST(SceneState, ChangedHoldsEachObjectOnceInOrder)
+{
+    Scene scene = scene_with_triangle_mesh();
+    scene.meshes.push_back(one_triangle());
+    VertexKeys keys;
+    keys.times = {0, 9};
+    keys.positions.assign(2, scene.meshes[1].positions);
+    keys.positions[1][0].z = 1;
+    scene.meshes[1].vertex_keys = keys;
+    const auto blinks = [](bool first) {
+        auto track = std::make_shared<VisibilityTrack>();
+        track->times = {0, 1};
+        track->visible = {first, !first};
+        return track;
+    };
+    scene.nodes[add_object(scene)].visibility = blinks(true);   // 0 vanishes
+    const NodeId both = add_object(scene);                      // 1 moves and deforms
+    scene.nodes[both].mesh = 1;
+    scene.nodes[both].transform = std::make_shared<Slide>(0, 9);
+    add_object(scene);                          // 2 rests
+    const NodeId appears = add_object(scene);   // 3 appears and moves
+    scene.nodes[appears].visibility = blinks(false);
+    scene.nodes[appears].transform = std::make_shared<Slide>(0, 9);
+    const NodeId taken = add_object(scene);   // 4 is taken by the user
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0.5);
+    const glm::dmat4 there = at_height(5);
+    state.override_transform(taken, &there);
+    const FrameChanges& changes = state.advance(1.5);
+    EXPECT_EQ(changes.moved, ids({1, 3, 4}));
+    EXPECT_EQ(changes.deformed, ids({1}));
+    EXPECT_EQ(changes.appeared, ids({3}));
+    EXPECT_EQ(changes.vanished, ids({0}));
+    EXPECT_EQ(changes.changed, ids({0, 1, 3, 4}));
+    EXPECT_EQ(changes.promoted, ids({4}));
+    EXPECT_FALSE(state.advance(1.5).anything());
+    EXPECT_TRUE(state.changes().promoted.empty()) << "lists are of one step";
+}
+
+// Whether an object is there follows the transform that places it: of a promoted or separated object, its own.
+TEST(SceneState, ASingularTransformTakesAwayWhatIsDynamic)
+{
+    Scene scene = scene_with_triangle_mesh();
+    const glm::dmat4 flat = glm::scale(glm::dmat4(1), glm::dvec3(1, 0, 1));
+    const NodeId node = add_object(scene);
+    scene.nodes[node].local = flat;
+    const NodeId anchor = scene.add_node("anchor", none);
+    scene.nodes[anchor].transform = std::make_shared<Slide>(5, 6);
+    const NodeId member = add_object(scene, anchor), flat_member = add_object(scene, anchor);
+    scene.nodes[flat_member].local = flat;
+    scene.finish();
+    SceneState state(std::make_shared<Scene>(scene), 0);
+    const auto there = [&] {
+        return std::vector<bool>{state.object_there(0), state.object_there(1), state.object_there(2)};
+    };
+    EXPECT_EQ(there(), (std::vector<bool>{true, true, true})) << "static ones, and members of a regular group";
+
+    const glm::dmat4 higher = at_height(1) * flat;
+    state.override_transform(node, &higher);
+    state.override_transform(member, &higher);
+    state.advance(0);
+    EXPECT_EQ(there(), (std::vector<bool>{false, false, true})) << "promoted; separated";
+    const glm::dmat4 regular = at_height(2);
+    state.override_transform(node, &regular);
+    state.override_transform(member, nullptr);
+    EXPECT_EQ(state.advance(0).changed, ids({0, 1}));
+    EXPECT_EQ(there(), (std::vector<bool>{true, true, true}));
+
+    // The flat member keeps its matrix when its group's becomes singular, and is listed all the same.
+    state.override_transform(anchor, &flat);
+    const glm::mat4 before = state.object_matrix(2);
+    EXPECT_EQ(state.advance(0).changed, ids({1, 2}));
+    EXPECT_EQ(state.object_matrix(2), before);
+    EXPECT_EQ(there(), (std::vector<bool>{true, false, false}));
+    state.override_transform(anchor, nullptr);
+    EXPECT_EQ(state.advance(0).changed, ids({1, 2}));
+    EXPECT_EQ(there(), (std::vector<bool>{true, true, true}));
 }
 
 // 10 dynamic objects among `count` objects: what one step touches.
@@ -236,7 +413,7 @@ TEST(SceneState, SkinsBlendJoints)
 FrameChanges moving(std::vector<ObjectId> moved)
 {
     FrameChanges changes;
-    changes.moved = std::move(moved);
+    changes.moved = changes.changed = std::move(moved);
     return changes;
 }
 

@@ -100,8 +100,7 @@ void LightTree::find_dynamics()
 {
     dynamics_.clear();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
-        if (rays_->moves(o) && casters_.casts(o)) dynamics_.push_back(o);
-    promoted_ = rays_->promoted();
+        if (state_->is_dynamic(o) && casters_.casts(o)) dynamics_.push_back(o);
 }
 
 void LightTree::find_roots()
@@ -382,7 +381,7 @@ void LightTree::gather_dynamic()
         rays_->closest(queue, 0, texels.size(), hits, ray::Sides::both);
         // Sum the lit surfaces by owner and octant.
         for (std::size_t i = 0; i < texels.size(); ++i) {
-            if (hits.object[i] == scene::none || !rays_->moves(hits.object[i])) continue;
+            if (hits.object[i] == scene::none || !state_->is_dynamic(hits.object[i])) continue;
             const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
             if (!(leaf.area > 0)) continue;
             const std::uint32_t octant =
@@ -425,9 +424,9 @@ void LightTree::gather_dynamic()
 
 std::uint32_t LightTree::owner_of(scene::ObjectId object) const
 {
-    const scene::GroupId group = state_->scene().objects[object].group;
+    const scene::GroupId group = state_->group_of(object);
     constexpr std::uint32_t k_alone = 1u << 31;   // differs from all groups and from k_no_owner
-    return group == scene::none || rays_->has_own_instance(object) ? object | k_alone : group;
+    return group == scene::none ? object | k_alone : group;
 }
 
 void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
@@ -438,7 +437,7 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     changed_.clear();
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
-    const bool promoted = rays.promoted() != promoted_;
+    const bool promoted = !changes.promoted.empty();
     geometry_changed_ = promoted || !changes.lights_moved.empty();
     if (promoted) find_dynamics();
     if (geometry_changed_) {
@@ -450,8 +449,7 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
         find_roots();
         ++geometry_version_, ++flux_version_;
     }
-    const bool unchanged =
-        changes.moved.empty() && changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
+    const bool unchanged = changes.changed.empty();
     if (unchanged && !geometry_changed_) return;
     if (!unchanged && !promoted) follow_dynamic(changes);
     mark_changes();

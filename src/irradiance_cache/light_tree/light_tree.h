@@ -161,7 +161,6 @@ class LightTree {
     std::vector<NodeId> roots_;
     std::vector<NodeId> changed_;             // by the last update
     std::vector<scene::ObjectId> dynamics_;   // dynamic objects that cast shadows
-    std::uint32_t promoted_ = 0;              // RayScene::promoted() then
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;
     std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;

@@ -61,7 +61,7 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
             const glm::vec3 direction = queue.direction(i);
             if (!(glm::dot(direction, receivers[k].geometric_normal) > 0)) continue;
             const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius);
-            if (rays.moves(object)) continue;
+            if (state.is_dynamic(object)) continue;
             const ray::ObjectGeometry& geometry = rays.geometry(object);
             const std::uint32_t triangle = scratch.hits.triangle[i];
             glm::vec3 p[3];

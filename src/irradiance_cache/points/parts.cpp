@@ -24,7 +24,7 @@ void add_own_parts(const CacheFrame& frame, PartWeights& parts, const IndirectPo
     const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
     const bool front = glm::dot(cross, point.geometric_normal) > 0;
     const PartDetail detail = part_detail(0.5f * glm::length(cross), spacing);
-    const float finer = frame.rays->moves(point.object) ? 1.0f : frame.fade_in(detail.fraction);
+    const float finer = frame.state->is_dynamic(point.object) ? 1.0f : frame.fade_in(detail.fraction);
     parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
     if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
 }
@@ -47,7 +47,7 @@ PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, fl
 {
     const ray::ObjectGeometry& geometry = frame.rays->geometry(point.object);
     const scene::Object& object = frame.state->scene().objects[point.object];
-    const bool moves = frame.rays->moves(point.object);
+    const bool moves = frame.state->is_dynamic(point.object);
     const std::uint32_t first = frame.triangles.first(point.object);
     const glm::vec3 own = cross_of(geometry, point.triangle);
     const float twice_area = glm::length(own);
@@ -86,7 +86,7 @@ PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, fl
 PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point)
 {
     const CacheOptions& options = frame.options;
-    if (frame.rays->moves(point.object))
+    if (frame.state->is_dynamic(point.object))
         return select_parts(frame, point, options.pixels_per_part * point.width, options.pixels_per_part * point.width);
     return select_parts(frame, point, options.narrowest * point.width, options.pixels_per_leaf * point.width);
 }

@@ -69,7 +69,7 @@ void place_part(const CacheFrame& frame, CachePoint& point)
     point.lift = ray::origin_lift(p);
     point.geometric_normal = normal;
     point.normal = shading_normal(geometry, triangle, w, uv.x, uv.y, normal);
-    if (!frame.rays->moves(object)) return;
+    if (!frame.state->is_dynamic(object)) return;
     point.version = 0;   // its visible nodes change as it moves
     point.owner = frame.lights.owner_of(object);
 }

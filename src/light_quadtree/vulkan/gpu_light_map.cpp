@@ -79,13 +79,6 @@ GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene:
       views_(lay_out_views(state.scene(), bounds_, options))
 {
     GNOMON_CHECK(levels.limit <= levels.start && (1 << start_) <= options.least_side);
-    const scene::Scene& scene = state.scene();
-    dynamic_place_.assign(scene.objects.size(), scene::none);
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if (scene.objects[o].dynamic && casters_.casts(o)) {
-            dynamic_place_[o] = static_cast<std::uint32_t>(dynamics_.size());
-            dynamics_.push_back(o);
-        }
     dirty_.resize(views_.size());
     dynamic_.resize(views_.size());
     make_pipelines();
@@ -173,19 +166,9 @@ bool GpuLightMap::find_dirty(const scene::SceneState& state)
         casters_.update(state);
     }
 
-    std::vector<scene::ObjectId> stirred;
-    bool all = fresh_;
-    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list) {
-            if (dynamic_place_[o] != scene::none)
-                stirred.push_back(o);
-            else if (casters_.casts(o))
-                all = true;   // the user moved a static object
-        }
-    std::sort(stirred.begin(), stirred.end());
-    stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
-
-    // Join the old and new footprints of these objects in each view.
+    // Draw everything anew where a static object was promoted: its footprint before is not known.
+    const bool all = fresh_ || std::any_of(changes.promoted.begin(), changes.promoted.end(),
+                                           [&](scene::ObjectId o) { return casters_.casts(o); });
     bool anything = false;
     for (std::size_t v = 0; v < views_.size(); ++v) {
         MapView& view = views_[v];
@@ -194,12 +177,13 @@ bool GpuLightMap::find_dirty(const scene::SceneState& state)
         if (aimed) aim_view(view, state, bounds_);
         if (aimed || all) {
             dirty_[v] = {0, 0, view.side(), view.side()};
-            dynamic_[v].assign(dynamics_.size(), {});
-            for (std::size_t d = 0; d < dynamics_.size() && view.on; ++d)
-                dynamic_[v][d] = casters_.footprint(view.projection, state, dynamics_[d]);
+            dynamic_[v].assign(state.dynamic_objects().size(), {});
+            for (std::size_t d = 0; d < dynamic_[v].size() && view.on; ++d)
+                dynamic_[v][d] = casters_.footprint(view.projection, state, state.dynamic_objects()[d]);
         } else if (view.on) {
-            for (const scene::ObjectId o : stirred) {
-                Rect& rect = dynamic_[v][dynamic_place_[o]];
+            dynamic_[v].resize(state.dynamic_objects().size());
+            for (const scene::ObjectId o : changes.changed) {
+                Rect& rect = dynamic_[v][state.dynamic_index(o)];
                 dirty_[v] = around(dirty_[v], rect);
                 rect = casters_.footprint(view.projection, state, o);
                 dirty_[v] = around(dirty_[v], rect);

@@ -83,9 +83,7 @@ class GpuLightMap {
     light_views::SceneBounds bounds_;
     std::vector<MapView> views_;
     std::vector<light_views::Rect> dirty_;                  // by view
-    std::vector<std::vector<light_views::Rect>> dynamic_;   // current footprints, by view and index in dynamics_
-    std::vector<scene::ObjectId> dynamics_;                 // dynamic objects that cast shadows
-    std::vector<std::uint32_t> dynamic_place_;              // by object; none: static
+    std::vector<std::vector<light_views::Rect>> dynamic_;   // footprints, by view and SceneState::dynamic_index()
     bool fresh_ = true;
     std::uint32_t version_ = 0;
     Work work_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Construction: which triangles go where.
+// Constructs a RayScene: distributes the triangles among the static scene and the solids of the dynamic scene.
 #include <algorithm>
 
 #include "ray/embree/impl.h"
@@ -9,8 +9,8 @@ namespace gnomon::ray {
 
 namespace {
 
-// A mesh that this many static objects share, with at least so many triangles in all, is kept once and instanced;
-// below, flattened copies trace faster than instances.
+// A mesh that so many static objects share, with at least so many triangles in all instances together, is stored once
+// and instanced. Below these limits, flattened copies trace faster than instances.
 constexpr std::size_t k_instancing_copies = 8;
 constexpr std::size_t k_instancing_triangles = 1u << 20;
 
@@ -54,38 +54,33 @@ void RayScene::Impl::build(const scene::SceneState& state)
     still = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
     moving = new_scene(RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC);
 
-    // Decide which static meshes are worth keeping once.
+    // Decide which static meshes are worth keeping once: as the clip has them, so that a promoted object does not
+    // change how the others are stored.
     std::vector<std::size_t> copies(scene->meshes.size(), 0);
     for (const scene::Object& object : scene->objects) copies[object.mesh] += !object.dynamic;
     const auto instanced = [&](const scene::Object& object) {
         const std::size_t n = copies[object.mesh];
         return !object.deforming && n >= k_instancing_copies &&
                n * scene->meshes[object.mesh].triangles.size() >= k_instancing_triangles &&
-               meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // flat ones are met where they lie
+               meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // singular ones are flattened
     };
 
-    // How far does everything static reach?
-    std::vector<Box3> mesh_box(scene->meshes.size());
-    for (const scene::Object& object : scene->objects) {
-        if (object.dynamic) continue;
-        Box3& box = mesh_box[object.mesh];
-        if (box.empty()) box = scene->meshes[object.mesh].bounds();
-        const float reach = reach_of(box, glm::mat4(state.world(object.node)));
-        if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
-    }
+    measure_still(state);
 
-    // Flattened objects first: their geometry ids are the records' indices.
+    // Add flattened objects first, because their geometry ids are the indices of the records.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (!scene->objects[o].dynamic && !instanced(scene->objects[o])) add_still(state, o);
+        if (!state.is_dynamic(o) && !instanced(scene->objects[o])) add_still(state, o);
     first_instance = static_cast<unsigned>(still_records.size());
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (!scene->objects[o].dynamic && instanced(scene->objects[o])) add_still_instance(state, o);
+        if (!state.is_dynamic(o) && instanced(scene->objects[o])) add_still_instance(state, o);
     device.commit(still.get());
     device.check();
 
     for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
+    // Those of the clip, then those that the user took, in the order in which an updated scene has them.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    for (const scene::ObjectId o : state.taken_objects()) add_alone(state, o);
     const float reach = present_reach();
     for (std::uint32_t s = 0; s < solids.size(); ++s) {
         solids[s].margin = margin_of(reach, solids[s].to_world);
@@ -95,13 +90,28 @@ void RayScene::Impl::build(const scene::SceneState& state)
     device.check();
 }
 
+// Finds the largest coordinate of the static objects.
+void RayScene::Impl::measure_still(const scene::SceneState& state)
+{
+    still_reach = 0;
+    std::vector<Box3> mesh_box(scene->meshes.size());
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
+        if (state.is_dynamic(o)) continue;
+        const scene::Object& object = scene->objects[o];
+        Box3& box = mesh_box[object.mesh];
+        if (box.empty()) box = scene->meshes[object.mesh].bounds();
+        const float reach = reach_of(box, glm::mat4(state.world(object.node)));
+        if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
+    }
+}
+
 void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)
 {
     vertices.bake(mesh.positions, mesh.normals, mesh.tangents, matrix);
     baked_bytes += vertices.bytes();
 }
 
-// What shading needs to know about an object.
+// Fills an object's ObjectGeometry.
 void RayScene::Impl::describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored)
 {
     ObjectGeometry& g = geometry[object];
@@ -120,7 +130,7 @@ void RayScene::Impl::add_still(const scene::SceneState& state, scene::ObjectId o
     const scene::Mesh& mesh = scene->meshes[object.mesh];
     const glm::dmat4& world = state.world(object.node);
     BakedVertices& vertices = still_vertices.emplace_back();
-    if (object.deforming) {   // a morph that stands still
+    if (object.deforming) {   // a constant morph
         const scene::DeformedMesh& shape = state.deformed(o);
         vertices.bake(shape.positions, shape.normals, shape.tangents,
                       object.skin != scene::none ? glm::dmat4(1) : world);
@@ -147,12 +157,14 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
         attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
-        // One tree for all: what the most shrunken of them needs, with room for rays from where dynamic objects go.
+        // One BLAS for all: use the margin of the most shrunken instance, with room for rays from dynamic objects that
+        // move away.
         constexpr float k_room = 4;
         shared->box = box_of(shared->vertices.front().positions, mesh);
-        for (const scene::Object& other : scene->objects)
-            if (const glm::mat4 there(state.world(other.node));
-                !other.dynamic && other.mesh == object.mesh && meeting_by(there) == Meeting::truly)
+        for (scene::ObjectId other = 0; other < scene->objects.size(); ++other)
+            if (const glm::mat4 there(state.world(scene->objects[other].node));
+                !state.is_dynamic(other) && scene->objects[other].mesh == object.mesh &&
+                meeting_by(there) == Meeting::truly)
                 shared->margin = std::max(shared->margin, margin_of(k_room * still_reach, there));
         shared->attach_margin(device.get());
         device.commit(shared->tree.get());
@@ -175,7 +187,7 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
     still_ids[o].push_back(id);
 }
 
-// Objects that move as one share a tree, in the space of the node that moves them.
+// The objects of a rigid group share a BLAS, in the space of the group's anchor.
 void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
 {
     const scene::RigidGroup& group = scene->groups[g];
@@ -184,6 +196,7 @@ void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
     solid.anchor = group.anchor;
     solid.tree = new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE);
     for (const scene::ObjectId o : group.objects) {
+        if (state.group_of(o) != g) continue;
         glm::dmat4 relative(1);
         for (scene::NodeId n = scene->objects[o].node; n != group.anchor; n = scene->nodes[n].parent)
             relative = scene->nodes[n].local * relative;
@@ -199,8 +212,8 @@ void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
     measure(solid, state);
 }
 
-// Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the frame in which
-// it was first seen. (A geometry of quality `refit` is built when it is committed for the first time.)
+// Deforming meshes are built in their rest shape and refitted, so that the tree does not depend on the first frame. (A
+// geometry of quality `refit` is built when it is committed for the first time.)
 void RayScene::Impl::add_alone(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = scene->objects[o];
@@ -220,8 +233,8 @@ void RayScene::Impl::add_alone(const scene::SceneState& state, scene::ObjectId o
     measure(solid, state);
 }
 
-// The tree of a solid that is one object, to be committed: refitted from frame to frame if it deforms, but where that
-// cannot be.
+// Makes the BLAS of a solid with one object; the caller commits it. If the object deforms, the BLAS is refitted from
+// frame to frame, unless its shape forbids that (has_points()).
 void RayScene::Impl::make_tree_of_one(Solid& solid)
 {
     const bool refitted = solid.deforming && !solid.sorted_anew;
@@ -233,16 +246,16 @@ void RayScene::Impl::make_tree_of_one(Solid& solid)
                   solid.records, refitted ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
 }
 
-// What others' margins depend on.
+// Measures what the margins of other solids depend on.
 void RayScene::Impl::measure(Solid& solid, const scene::SceneState& state)
 {
-    solid.visible = state.object_visible(solid.objects.front());
+    solid.visible = !solid.objects.empty() && state.object_visible(solid.objects.front());
     solid.meeting = meeting_by(solid.to_world);
     solid.has_volume = solid.meeting != Meeting::never;
     solid.reach = reach_of(solid.box, solid.to_world);
 }
 
-// Builds a solid's tree, whose box depends on how far everything reaches, and places it.
+// Builds a solid's BLAS, whose margin depends on all solids, and places it.
 void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
 {
     Solid& solid = solids[s];
@@ -254,7 +267,7 @@ void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
     rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
     rtcAttachGeometryByID(moving.get(), solid.instance.get(), s);
     place(solid, state);
-    show(solid, state.object_visible(solid.objects.front()));
+    show(solid, solid.visible);
 }
 
 void RayScene::Impl::build_one_tree()

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Embree's handles with one owner each, and its errors as ours. Private to this folder: a move to another version of
-// Embree should end here.
+// Owning handles of Embree objects, and Embree's errors as exceptions of ours. Private to this folder, so that another
+// version of Embree changes as little else as possible.
 
 #include <embree3/rtcore.h>
 
@@ -12,9 +12,9 @@
 
 namespace gnomon::ray {
 
-/// The device all scenes share. Trees are built by one thread, so that they come out the same every time; only `commit`
-/// may build them. (Embree's own option threads=1 would hold the whole process to one thread for the device's lifetime:
-/// it is a limit of oneTBB's, not of the device.)
+/// The Embree device of a RayScene. Trees are built by one thread, so that they are reproducible; only `commit` may
+/// build them. (Embree's option threads=1 would limit the whole process to one thread for the device's lifetime,
+/// because it is a limit of oneTBB and not of the device.)
 class EmbreeDevice {
  public:
     EmbreeDevice();
@@ -26,7 +26,7 @@ class EmbreeDevice {
     std::size_t bytes() const { return bytes_; }
     /// Builds or rebuilds a scene on the caller's thread alone.
     void commit(RTCScene scene) const;
-    /// Throws what the last calls left behind: MissingError for want of memory, else InternalError.
+    /// Throws the error of the last calls, if any: MissingError if memory ran out, else InternalError.
     void check() const;
 
  private:
@@ -60,19 +60,19 @@ class EmbreeHandle {
 using SceneHandle = EmbreeHandle<RTCScene, rtcReleaseScene>;
 using GeometryHandle = EmbreeHandle<RTCGeometry, rtcReleaseGeometry>;
 
-/// Bits that rays and geometries share.
-inline constexpr unsigned k_mask_seen = 1;     // met by closest-hit rays
-inline constexpr unsigned k_mask_blocks = 2;   // met by shadow rays
+/// Mask bits of rays and geometries.
+inline constexpr unsigned k_mask_seen = 1;     // for closest-hit rays
+inline constexpr unsigned k_mask_blocks = 2;   // for shadow rays
 
-/// What filters know of a ray, behind Embree's own context.
+/// Context of a trace for filters; extends Embree's own.
 ///
-/// Closest-hit packets are traced as coherent ones, twice as fast. Any-hit packets are not: Embree's coherent traversal
-/// answers about one ray in four million differently depending on which rays share its packet, and remembered shadows
-/// must equal traced ones to the bit. Its other traversal gave the same answers in every packet and as single rays (13
-/// million rays on random soups), at 0.86 of the speed.
+/// Closest-hit packets are traced as coherent ones, which is twice as fast. Any-hit packets are not, because with
+/// Embree's coherent traversal the result of about one ray in four million depends on the other rays of its packet, and
+/// remembered shadows must equal traced ones to the bit. The incoherent traversal gave the same results in every packet
+/// and for single rays (13 million rays on random soups), at 0.86 of the speed.
 struct TraceContext {
     enum class Kind { closest, any };
-    RTCIntersectContext embree;   // first: filters get a pointer to it
+    RTCIntersectContext embree;   // must be first: filters get a pointer to it
     bool front_only = false;
 
     explicit TraceContext(Kind kind, bool front = false) : front_only(front)

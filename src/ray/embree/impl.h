@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What a RayScene is made of. Private to this folder: construction is in build.cpp, what happens from frame to frame in
-// update.cpp, questions are in ray_scene.cpp.
+// The implementation of RayScene. Private to this folder: build.cpp constructs it, update.cpp follows the scene from
+// frame to frame, ray_scene.cpp traces rays.
 //
-// Two trees of everything: `still`, where geometries carry world-space vertices (or are instances of meshes that many
-// objects share), and `moving`, where each solid is an instance of a tree of its own. An object is in one of them.
+// There are two Embree scenes: `still`, whose geometries have world-space vertices or are instances of meshes that many
+// static objects share; and `moving`, where each solid is an instance of a BLAS of its own. Each object is in one of
+// them.
 
 #include <array>
 #include <atomic>
@@ -21,50 +22,51 @@
 
 namespace gnomon::ray {
 
-/// A tree of its own, placed in the world by an instance: a rigid group, or one object.
+/// A BLAS and its instance in the dynamic scene: a rigid group, or one object.
 struct Solid {
     SceneHandle tree;
     GeometryHandle instance;
     std::deque<GeometryRecord> records;   // by geometry id
     std::deque<BakedVertices> vertices;
     std::vector<scene::ObjectId> objects;
-    scene::NodeId anchor = scene::none;   // whose world matrix places it; none: a skin, already in the world
+    scene::NodeId anchor = scene::none;   // whose world matrix places it; none: a skin, in world space
     bool deforming = false;
-    bool has_points_at_rest = false, sorted_anew = false;   // deforming: has_points(); no tree that is refitted
+    bool has_points_at_rest = false,
+         sorted_anew = false;   // deforming ones: has_points(); the tree is rebuilt, not refitted
 
-    // Around its triangles, in the tree's space; and what makes that larger (margin.cpp).
+    // Bounds of its triangles in the BLAS's space, and the margin that enlarges them (margin.cpp).
     Box3 box;
-    float reach = 0;                             // largest coordinate of anything of it in the world
-    float margin = 0;                            // in the tree's space
+    float reach = 0;                             // largest coordinate in world space
+    float margin = 0;                            // in the BLAS's space
     std::array<glm::vec3, 4> margin_corners{};   // two, padded
     GeometryHandle margin_geometry;
-    /// After all others. @pre box and margin
+    /// Call after all other geometries are attached. @pre box and margin are set
     void attach_margin(RTCDevice device);
-    /// The tree and its instance are to be committed afterwards.
+    /// The caller commits the tree and its instance afterwards.
     void set_margin(float wanted);
 
     glm::mat4 to_world{1};
     glm::mat3 normal_to_world{1};
     bool mirrored = false;   // by to_world
-    bool visible = true;     // as the scene has it
+    bool visible = true;     // in the scene's state
     Meeting meeting = Meeting::truly;
-    bool has_volume = true;         // to_world can be inverted; what is squeezed flat is met by no ray
-    bool enabled = true;            // in the tree: visible and with volume
+    bool has_volume = true;         // to_world is regular; no ray hits a solid with a singular transform
+    bool enabled = true;            // in Embree: visible, with a regular transform
     std::uint64_t touched_at = 0;   // the update that last touched it
 };
 
-/// Of what a matrix places.
+/// How rays hit an instance with this matrix.
 Meeting meeting_by(const glm::mat4& m);
-/// Largest coordinate of a placed box, and of its place.
+/// Largest coordinate of a transformed box and of the matrix's translation.
 float reach_of(const Box3& box, const glm::mat4& to_world);
-/// How much larger the box of what is placed must be, in its own space, where coordinates reach so far.
+/// The margin of an instance's box, in its own space, in a scene with coordinates up to `reach`.
 float margin_of(float reach, const glm::mat4& to_world);
-/// Around all that can be met.
+/// Bounds of all triangles that rays can hit.
 Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
-/// Whether some triangle lies in one point. Embree ends the program where it refits a tree and meets a branch in one
-/// point; trees that are sorted anew may have them.
+/// Whether a triangle is a single point. Embree aborts when it refits a tree with a branch that is a single point; a
+/// tree that is rebuilt may have one.
 bool has_points(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
-/// Whether all vertices are where Embree takes them.
+/// Whether all coordinates are within the range that Embree accepts.
 bool can_be_met(const std::vector<glm::vec3>& positions);
 
 /// A static object that is an instance of a shared mesh.
@@ -75,7 +77,7 @@ struct Placed {
     glm::mat3 normal_to_world{1};
 };
 
-/// The object and its mesh's triangle behind Embree's numbers.
+/// The object and the triangle of its mesh for the ids of an Embree hit.
 struct Met {
     scene::ObjectId object;
     std::uint32_t triangle;
@@ -86,7 +88,7 @@ struct RayScene::Impl {
     std::shared_ptr<const scene::Scene> scene;
     int width = 8;
 
-    // Everything static.
+    // Static objects.
     SceneHandle still;
     std::deque<GeometryRecord> still_records;   // by geometry id
     std::deque<BakedVertices> still_vertices;
@@ -97,15 +99,14 @@ struct RayScene::Impl {
 
     float still_reach = 0;   // largest coordinate
 
-    // What moves.
+    // Dynamic objects.
     SceneHandle moving;
     std::deque<Solid> solids;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
-    std::uint32_t promoted = 0;   // static objects, by hand
 
-    SceneHandle one;   // both, for comparison; mostly absent
+    SceneHandle one;   // static and dynamic, for comparison; usually absent
 
-    std::unique_ptr<CountingKdTree> kdtree;   // answers instead; mostly absent
+    std::unique_ptr<CountingKdTree> kdtree;   // traces instead of Embree; usually absent
     struct Sums {
         std::atomic<std::uint64_t> nodes{0}, tests{0};
     };
@@ -116,7 +117,7 @@ struct RayScene::Impl {
     std::uint64_t updates = 0;
     std::size_t baked_bytes = 0;
 
-    // kdtree_queues.cpp
+    // ../kdtree/queues.cpp
     void closest_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
                            Against against) const;
     void occluded_on_kdtree(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
@@ -128,8 +129,9 @@ struct RayScene::Impl {
     void add_still(const scene::SceneState& state, scene::ObjectId object);
     void add_still_instance(const scene::SceneState& state, scene::ObjectId object);
     void add_group(const scene::SceneState& state, scene::GroupId group);
-    /// A deforming object, or one that somebody took out of its surroundings by hand.
+    /// Adds a solid for a deforming object, or for one that was promoted or separated from its group.
     void add_alone(const scene::SceneState& state, scene::ObjectId object);
+    void measure_still(const scene::SceneState& state);
     static void measure(Solid& solid, const scene::SceneState& state);
     void finish(std::uint32_t solid, const scene::SceneState& state);
     void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
@@ -139,7 +141,7 @@ struct RayScene::Impl {
 
     // margin.cpp
     float present_reach() const;
-    /// Before the dynamic objects' top level is built again.
+    /// Call before the dynamic scene is committed again.
     void follow_margins();
 
     // ray_scene.cpp
@@ -151,12 +153,12 @@ struct RayScene::Impl {
     void show(Solid& solid, bool visible);
     void make_tree_of_one(Solid& solid);
     void refit(Solid& solid, const scene::SceneState& state);
-    bool lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates);
-    bool rides_along(const scene::SceneState& state, scene::ObjectId object) const;
+    bool follow_overrides(const scene::SceneState& state);
+    void separate(scene::ObjectId object, Solid& group);
     std::uint32_t solid_of(scene::ObjectId object) const;
 };
 
-/// Inverse transpose up to a positive factor; exists for flattening matrices too.
+/// Inverse transpose up to a positive factor; exists for singular matrices, too.
 glm::mat3 normal_matrix(const glm::mat4& m);
 bool mirrors(const glm::dmat4& m);
 

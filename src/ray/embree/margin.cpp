@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Room around what is placed by an instance.
+// Margins around the boxes of instances.
 //
-// Embree tests the boxes of instances by its fast test, not by the robust one, whatever the scene's flags say. A ray
-// that passes within rounding of such a box may miss it, and with it the triangles at its rim; whether it does depends
-// on which rays share its packet, since packets and single rays round otherwise. Far from the origin that was one ray
-// in ten thousand. So the boxes get a margin that no rounding spans: two triangles without size, at opposite corners of
-// a larger box, which no ray meets. Inside, the robust test decides as ever.
+// Embree tests the boxes of instances with its fast test instead of the robust one, whatever the scene's flags are. A
+// ray that passes such a box within rounding may miss it, and with it the triangles at its border. Whether it does
+// depends on the other rays of its packet, because packets and single rays round differently. Far from the origin this
+// affected one ray in ten thousand. Therefore the boxes get a margin larger than any rounding: two degenerate triangles
+// at opposite corners of a larger box, which no ray hits. Inside the box, the robust test decides.
 #include <algorithm>
 #include <cmath>
 
@@ -16,16 +16,16 @@ namespace gnomon::ray {
 
 namespace {
 
-// Share of the largest coordinate around. Bounds, rays and inverse matrices of instances are off by some ten units in
-// the last place each.
+// Fraction of the largest coordinate in the scene. Bounds, rays and inverse matrices of instances each have an error of
+// some ten units in the last place.
 constexpr float k_margin_per_coordinate = 3e-6f;
 
-// Numbers below 1.2e-38 are zeros to Embree.
+// Embree treats numbers below 1.2e-38 as zero.
 constexpr float k_least_size = 1e-36f;
 
 constexpr unsigned k_corners[2][3] = {{0, 0, 0}, {1, 1, 1}};
 
-// Embree leaves out triangles with larger coordinates (1.8e18), and has no boxes for them.
+// Embree ignores triangles with larger coordinates (above 1.8e18), and makes no boxes for them.
 constexpr float k_largest_met = 1e18f;
 
 float largest(const glm::vec3& v)
@@ -49,13 +49,13 @@ float reach_of(const Box3& box, const glm::mat4& to_world)
 
 float margin_of(float reach, const glm::mat4& to_world)
 {
-    // Of the matrix's inverse, the largest stretch or more.
+    // An upper bound of the scale of the inverse matrix.
     const glm::mat3 inverse = glm::inverse(glm::mat3(to_world));
     const float stretch = std::sqrt(glm::dot(inverse[0], inverse[0]) + glm::dot(inverse[1], inverse[1]) +
                                     glm::dot(inverse[2], inverse[2]));
     const float wanted = k_margin_per_coordinate * reach * stretch;
     if (!(wanted > 0 && wanted < k_largest_met)) return 0;
-    return std::exp2(std::ceil(std::log2(wanted)));   // in steps, so that trees are seldom made anew
+    return std::exp2(std::ceil(std::log2(wanted)));   // in steps, so that trees are rarely rebuilt
 }
 
 Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh)
@@ -103,7 +103,7 @@ void Solid::set_margin(float wanted)
     rtcCommitGeometry(margin_geometry.get());
 }
 
-// Largest coordinate of everything that rays come to.
+// Largest coordinate of everything that rays can hit.
 float RayScene::Impl::present_reach() const
 {
     float reach = still_reach;
@@ -113,7 +113,7 @@ float RayScene::Impl::present_reach() const
     return reach;
 }
 
-// From the present alone, so that a scene that was followed has the trees of a new one.
+// Margins depend on the present state only, so that an updated scene has the same trees as a new one.
 void RayScene::Impl::follow_margins()
 {
     const float reach = present_reach();

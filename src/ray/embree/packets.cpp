@@ -45,7 +45,7 @@ struct Packet<4> {
     static void occluded(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded4(valid, s, c, r); }
 };
 
-// @param valid  what is not traceable is struck out
+// @param valid  cleared where a ray is not traceable
 template <int W, class Ray>
 void load(Ray& ray, const RayQueue& rays, std::size_t begin, unsigned mask, int (&valid)[W])
 {
@@ -99,7 +99,7 @@ void occlude_width(RTCScene scene, RTCScene then, TraceContext& context, const R
         Packet<W>::occluded(valid, asked, &context.embree, &packet);
         int open = 0;
         for (int i = 0; i < W; ++i) {
-            const int occluded = valid[i] & -static_cast<int>(packet.tfar[i] < 0);   // Embree's mark of a occluded ray
+            const int occluded = valid[i] & -static_cast<int>(packet.tfar[i] < 0);   // Embree marks occluded rays so
             valid[i] &= ~occluded;
             active[i] &= ~occluded;
             open |= valid[i];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Queues of rays through Embree in packets as wide as the processor.
+// Traces queues of rays with Embree, in packets as wide as the processor's vectors.
 
 #include <cstdint>
 
@@ -10,19 +10,19 @@
 
 namespace gnomon::ray {
 
-/// What a packet met, in Embree's numbers.
+/// The hits of a packet, with Embree's ids.
 struct RawHits {
     alignas(64) float t[16], u[16], v[16];
     alignas(64) unsigned geometry[16], instance[16], triangle[16];
 };
 
 /// @param width  16, 8 or 4
-/// @param tfar   per lane: where rays end (earlier hits shorten them)
+/// @param tfar   by lane: where rays end (earlier hits shorten them)
 /// @param count  lanes in use, 1 to width
 void intersect_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
                       int count, const float* tfar, RawHits& hits);
-/// Asks one scene, and then another (null: none) with what the first let pass: rays are loaded once.
-/// @param active  per lane: -1 to trace, 0 to leave alone; on return 0 as well for those that are occluded
+/// Tests a packet against one scene, then the rays that are not occluded against another (null: none). Loads rays once.
+/// @param active  by lane: -1 to trace, 0 to skip; set to 0 for rays that are occluded
 void occlude_packet(int width, RTCScene scene, RTCScene then, TraceContext& context, const RayQueue& rays,
                     std::size_t begin, int count, int* active);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions: by packets, and by single rays.
+// Traces rays, in packets and singly.
 #include "ray/ray_scene.h"
 
 #include <algorithm>
@@ -53,7 +53,7 @@ void RayScene::keep_one_tree()
 Met RayScene::Impl::met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const
 {
     if (!in_moving && instance != k_nothing) {
-        // A static instance: the object is the instance's, the triangle the shared mesh's.
+        // In a static instance, the instance determines the object, and the shared mesh the triangle.
         const Placed& placed = still_instances[instance - first_instance];
         return {placed.object, placed.shared->records[geometry_id].first_triangle + triangle};
     }
@@ -120,26 +120,11 @@ const ObjectGeometry& RayScene::geometry(scene::ObjectId object) const
     return impl_->geometry[object];
 }
 
-bool RayScene::has_own_instance(scene::ObjectId object) const
-{
-    return impl_->solid_of_object[object] != scene::none;
-}
-
-bool RayScene::moves(scene::ObjectId object) const
-{
-    return impl_->scene->objects[object].dynamic || has_own_instance(object);
-}
-
 Meeting RayScene::meeting(scene::ObjectId object) const
 {
     if (const std::uint32_t s = impl_->solid_of(object); s != scene::none) return impl_->solids[s].meeting;
     const glm::mat4* to_world = impl_->geometry[object].to_world;
     return to_world ? meeting_by(*to_world) : Meeting::truly;
-}
-
-std::uint32_t RayScene::promoted() const
-{
-    return impl_->promoted;
 }
 
 Box3 RayScene::bounds() const
@@ -173,7 +158,7 @@ int RayScene::packet_width()
     return width;
 }
 
-// The packets' twins.
+// The reference implementation of the packets.
 
 Hit RayScene::closest_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                              Sides sides) const
@@ -206,7 +191,7 @@ bool RayScene::occluded_single(const glm::vec3& origin, float tnear, const glm::
     const auto blocks = [&](const SceneHandle& tree) {
         RTCRay ray = make_ray(origin, tnear, direction, tfar, k_mask_blocks);
         rtcOccluded1(tree.get(), &context.embree, &ray);
-        return ray.tfar < 0;   // Embree's mark of a occluded ray
+        return ray.tfar < 0;   // Embree marks occluded rays so
     };
     if (against == Against::one_tree) return blocks(in.one);
     return (against != Against::dynamic_only && blocks(in.still)) ||

@@ -7,7 +7,7 @@ namespace gnomon::ray {
 
 namespace {
 
-constexpr std::size_t k_padding = 2;   // vertices: Embree loads 16 bytes where 12 are meant
+constexpr std::size_t k_padding = 2;   // vertices: Embree loads 16 bytes for 12
 
 glm::vec3 unit_or_same(const glm::dvec3& v, const glm::vec3& same)
 {
@@ -29,7 +29,7 @@ bool faces_away(const RTCFilterFunctionNArguments* args, unsigned lane, bool mir
     return mirrored ? side < 0 : side > 0;
 }
 
-// Drops what a ray passes: backs of one-sided surfaces (for rays that see fronts alone), and holes of masks.
+// Rejects hits on the back of one-sided surfaces (for rays that hit fronts only) and in the holes of masked ones.
 void filter(const RTCFilterFunctionNArguments* args, bool may_be_front_only)
 {
     const GeometryRecord& record = record_of(args->geometryUserPtr);
@@ -83,7 +83,7 @@ void BakedVertices::bake(const std::vector<glm::vec3>& from_positions, const std
     positions.resize(n + k_padding);
     for (std::size_t i = 0; i < n; ++i)
         positions[i] = glm::vec3(transform_point(matrix, glm::dvec3(from_positions[i])));
-    // The cofactor matrix turns normals as the inverse transpose does, and exists for flattening transforms too.
+    // The cofactor matrix rotates normals as the inverse transpose does, and exists for singular transforms, too.
     const glm::dmat3 linear(matrix);
     const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                               glm::cross(linear[0], linear[1]));
@@ -112,7 +112,7 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
     const auto material_of = [&](const scene::MeshPart& part) -> const scene::Material& {
         return description.materials[part.material];
     };
-    // Parts come sorted by surface class: each class is one run.
+    // Parts are sorted by surface class, so each class is one run.
     for (std::size_t begin = 0; begin < mesh.parts.size();) {
         const scene::SurfaceClass surface = material_of(mesh.parts[begin]).surface_class();
         std::size_t end = begin;

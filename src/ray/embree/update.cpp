@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// From frame to frame: what moved is placed anew, what deformed is refitted, and the dynamic objects' top level is
-// rebuilt.
+// Follows the scene from frame to frame: places instances that moved, refits meshes that deformed, and rebuilds the
+// TLAS of the dynamic scene.
 #include <algorithm>
+#include <iterator>
 
-#include "base/bits.h"
 #include "ray/embree/impl.h"
 
 namespace gnomon::ray {
@@ -20,11 +20,9 @@ void RayScene::Impl::update(const scene::SceneState& state)
         return solid;
     };
 
-    // What somebody moved by hand leaves its surroundings.
-    bool regrouped = lift_out(state, changes.moved);
-    regrouped = lift_out(state, changes.appeared) || regrouped;
+    const bool regrouped = follow_overrides(state);
 
-    // Place what moved. What appears may have moved unseen.
+    // Place what moved. An object that appears may have moved while it was hidden.
     for (const scene::GroupId g : changes.groups_moved) place(touch(solid_of_group[g]), state);
     for (const auto* list : {&changes.moved, &changes.appeared})
         for (const scene::ObjectId o : *list)
@@ -39,7 +37,7 @@ void RayScene::Impl::update(const scene::SceneState& state)
     for (const scene::ObjectId o : changes.appeared)
         if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), true);
 
-    // Rebuild the dynamic objects' small top level, and nothing else.
+    // Rebuild the TLAS of the dynamic scene, and nothing else.
     if (statistics.touched > 0 || regrouped) follow_margins();
     if (statistics.touched > 0) device.commit(moving.get());
     if (one.get() && regrouped)
@@ -57,7 +55,8 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
     baked_bytes -= vertices.bytes();   // counted again below
     if (const bool anew = solid.has_points_at_rest || has_points(shape.positions, mesh); anew != solid.sorted_anew) {
         solid.sorted_anew = anew;
-        vertices.bake(mesh.positions, mesh.normals, mesh.tangents, glm::dmat4(1));   // refitted from rest, again
+        vertices.bake(mesh.positions, mesh.normals, mesh.tangents,
+                      glm::dmat4(1));   // refitting starts from the rest shape again
         make_tree_of_one(solid);
         solid.attach_margin(device.get());
         if (!anew) device.commit(solid.tree.get());
@@ -76,7 +75,7 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
     solid.box = box_of(shape.positions, mesh);
     solid.reach = reach_of(solid.box, solid.to_world);
     solid.set_margin(solid.margin);
-    // A refitted tree with vertices that are no numbers has a box that is none: it must not be sorted among others.
+    // A refitted tree with vertices that are not finite has an invalid box, which must not enter the TLAS.
     if (can_be_met(shape.positions))
         rtcEnableGeometry(solid.margin_geometry.get());
     else
@@ -121,48 +120,52 @@ std::uint32_t RayScene::Impl::solid_of(scene::ObjectId o) const
     return g != scene::none ? solid_of_group[g] : scene::none;
 }
 
-// Whether an object is where its group takes it. The state multiplies the same matrices in the same order: equal bits.
-bool RayScene::Impl::rides_along(const scene::SceneState& state, scene::ObjectId o) const
-{
-    const scene::NodeId anchor = scene->groups[scene->objects[o].group].anchor;
-    const auto expected = [&](const auto& self, scene::NodeId n) -> glm::dmat4 {
-        return n == anchor ? state.world(n) : self(self, scene->nodes[n].parent) * scene->nodes[n].local;
-    };
-    const scene::NodeId node = scene->objects[o].node;
-    const glm::dmat4 by_group = expected(expected, node);
-    return same_bits(by_group, state.world(node));
-}
-
-// Static objects that move, and passengers that move against their group, become solids of their own, for good.
+// Gives objects that were promoted, or separated from their group, solids of their own, permanently.
 // @return whether there were any
-bool RayScene::Impl::lift_out(const scene::SceneState& state, const std::vector<scene::ObjectId>& candidates)
+bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
 {
+    const scene::FrameChanges& changes = state.changes();
+    std::vector<scene::ObjectId> objects;
+    std::merge(changes.promoted.begin(), changes.promoted.end(), changes.separated.begin(), changes.separated.end(),
+               std::back_inserter(objects));
     bool still_changed = false, any = false;
-    for (const scene::ObjectId o : candidates) {
-        if (solid_of_object[o] != scene::none) continue;
-        const scene::GroupId g = scene->objects[o].group;
-        if (g == scene::none) {
+    for (const scene::ObjectId o : objects) {
+        if (solid_of_object[o] != scene::none) continue;   // this scene was built after the step that moved it
+        if (const scene::GroupId g = scene->objects[o].group; g != scene::none) {
+            separate(o, solids[solid_of_group[g]]);
+        } else {
             for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
             still_ids[o].clear();
             statistics.static_triangles -= geometry[o].mesh->triangles.size();
             still_changed = true;
-            ++promoted;
-        } else if (!rides_along(state, o)) {
-            Solid& group = solids[solid_of_group[g]];
-            for (unsigned id = 0; id < group.records.size(); ++id)
-                if (group.records[id].object == o) rtcDetachGeometry(group.tree.get(), id);
-            std::erase(group.objects, o);
-            device.commit(group.tree.get());
-            rtcCommitGeometry(group.instance.get());
-        } else {
-            continue;
         }
         add_alone(state, o);
         finish(solid_of_object[o], state);
         any = true;
     }
-    if (still_changed) device.commit(still.get());
+    if (still_changed) {
+        measure_still(state);
+        device.commit(still.get());
+    }
     return any;
+}
+
+// Takes an object out of the BLAS of its group, which is then as if it had never been there.
+void RayScene::Impl::separate(scene::ObjectId object, Solid& group)
+{
+    for (unsigned id = 0; id < group.records.size(); ++id)
+        if (group.records[id].object == object) rtcDetachGeometry(group.tree.get(), id);
+    std::erase(group.objects, object);
+    group.box = {};
+    for (const BakedVertices& vertices : group.vertices)
+        for (const scene::ObjectId o : group.objects)
+            if (geometry[o].positions == vertices.positions.data())
+                group.box.add(box_of(vertices.positions, *geometry[o].mesh));
+    group.reach = reach_of(group.box, group.to_world);
+    group.set_margin(group.margin);
+    device.commit(group.tree.get());
+    if (group.objects.empty()) show(group, false);
+    rtcCommitGeometry(group.instance.get());
 }
 
 }   // namespace gnomon::ray

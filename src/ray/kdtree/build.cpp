@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Building one tree: upper splits at bounds of groups, lower ones by the surface area heuristic over triangles.
+// Builds one tree: upper splits at bounds of groups, lower ones by the surface area heuristic over triangles.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -15,7 +15,7 @@ namespace {
 constexpr int k_most_bins = 64;
 
 struct Reference {
-    Box3 box;   // of what lies in the cell
+    Box3 box;   // of the part that lies in the cell
     std::uint32_t triangle;
 };
 
@@ -48,7 +48,7 @@ Box3 above(Box3 cell, int axis, float at)
     return cell;
 }
 
-// Bounds of a triangle's part below (sign 1) or above (sign -1) a plane; empty if there is none.
+// Computes the bounds of the part of a triangle below (sign 1) or above (sign -1) a plane; empty if there is none.
 Box3 bounds_beside(const glm::vec3 (&p)[3], int axis, float plane, float sign)
 {
     Box3 bounds;
@@ -61,7 +61,7 @@ Box3 bounds_beside(const glm::vec3 (&p)[3], int axis, float plane, float sign)
     return bounds;
 }
 
-// The surface area heuristic in one cell: what is in its halves, weighed with the shares of its area that they have.
+// The surface area heuristic in one cell: the costs of the two halves, weighted by their fractions of its area.
 class CellCost {
  public:
     CellCost(const Box3& cell, int axis, const KdBuildOptions& options)
@@ -151,7 +151,7 @@ class Builder {
         build_groups(first + 1, above(cell, split.axis, split.at), std::move(over), depth + 1);
     }
 
-    // Replaces the largest groups by their children, until enough bounds are in sight [Hunt 2007, 3].
+    // Replaces the largest groups by their children until there are enough bounds [Hunt 2007, 3].
     void open(std::vector<std::uint32_t>& groups, const Box3& cell) const
     {
         const auto seen = [&](std::uint32_t g) {
@@ -174,7 +174,7 @@ class Builder {
         }
     }
 
-    // Triangles are taken to be spread evenly over their group's box.
+    // The triangles of a group are assumed to be distributed evenly over its box.
     Split best_group_split(const std::vector<std::uint32_t>& groups, const Box3& cell) const
     {
         Split best;
@@ -191,7 +191,7 @@ class Builder {
             for (const std::uint32_t g : groups) {
                 const KdGroup& group = part_.groups[g];
                 const Box3 inside = common(group.box, cell);
-                // Of a group that sticks out of the cell, only a share is here.
+                // Of a group that extends beyond the cell, count only the fraction inside.
                 const float whole = half_area(group.box);
                 const float share = whole > 0 ? half_area(inside) / whole : 1;
                 extents.push_back({inside.low[axis], inside.high[axis], share * static_cast<float>(group.triangles)});
@@ -201,7 +201,7 @@ class Builder {
             }
             std::sort(candidates.begin(), candidates.end());
             candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-            // A flat scene may show thousands of groups at once: look at evenly chosen bounds alone.
+            // A scene without depth may have thousands of groups at once: test only an even selection of bounds.
             const std::size_t most = 2 * static_cast<std::size_t>(o_.open_groups);
             const std::size_t stride = std::max<std::size_t>(1, candidates.size() / most);
             for (std::size_t i = 0; i < candidates.size(); i += stride) {
@@ -233,7 +233,7 @@ class Builder {
 
     // Triangles.
 
-    /// Adds what of a triangle lies in a cell.
+    /// Adds the part of a triangle that lies in a cell.
     void add(std::vector<Reference>& to, std::uint32_t triangle, const Box3& cell) const
     {
         Box3 own;
@@ -247,7 +247,7 @@ class Builder {
         if (!r.box.empty()) to.push_back(r);
     }
 
-    /// Leaves what is below a plane (sign 1) or above it (sign -1); perhaps nothing, that is, an empty box.
+    /// Cuts a reference to the part below (sign 1) or above (sign -1) a plane; its box may become empty.
     void cut(Reference& r, int axis, float at, float sign) const
     {
         (sign > 0 ? r.box.high : r.box.low)[axis] = at;
@@ -290,12 +290,12 @@ class Builder {
             }
             over.push_back(r);
         }
-        std::vector<Reference>().swap(inside);   // deep recursions must not hold what they no longer need
+        std::vector<Reference>().swap(inside);   // free memory before the recursion goes deeper
         build_triangles(first, cell_below, under, depth + 1);
         build_triangles(first + 1, cell_above, over, depth + 1);
     }
 
-    // Every bound of every triangle.
+    // Tests splits at every bound of every triangle.
     Split exact_split(const std::vector<Reference>& inside, const Box3& cell)
     {
         Split best;
@@ -306,7 +306,7 @@ class Builder {
             for (const Reference& r : inside) lows_.push_back(r.box.low[axis]), highs_.push_back(r.box.high[axis]);
             std::sort(lows_.begin(), lows_.end());
             std::sort(highs_.begin(), highs_.end());
-            // At a plane: those that begin before it are below, those that do not end before or at it are above.
+            // Triangles that begin before a plane are below; those that do not end before or at it are above.
             std::size_t begun = 0, ended = 0;
             while (begun < n || ended < n) {
                 const float at = begun < n ? std::min(lows_[begun], highs_[ended]) : highs_[ended];
@@ -321,7 +321,7 @@ class Builder {
         return best;
     }
 
-    // Planes between equal bins.
+    // Tests splits between equal bins.
     Split binned_split(const std::vector<Reference>& inside, const Box3& cell) const
     {
         Split best;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes into which of the two trees, from frame to frame; and questions.
+// Distributes the triangles among the two trees, rebuilds them from frame to frame, and traces rays.
 #include "ray/kdtree/kdtree.h"
 
 #include <algorithm>
@@ -17,10 +17,10 @@ namespace gnomon::ray {
 
 namespace {
 
-// Triangles are fattened by this share of the largest coordinate: rays are rounded where they meet planes.
+// Triangles are enlarged by this fraction of the largest coordinate, because intersections with planes are rounded.
 constexpr float k_pad_per_coordinate = 0x1p-20f;
 
-// What of a scene belongs to one of the trees, as groups: nodes before what is below them.
+// Makes the groups of one of the trees; each node comes before those below it.
 std::vector<KdGroup> make_groups(const scene::Scene& scene, const std::vector<scene::ObjectId>& objects)
 {
     std::vector<scene::NodeId> used;
@@ -41,7 +41,7 @@ std::vector<KdGroup> make_groups(const scene::Scene& scene, const std::vector<sc
         groups[g].parent = group_of[parent];
         groups[groups[g].parent].children.push_back(g);
     }
-    // An object is a group of its own, below its node.
+    // Each object is a group of its own, below its node.
     for (const scene::ObjectId o : objects) {
         const std::uint32_t node = group_of[scene.objects[o].node];
         groups[node].children.push_back(static_cast<std::uint32_t>(groups.size()));
@@ -52,11 +52,11 @@ std::vector<KdGroup> make_groups(const scene::Scene& scene, const std::vector<sc
     return groups;
 }
 
-// Appends an object's triangles as rays meet them.
+// Appends an object's triangles as rays hit them.
 void add_triangles(const scene::Scene& scene, const ObjectGeometry& geometry, scene::ObjectId object,
                    std::vector<KdTriangle>& to)
 {
-    // What is squeezed flat by its matrix is met by no ray, here as in RayScene.
+    // No ray hits an instance with a singular transform, as in RayScene.
     if (geometry.to_world && !has_volume(*geometry.to_world)) return;
     for (const scene::MeshPart& part : geometry.mesh->parts) {
         const scene::Material& material = scene.materials[part.material];
@@ -75,7 +75,7 @@ void add_triangles(const scene::Scene& scene, const ObjectGeometry& geometry, sc
     }
 }
 
-// Fills a part's triangles and boxes from the present.
+// Fills a part's triangles and boxes from the present state.
 void collect(KdPart& part, const scene::SceneState& state, const RayScene& rays)
 {
     part.triangles.clear();
@@ -96,7 +96,7 @@ void collect(KdPart& part, const scene::SceneState& state, const RayScene& rays)
         largest = std::max({largest, std::abs(part.box.low[axis]), std::abs(part.box.high[axis])});
     part.pad = std::max(k_pad_per_coordinate * largest, std::numeric_limits<float>::min());
 
-    // Fatten, and pass upwards: parents come first.
+    // Enlarge the boxes and propagate them to the parents, which come first.
     part.box = {part.box.low - part.pad, part.box.high + part.pad};
     for (std::size_t g = part.groups.size(); g-- > 0;) {
         KdGroup& group = part.groups[g];
@@ -119,12 +119,12 @@ struct CountingKdTree::Impl {
     KdOptions options;
     KdPart still, moving;
     const std::array<const KdPart*, 2> parts{&still, &moving};
-    std::vector<char> dynamic;   // by object
 
-    void regroup()
+    void regroup(const scene::SceneState& state)
     {
         std::vector<scene::ObjectId> of_still, of_moving;
-        for (scene::ObjectId o = 0; o < dynamic.size(); ++o) (dynamic[o] ? of_moving : of_still).push_back(o);
+        for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+            (state.is_dynamic(o) ? of_moving : of_still).push_back(o);
         still.groups = make_groups(*scene, of_still);
         moving.groups = make_groups(*scene, of_moving);
     }
@@ -153,13 +153,13 @@ struct CountingKdTree::Impl {
         TriangleHit hit;
         return meets(ray.origin, ray.direction, ray.tnear, ray.tfar, t.p, hit) && !holed(t, hit);
     }
-    /// Whether a triangle is the nearest so far; if so, it is noted.
+    /// Whether a triangle is the nearest so far; if so, sets `best`.
     bool nearest(const KdTriangle& t, const KdRay& ray, Sides sides, Hit& best, KdCounts& counts) const
     {
         ++counts.tests;
         TriangleHit hit;
         if (!meets(ray.origin, ray.direction, ray.tnear, best.t, t.p, hit)) return false;
-        // Equal distances: the smaller number.
+        // Of equal distances, the smaller ids win.
         if (best.object != scene::none && hit.t == best.t &&
             std::pair(t.object, t.triangle) >= std::pair(best.object, best.triangle))
             return false;
@@ -176,8 +176,7 @@ CountingKdTree::CountingKdTree(const scene::SceneState& state, const RayScene& r
     Impl& in = *impl_;
     in.scene = state.shared_scene();
     in.options = options;
-    for (const scene::Object& object : in.scene->objects) in.dynamic.push_back(object.dynamic);
-    in.regroup();
+    in.regroup(state);
     in.rebuild(in.still, options.still, state, rays);
     in.rebuild(in.moving, options.moving, state, rays);
 }
@@ -188,18 +187,11 @@ void CountingKdTree::update(const scene::SceneState& state, const RayScene& rays
 {
     Impl& in = *impl_;
     const scene::FrameChanges& changes = state.changes();
-    // What somebody moved by hand is dynamic from now on.
-    bool regrouped = false;
-    for (const auto* list : {&changes.moved, &changes.appeared})
-        for (const scene::ObjectId o : *list)
-            if (!in.dynamic[o]) in.dynamic[o] = 1, regrouped = true;
-    if (regrouped) {
-        in.regroup();
+    if (!changes.promoted.empty()) {
+        in.regroup(state);
         in.rebuild(in.still, in.options.still, state, rays);
     }
-    if (regrouped || !changes.moved.empty() || !changes.deformed.empty() || !changes.appeared.empty() ||
-        !changes.vanished.empty())
-        in.rebuild(in.moving, in.options.moving, state, rays);
+    if (!changes.changed.empty()) in.rebuild(in.moving, in.options.moving, state, rays);
 }
 
 bool CountingKdTree::occluded(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,

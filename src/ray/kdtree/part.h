@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// One of the two trees of a CountingKdTree. Private to this folder: built in kdtree_build.cpp, walked by kdtree_walk.h.
+// One of the two trees of a CountingKdTree. Private to this folder: built in build.cpp, traversed by walk.h.
 //
-// Invariant: every triangle, fattened by `pad` against rounding, is in each leaf whose cell it overlaps.
+// Invariant: every triangle, enlarged by `pad` against rounding, is in each leaf whose cell it overlaps.
 
 #include <cstdint>
 #include <vector>
@@ -21,36 +21,36 @@ struct KdTriangle {
     bool mirrored = false;   // the front is clockwise
 };
 
-/// A scene-graph node or an object, as far as it belongs to this tree. Nodes come before what is below them.
+/// A scene-graph node or an object of this tree. Nodes come before those below them.
 struct KdGroup {
-    Box3 box;                                          // fattened; empty if nothing below is visible
-    std::uint32_t first_triangle = 0, triangles = 0;   // objects: their own run; nodes: the number below alone
+    Box3 box;                                          // enlarged; empty if nothing below is visible
+    std::uint32_t first_triangle = 0, triangles = 0;   // objects: their run; nodes: only the number below
     std::uint32_t parent = scene::none;
     std::vector<std::uint32_t> children;   // empty: an object
     scene::ObjectId object = scene::none;
 };
 
 struct KdNode {
-    static constexpr std::uint32_t k_leaf = 3;   // as axis
+    static constexpr std::uint32_t k_leaf = 3;   // in place of an axis
     float split = 0;
     std::uint32_t axis = k_leaf;
-    std::uint32_t first = 0;   // inner: child below the plane, the one above follows; leaf: of its references
-    std::uint32_t count = 0;   // leaf: its references
+    std::uint32_t first = 0;   // inner: child below the plane, followed by the one above; leaf: first reference
+    std::uint32_t count = 0;   // leaf: number of references
 };
 
-inline constexpr int k_deepest = 60;   // whatever the options say: the walk's stack is that long
+inline constexpr int k_deepest = 60;   // limit of the depth: the size of the traversal's stack
 
 struct KdPart {
     std::vector<KdTriangle> triangles;
     std::vector<KdGroup> groups;
-    Box3 box;   // of everything, fattened
+    Box3 box;   // of everything, enlarged
     float pad = 0;
     std::vector<KdNode> nodes;   // [0] is the root; empty: no triangles
     std::vector<std::uint32_t> references;
     std::uint64_t group_splits = 0, builds = 0;
     double build_ms = 0;
 
-    /// From triangles, groups (their boxes, too) and box.
+    /// Builds from triangles, groups (with their boxes) and box.
     void build(const KdBuildOptions& options);
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Queues of rays on the kd-tree that counts, ray by ray. Counts are sums of whole numbers: threads do not change them.
+// Traces queues of rays with the counting k-d tree, ray by ray. Counts are sums of integers, so they do not depend on
+// threads.
 #include "ray/embree/impl.h"
 
 namespace gnomon::ray {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// From the near end of a ray to its far end through one tree, conservatively: distances to planes are rounded outwards,
-// so that no leaf is missed which the ray touches.
+// Traverses one tree from the near end of a ray to its far end. Distances to planes are rounded outwards, so that no
+// leaf that the ray touches is missed.
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,10 @@
 
 namespace gnomon::ray {
 
-// Three roundings (difference, reciprocal, product) and room to spare.
+// Covers three roundings (difference, reciprocal, product) with room to spare.
 inline constexpr float k_plane_slack = 8 * 0x1p-24f;
-// A grazing hit's distance is less exact than that of a plane: only hits nearer by this share end the walk.
+// The distance of a grazing hit is less exact than that of a plane: only hits nearer by this fraction end the
+// traversal.
 inline constexpr float k_hit_slack = 1e-5f;
 
 struct KdRay {
@@ -39,7 +40,7 @@ inline float rounded_up(float t)
     return t + k_plane_slack * std::abs(t);
 }
 
-/// Cuts [low, high] of a ray to a box. @return whether anything is left
+/// Clips the interval [low, high] of a ray to a box. @return whether it is not empty
 inline bool cut(const KdRay& ray, const Box3& box, float& low, float& high)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -57,8 +58,8 @@ inline bool cut(const KdRay& ray, const Box3& box, float& low, float& high)
 }
 
 /// Calls leaf(node) for the leaves that a ray touches, nearest first, until it returns true.
-/// @param limit  how far to look; the leaf function may bring it down
-/// @return whether a leaf function did
+/// @param limit  end of the traversal; the leaf function may reduce it
+/// @return whether a leaf function returned true
 template <class Leaf>
 bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& counts, Leaf&& leaf)
 {
@@ -85,7 +86,7 @@ bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& co
             const bool from_below = distance > 0 || (distance == 0 && inverse > 0);
             const std::uint32_t near = from_below ? node.first : node.first + 1;
             const std::uint32_t far = from_below ? node.first + 1 : node.first;
-            if (inverse == 0) {   // along the plane: what the ray touches is, fattened, on either side
+            if (inverse == 0) {   // parallel: every triangle that the ray touches is, enlarged, on either side
                 at = near;
                 continue;
             }

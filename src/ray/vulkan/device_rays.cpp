@@ -33,9 +33,9 @@ constexpr std::uint32_t k_any_hit[] =
 #include "ray/vulkan/occluded.rahit.inc"
     ;
 
-constexpr VkDeviceSize k_scratch_bytes = 128 << 20;   // that builds share; one that needs more gets it
+constexpr VkDeviceSize k_scratch_bytes = 128 << 20;   // shared by builds; larger if one build needs more
 constexpr std::uint32_t k_arrays = 8;                 // of a ray queue
-constexpr std::uint32_t k_most_objects = 1 << 24;     // that instances can number
+constexpr std::uint32_t k_most_objects = 1 << 24;     // limit of an instance's custom index
 constexpr std::uint32_t k_least_room = 1024;          // rays
 
 VkTransformMatrixKHR rows_of(const glm::mat4& m)
@@ -53,8 +53,7 @@ bool finite(const glm::mat4& m)
     return true;
 }
 
-// Whether a triangle's corner is where rays can meet it; Embree leaves out the others, too. Devices are promised
-// numbers.
+// Whether rays can hit a triangle with this corner. Embree ignores all others, and devices require finite coordinates.
 bool can_be_met(const glm::vec3& p)
 {
     constexpr float farthest = 1e18f;
@@ -72,7 +71,7 @@ vk::Buffer make_buffer(const std::shared_ptr<vk::Device>& device, const char* na
     return {device, name, std::max<std::size_t>(values.size(), 1) * sizeof(T)};
 }
 
-// Where the state has an object. Skins are in the world already.
+// An object's world matrix; the identity for skins, which are in world space.
 glm::mat4 placed(const scene::SceneState& state, scene::ObjectId o)
 {
     const scene::Object& object = state.scene().objects[o];
@@ -81,19 +80,16 @@ glm::mat4 placed(const scene::SceneState& state, scene::ObjectId o)
 
 }   // namespace
 
-DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene& scene, const scene::SceneState& state,
-                       const ray::RayScene* as)
+DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene& scene, const scene::SceneState& state)
     : device_(device), scene_(state.shared_scene())
 {
     GNOMON_CHECK(supported(*device));
     const std::size_t objects = scene_->objects.size();
     if (objects > std::min<std::uint64_t>(k_most_objects, device->ray_limits().most_instances))
         throw MissingError(fmt::format("Vulkan: {} objects are more than the device traces rays against", objects));
-    for (scene::ObjectId o = 0; o < objects; ++o)
-        dynamic_.push_back(scene_->objects[o].dynamic || (as && as->has_own_instance(o)));
     find_runs();
 
-    // Tables by which holes are found, and the matrices of what is flat.
+    // Make the tables that the any-hit shader needs, and the BLASes and the TLAS.
     std::vector<GpuRayGeometry> geometries;
     for (const auto& runs : runs_) {
         first_geometry_.push_back(static_cast<std::uint32_t>(geometries.size()));
@@ -114,7 +110,7 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
         vk::upload_of(instances_, std::span<const VkAccelerationStructureInstanceKHR>(instances_host_))};
     commands.upload("send ray tables", uploads);
 
-    // Build all. What is built once needs its scratch memory no more.
+    // Build everything. BLASes that are built once need their scratch memory only here.
     const vk::Buffer scratch = make_scratch(rigid_);
     scratch_ = make_scratch(deforming_);
     if (rigid_storage_) build_bottoms(commands, scene, rigid_, *rigid_storage_, scratch);
@@ -135,7 +131,7 @@ DeviceRays::DeviceRays(const std::shared_ptr<vk::Device>& device, const GpuScene
                                                      std::vector{vk::shared_block<GpuRayGeometry>("geometries")})});
 }
 
-// What of each mesh blocks light and can be met. Parts come sorted by surface class.
+// Finds the runs of triangles of each mesh that block light and that rays can hit. Parts are sorted by surface class.
 void DeviceRays::find_runs()
 {
     for (const scene::Mesh& mesh : scene_->meshes) {
@@ -149,7 +145,7 @@ void DeviceRays::find_runs()
                 if (!can_be_met(mesh.positions[corners.x]) || !can_be_met(mesh.positions[corners.y]) ||
                     !can_be_met(mesh.positions[corners.z]))
                     continue;
-                // Opaque parts are one, whatever they look like.
+                // Join opaque parts, whatever their materials.
                 if (!runs.empty() && runs.back().first_triangle + runs.back().triangles == t &&
                     runs.back().opaque == opaque && (opaque || runs.back().material == part.material))
                     ++runs.back().triangles;
@@ -160,7 +156,7 @@ void DeviceRays::find_runs()
     }
 }
 
-// Finds which bottom levels there must be, and lays them out in two buffers: what keeps its shape, and what deforms.
+// Lists the BLASes and allocates them in two buffers: one for rigid meshes, one for deforming objects.
 void DeviceRays::make_bottoms(const GpuScene& scene, const scene::SceneState& state)
 {
     bottom_of_mesh_.assign(scene_->meshes.size(), scene::none);
@@ -175,9 +171,9 @@ void DeviceRays::make_bottoms(const GpuScene& scene, const scene::SceneState& st
         if (runs_[object.mesh].empty()) continue;
         if (!object.deforming && bottom_of_mesh_[object.mesh] == scene::none)
             add(bottom_of_mesh_[object.mesh], o, scene::none, false);
-        // What stands still may be flat: its vertices are moved as they are, without an inverse.
+        // A static object with a singular transform gets a BLAS of transformed vertices, which needs no inverse.
         const glm::mat4 matrix = placed(state, o);
-        const bool flat = !dynamic_[o] && !has_volume(matrix) && finite(matrix);
+        const bool flat = !state.is_dynamic(o) && !has_volume(matrix) && finite(matrix);
         if (flat) matrices_host_.push_back(rows_of(matrix));
         if (flat || object.deforming)
             add(bottom_of_object_[o], o, flat ? static_cast<std::uint32_t>(matrices_host_.size() - 1) : scene::none,
@@ -244,7 +240,7 @@ vk::StructureDesc DeviceRays::describe_top() const
     return {.instances = &instances_, .instance_count = static_cast<std::uint32_t>(instances_host_.size())};
 }
 
-// An object's instance, as the state has it; one that meets no ray where it is hidden or squeezed flat.
+// Sets an object's instance from the state. No ray hits it if the object is hidden or its transform is singular.
 void DeviceRays::place(const scene::SceneState& state, scene::ObjectId o)
 {
     VkAccelerationStructureInstanceKHR& instance = instances_host_[o];
@@ -253,20 +249,20 @@ void DeviceRays::place(const scene::SceneState& state, scene::ObjectId o)
     glm::mat4 matrix = placed(state, o);
     std::uint32_t bottom = bottom_of_object_[o];
     if (bottom != scene::none && bottoms_[bottom].matrix != scene::none) {
-        if (!dynamic_[o])
-            matrix = glm::mat4(1);   // it is in its vertices
+        if (!state.is_dynamic(o))
+            matrix = glm::mat4(1);   // the vertices contain it
         else
-            bottom = scene::none;   // somebody took it out of what stands still
+            bottom = scene::none;   // it was promoted
     }
     if (bottom == scene::none) bottom = bottom_of_mesh_[scene_->objects[o].mesh];
     const bool met = bottom != scene::none && state.object_visible(o) && has_volume(matrix) && !broken(state, o);
     instance.transform = rows_of(met ? matrix : glm::mat4(1));
     if (!met) return;
-    instance.mask = dynamic_[o] ? GNOMON_RAYS_DYNAMIC : GNOMON_RAYS_STATIC;
+    instance.mask = state.is_dynamic(o) ? GNOMON_RAYS_DYNAMIC : GNOMON_RAYS_STATIC;
     instance.accelerationStructureReference = bottoms_[bottom].structure.address();
 }
 
-// What deforms may lose its numbers for a while; it is not built then, and meets no ray.
+// Whether a deforming object has vertices that are not finite. It is not built while it has, and no ray hits it.
 bool DeviceRays::broken(const scene::SceneState& state, scene::ObjectId o) const
 {
     return scene_->objects[o].deforming && !can_be_met(state.deformed(o).positions);
@@ -279,7 +275,7 @@ vk::Buffer DeviceRays::make_scratch(std::span<const std::uint32_t> for_bottoms) 
         sum += bottoms_[number].scratch;
         largest = std::max(largest, bottoms_[number].scratch);
     }
-    // Memory may begin anywhere: leave room to the next aligned place.
+    // The buffer may begin at any address: leave room to align it.
     return {device_, "scratch memory of builds",
             std::max(largest, std::min(sum, k_scratch_bytes)) + device_->ray_limits().scratch_alignment};
 }
@@ -290,7 +286,7 @@ void DeviceRays::build_bottoms(vk::Commands& commands, const GpuScene& scene, st
     const VkDeviceAddress first = vk::round_up(scratch.address(), device_->ray_limits().scratch_alignment);
     const VkDeviceAddress end = scratch.address() + scratch.bytes();
     for (std::size_t at = 0; at < which.size();) {
-        // As many at once as the scratch memory holds.
+        // Build as many at once as the scratch memory holds.
         std::deque<vk::StructureDesc> descs;
         std::vector<vk::StructureBuild> builds;
         VkDeviceAddress next = first;
@@ -334,32 +330,23 @@ void DeviceRays::update(vk::Commands& commands, const GpuScene& scene, const sce
     const scene::FrameChanges& changes = state.changes();
     work_ = {};
 
-    // What moves by hand leaves what stands still, for good.
-    for (const auto* list : {&changes.moved, &changes.appeared})
-        for (const scene::ObjectId o : *list) dynamic_[o] = 1;
-
-    // Place what moved, appeared or vanished, or may have lost its numbers.
-    std::vector<scene::ObjectId> touched = changes.moved;
-    for (const auto* list : {&changes.appeared, &changes.vanished, &changes.deformed})
-        touched.insert(touched.end(), list->begin(), list->end());
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    // Place what changed. (After a deformation, vertices may not be finite, or may be finite again.)
     std::vector<vk::Upload> uploads;
-    for (const scene::ObjectId o : touched) {
+    for (const scene::ObjectId o : changes.changed) {
         place(state, o);
         uploads.push_back(vk::upload_of(instances_,
                                         std::span<const VkAccelerationStructureInstanceKHR>(&instances_host_[o], 1),
                                         o * sizeof(VkAccelerationStructureInstanceKHR)));
     }
-    work_.instances = touched.size();
+    work_.instances = changes.changed.size();
     commands.upload("send ray instances", uploads);
 
-    // Build what deformed, and the top level if anything changed below it.
+    // Build the BLASes of objects that deformed, and the TLAS if anything changed.
     std::vector<std::uint32_t> deformed;
     for (const scene::ObjectId o : changes.deformed)
         if (bottom_of_object_[o] != scene::none && !broken(state, o)) deformed.push_back(bottom_of_object_[o]);
     if (!deformed.empty()) build_bottoms(commands, scene, deformed, *deforming_storage_, scratch_);
-    if (!touched.empty()) build_top(commands, scratch_);
+    if (!changes.changed.empty()) build_top(commands, scratch_);
 }
 
 void DeviceRays::make_room(std::uint32_t rays)

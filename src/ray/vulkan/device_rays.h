@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Is something in the way? As RayScene::occluded() answers, by the device's own tracing of rays: ray-tracing pipelines,
-// not ray queries, since there are devices without these.
+// Occlusion tests like RayScene::occluded(), with the device's ray-tracing pipelines. (Not with ray queries, which some
+// devices lack.)
 //
-// A bottom level for each mesh that is instanced, for each deforming object, and for what stands still squeezed flat
-// (which no instance can be); one top level over all objects, whose masks tell what moves from what stands still, by
-// the split of RayScene. They are built over GpuScene's own vertices: opaque triangles stop a ray at once, masked ones
-// ask the any-hit shader for holes, transparent ones are left out.
+// There is a BLAS for each rigid mesh, for each deforming object, and for each static object with a singular transform
+// (which no instance can have); and one TLAS over all objects, whose instance masks separate static from dynamic
+// objects as RayScene does. They are built over the vertices of GpuScene. Opaque triangles end a ray at once, masked
+// ones call the any-hit shader to find holes, transparent ones are left out.
 //
-// Against RayScene, answers differ where a ray meets an edge within rounding: devices test triangles and place
-// instances by arithmetic of their own.
+// Results differ from those of RayScene where a ray hits an edge within rounding, because devices intersect triangles
+// and transform instances with their own arithmetic.
 //
-// update() costs what deformed, and a new top level if anything moved. occluded() takes 32 bytes to the device a ray
-// and 4 back.
+// Cost of update(): the objects that deformed, and a new TLAS if anything changed. occluded() transfers 32 bytes per
+// ray to the device and 4 bytes back.
 
 #include "gpu_scene/gpu_scene.h"
 #include "ray/ray_scene.h"
@@ -22,43 +22,42 @@ namespace gnomon::ray {
 
 class DeviceRays {
  public:
-    /// Rays that are sent at once.
+    /// Rays that are transferred at once.
     static constexpr std::uint32_t k_rays_at_once = 1u << 20;
 
     static bool supported(const vk::Device& device) { return device.traces_rays(); }
 
     /// Builds everything and waits. @pre supported(*device)
-    /// @param as  of the same state: what it took for moving, it is here, too; null: what the scene says
-    /// @throws MissingError  too little device memory, or more objects than the device takes
+    /// @throws MissingError  too little device memory, or more objects than the device supports
     DeviceRays(const std::shared_ptr<vk::Device>& device, const gpu_scene::GpuScene& scene,
-               const scene::SceneState& state, const ray::RayScene* as = nullptr);
+               const scene::SceneState& state);
 
-    /// Records what follows one advance() of the state. Call after GpuScene::update.
+    /// Records the builds that follow one advance() of the state. Call after GpuScene::update.
     void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state);
 
-    /// out[i] = 1 where something that blocks light lies between the ends of ray i, else 0. Submits, once for
+    /// Sets out[i] to 1 where a surface that blocks light lies between the ends of ray i, else to 0. Submits once per
     /// k_rays_at_once rays.
-    /// @param against  `one_tree` is `everything`: it is one tree
+    /// @param against  `one_tree` is the same as `everything`
     void occluded(vk::Commands& commands, const gpu_scene::GpuScene& scene, const ray::RayQueue& rays,
                   std::uint8_t* out, ray::Against against = ray::Against::everything);
 
-    /// Built by the last update, or by the constructor.
+    /// Work of the last update, or of the constructor.
     struct Work {
-        std::uint64_t bottom_levels = 0, top_levels = 0, instances = 0;   // instances: that were placed
+        std::uint64_t bottom_levels = 0, top_levels = 0, instances = 0;   // instances: placed ones
     };
     const Work& work() const { return work_; }
     std::size_t bytes() const;
 
  private:
-    /// Triangles of a mesh that are alike: opaque ones, or those of one masked part.
+    /// A run of a mesh's triangles: opaque ones, or those of one masked part.
     struct Run {
         std::uint32_t first_triangle = 0, triangles = 0;
         scene::MaterialId material = 0;
         bool opaque = true;
     };
     struct Bottom {
-        scene::ObjectId object = scene::none;   // whose triangles, or those of its mesh
-        std::uint32_t matrix = scene::none;     // that its vertices are moved by, if any
+        scene::ObjectId object = scene::none;   // whose triangles, or whose mesh's
+        std::uint32_t matrix = scene::none;     // that transforms its vertices, if any
         bool deforming = false;
         vk::AccelerationStructure structure{};
         VkDeviceSize scratch = 0;
@@ -80,10 +79,9 @@ class DeviceRays {
     std::shared_ptr<const scene::Scene> scene_;
     std::vector<std::vector<Run>> runs_;          // by mesh
     std::vector<std::uint32_t> first_geometry_;   // by mesh, in geometries_
-    std::vector<char> dynamic_;                   // by object
     std::vector<Bottom> bottoms_;
-    std::vector<std::uint32_t> bottom_of_mesh_, bottom_of_object_;   // of its own
-    std::vector<std::uint32_t> rigid_, deforming_;                   // numbers of bottoms
+    std::vector<std::uint32_t> bottom_of_mesh_, bottom_of_object_;   // `object`: a BLAS of its own
+    std::vector<std::uint32_t> rigid_, deforming_;                   // indices into bottoms_
     std::vector<VkAccelerationStructureInstanceKHR> instances_host_;
     std::vector<VkTransformMatrixKHR> matrices_host_;
     vk::AccelerationStructure top_;

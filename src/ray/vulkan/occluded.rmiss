@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Nothing was in the way.
+// The ray is not occluded.
 #extension GL_EXT_ray_tracing : require
 
 layout(location = 0) rayPayloadInEXT uint occluded;

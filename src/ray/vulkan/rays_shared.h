@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_RAY_RAYS_SHARED_H
 #define GNOMON_RAY_RAYS_SHARED_H
-// Rays on the device, as shaders see them. Layout: scalar.
+// Structures of the ray-tracing shaders. Layout: scalar.
 
 #include "vk/shared_types.h"
 
 GNOMON_SHARED_BEGIN(ray)
 
-/// One geometry of a bottom level: a run of a mesh's triangles, of one material where that decides on holes.
+/// One geometry of a BLAS: a run of a mesh's triangles, of one material if that has holes.
 struct GpuRayGeometry {
     uint first_triangle;   // of the mesh
     uint material;
 };
 
-/// Of tracing a queue, whose arrays lie one after the other: origin x, y, z, near end, direction x, y, z, far end.
+/// Push constants for a queue of rays, whose arrays follow each other: origin x, y, z, near end, direction x, y, z, far
+/// end.
 struct RayPush {
     uint count;
     uint apart;    // floats from one array to the next
-    uint mask;     // of instances that are asked
-    float reach;   // rays from beyond, or of longer directions, meet nothing: k_largest_coordinate
+    uint mask;     // of instances that are tested
+    float reach;   // rays with larger coordinates or directions hit nothing: k_largest_coordinate
 };
 
 // Instance masks.

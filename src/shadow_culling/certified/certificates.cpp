@@ -8,14 +8,15 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Whether a neighbour goes on, seen from the light, on the other side of the edge a-b than the triangle with corner c:
-// the edge then is no silhouette. By corners, not by winding: not all meshes are wound consistently.
+// Whether a neighbour lies, seen from the light, on the other side of the edge a-b than the triangle with corner c, so
+// that the edge is no silhouette. Uses corners instead of windings, because not all meshes are wound consistently.
 bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const StaticTriangle& neighbour,
                       const visibility::LightPoint& light)
 {
     const glm::dvec3 edge_plane = glm::cross(b - a, light.directional ? light.place : light.place - a);
     const double own = glm::dot(edge_plane, c - a);
-    double other = 0;   // of the neighbour's corner that is not on the edge: the one furthest from the plane
+    double other =
+        0;   // of the neighbour's corner that is not on the edge, that is, of the one furthest from the plane
     for (const glm::vec3& corner : neighbour.p) {
         const glm::dvec3 q(corner);
         if (q == a || q == b) continue;
@@ -25,8 +26,9 @@ bool continues_behind(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
     return (own > 0 && other < 0) || (own < 0 && other > 0);
 }
 
-// How much larger than its lateral error the error of a triangle's traced plane is: its longest side over its height.
-// (How steep the triangle is to the rays is in the shaft's room: a steep one spans much height within it.)
+// The ratio of the error of a triangle's traced plane to its lateral error: the longest side over the height. (The
+// slope of the triangle relative to the rays is covered by the shaft's margin: a steep one spans much height within
+// it.)
 double thinness(const glm::dvec3 (&p)[3])
 {
     double longest = 0;
@@ -60,7 +62,7 @@ bool certify_full(const StaticTriangles& triangles, const visibility::Shaft& sha
         const double coordinate = largest_coordinate(t);
         const visibility::ShaftRoom room = shaft.room_for(coordinate);
 
-        // What lies in the shaft must lie strictly between receiver and light.
+        // The part in the shaft must lie strictly between receiver and light.
         visibility::ClippedPolygon inside;
         if (!shaft.clip(p, room, inside)) {
             if (next == 0 && !options.left_out.has(Check::occluder_in_way)) return false;
@@ -72,7 +74,7 @@ bool certify_full(const StaticTriangles& triangles, const visibility::Shaft& sha
             if (!(height > shaft.lift() + gap) || !(height < end - gap)) return false;
         }
 
-        // Go on over every edge that meets the shaft.
+        // Continue over every edge that intersects the shaft.
         for (int e = 0; e < 3; ++e) {
             if (!shaft.meets_segment(p[e], p[(e + 1) % 3], room)) continue;
             const TriangleId neighbour = triangles.across(id, e);

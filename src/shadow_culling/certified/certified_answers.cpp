@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers a batch for one light: what is known, then what the mask of dynamic objects tells, then rays.
+// Answers a batch of shadow queries for one light: first from known states, then from the mask of dynamic objects, then
+// by rays.
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -12,7 +13,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Bytes that say yes or no, eight at a time.
+// Eight bytes of 0 or 1 as one word.
 constexpr std::uint64_t k_ones = 0x0101010101010101ull;
 
 template <class Byte>
@@ -26,7 +27,7 @@ std::uint64_t eight_at(const Byte* bytes)
 
 }   // namespace
 
-// A light as this frame's batches test it.
+// A light in the form that the queries of this frame need.
 struct CertifiedCulling::FrameLight {
     int index;
     scene::LightReach reach;
@@ -35,7 +36,7 @@ struct CertifiedCulling::FrameLight {
 
 bool CertifiedCulling::may_meet_dynamic(const Batch& batch, const FrameLight& light, std::uint32_t point) const
 {
-    constexpr std::size_t k_most_boxes = 8;   // where there are more a ray is cheaper
+    constexpr std::size_t k_most_boxes = 8;   // with more boxes, a ray is cheaper
     if (batch.dynamic_objects.size() > k_most_boxes) return true;
     const glm::vec3& origin = batch.points[point].origin;
     const glm::vec3 direction = light.reach.from(origin);
@@ -43,7 +44,7 @@ bool CertifiedCulling::may_meet_dynamic(const Batch& batch, const FrameLight& li
                        [&](const Box3& box) { return segment_meets(box, origin, direction, light.end); });
 }
 
-// Answers what is known, eight points at a time, and lists the rest.
+// Answers queries with known states, eight points at a time, and lists the others.
 void CertifiedCulling::sort_open(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const
 {
     const std::size_t count = batch.points.size();
@@ -77,7 +78,7 @@ void CertifiedCulling::sort_open(Batch& batch, const FrameLight& light, std::uin
                 dark = !light.reach.faces(direction, here.normal) || light.reach.outside_cone(direction);
                 occluded[p] = dark;
             }
-            // Written always, kept where it is not dark: nobody can foretell which.
+            // Write unconditionally, advance only where the point is not dark, because a branch would be unpredictable.
             asked_point[asked] = point;
             moving[asked] = batch.record[p] == k_no_record;
             is_open[asked] = open;
@@ -88,7 +89,7 @@ void CertifiedCulling::sort_open(Batch& batch, const FrameLight& light, std::uin
     batch.counters.skipped += known_count;
 }
 
-// Asks the mask what dynamic objects do, and queues the rays it leaves.
+// Queries the mask of dynamic objects, and queues the rays that are still needed.
 void CertifiedCulling::test_dynamic(Batch& batch, const FrameLight& light, std::uint8_t* occluded)
 {
     using Answer = DynamicMask::Answer;
@@ -96,12 +97,12 @@ void CertifiedCulling::test_dynamic(Batch& batch, const FrameLight& light, std::
     const bool draw = !batch.dynamic_objects.empty();
     if (draw) mask_->answer(static_cast<std::uint32_t>(light.index), batch.points, asked);
     for (std::size_t first = 0; first < asked.count; first += 8) {
-        // What is settled, eight at a time: free, and static geometry known or out of the way.
+        // Settle eight points at a time where no dynamic object occludes and static geometry is known not to occlude.
         std::uint64_t rest = k_ones;
         if (draw) {
             const std::uint64_t answers = eight_at(asked.answer.data() + first);
             const std::uint64_t open = eight_at(batch.open.data() + first);
-            const std::uint64_t free = (answers >> 1) & ~answers & k_ones;   // 10 of two bits
+            const std::uint64_t free = (answers >> 1) & ~answers & k_ones;   // the two bits 10
             const std::uint64_t settled = free & (~open | eight_at(asked.clear.data() + first));
             rest = k_ones & ~settled;
             const std::size_t left = asked.count - first;
@@ -138,7 +139,7 @@ void CertifiedCulling::test_dynamic(Batch& batch, const FrameLight& light, std::
     batch.counters.skipped -= batch.dynamic_point.size();
 }
 
-// Traces what may meet something static, and queues what must then be traced against dynamic objects.
+// Traces the rays that static geometry may occlude, and queues those that must then be traced against dynamic objects.
 void CertifiedCulling::trace_static(Batch& batch, const FrameLight& light, std::uint8_t* occluded)
 {
     const std::size_t traced = batch.static_point.size();
@@ -156,11 +157,11 @@ void CertifiedCulling::trace_static(Batch& batch, const FrameLight& light, std::
     note_seen(batch, light.index);
 }
 
-// Notes what the rays against static geometry saw, in the finest parts.
+// Records the results of the rays against static geometry as evidence, in the finest parts.
 void CertifiedCulling::note_seen(Batch& batch, int light)
 {
     const int shift = 2 * (light % k_lights_per_group);
-    // Rays that follow each other mostly start on one triangle.
+    // Consecutive rays mostly start on one triangle.
     RecordId record = k_no_record;
     bool coarse = false, asked = false;
     std::uint8_t* evidence = nullptr;   // of the light's group
@@ -176,7 +177,7 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
         }
         if (state_of(batch, point, light) == ShadowState::partial) {
             ++batch.counters.partial;
-            // Nothing to learn where parts are as fine as they get.
+            // Parts at the finest level cannot be refined: skip them.
             if (!asked) {
                 asked = true;
                 coarse = memory_->coarse(record, frame_, [&] {
@@ -188,7 +189,7 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
         }
         if (!evidence) {
             evidence = memory_->evidence(record);
-            if (!evidence) continue;   // no room: asked again
+            if (!evidence) continue;   // memory is full: traced again
             level = memory_->level(record);
             rim = memory_->rim(record);
             evidence += static_cast<std::size_t>(light / k_lights_per_group) << (2 * level);
@@ -201,8 +202,8 @@ void CertifiedCulling::note_seen(Batch& batch, int light)
     }
 }
 
-// A light that moves: nothing is remembered of it, and nothing drawn, for nobody asks twice. Every point that it may
-// reach is a ray against all there is.
+// For a moving light, nothing is remembered and no mask is drawn, because neither would be used again. A ray against
+// everything is traced from every point that the light may reach.
 void CertifiedCulling::trace_all(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const
 {
     ray::RayQueue& queue = batch.static_rays;
@@ -256,7 +257,7 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* occluded, s
     }
     trace_static(batch, here, occluded);
 
-    // Trace against what moves, where nothing static was in the way.
+    // Trace against dynamic objects where nothing static occludes.
     if (const std::size_t moving = batch.dynamic_point.size(); moving > 0) {
         batch.hit.resize(moving + ray::k_packet_pad);
         rays_->occluded(batch.dynamic_rays, 0, moving, batch.hit.data(), ray::Against::dynamic_only);

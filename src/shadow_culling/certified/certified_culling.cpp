@@ -13,7 +13,7 @@ namespace gnomon::shadow_culling {
 namespace {
 
 constexpr std::uint64_t k_no_limit = ~std::uint64_t{0};
-constexpr std::uint64_t k_always_certificates = 64;   // a frame, however small
+constexpr std::uint64_t k_always_certificates = 64;   // per frame, however small
 
 }   // namespace
 
@@ -57,7 +57,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
     dynamic_->update(state, rays);
     mask_->begin_frame(state, rays, view);
 
-    // A light that moves is not remembered; one that stopped starts afresh.
+    // Nothing is remembered for a moving light; the memory of one that stopped starts empty.
     const LeftOut left_out = options_.certificates.left_out;
     for (const scene::LightId l : changes.lights_moved) light_on_[l] = left_out.has(Check::light_moves);
     for (const scene::LightId l : changes.lights_stopped) {
@@ -72,19 +72,18 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
             group_mask_[l / k_lights_per_group] |= static_cast<std::uint8_t>(3 << (2 * (l % k_lights_per_group)));
 }
 
-// A static object moved by hand: what stands still is no longer what it was.
+// Removes promoted objects from the static triangles and from the shadow memory.
 void CertifiedCulling::forget_promoted()
 {
-    const scene::FrameChanges& changes = state_->changes();
-    std::vector<RememberedLight> lights;
-    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list) {
-            if (triangles_->first_of(o) == no_triangle) continue;
-            if (lights.empty()) lights = remembered_lights();
-            const Forgotten forgotten = forget_object(o, lights, options_.certificates, *triangles_, *memory_);
-            counters_.forgotten_records += forgotten.records;
-            counters_.forgotten_visited += forgotten.visited;
-        }
+    const std::vector<scene::ObjectId>& promoted = state_->changes().promoted;
+    if (promoted.empty()) return;
+    const std::vector<RememberedLight> lights = remembered_lights();
+    for (const scene::ObjectId o : promoted) {
+        if (triangles_->first_of(o) == no_triangle) continue;   // its transform was singular
+        const Forgotten forgotten = forget_object(o, lights, options_.certificates, *triangles_, *memory_);
+        counters_.forgotten_records += forgotten.records;
+        counters_.forgotten_visited += forgotten.visited;
+    }
 }
 
 std::vector<RememberedLight> CertifiedCulling::remembered_lights() const
@@ -105,8 +104,8 @@ RimCodes CertifiedCulling::rim_of_record(RecordId record) const
     return rim_of((*triangles_)[record / 2].p, static_cast<float>(width) * triangles_->largest_coordinate());
 }
 
-// The level whose parts cover about `pixels_per_part` pixels where the triangle comes nearest to the eye. A function of
-// triangle and view alone, so that counts do not depend on threads.
+// The level whose parts cover about `pixels_per_part` pixels where the triangle is nearest to the eye. Depends only on
+// triangle and view, so that counts do not depend on threads.
 std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
 {
     const StaticTriangle& t = (*triangles_)[id];
@@ -130,7 +129,8 @@ std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
     return std::min(k_max_level, static_cast<std::uint32_t>(std::ceil(0.5 * std::log2(parts))));
 }
 
-// Of the strip that begins at a point. What follows it is fetched meanwhile: an image's points come from far.
+// Computes the bounds of the strip that begins at a point, and prefetches the next strip, because the points of an
+// image are not in the cache.
 void CertifiedCulling::Batch::find_bounds(std::size_t first)
 {
     constexpr std::size_t k_line = 64;
@@ -155,7 +155,7 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
     batch.bounds = Box3{};
     batch.strip_bounds.clear();
 
-    // Nothing is remembered while every light moves.
+    // While every light moves, no states are used.
     if (!any_light_on_) {
         std::fill(at.slot.begin(), at.slot.end(), k_no_slot);
         std::fill(batch.states.begin(), batch.states.end(), 0);
@@ -163,7 +163,7 @@ void CertifiedCulling::classify(Batch& batch, std::span<const ShadowPoint> point
         return;
     }
 
-    // Find every point's record; neighbours mostly share one.
+    // Find the record of every point; neighbours mostly share one.
     scene::ObjectId last_object = scene::none;
     TriangleId first = no_triangle;
     RecordId* const records = batch.record.data();
@@ -232,13 +232,13 @@ void CertifiedCulling::note_news(std::span<const std::unique_ptr<Batch>> batches
     news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
 }
 
-// Certificates that a frame can afford, by what it saved: what tracing every ray would have cost and a share more, less
-// what it did cost. In rays: looking up a point costs an eighth of one, one of the rays that are left a
-// quarter more (packets are less full), a certificate 20 to 80. The first frame, which knows nothing, may try them all.
+// The number of certificates that a frame can afford: the cost of tracing every ray plus a fraction of it, minus the
+// cost of the frame. In units of one ray, a look-up costs an eighth, a remaining ray a quarter more than one (packets
+// are less full), and a certificate 20 to 80. The first frame, which has no results yet, may try any number.
 std::uint64_t CertifiedCulling::affordable() const
 {
     constexpr double k_share = 0.3, k_look_up = 0.125, k_ray = 1.25, k_certificate = 80;
-    constexpr double k_least = 0.15;   // of the rays
+    constexpr double k_least = 0.15;   // as a fraction of the rays
     if (!judged_once_) return k_no_limit;
     const auto traced = static_cast<double>(counters_.traced + counters_.dynamic_only);
     const double all = traced + static_cast<double>(counters_.skipped);
@@ -248,9 +248,9 @@ std::uint64_t CertifiedCulling::affordable() const
 
 bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
 {
-    // Each record by itself: its pyramid belongs to one task. Every chunk has its share of the certificates, so that
-    // what is judged does not depend on the number of threads; where the chunks begin changes from frame to frame, so
-    // that nobody is always last.
+    // Judge each record in one task, which owns its pyramid. Every chunk gets an equal number of certificates, so that
+    // the result does not depend on the number of threads. The first chunk changes from frame to frame, so that no
+    // record is always last.
     constexpr std::size_t k_chunk = 64;
     const std::size_t count = news_.size(), chunks = (count + k_chunk - 1) / k_chunk;
     const std::size_t shift = count > 0 ? frame_ * 37 % count : 0;
@@ -276,7 +276,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
     for (const auto& judge : judges)
         if (judge) counters_.add(judge->counters());
 
-    // Deepen what is partial and covers many pixels, for the next frame. What was not judged stays.
+    // For the next frame, deepen records that are PARTIAL and cover many pixels. Keep those that were not judged.
     std::vector<RecordId> left;
     for (std::size_t r = 0; r < news_.size(); ++r) {
         const RecordId record = news_[r];

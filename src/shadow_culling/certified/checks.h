@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What remembered shadows rest on, check by check, so that tests can leave one out and see what goes wrong.
+// The checks that make remembered shadows correct, one by one, so that tests can leave one out and see the errors.
 //
-// Checks that are a number (margin, clearance, ...) are options of their own (certificates.h). Nothing but a test has a
-// reason to leave one out. Cost: a test of a bit where a certificate is made, none where a shadow is looked up.
+// Checks with a number (margin, clearance, ...) are options of their own (certificates.h). Only tests leave checks out.
+// Cost: a bit test per certificate; none per look-up.
 
 #include <cstdint>
 
@@ -11,25 +11,25 @@ namespace gnomon::shadow_culling {
 
 enum class Check : std::uint8_t {
     // NONE
-    nothing_in_shaft,   // no static triangle meets the shaft
-    masked_blocks,      // alpha-tested triangles count as being there
+    nothing_in_shaft,   // no static triangle intersects the shaft
+    masked_blocks,      // alpha-tested triangles count as occluders
     // FULL
-    opaque_occluder,    // the first triangle of a patch lets no light through
-    opaque_neighbour,   // nor do those that the patch goes on to
-    same_bits,          // edges are shared to the bit, not nearly
+    opaque_occluder,    // the first triangle of a patch is opaque
+    opaque_neighbour,   // so are all others of the patch
+    same_bits,          // shared edges are equal to the bit, not nearly
     occluder_in_way,    // the first triangle lies in the shaft
-    no_open_edge,       // an edge in the shaft has another triangle behind it
-    no_silhouette,      // which goes on, seen from the light, on the other side
-    // What moves
-    dynamic_tested,          // NONE is about static geometry alone
-    light_moves,             // nothing is remembered of a light that moves
-    light_stops,             // which starts afresh when it stands still
-    promoted_not_receiver,   // a static object moved by hand is no remembered receiver
+    no_open_edge,       // every edge in the shaft has a second triangle,
+    no_silhouette,      // which lies, seen from the light, on the other side of the edge
+    // Changes
+    dynamic_tested,          // NONE covers static geometry only; dynamic objects are tested
+    light_moves,             // nothing is remembered for a moving light
+    light_stops,             // memory of a light that stopped starts empty
+    promoted_not_receiver,   // a promoted object is not a remembered receiver,
     promoted_not_occluder,   // nor an occluder in new certificates
     promoted_shadow_gone,    // what it may have shadowed is judged again
 };
 
-/// A set of checks to leave out; empty for everybody but tests.
+/// A set of checks to leave out; empty except in tests.
 struct LeftOut {
     std::uint32_t bits = 0;
     constexpr LeftOut() = default;

@@ -9,7 +9,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// A shaft reaches one margin further out than rays go; twice that leaves room for single precision here.
+// A shaft is one margin wider than its rays. Twice that covers the rounding of single precision here.
 constexpr double k_widen_margins = 2;
 
 Box3 box_of(const StaticTriangle& t)
@@ -26,20 +26,20 @@ Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight>
 {
     Forgotten result;
 
-    // Find where it stood, as far as it occluded light.
+    // Find the bounds of the triangles that could occlude.
     Box3 footprint;
     const auto [begin, end] = triangles.of(object);
     for (TriangleId id = begin; id < end; ++id)
         if (triangles.role(id) != StaticTriangles::Role::transparent)
             for (const glm::vec3& p : triangles[id].p) footprint.add(p);
 
-    // Drop what it received.
+    // Drop the object's own records.
     if (!options.left_out.has(Check::promoted_not_receiver))
         for (RecordId record = 2 * begin; record < 2 * end; ++record) result.records += memory.drop(record);
     triangles.remove(object);
     if (footprint.empty() || options.left_out.has(Check::promoted_shadow_gone)) return result;
 
-    // Open again what it may have shadowed.
+    // Reopen the records that it may have shadowed.
     for (const RememberedLight& light : lights) {
         float coordinate = triangles.largest_coordinate();
         if (!light.directional)

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What is forgotten when a static object starts to move: only what its absence can change.
+// Forgets the states that the promotion of a static object may change, and no others.
 //
-//   its own parts      it is no remembered receiver any more
-//   FULL behind it     it may have been what occluded
-//   PARTIAL behind it  can do better without it; judged again
-//   NONE               stays true when something leaves
+//   its own parts      dropped: it is not a remembered receiver any more
+//   FULL behind it     forgotten: it may have been the occluder
+//   PARTIAL behind it  forgotten: may be decided without it, so is judged again
+//   NONE               stays true when an object leaves
 //
-// Behind it: in the shadow volume of its box, found by walking down the tree of the static triangles. Cost: its own
+// "Behind it" is the shadow volume of its box, found by a traversal of the tree of static triangles. Cost: its own
 // triangles, and those that it could have shadowed.
 
 #include <span>
@@ -17,19 +17,19 @@
 
 namespace gnomon::shadow_culling {
 
-/// A light whose states count.
+/// A light whose states are valid.
 struct RememberedLight {
     int index = 0;
     bool directional = false;
-    glm::vec3 to{0};   // its place, or the direction towards it
+    glm::vec3 to{0};   // its position, or the direction towards it
 };
 
 struct Forgotten {
-    std::uint64_t records = 0;   // dropped: the object's own
-    std::uint64_t visited = 0;   // triangles that it could have shadowed, by light
+    std::uint64_t records = 0;   // dropped, of the object itself
+    std::uint64_t visited = 0;   // pairs of a light and a triangle that it could have shadowed
 };
 
-/// Takes an object out of the static triangles and out of what is remembered.
+/// Removes an object from the static triangles and from the shadow memory.
 Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight> lights,
                         const CertificateOptions& options, StaticTriangles& triangles, ShadowMemory& memory);
 

@@ -11,7 +11,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Occluders on the way to the light are tried largest first; more tries rarely find one that closes the shaft.
+// Occluders between part and light are tried largest first. More tries rarely find one that closes the shaft.
 constexpr std::size_t k_occluders_found = 12, k_occluders_tried = 3;
 
 double area_of(const StaticTriangle& t)
@@ -53,7 +53,7 @@ void Judge::judge(RecordId record)
     }
 }
 
-// Sums the finest parts' evidence up the pyramid.
+// Combines the evidence of the finest parts up the pyramid.
 void Judge::gather_evidence(const std::uint8_t* finest)
 {
     seen_.assign(pyramid_size(level_), 0);
@@ -84,7 +84,7 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
             fill_down(part, at_level, light, state);
             return;
         }
-        // Without room for its quarters it stays unknown, and is asked again.
+        // If there is no memory for its quarters, the part stays unknown, and its rays are traced again.
         if (at_level < level_ && !memory_.open(record_, part, at_level)) return;
         states[memory_.address(record_, part, at_level)] |=
             static_cast<std::uint8_t>(static_cast<unsigned>(ShadowState::partial) << shift);
@@ -103,8 +103,8 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     to.directional = lamp.type == scene::LightType::directional;
     to.place = to.directional ? glm::normalize(-glm::dvec3(at.direction)) : glm::dvec3(at.position);
 
-    // A light in the plane, or behind it, is asked for by no point, or by none that can be told apart. (All points of a
-    // triangle agree whether they face a directional light.)
+    // No point needs a light behind the triangle's plane, and none is certified for a light near the plane. (All points
+    // of a triangle agree whether they face a directional light.)
     const CertificateOptions& rules = options_.certificates;
     if (!to.directional && !(glm::dot(normal_, to.place - corner_[0]) > rules.graze_lifts * lift_))
         return ShadowState::partial;
@@ -123,7 +123,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     if (!saw_occluded) {
         holds = certify_none(triangles_, shaft, rules);
     } else if (shaft.valid()) {
-        // Find what is in the way of the middle, and try the largest first.
+        // Find the occluders of the part's centroid, and try the largest first.
         const glm::dvec3 origin = shaft.centroid() + lift_ * normal_;
         const double reach = to.directional ? 4.0 * static_cast<double>(triangles_.bounds().diagonal()) : 1.0;
         triangles_.along(origin, to.directional ? reach * to.place : to.place - origin, k_occluders_found, occluders_);
@@ -139,7 +139,7 @@ ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, in
     return saw_occluded ? ShadowState::full : ShadowState::none;
 }
 
-// Writes a decided part into all finer levels that are kept: where look-ups read.
+// Copies a decided state to all finer levels that are stored, where look-ups read.
 void Judge::fill_down(const MicroTriangle& part, std::uint32_t at_level, int light, ShadowState state)
 {
     const int shift = 2 * (light % k_lights_per_group);

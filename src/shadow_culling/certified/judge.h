@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Turns evidence into states, one record (one side of one static triangle) at a time.
+// Derives states from evidence, one record (one side of one static triangle) at a time.
 //
-// Top down: a part without evidence is left alone; one decided already needs nothing; one in which rays were both
-// occluded and free is PARTIAL without any proof; else the certificate that the evidence allows is tried. Where it
-// fails the part is PARTIAL, and its quarters, which get states of their own now, are judged.
+// Parts are visited top down. A part without evidence, or with a decided state, is skipped. A part with both occluded
+// and free rays is PARTIAL without a proof. For any other part, the certificate that the evidence allows is tried; if
+// it fails, the part is PARTIAL, and its quarters get states of their own and are judged.
 
 #include "shadow_culling/certified/certified_culling.h"
 
@@ -15,10 +15,10 @@ class Judge {
     Judge(const scene::SceneState& state, const StaticTriangles& triangles, ShadowMemory& memory,
           const std::vector<char>& light_on, const CertifiedOptions& options);
 
-    /// Judges all parts of a record with evidence, and takes the evidence. Where certificates run out, what is left
-    /// stays as it is; rays will see it again.
+    /// Judges all parts of a record that have evidence, and removes the evidence. Once no certificates are left, the
+    /// other parts stay as they are; later rays bring their evidence again.
     void judge(RecordId record);
-    /// Certificates that may still be tried; without end unless set.
+    /// Sets the number of certificates that may still be tried; unlimited unless set.
     void allow(std::uint64_t certificates) { allowed_ = certificates; }
     bool allowed() const { return allowed_ > 0; }
     const CullingCounters& counters() const { return counters_; }
@@ -37,13 +37,13 @@ class Judge {
     CullingCounters counters_;
     std::uint64_t allowed_ = ~std::uint64_t{0};
 
-    // The record under judgement.
+    // The present record.
     TriangleId triangle_ = 0;
     RecordId record_ = 0;
     std::uint32_t level_ = 0;
     glm::dvec3 corner_[3], normal_;
     double lift_ = 0;
-    Rim rim_{RimCodes{}};              // its parts lie inside
+    Rim rim_{RimCodes{}};              // the parts lie inside it
     std::vector<std::uint8_t> seen_;   // evidence of all levels, like the pyramid
     std::vector<TriangleId> occluders_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway includes this file repeatedly and compiles it once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "shadow_culling/certified/look_up.cpp"
 #include <hwy/foreach_target.h>   // first of all
@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 Box3 bounds_of_points(std::span<const ShadowPoint> points)
 {
-    // Four floats from the origin's first on; the fourth is not the origin's, and dropped.
+    // Load four floats from the origin on; the fourth is not part of it and is ignored.
     static_assert(offsetof(ShadowPoint, origin) + 4 * sizeof(float) <= sizeof(ShadowPoint));
     const hn::FixedTag<float, 4> four;
     auto low = hn::Set(four, k_infinity), high = hn::Set(four, -k_infinity);
@@ -36,19 +36,19 @@ using Reals = hn::ScalableTag<float>;
 using Real = hn::Vec<Reals>;
 using Addresses = hn::RebindToUnsigned<Reals>;
 
-// The number of the part, of n * n that a triangle is cut into, that (x, y) lies in. Both in widths of a part; on
-// return where it lies in the part.
+// The index of the part, among the n * n of a triangle, that contains (x, y). Coordinates are in widths of a part; on
+// return they are relative to the part.
 HWY_INLINE hn::Vec<Addresses> part_of(Real& x, Real& y, Real count)
 {
     const Reals real;
     const hn::RebindToSigned<Reals> integer;
     const auto one = hn::Set(real, 1.0f);
     const auto n = hn::ConvertTo(integer, count), last = hn::Sub(n, hn::Set(integer, 1));
-    // Cell, and which half of it.
+    // Find the cell and its half.
     auto i = hn::ConvertTo(integer, x), j = hn::ConvertTo(integer, y);
     const auto upper = hn::RebindMask(
         integer, hn::Gt(hn::Add(hn::Sub(x, hn::ConvertTo(real, i)), hn::Sub(y, hn::ConvertTo(real, j))), one));
-    // Rounding may put a point on the long edge into a cell beyond it.
+    // Rounding may move a point on the long edge into a cell beyond it.
     const auto reached = hn::Add(hn::Add(i, j), hn::IfThenElseZero(upper, hn::Set(integer, 1)));
     const auto mirrored = hn::And(upper, hn::Lt(reached, n));
     i = hn::Min(i, last);
@@ -75,7 +75,7 @@ void find_parts_of(LookUp& points, const std::uint8_t* tables)
     for (std::size_t r = 0; r < points.runs.size(); ++r) {
         const LookUp::Run& run = points.runs[r];
         const std::size_t end = r + 1 < points.runs.size() ? points.runs[r + 1].first : points.count;
-        // The last step of a run reaches into the next, which is written later.
+        // The last step of a run overlaps the next run, which is written later.
         if (run.begin == k_no_slot) {
             for (std::size_t k = run.first; k < end; k += hn::Lanes(real)) hn::StoreU(none, address, &points.slot[k]);
             continue;
@@ -84,7 +84,7 @@ void find_parts_of(LookUp& points, const std::uint8_t* tables)
         const auto rim_u = hn::Set(real, run.rim_u), rim_v = hn::Set(real, run.rim_v);
         const auto scale = hn::Set(real, run.per_inner), count = hn::Set(real, run.divisions);
         for (std::size_t k = run.first; k < end; k += hn::Lanes(real)) {
-            // Place in the inner triangle.
+            // Compute the coordinates in the inner triangle.
             Real u, v;
             hn::LoadInterleaved2(real, &points.uv[k].x, u, v);
             auto x = hn::Mul(hn::Sub(u, rim_u), scale), y = hn::Mul(hn::Sub(v, rim_v), scale);
@@ -95,7 +95,7 @@ void find_parts_of(LookUp& points, const std::uint8_t* tables)
             if (!run.pieces) {
                 slot = hn::Add(begin, slot);
             } else {
-                // What was found is a piece, or one part without; mostly the same for all points.
+                // The entry is a piece, or a part without one; mostly the same for all points.
                 const std::uint32_t first = hn::GetLane(slot);
                 const auto others = hn::And(hn::Ne(slot, hn::Set(address, first)), hn::FirstN(address, end - k));
                 if (hn::AllFalse(address, others)) {
@@ -142,7 +142,7 @@ void fetch_states_of(const LookUp& points, const std::uint8_t* states, std::uint
             const auto slot = hn::LoadU(address, &points.slot[k]);
             const auto known = hn::RebindMask(word, hn::Ne(slot, none));
             const auto at = hn::IfThenElseZero(known, hn::BitCast(word, slot));
-            // Four bytes from the part's on; the first is its own.
+            // Load four bytes from the part's on; the first one is its state.
             const auto four = hn::GatherOffset(word, reinterpret_cast<const std::int32_t*>(states), at);
             hn::StoreU(hn::DemoteTo(byte, hn::IfThenElseZero(known, hn::And(four, keep))), byte, out + k);
         }
@@ -162,7 +162,7 @@ HWY_EXPORT(fetch_states_of);
 
 void LookUp::resize(std::size_t points)
 {
-    // A run may begin anywhere: its last step ends up to a step later.
+    // A run may begin anywhere, so its last step may end up to a step later.
     const std::size_t padded = (points / k_look_up_step + 2) * k_look_up_step;
     count = points;
     uv.resize(padded), slot.resize(padded);

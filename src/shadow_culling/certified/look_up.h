@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The inner loops of a look-up, many points at a time, with what the processor at hand offers (Highway).
+// Looks up the parts and states of many points at a time, vectorised for the processor at hand (Highway).
 //
-// Additions, multiplications and comparisons in single precision alone, in one order: every instruction set finds the
-// same parts. The twin for one point is micro_index_at (micro_triangles.h).
+// Only additions, multiplications and comparisons in single precision, in one order, so that every instruction set
+// finds the same parts. The reference implementation for one point is micro_index_at (micro_triangles.h).
 
 #include <cstddef>
 #include <cstdint>
@@ -15,35 +15,35 @@
 
 namespace gnomon::shadow_culling {
 
-/// Arrays are read and written in steps of this many points.
+/// Arrays are read and written in steps of so many points.
 inline constexpr std::size_t k_look_up_step = 16;
 
-/// Points on remembered triangles; arrays by point are padded to the step. Points that follow each other mostly lie on
-/// one triangle: what is the triangle's is kept once for each run of them.
+/// Points on remembered triangles; arrays by point are padded to the step. Consecutive points mostly lie on one
+/// triangle, so the triangle's data is stored once per run of them.
 struct LookUp {
     struct Run {
         std::uint32_t first;             // point; the run ends where the next one begins
-        std::uint32_t begin;             // where its finest states begin, or the table; k_no_slot: not remembered
+        std::uint32_t begin;             // address of the finest states or of the table; k_no_slot: not remembered
         float rim_u, rim_v, per_inner;   // of the triangle's rim (rim.h)
         float divisions;                 // of each axis: 2^level
-        bool pieces = false;             // at `begin` is a table of what lies below (shadow_memory.h)
+        bool pieces = false;             // at `begin` is a table of pieces (shadow_memory.h)
     };
     std::vector<glm::vec2> uv;         // in the triangle
     std::vector<std::uint32_t> slot;   // of the part; k_no_slot: not remembered, or in the rim
     std::vector<Run> runs;
     std::size_t count = 0;   // points
 
-    /// Room for points, and no runs.
+    /// Makes room for points, and removes all runs.
     void resize(std::size_t points);
 };
 
 Box3 bounds_of(std::span<const ShadowPoint> points);
 
 /// Finds the parts of all points: `slot`.
-/// @param tables  the block that tables of pieces lie in; may be null where no run has one
+/// @param tables  the block of the tables of pieces; may be null if no run has one
 void find_parts(LookUp& points, const std::uint8_t* tables);
 /// out[k] = states[slot[k]] & mask; 0 without a slot. For the points of all runs.
-/// @param out  padded, too
+/// @param out  padded to the step
 void fetch_states(const LookUp& points, const std::uint8_t* states, std::uint8_t mask, std::uint8_t* out);
 
 }   // namespace gnomon::shadow_culling

@@ -8,7 +8,7 @@ namespace gnomon::shadow_culling {
 namespace {
 
 constexpr float k_steps_per_octave = 8;
-// No strip is wider than 2^-5 of its triangle's height.
+// Strips are at most 2^-5 of the triangle's height wide.
 constexpr float k_widest_code = 5 * k_steps_per_octave;
 
 const std::array<float, 256>& fractions()
@@ -32,7 +32,7 @@ RimCodes rim_of(const glm::vec3 (&corner)[3], float width)
     for (std::size_t e = 0; e < 3; ++e) {
         const float fraction = width * glm::length(edge[e]) / double_area;   // of the height over the edge
         const float code = std::floor(-k_steps_per_octave * std::log2(fraction));
-        // Written so that a triangle without area gets the widest.
+        // The comparison gives the widest strip to a triangle without area.
         result.code[e] = static_cast<std::uint8_t>(code > k_widest_code ? std::min(code, 254.0f) : k_widest_code);
     }
     return result;

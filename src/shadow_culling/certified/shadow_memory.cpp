@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Room: records, evidence, and what is dropped. Where a record's states lie in it: shadow_parts.cpp.
+// Allocates and drops records and evidence. The layout of a record's states is in shadow_parts.cpp.
 #include "shadow_culling/certified/shadow_memory.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Of a pyramid of so many levels: whole, or its upper levels after a table of the pieces below.
+// Size of a pyramid of so many levels: whole, or the upper levels with the table of pieces.
 constexpr std::uint32_t size_of_class(std::uint32_t level)
 {
     if (level <= k_piece_levels) return pyramid_size(level);
@@ -58,7 +58,7 @@ std::uint32_t ShadowMemory::allocate_under_lock(std::uint32_t size_class)
             used_ += size;
             return end_ - size;
         }
-        // Cut up something larger. A deeper pyramid that lies in pieces takes less than a whole one.
+        // Split a larger free block. (A deeper pyramid in pieces takes less than a whole one.)
         std::uint32_t larger = size_class + 1;
         while (larger <= k_max_level && (free_[larger].empty() || size_of_class(larger) < size)) ++larger;
         if (larger > k_max_level) {

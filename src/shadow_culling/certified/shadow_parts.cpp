@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the states of a record's parts lie, and how it gets finer.
+// The layout of a record's states in memory, and how records get finer.
 #include <algorithm>
 #include <cstring>
 
@@ -9,14 +9,14 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// What finer parts inherit: what is decided, of every light. Two bits a light; 11 is PARTIAL.
+// The states that finer parts inherit: the decided ones, of every light. Two bits per light; 11 is PARTIAL.
 constexpr std::uint8_t decided_of(std::uint8_t states)
 {
     const unsigned partial = states & (static_cast<unsigned>(states) >> 1) & 0x55u;
     return static_cast<std::uint8_t>(states & ~(partial * 3));
 }
 
-// The part around a part, `levels` above; and the part as its own triangle has it.
+// The enclosing part `levels` above, and the part's position relative to it.
 MicroTriangle around(const MicroTriangle& part, std::uint32_t levels)
 {
     const std::uint32_t n = 1u << levels;
@@ -28,7 +28,7 @@ MicroTriangle within(const MicroTriangle& around, const MicroTriangle& part, std
     if (!around.upper) return {part.i - (around.i << levels), part.j - (around.j << levels), part.upper};
     return {((around.i + 1) << levels) - 1 - part.i, ((around.j + 1) << levels) - 1 - part.j, 1 - part.upper};
 }
-// The way back.
+// The inverse: from relative to absolute.
 MicroTriangle out_of(const MicroTriangle& around, const MicroTriangle& part, std::uint32_t levels)
 {
     if (!around.upper) return {part.i + (around.i << levels), part.j + (around.j << levels), part.upper};
@@ -39,7 +39,7 @@ constexpr std::uint32_t pieces_at(std::uint32_t level)
 {
     return 1u << (2 * (level - k_piece_levels));
 }
-// Where the states of the upper levels begin, after the table.
+// The address of the states of the upper levels, after the table.
 constexpr std::uint32_t states_begin(std::uint32_t level)
 {
     return static_cast<std::uint32_t>(sizeof(std::uint32_t)) * pieces_at(level);
@@ -96,7 +96,7 @@ bool ShadowMemory::is_open(RecordId id, const MicroTriangle& part, std::uint32_t
     return (entry(shape, micro_index(part, at_level)) & k_has_piece) != 0;
 }
 
-// Gives a part its piece: what is decided of the part, on all its levels.
+// Allocates a part's piece, and fills all its levels with the decided states of the part.
 bool ShadowMemory::add_piece(const Shape& shape, std::uint32_t piece)
 {
     const std::uint32_t base = allocate(k_piece_levels);
@@ -125,7 +125,7 @@ bool ShadowMemory::open(RecordId id, const MicroTriangle& part, std::uint32_t at
     return true;
 }
 
-// What a record knew, in a new and finer shape. Parts that were PARTIAL at the finest level are open again below.
+// Copies a record's states to a new, finer layout. Parts that were PARTIAL at the finest level are unknown below.
 void ShadowMemory::hand_down(const Shape& from, const Shape& to)
 {
     const std::uint32_t kept = from.open ? from.level : 0;   // levels that `from` has
@@ -153,7 +153,7 @@ void ShadowMemory::hand_piece_down(const Shape& from, const Shape& to, std::uint
     const std::uint32_t kept = from.open ? std::min(from.level, to.level) : 0;
     const MicroTriangle top = micro_at(piece, above);
     const std::uint32_t own = to.base + states_begin(to.level) + pyramid_offset(above) + piece;
-    // All levels of the piece, by group, with the part itself first.
+    // Copy all levels of the piece, by group, beginning with the part itself.
     std::uint8_t states[pyramid_size(k_piece_levels)];
     bool added = false;
     for (const Block& group : states_) {
@@ -172,7 +172,7 @@ void ShadowMemory::hand_piece_down(const Shape& from, const Shape& to, std::uint
         if (!differs && !added) continue;
         if (!added) {
             added = add_piece(to, piece);
-            if (!added) {   // no room: what is PARTIAL here is asked again
+            if (!added) {   // memory is full: PARTIAL parts here become unknown
                 for (const Block& each : states_) each.get()[own] = decided_of(each.get()[own]);
                 return;
             }
@@ -215,7 +215,7 @@ void ShadowMemory::release(const Shape& shape)
     release(shape.base, shape.open ? shape.level : 0);
 }
 
-// All runs of bytes that hold a record's states.
+// Calls `change` for all byte ranges that contain a record's states.
 template <class Change>
 void ShadowMemory::for_each_range(const Shape& shape, const Change& change) const
 {

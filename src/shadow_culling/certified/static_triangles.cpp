@@ -13,7 +13,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-constexpr int k_leaf = 4;   // triangles; below that splitting does not pay
+constexpr int k_leaf = 4;   // triangles; with fewer, a split does not pay off
 constexpr int k_bins = 16;
 
 StaticTriangles::Role role_of(scene::SurfaceClass surface)
@@ -29,7 +29,7 @@ StaticTriangles::Role role_of(scene::SurfaceClass surface)
     return StaticTriangles::Role::transparent;
 }
 
-// An undirected edge by the bits of its ends.
+// An undirected edge, identified by the bits of its ends.
 struct EdgeKey {
     std::array<std::uint32_t, 6> bits;
     std::uint32_t slot;   // 3 * triangle + edge
@@ -38,7 +38,7 @@ struct EdgeKey {
 
 std::array<std::uint32_t, 3> bits_of(const glm::vec3& p)
 {
-    const glm::vec3 q = p + glm::vec3(0.0f);   // -0 and 0 are the same place
+    const glm::vec3 q = p + glm::vec3(0.0f);   // -0 and 0 are the same position
     std::array<std::uint32_t, 3> bits;
     std::memcpy(bits.data(), &q, sizeof q);
     return bits;
@@ -59,11 +59,9 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
     const scene::Scene& scene = state.scene();
     first_.assign(scene.objects.size(), no_triangle);
     count_.assign(scene.objects.size(), 0);
-    std::vector<scene::ObjectId> space;   // by triangle: none for the world's, else the instance's own
+    std::vector<scene::ObjectId> space;   // by triangle: none for world space, else the object whose space it is
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].dynamic || rays.has_own_instance(o) || !state.object_visible(o) ||
-            rays.meeting(o) == ray::Meeting::never)
-            continue;
+        if (state.is_dynamic(o) || !state.object_visible(o) || rays.meeting(o) == ray::Meeting::never) continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {
@@ -108,7 +106,7 @@ void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
     }
     std::sort(edges.begin(), edges.end());
 
-    // Only an edge of exactly two triangles leads anywhere.
+    // Connect the triangles at edges that exactly two of them share.
     across_.assign(3 * triangles_.size(), no_triangle);
     for (std::size_t begin = 0; begin < edges.size();) {
         std::size_t end = begin + 1;
@@ -140,7 +138,7 @@ void StaticTriangles::build_tree()
     build_range(0, 0, static_cast<std::uint32_t>(order_.size()), boxes);
 }
 
-// Surface area heuristic over bins of the centroids' longest axis.
+// Splits by the surface area heuristic over bins along the longest axis of the centroids.
 std::uint32_t StaticTriangles::build_range(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
                                            std::vector<Box3>& boxes)
 {
@@ -211,7 +209,7 @@ void StaticTriangles::remove(scene::ObjectId object)
     if (!left_out_.has(Check::promoted_not_receiver)) first_[object] = no_triangle;
     if (left_out_.has(Check::promoted_not_occluder)) return;
     for (TriangleId id = begin; id < end; ++id) {
-        take_from_tree(id);
+        remove_from_tree(id);
         for (std::size_t e = 0; e < 3; ++e) {
             TriangleId& next = across_[3 * static_cast<std::size_t>(id) + e];
             if (next == no_triangle) continue;
@@ -223,8 +221,8 @@ void StaticTriangles::remove(scene::ObjectId object)
     std::erase_if(outside_tree_, [begin = begin, end = end](TriangleId id) { return id >= begin && id < end; });
 }
 
-// Goes down wherever the triangle may be, and leaves a gap in its leaf.
-void StaticTriangles::take_from_tree(TriangleId id)
+// Descends wherever the triangle may be, and replaces it by no_triangle in its leaf.
+void StaticTriangles::remove_from_tree(TriangleId id)
 {
     Box3 box;
     for (const glm::vec3& p : triangles_[id].p) box.add(p);
@@ -278,7 +276,7 @@ double StaticTriangles::least_height(const std::array<visibility::Plane, 4>& sid
                                      const visibility::Plane& plane) const
 {
     double least = std::numeric_limits<double>::infinity();
-    // A box's corner at which a plane is lowest or highest.
+    // The corner of a box that is lowest or highest over a plane.
     const auto corner = [](const Node& node, const glm::dvec3& direction, bool furthest) {
         glm::dvec3 p;
         for (int axis = 0; axis < 3; ++axis)
@@ -298,7 +296,7 @@ double StaticTriangles::least_height(const std::array<visibility::Plane, 4>& sid
         if (!may_matter(node)) continue;
         if (node.count == 0) {
             GNOMON_CHECK_LE(top + 2, stack.size());
-            // The lower child first.
+            // Visit the lower child first.
             const bool swap = plane.at(corner(nodes_[node.first], plane.normal, false)) >
                               plane.at(corner(nodes_[node.first + 1], plane.normal, false));
             stack[top++] = node.first + (swap ? 0 : 1);
@@ -329,7 +327,7 @@ void StaticTriangles::along(const glm::dvec3& origin, const glm::dvec3& to_end, 
         for (int axis = 0; axis < 3; ++axis) {
             const double a = (static_cast<double>(node.low[axis]) - origin[axis]) * inverse[axis];
             const double b = (static_cast<double>(node.high[axis]) - origin[axis]) * inverse[axis];
-            // Written so that 0 * infinity, a ray in the plane of a face, lets the box pass.
+            // The comparison accepts the box for 0 * infinity, that is, for a ray in the plane of a face.
             first = std::max(first, std::min(a, b));
             last = std::min(last, std::max(a, b));
         }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The static triangles as certificates need them: who borders whom, and which of them a shaft may meet.
+// The static triangles for certificates: their adjacency, and a tree to find those that intersect a shaft.
 //
-// Built once a scene; an object that is moved by hand is taken out. World positions are the very floats that rays are
-// tested against, but for instances, whose rays are taken to the space of the mesh. Edges are matched by the bits of
-// their end points and within one space: what does not match is not watertight, and no certificate may pass over it.
+// Built once per scene; promoted objects are removed. World positions are the floats that rays are tested against,
+// except for static instances, where rays are transformed to the space of the mesh. Edges match if the bits of their
+// end points agree, within one space. Where they do not match, the surface is not watertight, and no certificate passes
+// over the edge.
 
 #include <algorithm>
 #include <array>
@@ -19,7 +20,7 @@
 
 namespace gnomon::shadow_culling {
 
-using TriangleId = std::uint32_t;   // among all static triangles
+using TriangleId = std::uint32_t;   // index among all static triangles
 inline constexpr TriangleId no_triangle = 0xffffffffu;
 
 struct StaticTriangle {
@@ -39,8 +40,8 @@ class StaticTriangles {
 
     /// @param left_out  checks to leave out, for tests
     StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out = {});
-    /// Takes out an object that does not stand still any more. What is left is as if it had never been there, but for
-    /// bounds and for edges that it shared with two others. Cost: its triangles, each by a walk down the tree.
+    /// Removes a promoted object. The rest is as if it had never been there, except for the bounds, and for edges that
+    /// it shared with two other triangles. Cost: a tree descent per triangle of the object.
     void remove(scene::ObjectId object);
 
     std::size_t size() const { return triangles_.size(); }
@@ -48,8 +49,8 @@ class StaticTriangles {
     Role role(TriangleId id) const { return roles_[id]; }
     /// First id of an object's triangles; no_triangle for dynamic or hidden objects.
     TriangleId first_of(scene::ObjectId object) const { return first_[object]; }
-    /// The one other triangle across edge e (from corner e to e + 1); no_triangle at borders, where three or more meet,
-    /// and where the neighbour does not block light.
+    /// The other triangle at edge e (from corner e to e + 1); no_triangle at borders, where three or more triangles
+    /// share the edge, and where the neighbour is not opaque.
     TriangleId across(TriangleId id, int edge) const { return across_[3 * static_cast<std::size_t>(id) + edge]; }
     /// [first, last) of an object's triangles; empty where first_of is no_triangle.
     std::pair<TriangleId, TriangleId> of(scene::ObjectId object) const
@@ -61,31 +62,31 @@ class StaticTriangles {
     float largest_coordinate() const { return largest_; }
     std::size_t bytes() const;
 
-    /// Whether any triangle that can block light, opaque or masked, meets the shaft. Conservative: may say yes where
-    /// none does.
+    /// Whether any triangle that can block light, opaque or masked, intersects the shaft. Conservative: may be true
+    /// where none does.
     bool any_in(const visibility::Shaft& shaft) const;
 
-    /// The least height over a plane of what lies inside four others, of triangles that can block light; infinite if
-    /// nothing does.
+    /// The least height over `plane` of all triangles that can block light, clipped to the four `sides`; infinite if
+    /// none is left.
     double least_height(const std::array<visibility::Plane, 4>& sides, const visibility::Plane& plane) const;
 
-    /// Opaque triangles that the segment origin + [0, 1] * to_end passes through, at most `most`, in no particular
+    /// Finds opaque triangles that intersect the segment origin + [0, 1] * to_end, at most `most`, in no particular
     /// order.
     void along(const glm::dvec3& origin, const glm::dvec3& to_end, std::size_t most,
                std::vector<TriangleId>& found) const;
 
-    /// Calls take(id) for every triangle, but for those in nodes of the tree for which meets(low, high) is false.
+    /// Calls take(id) for every triangle, except for those in tree nodes for which meets(low, high) is false.
     template <class Meets, class Take>
     void visit(const Meets& meets, const Take& take) const;
 
  private:
     struct Node {
         glm::vec3 low, high;
-        std::uint32_t first;   // of its triangles in order_ (leaf), or its left child; the right one follows
+        std::uint32_t first;   // leaf: of its triangles in order_; inner: left child, followed by the right one
         std::uint32_t count;   // 0: inner
     };
     void match_edges(const std::vector<scene::ObjectId>& space);
-    void take_from_tree(TriangleId id);
+    void remove_from_tree(TriangleId id);
     void build_tree();
     std::uint32_t build_range(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<Box3>& boxes);
 
@@ -94,8 +95,8 @@ class StaticTriangles {
     std::vector<TriangleId> first_;   // by object
     std::vector<TriangleId> across_;
     std::vector<Node> nodes_;
-    std::vector<TriangleId> order_;          // blocking triangles, leaf by leaf; no_triangle: taken out
-    std::vector<TriangleId> outside_tree_;   // those that do not block
+    std::vector<TriangleId> order_;          // triangles that block light, leaf by leaf; no_triangle: removed
+    std::vector<TriangleId> outside_tree_;   // those that do not block light
     std::vector<std::uint32_t> count_;       // by object: its triangles
     LeftOut left_out_;
     Box3 bounds_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the blocks of a dynamic object mask.
+// Draws the blocks of the mask of dynamic objects.
 #include <algorithm>
 
 #include "shadow_culling/dynamic_mask/parts.h"
@@ -8,7 +8,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Texels that rounding of single-precision texel coordinates may move an outline by.
+// Bound, in texels, on the displacement of an outline by rounding of single-precision texel coordinates.
 constexpr float k_texel_slack = 1.0f / 64;
 
 std::size_t hash_of(BlockKey key)
@@ -18,12 +18,12 @@ std::size_t hash_of(BlockKey key)
 
 constexpr int k_side = static_cast<int>(k_block_side);
 
-// Whether a block is drawn. Lost: there was no memory for it, and rays are cast instead.
+// Progress of drawing a block. Lost: memory ran out, and rays are cast instead.
 constexpr int k_not_drawn = 0, k_being_drawn = 1, k_drawn = 2, k_lost = 3;
 
-// Where a block is on the light's plane.
+// The position of a block on the light's plane.
 struct Place {
-    float low_x, high_x, low_y, high_y, texels;   // texels: a side of the whole plane
+    float low_x, high_x, low_y, high_y, texels;   // texels: per side of the whole plane
 };
 
 Place place_of(BlockKey key)
@@ -34,7 +34,7 @@ Place place_of(BlockKey key)
     return {low_x, low_x + k_block_side / texels, low_y, low_y + k_block_side / texels, texels};
 }
 
-// Four texels' bits as words.
+// Expands the bits of four texels to words.
 constexpr auto k_spread = [] {
     std::array<std::array<std::uint32_t, 4>, 16> spread{};
     for (std::uint32_t bits = 0; bits < 16; ++bits)
@@ -42,7 +42,7 @@ constexpr auto k_spread = [] {
     return spread;
 }();
 
-// To the texels of a row.
+// Applies a word of bits to the texels of a row.
 void or_bits(std::uint32_t* row, std::uint32_t texels, std::uint32_t value)
 {
     if (texels == 0) return;
@@ -54,8 +54,8 @@ void or_bits(std::uint32_t* row, std::uint32_t texels, std::uint32_t value)
 
 }   // namespace
 
-// The block, drawn; or none, where as many rays are cheaper: by the rays that points would take that ask for it now, or
-// that did so in the frame before, whichever are more.
+// Returns the drawn block, or null if rays are cheaper. The estimate uses the rays that the points of this batch need,
+// or those of the last frame, whichever are more.
 DynamicMask::Block* DynamicMask::block_at(LightMask& mask, BlockKey key, std::uint32_t rays)
 {
     const std::size_t wrap = mask.table.size() - 1;
@@ -92,7 +92,7 @@ DynamicMask::Block* DynamicMask::block_at(LightMask& mask, BlockKey key, std::ui
                 find_prints(mask, *block);
             } catch (...) {
                 block->drawn.store(k_lost, std::memory_order_relaxed);
-                publish();   // others wait for it, in later frames too
+                publish();   // other threads wait for it
                 throw;
             }
             publish();
@@ -103,7 +103,7 @@ DynamicMask::Block* DynamicMask::block_at(LightMask& mask, BlockKey key, std::ui
     const std::uint32_t worth = std::max(rays, block->expected);
     if (!(options_.edges_per_ray * worth >= block->edges)) return nullptr;
 
-    // The first who needs it draws it; others wait.
+    // The first thread that needs the block draws it; others wait.
     int drawn = block->drawn.load(std::memory_order_acquire);
     if (drawn == k_not_drawn && block->drawn.compare_exchange_strong(drawn, k_being_drawn)) {
         const auto publish = [&](int as) {
@@ -123,7 +123,7 @@ DynamicMask::Block* DynamicMask::block_at(LightMask& mask, BlockKey key, std::ui
     return block->drawn.load(std::memory_order_acquire) == k_drawn ? block : nullptr;
 }
 
-// Gathers who may be in a block, by a bin.
+// Gathers the prints that may be in a block, from a bin.
 void DynamicMask::find_prints(const LightMask& mask, Block& block) const
 {
     const std::uint32_t face = face_of(block.key);
@@ -177,7 +177,7 @@ void DynamicMask::draw(LightMask& mask, Block& block)
         texels_over.ends.push_back(print.ends);
         block.print_of.push_back(p);
         if (number == MaskTexels::k_numbers - 1) {
-            // Too many: what is left begins here or later, anywhere.
+            // There are too many: all others begin at this depth or later, anywhere.
             for (std::uint32_t row = 0; row < k_block_side; ++row) {
                 std::uint32_t* const at = &texels_over.texel[row * k_block_side];
                 or_bits(at, ~has_next[row], number << 8);
@@ -185,17 +185,17 @@ void DynamicMask::draw(LightMask& mask, Block& block)
             }
             break;
         }
-        // What begins behind all that matters changes nothing.
+        // Skip a print that begins behind everything relevant.
         std::uint32_t settled = 0xffffffffu;
         for (std::uint32_t row = 0; row < k_block_side; ++row)
             settled &= has_full[row] & has_first[row] & has_next[row];
         if (settled == 0xffffffffu) break;
-        std::array<std::uint32_t, k_block_side> open{}, steps{};   // outline passes; layers begin or end
+        std::array<std::uint32_t, k_block_side> open{}, steps{};   // the outline passes; layers begin or end
         std::array<std::array<std::int16_t, k_block_side>, k_block_side> step;
         if (print.blind || print.masked) open.fill(0xffffffffu);
 
         for (const Piece& piece : mask.outlines[p]) {
-            // To texels of the block, upward.
+            // Transform to texels of the block; orient the piece upward.
             float ax = (piece.ax - low_x) * texels, ay = (piece.ay - low_y) * texels;
             float bx = (piece.bx - low_x) * texels, by = (piece.by - low_y) * texels;
             auto layers = static_cast<std::int16_t>(piece.layers);
@@ -205,7 +205,7 @@ void DynamicMask::draw(LightMask& mask, Block& block)
             const float least = std::min(ax, bx) - widen, most = std::max(ax, bx) + widen;
             const bool level_line = !(by - ay > 1e-6f);
             const float slope = level_line ? 0 : (bx - ax) / (by - ay);
-            // Where it may pass in a row: between its places at the row's borders, widened along the line.
+            // Mark the texels of each row that it may pass: between its positions at the row's borders, widened.
             const float reach = widen * (1 + std::abs(slope));
             const int first = std::max(0, static_cast<int>(std::floor(ay - widen)));
             const int last = std::min(k_side - 1, static_cast<int>(std::floor(by + widen)));
@@ -222,7 +222,7 @@ void DynamicMask::draw(LightMask& mask, Block& block)
             }
             if (layers == 0) continue;
 
-            // Layers change where it crosses a row's middle.
+            // Layers change where it crosses the centre of a row.
             const int first_middle = std::max(0, static_cast<int>(std::ceil(ay - 0.5f)));
             const int end_middle = std::min(k_side, static_cast<int>(std::ceil(by - 0.5f)));
             for (int row = first_middle; row < end_middle; ++row) {
@@ -250,7 +250,7 @@ void DynamicMask::draw(LightMask& mask, Block& block)
             const std::uint32_t some = open[row] | covered | torn;
             if ((some & ~(has_full[row] & has_next[row])) == 0) continue;
             std::uint32_t* const at = &texels_over.texel[row * k_block_side];
-            // The first that covers a texel is mostly the one that ends first, too; a later one is not asked.
+            // The first object that covers a texel usually also ends first; later ones are not tested.
             if (opaque) {
                 const std::uint32_t full = covered & ~(open[row] | torn | has_full[row]);
                 or_bits(at, full, number << 16);
@@ -264,7 +264,7 @@ void DynamicMask::draw(LightMask& mask, Block& block)
     }
 }
 
-// Found once a block, and remembered while the light stands still.
+// Computed once per block, and kept while the light rests.
 float DynamicMask::static_begins(LightMask& mask, Block& block) const
 {
     const float known = block.static_begins.load(std::memory_order_relaxed);

@@ -9,7 +9,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Boxes are widened by this fraction of their largest coordinate, and of those between which a ray goes: rays are
+// Boxes are widened by this fraction of their own largest coordinate and of those of a ray's ends, because rays are
 // traced in single precision.
 constexpr float k_widen = 1e-5f;
 
@@ -27,7 +27,7 @@ Box3 widened(Box3 box)
     return box;
 }
 
-// Where something is that rays meet, by the box of its corners.
+// The box in which rays may hit an object, from the box of its vertices.
 Box3 met(const Box3& box, ray::Meeting meeting)
 {
     if (box.empty() || meeting == ray::Meeting::never) return Box3{};
@@ -81,15 +81,15 @@ DynamicBounds::DynamicBounds(const scene::SceneState& state, const ray::RayScene
         by_group_[g] = static_cast<std::uint32_t>(dynamic_.size());
         DynamicObject dynamic_object{scene::none, g, {}, {}, 0};
         for (const scene::ObjectId o : scene.groups[g].objects)
-            if (!rays.has_own_instance(o)) dynamic_object.own.add(bounds_of(rays.geometry(o)));
+            if (state.group_of(o) == g) dynamic_object.own.add(bounds_of(rays.geometry(o)));
         dynamic_.push_back(dynamic_object);
     }
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) dynamic_of(o, scene, rays);
+    for (const scene::ObjectId o : state.dynamic_objects()) dynamic_of(o, state);
     for (DynamicObject& dynamic_object : dynamic_) place(dynamic_object, state, rays);
     grow_tree();
 }
 
-// Takes in dynamic objects that are new.
+// Rebuilds the tree if there are new boxes.
 void DynamicBounds::grow_tree()
 {
     if (tree_.size() == dynamic_.size()) return;
@@ -99,13 +99,10 @@ void DynamicBounds::grow_tree()
     tree_ = BoxTree(boxes);
 }
 
-// An object's own dynamic object, or its group's; none for what stands still.
-std::uint32_t DynamicBounds::dynamic_of(scene::ObjectId object, const scene::Scene& scene, const ray::RayScene& rays)
+// Returns the entry of a dynamic object or of its group; makes it if the object has none yet.
+std::uint32_t DynamicBounds::dynamic_of(scene::ObjectId object, const scene::SceneState& state)
 {
-    if (!rays.has_own_instance(object)) {
-        const scene::GroupId group = scene.objects[object].group;
-        return group != scene::none ? by_group_[group] : scene::none;
-    }
+    if (const scene::GroupId group = state.group_of(object); group != scene::none) return by_group_[group];
     if (by_object_[object] == scene::none) {
         by_object_[object] = static_cast<std::uint32_t>(dynamic_.size());
         dynamic_.push_back({object, scene::none, {}, {}, 0});
@@ -118,8 +115,9 @@ void DynamicBounds::place(DynamicObject& dynamic_object, const scene::SceneState
     dynamic_object.world = Box3{};
     if (dynamic_object.group != scene::none) {
         const scene::RigidGroup& group = state.scene().groups[dynamic_object.group];
-        const auto o = std::find_if(group.objects.begin(), group.objects.end(),
-                                    [&](scene::ObjectId object) { return !rays.has_own_instance(object); });
+        const auto o = std::find_if(group.objects.begin(), group.objects.end(), [&](scene::ObjectId member) {
+            return state.group_of(member) == dynamic_object.group;
+        });
         if (o != group.objects.end() && state.group_visible(dynamic_object.group))
             dynamic_object.world =
                 met(transformed(dynamic_object.own, glm::mat4(state.world(group.anchor))), rays.meeting(*o));
@@ -136,20 +134,18 @@ void DynamicBounds::place(DynamicObject& dynamic_object, const scene::SceneState
 void DynamicBounds::update(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::FrameChanges& changes = state.changes();
-    const scene::Scene& scene = state.scene();
     ++updates_;
     const auto follow = [&](std::uint32_t m) {
-        if (m == scene::none || dynamic_[m].placed_at == updates_) return;
+        if (dynamic_[m].placed_at == updates_) return;
         dynamic_[m].placed_at = updates_;
         place(dynamic_[m], state, rays);
     };
     for (const scene::GroupId g : changes.groups_moved) follow(by_group_[g]);
-    for (const auto* list : {&changes.vanished, &changes.appeared, &changes.deformed, &changes.moved})
-        for (const scene::ObjectId o : *list) follow(dynamic_of(o, scene, rays));
+    for (const scene::ObjectId o : changes.changed) follow(dynamic_of(o, state));
     grow_tree();
 }
 
-// Monotone: what it says of a box it says of every larger one around it. Rounding keeps order, so this holds to the
+// Monotone: if it is true for a box, it is true for every box around it. Rounding is monotone, so this holds to the
 // bit.
 bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light, bool directional)
 {

@@ -10,7 +10,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Rays start a lift above their triangle. What rises less than this part of it is not in their way.
+// Rays start one lift above their triangle. Whatever rises less than this fraction of a lift does not occlude them.
 constexpr float k_no_rise = 0.25f;
 
 }   // namespace
@@ -20,10 +20,8 @@ DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& ra
     : state_(&state), rays_(&rays), options_(options), triangles_(triangles)
 {
     const scene::Scene& scene = state.scene();
-    unit_of_.assign(scene.objects.size(), scene::none);
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o)
-        if (scene.objects[o].dynamic || rays.has_own_instance(o)) take_in(o);
-    // Instances of one mesh have one shape.
+    for (const scene::ObjectId o : state.dynamic_objects()) add_unit(o);
+    // Share the shape among instances of one mesh.
     std::unordered_map<const glm::vec3*, std::shared_ptr<const DynamicShape>> shapes[2];
     for (const auto& unit : units_) {
         const ray::ObjectGeometry& geometry = rays.geometry(unit->object);
@@ -34,21 +32,17 @@ DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& ra
     for (std::size_t l = 0; l < scene.lights.size(); ++l) lights_.push_back(std::make_unique<LightMask>());
 }
 
-// An object that moves, from now on.
-DynamicMask::Unit& DynamicMask::take_in(scene::ObjectId object)
+void DynamicMask::add_unit(scene::ObjectId object)
 {
-    unit_of_[object] = static_cast<std::uint32_t>(units_.size());
     units_.push_back(std::make_unique<Unit>());
     Unit& unit = *units_.back();
     unit.object = object;
     unit.deforming = state_->scene().objects[object].deforming;
     measure(unit);
-    return unit;
 }
 
 void DynamicMask::measure(Unit& unit) const
 {
-    unit.alone = rays_->has_own_instance(unit.object);
     unit.own = Box3{};
     if (unit.deforming) return;
     const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
@@ -64,15 +58,21 @@ void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScen
     rays_ = &rays;
     view_ = view;
     const scene::FrameChanges& changes = state.changes();
-    for (const auto* list : {&changes.moved, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list) {
-            const bool known = unit_of_[o] != scene::none;
-            if (known && units_[unit_of_[o]]->alone == rays.has_own_instance(o)) continue;
-            Unit& unit = known ? *units_[unit_of_[o]] : take_in(o);
-            if (known) measure(unit);   // taken out of its group
-            unit.shape = std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(o), unit.deforming));
-        }
-    bool crowded = false;   // with blocks that an earlier view asked for
+    // Promoted objects, and those that left their group, now have a space of their own.
+    const auto find_shape = [&](Unit& unit) {
+        unit.shape =
+            std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(unit.object), unit.deforming));
+    };
+    for (std::size_t u = units_.size(); u < state.dynamic_objects().size(); ++u) {
+        add_unit(state.dynamic_objects()[u]);
+        find_shape(*units_.back());
+    }
+    for (const scene::ObjectId o : changes.separated) {
+        Unit& unit = *units_[state.dynamic_index(o)];
+        measure(unit);
+        find_shape(unit);
+    }
+    bool crowded = false;   // with blocks of earlier views
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;
 }
@@ -95,7 +95,7 @@ DynamicMask::LightMask& DynamicMask::prepared(std::uint32_t light)
     return mask;
 }
 
-// Whether a dynamic object may be in the way of its own point.
+// Whether a dynamic object may occlude its own point.
 bool DynamicMask::rises(const Print& print, const ShadowPoint& point) const
 {
     const std::vector<float>& rise = units_[print.unit]->shape->rise;
@@ -122,7 +122,7 @@ void DynamicMask::answer(std::uint32_t light, std::span<const ShadowPoint> point
     asked.answer.resize(texels.depth.size());
     asked.clear.resize(texels.depth.size());
 
-    // Count who asks for which block; neighbours mostly ask for one.
+    // Count the points of each block; neighbours mostly share one.
     asked.runs.clear();
     asked.key.clear();
     asked.asks.clear();
@@ -163,7 +163,7 @@ void DynamicMask::answer(std::uint32_t light, std::span<const ShadowPoint> point
         compare_depths(texels, first, end, over, asked.moving.data(), still, asked.answer.data(), asked.clear.data());
         if (!moving) continue;
 
-        // Is what begins over a point on a dynamic object only itself?
+        // For points on dynamic objects, test whether the first object over the point is only its own.
         for (std::size_t i = first; i < end; ++i) {
             if (asked.answer[i] != Answer::maybe_self) continue;
             const ShadowPoint& point = points[asked.point[i]];

@@ -1,25 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the dynamic objects can shadow this frame, seen from a light: an image of them on the light's plane that answers
-// most points without a ray.
+// A conservative mask per light of the shadows of dynamic objects in the present frame, which answers most shadow
+// queries without a ray.
 //
-// Each object that moves is a surface whose projection has an outline: the edges where it folds over as seen from the
-// light, and those it ends at. Where no outline passes, the number of its layers is the same all over [the argument of
-// certify_full, turned round]; so only outlines are drawn, widened by the margin of rounding, and layers are counted
-// along the rows. A texel then knows, of everything over it (MaskTexels, texels.h), which object begins first and which
-// next, and one that covers all of it. A point deeper than that one ends is in shadow; one nearer than all that begins
-// over it is free of dynamic objects. A point on a dynamic object is over itself: where its triangle sees all of its
-// object below its plane, it counts from the next one on.
+// The projection of each dynamic object onto the light's plane has an outline: its silhouette edges seen from the
+// light, and its borders. Where no outline passes, the number of the object's layers is constant (the argument of
+// certify_full, inverted). So only outlines are drawn, widened by the rounding margin, and layers are counted along
+// rows. Each texel stores, of the objects over it (MaskTexels, texels.h), the one that begins first, the one that
+// begins next, and one that covers all of it. A point deeper than the covering object's end is in shadow. A point
+// nearer than the first beginning is not shadowed by a dynamic object. A point on a dynamic object lies over itself; if
+// the object does not rise above the plane of the point's triangle, the comparison starts with the next object.
 //
-// For points on dynamic objects the static scene is asked, too: of every block the least depth at which anything static
-// begins is kept while the light stands still. A nearer point is clear of it.
+// Points on dynamic objects also need the static scene. For each block, the least depth at which static geometry begins
+// is kept while the light rests. Nothing static occludes a nearer point.
 //
-// Drawn in blocks of texels about a pixel wide, where that is cheaper than the rays it may spare: by the edges of
-// the dynamic objects there, and by who asks now and asked in the frame before. Kept while nothing moves. What a block
-// holds, and whether it is asked, does not depend on threads, nor do counts.
+// The mask is drawn in blocks of texels about a pixel wide, where that costs less than the rays that it may save,
+// estimated from the edges of the objects in the block and from the points of this frame and the last. It is kept while
+// nothing moves. Neither the content of a block, nor whether it is drawn, nor the counters depend on threads.
 //
-// Cost a frame: for each light asked, a box for every dynamic object, the outlines of those in the blocks asked, and
-// the blocks.
+// Cost per frame and queried light: a box per dynamic object, the outlines of those in queried blocks, and the blocks.
 
 #include <atomic>
 #include <memory>
@@ -35,13 +34,12 @@
 namespace gnomon::shadow_culling {
 
 struct MaskOptions {
-    float texel_pixels = 2;     // width of a texel, in the pixels of the view
-    std::uint32_t asked = 24;   // points of a batch that make a block worth a look
-    double edges_per_ray =
-        3;                  // of the dynamic objects in a block, for every ray it may spare, up to which it is drawn
-    double margin = 8e-6;   // rays stray less than this, as a fraction of the largest coordinate in play
-    double min_facing = 1e-2;     // sine under which a triangle counts as edge-on: it covers nothing
-    double depth_margin = 4e-4;   // between a point and what it is compared to, as a fraction of the coordinates there
+    float texel_pixels = 2;       // width of a texel, in the pixels of the view
+    std::uint32_t asked = 24;     // a block is considered for drawing if a batch has so many points in it
+    double edges_per_ray = 3;     // a block is drawn if it has at most so many edges for every ray that it may save
+    double margin = 8e-6;         // bound on the deviation of rays, as a fraction of the largest coordinate in play
+    double min_facing = 1e-2;     // a triangle at a smaller sine to the light counts as edge-on and covers nothing
+    double depth_margin = 4e-4;   // in comparisons of depths, as a fraction of the coordinates there
 };
 
 class DynamicMask {
@@ -50,27 +48,27 @@ class DynamicMask {
     struct Print;
     struct Block;
 
-    /// What moves, on the way from a point to a light; `not_drawn`: too few points asked there.
+    /// Whether dynamic objects lie between a point and a light; `not_drawn`: too few points were in the block.
     using Answer = MaskAnswer;
 
-    /// @param triangles  what stands still; kept by reference, and asked as it is then
+    /// @param triangles  the static geometry; kept by reference, so that later queries see its present content
     DynamicMask(const scene::SceneState& state, const ray::RayScene& rays, const StaticTriangles& triangles,
                 const MaskOptions& options);
     ~DynamicMask();
 
-    /// Follows one advance() of the state, after the ray scene did. What was moved by hand out of what stands still is
-    /// a dynamic object from then on. (What is known of what stands still remains true: it only got less.)
+    /// Follows one advance() of the state, after the ray scene did. (After a promotion, what is known of static objects
+    /// remains true, because there are only fewer of them.)
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const CullingView& view);
 
-    /// Questions about one light, and their answers, by question. A thread's own; reused.
+    /// Queries about one light and their answers, by query. One per thread; reused.
     struct Asked {
         std::size_t count = 0;
-        std::vector<std::uint32_t> point;   // asked for
-        std::vector<std::uint8_t> moving;   // 1: the point is on something that moves, and asks for the static part too
+        std::vector<std::uint32_t> point;   // index of the point
+        std::vector<std::uint8_t> moving;   // 1: the point is on a dynamic object, so static geometry is tested as well
         std::vector<Answer> answer;         // never maybe_self
-        std::vector<std::uint8_t> clear;    // of those: 1 where certainly nothing static is in the way; else 0
+        std::vector<std::uint8_t> clear;    // of those with `moving`: 1 where certainly nothing static occludes; else 0
 
-        /// No questions, and room for some.
+        /// Removes all queries and makes room for `room` of them.
         void clear_questions(std::size_t room)
         {
             count = 0;
@@ -81,11 +79,11 @@ class DynamicMask {
         friend class DynamicMask;
         Texels texels;
         struct Run {
-            std::uint32_t first, block;   // question; into `key`
+            std::uint32_t first, block;   // query; index into `key`
         };
-        std::vector<Run> runs;                   // of questions about one block
+        std::vector<Run> runs;                   // of consecutive queries in one block
         std::vector<BlockKey> key;               // of blocks
-        std::vector<std::uint32_t> asks, rays;   // by block: points, and the rays they would take
+        std::vector<std::uint32_t> asks, rays;   // by block: points, and the rays that they would need
         std::vector<Block*> drawn;
     };
     /// Thread-safe.
@@ -96,7 +94,7 @@ class DynamicMask {
  private:
     struct LightMask;
 
-    Unit& take_in(scene::ObjectId object);
+    void add_unit(scene::ObjectId object);
     void measure(Unit& unit) const;
     LightMask& prepared(std::uint32_t light);
     void place_prints(LightMask& mask, std::uint32_t light);
@@ -115,8 +113,7 @@ class DynamicMask {
     CullingView view_;
     const StaticTriangles& triangles_;
     std::uint32_t frame_ = 1;
-    std::vector<std::unique_ptr<Unit>> units_;
-    std::vector<std::uint32_t> unit_of_;   // by object; none: it stands still
+    std::vector<std::unique_ptr<Unit>> units_;   // by SceneState::dynamic_index()
     std::vector<std::unique_ptr<LightMask>> lights_;
 };
 

@@ -10,10 +10,10 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// Triangles times corners up to which it is worth knowing what rises over what.
+// Largest number of triangles times corners for which heights are computed.
 constexpr std::size_t k_most_rises = 1u << 16;
 
-// Corners that are one place get one number, the lowest index first.
+// Numbers the corners so that equal positions share a number; lowest index first.
 std::vector<std::uint32_t> weld(const ray::ObjectGeometry& geometry, bool deforming)
 {
     const std::size_t count = geometry.mesh->positions.size();
@@ -21,7 +21,7 @@ std::vector<std::uint32_t> weld(const ray::ObjectGeometry& geometry, bool deform
     std::iota(same.begin(), same.end(), 0u);
     if (deforming) return same;
     const auto bits = [&](std::uint32_t v) {
-        const glm::vec3 p = geometry.positions[v] + glm::vec3(0.0f);   // -0 and 0 are the same place
+        const glm::vec3 p = geometry.positions[v] + glm::vec3(0.0f);   // -0 and 0 are the same position
         std::array<std::uint32_t, 3> b;
         std::memcpy(b.data(), &p, sizeof p);
         return b;
@@ -96,7 +96,7 @@ DynamicShape shape_of(const scene::Scene& scene, const ray::ObjectGeometry& geom
     const scene::Mesh& mesh = *geometry.mesh;
     DynamicShape shape;
     const std::vector<std::uint32_t> same = weld(geometry, deforming);
-    std::vector<std::uint32_t> number(mesh.positions.size(), 0xffffffffu);   // in `vertex`
+    std::vector<std::uint32_t> number(mesh.positions.size(), 0xffffffffu);   // index in `vertex`
     for (const scene::MeshPart& part : mesh.parts) {
         const scene::SurfaceClass surface = scene.materials[part.material].surface_class();
         if (surface == scene::SurfaceClass::transparent) continue;
@@ -115,7 +115,7 @@ DynamicShape shape_of(const scene::Scene& scene, const ray::ObjectGeometry& geom
                 }
                 triangle[c] = number[v];
             }
-            // What has no area blocks nothing, and is nobody's neighbour.
+            // Skip triangles without area: they occlude nothing and are not neighbours.
             const bool degenerate = triangle.x == triangle.y || triangle.y == triangle.z || triangle.z == triangle.x;
             if (surface == scene::SurfaceClass::opaque && !degenerate) shape.triangle.push_back(triangle);
         }

@@ -49,7 +49,7 @@ visibility::Plane LightSpace::side(int axis, double at, double sign, double marg
 
 visibility::Plane LightSpace::in_world(std::uint32_t face, const visibility::Plane& plane) const
 {
-    // in_face is affine and keeps lengths: its columns are where the axes go.
+    // in_face is an isometry: its columns are the images of the axes.
     const glm::dvec3 origin = in_face(face, glm::dvec3(0));
     visibility::Plane world;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The plane that a light projects onto: its rays are points there, and what lies on one ray lies one behind the other.
+// Projects points onto a light's plane, on which each ray of the light is one point.
 //
-// For a point or spot light six square faces around it, each seen under a right angle; for a directional light one face
-// across its rays. On a face a place has (x, y) in [0, 1) and a depth that grows away from the light. Whole triangles
-// project to triangles on the plane of any face they lie in front of, and depth is linear over them.
+// A point or spot light has six square faces around it, each with a field of view of 90 degrees; a directional light
+// has one face perpendicular to its rays. On a face, a position has (x, y) in [0, 1) and a depth that increases away
+// from the light. A triangle projects to a triangle on the plane of any face that it lies in front of.
 //
-// Queries are projected in single precision, geometry in double. A query is off by less than 1e-6 of the largest
-// coordinate in play: margins must be wider.
+// Queries are projected in single precision, geometry in double. The error of a query is below 1e-6 of the largest
+// coordinate in play; margins must be wider.
 
 #include <array>
 #include <cstdint>
@@ -16,14 +16,14 @@
 
 namespace gnomon::shadow_culling {
 
-/// A place as a light sees it.
+/// A position projected onto a face.
 struct Projected {
     std::uint32_t face = 0;
-    float x = 0, y = 0;   // in [0, 1) on the face; outside it for directional lights alone
+    float x = 0, y = 0;   // in [0, 1) on the face; may be outside for directional lights only
     float depth = 0;      // along the face's axis, scene units
 };
 
-/// A place on the plane of one face, wherever it lies.
+/// A position projected onto the plane of one face, inside the face or not.
 struct OnFace {
     double x = 0, y = 0, depth = 0;
 };
@@ -33,14 +33,14 @@ class LightSpace {
     static constexpr std::uint32_t k_faces = 6;
 
     LightSpace() = default;
-    /// @param bounds  what a directional light's face must hold
+    /// @param bounds  that the face of a directional light must contain
     LightSpace(const visibility::LightPoint& light, const Box3& bounds);
 
     const visibility::LightPoint& light() const { return light_; }
-    /// What `project` reckons with.
+    /// The constants of `project`, in single precision.
     struct Single {
-        glm::vec3 to{0};        // the light's place, or the direction towards it
-        glm::vec3 s{0}, t{0};   // across a directional light's rays
+        glm::vec3 to{0};        // the light's position, or the direction towards it
+        glm::vec3 s{0}, t{0};   // axes of a directional light's face
         float low_x = 0, low_y = 0, scale = 1;
     };
     const Single& single() const { return single_; }
@@ -66,24 +66,24 @@ class LightSpace {
         return at;
     }
 
-    /// A place in a face's own axes, scene units: (x, y, depth). Affine in p.
+    /// A position in a face's own axes, scene units: (x, y, depth). Affine in p.
     glm::dvec3 in_face(std::uint32_t face, const glm::dvec3& p) const;
-    /// From there onto the plane. A lamp's face needs a positive depth.
+    /// Projects from a face's axes onto its plane. Except for directional lights, the depth must be positive.
     OnFace on_face(const glm::dvec3& in_face) const
     {
         const auto scale = static_cast<double>(single_.scale);
         if (light_.directional) return {scale * in_face.x, scale * in_face.y, in_face.z};
         return {0.5 + 0.5 * in_face.x / in_face.z, 0.5 + 0.5 * in_face.y / in_face.z, in_face.z};
     }
-    /// The plane, in a face's axes, of all rays that pass x = at (axis 0) or y = at (axis 1); inside is where x or y is
-    /// more (sign 1) or less (-1). Pushed outward by a margin.
+    /// The plane, in a face's axes, of all rays through x = at (axis 0) or y = at (axis 1). The inside is where x or y
+    /// is more (sign 1) or less (-1). Moved outward by a margin.
     visibility::Plane side(int axis, double at, double sign, double margin) const;
-    /// A plane given in a face's axes, in the world.
+    /// Transforms a plane from a face's axes to world space.
     visibility::Plane in_world(std::uint32_t face, const visibility::Plane& plane) const;
-    /// The way that light goes at a place, both in a face's axes.
+    /// The direction of light at a position, both in a face's axes.
     glm::dvec3 outward(const glm::dvec3& in_face) const { return light_.directional ? glm::dvec3(0, 0, 1) : in_face; }
 
-    /// How far on the plane, at most, what is moved by a distance moves inside a face, at this depth or deeper.
+    /// Upper bound of the displacement on the plane for a displacement by `distance` at this depth or deeper.
     double on_plane(double distance, double depth) const
     {
         return light_.directional ? distance * static_cast<double>(single_.scale) : distance / depth;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outline of a dynamic object on a light's plane.
+// Computes the outline of a dynamic object on a light's plane.
 #include <cmath>
 
 #include "shadow_culling/dynamic_mask/parts.h"
 
 namespace gnomon::shadow_culling {
 
-// Finds the outline of a unit, and where exactly it begins and ends.
+// Finds the outline of a unit, and the depths at which it begins and ends.
 void DynamicMask::find_outline(LightMask& mask, Print& print)
 {
     std::vector<Piece>& outline = mask.outlines[&print - mask.prints.data()];
@@ -19,7 +19,7 @@ void DynamicMask::find_outline(LightMask& mask, Print& print)
             std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
         print.mirrored = glm::determinant(linear) < 0;
     }
-    if (rays_->meeting(unit.object) == ray::Meeting::roughly) print.stretch = k_infinity;   // any of it rises
+    if (rays_->meeting(unit.object) == ray::Meeting::roughly) print.stretch = k_infinity;   // any part of it may rise
     const DynamicShape& shape = *unit.shape;
     if (print.blind) return;
     const LightSpace& space = mask.space;
@@ -27,7 +27,8 @@ void DynamicMask::find_outline(LightMask& mask, Print& print)
     // Project the corners.
     static thread_local std::vector<glm::dvec3> in_face;
     static thread_local std::vector<OnFace> on_face;
-    static thread_local std::vector<std::int8_t> turn;   // by triangle: 1, -1 as seen from the light; 0 edge-on
+    static thread_local std::vector<std::int8_t>
+        turn;   // by triangle: winding seen from the light, 1 or -1; 0: edge-on
     const glm::dmat4 to_world = geometry.to_world ? glm::dmat4(*geometry.to_world) : glm::dmat4(1);
     const auto placed = [&](std::uint32_t vertex) {
         const glm::dvec3 p(geometry.positions[vertex]);
@@ -54,7 +55,7 @@ void DynamicMask::find_outline(LightMask& mask, Print& print)
     print.ends = std::nextafter(static_cast<float>(far) + print.between, k_infinity);
     const float widen = static_cast<float>(space.on_plane(mask.margin, near));
 
-    // Which way does every triangle turn?
+    // Find the winding of every triangle seen from the light.
     turn.resize(shape.triangle.size());
     for (std::size_t t = 0; t < shape.triangle.size(); ++t) {
         const glm::uvec3& c = shape.triangle[t];
@@ -66,7 +67,8 @@ void DynamicMask::find_outline(LightMask& mask, Print& print)
             turn[t] = facing > 0 ? 1 : -1;
             continue;
         }
-        // Edge-on: nothing is said near it, that is along its longest edge, as wide as it is high over that.
+        // Near an edge-on triangle nothing is known: add its longest edge to the outline, as wide as the triangle is
+        // high.
         turn[t] = 0;
         Piece longest{};
         double longest_squared = -1, area = 0;
@@ -87,9 +89,9 @@ void DynamicMask::find_outline(LightMask& mask, Print& print)
         outline.push_back(longest);
     }
 
-    // An edge belongs to the outline unless two triangles meet there that lie on either side.
+    // An edge belongs to the outline unless it has two triangles, one on either side.
     for (const DynamicShape::Edge& edge : shape.edge) {
-        std::int32_t layers = 0;   // that lie to the left of it, less those to the right
+        std::int32_t layers = 0;   // to the left of it, minus those to the right
         bool edge_on = false;
         for (std::uint32_t s = edge.first; s < edge.first + edge.count; ++s) {
             const DynamicShape::Side& side = shape.sides[s];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where on a light's plane every dynamic object is.
+// Finds the bounds of every dynamic object on a light's plane.
 #include <algorithm>
 
 #include "shadow_culling/dynamic_mask/parts.h"
@@ -8,7 +8,7 @@ namespace gnomon::shadow_culling {
 
 namespace {
 
-// A print may be this much wider than it is deep; what comes nearer to the light's plane is not drawn.
+// Largest ratio of a print's width to its depth; objects nearer to the light's plane are not drawn.
 constexpr double k_widest = 20;
 
 float largest_coordinate(const Box3& box)
@@ -70,7 +70,7 @@ bool outside_pyramid(const glm::dvec3 (&corners)[8], double room)
 
 }   // namespace
 
-// Finds where on the light's plane every dynamic object may be, by its box.
+// Bounds every dynamic object on the light's plane, from its box.
 void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
 {
     const scene::LightState& at = state_->light(light);
@@ -101,7 +101,7 @@ void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
         for (int axis = 0; axis < 3; ++axis)
             coordinate = std::max(coordinate, static_cast<float>(std::abs(to.place[axis])));
     mask.margin = options_.margin * static_cast<double>(coordinate);
-    // What is outside the static scene is not drawn for directional lights: their plane stays as it is.
+    // The plane of a directional light is fixed by the static scene; objects outside it are not drawn.
     const LightSpace space(to, triangles_.bounds());
     forget_static_unless(mask, space, coordinate);
     mask.space = space;
@@ -161,10 +161,10 @@ void DynamicMask::place_prints(LightMask& mask, std::uint32_t light)
     mask.outlined = std::make_unique<std::once_flag[]>(mask.prints.size());
 }
 
-// Starts afresh what is known of what stands still, where the light or the margin is another.
+// Forgets the depths of static geometry if the light moved or the margin grew.
 void DynamicMask::forget_static_unless(LightMask& mask, const LightSpace& space, float coordinate) const
 {
-    constexpr double k_room = 1.5;             // so that dynamic objects that come and go do not ask for another margin
+    constexpr double k_room = 1.5;             // so that the margin seldom grows when dynamic objects appear
     constexpr std::size_t k_most = 1u << 16;   // blocks
     const bool same = mask.static_margin >= mask.margin && mask.space.light().place == space.light().place &&
                       mask.static_begins.size() < k_most;
@@ -174,7 +174,7 @@ void DynamicMask::forget_static_unless(LightMask& mask, const LightSpace& space,
     mask.static_between = k_room * options_.depth_margin * static_cast<double>(coordinate);
 }
 
-// Sorts the prints into a coarse grid around them all.
+// Sorts the prints into a coarse grid over their common bounds.
 void DynamicMask::fill_bins(LightMask& mask) const
 {
     float low[2] = {1, 1}, high[2] = {0, 0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway includes this file repeatedly and compiles it once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "shadow_culling/dynamic_mask/texels.cpp"
 #include <hwy/foreach_target.h>   // first of all
@@ -61,7 +61,7 @@ void find_texels_of(const LightSpace& space, const CullingView& view, float texe
             width = hn::Mul(two, depth);
         }
 
-        // The level: of the face's width over a texel's, the exponent.
+        // The level is the exponent of the ratio of the face's width to a texel's.
         const auto ex = hn::Sub(px, set(view.eye.x)), ey = hn::Sub(py, set(view.eye.y)),
                    ez = hn::Sub(pz, set(view.eye.z));
         const auto distance = hn::Sqrt(dot(ex, ey, ez, ex, ey, ez));
@@ -121,7 +121,7 @@ void find_texels(const LightSpace& space, const CullingView& view, float texel_p
     HWY_DYNAMIC_DISPATCH(find_texels_of)(space, view, texel_pixels, points);
 }
 
-// One point at a time and without branches: gathers for runs as short as these cost three times as much.
+// Processes one point at a time without branches, because gathers cost three times as much for such short runs.
 void compare_depths(const Texels& points, std::size_t first, std::size_t end, const MaskTexels& over,
                     const std::uint8_t* moving, float still, MaskAnswer* answer, std::uint8_t* clear)
 {

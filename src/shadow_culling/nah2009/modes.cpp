@@ -29,7 +29,7 @@ void Modes::note_shadow(PrimitiveId primitive, int light, ShadowMode bits, std::
 {
     const auto set = [&](std::size_t word, std::uint32_t mask) {
         std::atomic_ref<std::uint32_t> noted(noted_[word]);
-        // Most notes repeat what is known: look before writing, so that threads do not fight over the line.
+        // Most notes repeat known bits: read before writing, so that threads do not contend for the cache line.
         if ((noted.load(std::memory_order_relaxed) & mask) == mask) return mask;
         return noted.fetch_or(mask, std::memory_order_relaxed);
     };
@@ -40,7 +40,7 @@ void Modes::note_shadow(PrimitiveId primitive, int light, ShadowMode bits, std::
 
 void Modes::merge_shadow(PrimitiveId primitive)
 {
-    noted_[word_of(primitive, 0)] &= ~3u;   // the slot of the occlusion mode: the flag alone
+    noted_[word_of(primitive, 0)] &= ~3u;   // the occlusion mode's slot: only the flag
     for (std::size_t w = primitive * words_; w < (primitive + 1) * words_; ++w) {
         begun_[w] |= noted_[w];
         noted_[w] = 0;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What shadow culling remembers of every triangle [Nah 2009, 2.2].
+// The modes that shadow culling stores for every triangle [Nah 2009, 2.2].
 //
-// Two bits say whether all of the triangle was seen (occlusion mode), two bits a light what its shadow rays met (shadow
-// mode), and two counters how many pixels showed it: 2 + 2 L bits, in as many 32-bit words as they take.
+// Two bits store whether all of the triangle was seen (occlusion mode), two bits per light what its shadow rays hit
+// (shadow mode): 2 + 2 L bits, in as many 32-bit words as needed. Two counters store how many pixels showed it.
 //
-// Invariants: modes are read as they stood when the frame began. What a frame learns is noted beside them and merged
-// when it ends; noting only ever sets bits, so the result does not depend on the order of the notes, nor on threads.
-// Cost: a look-up reads one word; the merge visits what the frame noted, and nothing else.
+// Invariants: modes are read as they were when the frame began. New results are noted separately and merged at the end
+// of the frame. Notes only set bits, so that the result depends neither on their order nor on threads.
+//
+// Cost: a look-up reads one word; the merge visits only the triangles with notes.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,14 +17,14 @@
 
 namespace gnomon::shadow_culling {
 
-using PrimitiveId = std::uint32_t;   // a triangle of an object: the object's first id + the triangle's number
+using PrimitiveId = std::uint32_t;   // a triangle: its object's first id plus its index in the mesh
 inline constexpr PrimitiveId no_primitive = 0xffffffffu;
 
-/// Was all of the triangle seen?
+/// Whether all of the triangle was seen.
 /// Erratum: 2.2 glosses FULLY_RENDERED as 'completely occluded'; it means completely rendered.
 enum class OcclusionMode : std::uint8_t { init = 0, partially_occluded = 1, fully_rendered = 2, dynamic = 3 };
 
-/// What the shadow rays from a triangle to a light met: bits that are only ever set, until all are cleared.
+/// What the shadow rays from a triangle to a light hit: bits that are only set, until all are cleared.
 enum class ShadowMode : std::uint8_t { init = 0, full_shadow = 1, non_shadow = 2, partial_shadow = 3 };
 
 class Modes {
@@ -36,7 +37,7 @@ class Modes {
     int lights() const { return lights_; }
     std::size_t bytes() const;
 
-    // As they stood when the frame began.
+    // The modes as they were when the frame began.
     OcclusionMode occlusion(PrimitiveId primitive) const
     {
         return static_cast<OcclusionMode>(begun_[word_of(primitive, 0)] & 3u);
@@ -45,11 +46,11 @@ class Modes {
     {
         return static_cast<ShadowMode>(begun_[word_of(primitive, slot(light))] >> shift_of(slot(light)) & 3u);
     }
-    /// Most pixels that showed it in any frame that ended.
+    /// The largest number of pixels that showed it in one of the past frames.
     std::uint32_t most_pixels(PrimitiveId primitive) const { return most_pixels_[primitive]; }
 
-    // What this frame learned. Thread-safe: bits are set atomically.
-    /// @param touched  the caller's own list; gets the primitive if nothing was noted of it in this frame before
+    // The results of this frame. Thread-safe, because bits are set atomically.
+    /// @param touched  the caller's own list; the primitive is appended at its first note in this frame
     void note_shadow(PrimitiveId primitive, int light, ShadowMode bits, std::vector<PrimitiveId>& touched);
 
     // The same for primary hits; by one thread, in the order of the image.
@@ -58,17 +59,17 @@ class Modes {
     {
         if (pixels_[primitive]++ == 0) rendered.push_back(primitive);
     }
-    /// Overrules the mode of the frame's beginning: PARTIALLY_OCCLUDED or DYNAMIC. DYNAMIC overrules both.
+    /// Replaces the mode of the beginning of the frame by PARTIALLY_OCCLUDED or DYNAMIC. DYNAMIC has precedence.
     void mark(PrimitiveId primitive, OcclusionMode mode)
     {
         marked_[primitive] = static_cast<std::uint8_t>(marked_[primitive] | static_cast<std::uint8_t>(mode));
     }
     /// As marked in this frame, or INIT.
     OcclusionMode marked(PrimitiveId primitive) const { return static_cast<OcclusionMode>(marked_[primitive]); }
-    /// Pixels that show it in this frame.
+    /// The number of pixels that show it in this frame.
     std::uint32_t pixels(PrimitiveId primitive) const { return pixels_[primitive]; }
 
-    // Merging, by one thread, when the frame ends.
+    // Merging, by one thread, at the end of the frame.
     /// ORs the noted shadow bits into the modes and clears the notes.
     void merge_shadow(PrimitiveId primitive);
     void set_occlusion(PrimitiveId primitive, OcclusionMode mode);
@@ -83,7 +84,7 @@ class Modes {
     void forget(PrimitiveId primitive);
 
  private:
-    // Slot 0 is the occlusion mode, slot 1 + l is light l. 16 slots a word: none straddles two.
+    // Slot 0 is the occlusion mode, slot 1 + l is light l. A word has 16 slots, so none straddles two words.
     static std::size_t slot(int light) { return static_cast<std::size_t>(light) + 1; }
     static unsigned shift_of(std::size_t slot) { return static_cast<unsigned>(2 * (slot % 16)); }
     std::size_t word_of(PrimitiveId primitive, std::size_t slot) const { return primitive * words_ + slot / 16; }

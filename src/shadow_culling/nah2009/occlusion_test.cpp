@@ -25,7 +25,7 @@ OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<c
     GNOMON_CHECK(above.empty() || above.size() == hits.size());
     OcclusionTestCounts counts;
 
-    // A mode as the paper would find it at this pixel: this frame's mark, else what the frame began with.
+    // The mode that the paper would find at this pixel: this frame's mark, else the mode of the frame's beginning.
     const auto is_init = [&](PrimitiveId primitive) {
         return modes.occlusion(primitive) == OcclusionMode::init &&
                (options.test_marked || modes.marked(primitive) == OcclusionMode::init);
@@ -33,20 +33,20 @@ OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<c
 
     for (std::size_t x = 0; x < hits.size(); ++x) {
         const PrimaryHit& current = hits[x];
-        // DEVIATION(Nah 2009, Table 1): the listing has no case for a ray that left the scene; no test then.
+        // DEVIATION(Nah 2009, Table 1): the listing has no case for a ray that hits nothing; no test then.
         if (current.primitive == no_primitive) continue;
 
-        // What moves is never remembered.
+        // Dynamic triangles are never remembered.
         if (triangles.is_dynamic(current.primitive)) {
             modes.mark(current.primitive, OcclusionMode::dynamic);
             continue;
         }
-        // What the screen cuts off was not seen whole, not even if it once was.
+        // A triangle at the border of the screen was not seen whole in this frame, even if it was before.
         if (above.empty() || last_row || x == 0 || x + 1 == hits.size()) {
             modes.mark(current.primitive, OcclusionMode::partially_occluded);
             continue;
         }
-        // Does the neighbour's triangle continue behind this pixel?
+        // Test whether the neighbour's triangle continues behind this pixel.
         const PrimitiveId left = hits[x - 1].primitive, upper = above[x].primitive;
         for (const PrimitiveId reference : {left, upper}) {
             if (reference == no_primitive || reference == current.primitive) continue;
@@ -56,8 +56,8 @@ OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<c
             triangles.corners(reference, corners);
             if (intersects(current.origin, current.direction, corners))
                 modes.mark(reference, OcclusionMode::partially_occluded);
-            // DEVIATION(Nah 2009, Table 1): one test where both neighbours show one triangle, as Fig. 3 has it; the
-            // listing as printed repeats it.
+            // DEVIATION(Nah 2009, Table 1): one test where both neighbours show one triangle, as in Fig. 3; the printed
+            // listing repeats it.
             if (left == upper) break;
         }
     }

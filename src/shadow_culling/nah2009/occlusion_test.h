@@ -2,12 +2,12 @@
 #pragma once
 // The occlusion test of shadow culling [Nah 2009, 2.3, Table 1].
 //
-// A primitive's remembered shadow is trustworthy only if all of it was seen. This step finds, among the primary hits,
-// the primitives that something else partly hides: a pixel's ray that would also have met the triangle of its left or
-// upper neighbour shows that the neighbour's triangle continues behind this pixel.
+// A primitive's remembered shadow is reliable only if all of it was seen. This step finds, among the primary hits, the
+// primitives that others partly hide: if a pixel's ray would also hit the triangle of its left or upper neighbour, the
+// neighbour's triangle continues behind this pixel.
 //
-// Cost: 0 to 2 ray-triangle tests a pixel, only along primitive borders (counted: extra_tests).
-// One-sided by design: an occluder over a triangle's left or upper part goes unnoticed.
+// Cost: 0 to 2 ray-triangle tests per pixel, only along primitive borders (counted: extra_tests).
+// One-sided by design: an occluder of a triangle's left or upper part is not noticed.
 
 #include <span>
 
@@ -16,15 +16,15 @@
 
 namespace gnomon::shadow_culling {
 
-/// What one pixel's primary ray met.
+/// The hit of one pixel's primary ray.
 struct PrimaryHit {
-    PrimitiveId primitive = no_primitive;   // where the ray left the scene
+    PrimitiveId primitive = no_primitive;   // no_primitive: nothing was hit
     glm::vec3 origin{0}, direction{0};      // of the ray
 };
 
 struct OcclusionTestOptions {
-    // Tests a neighbour again that this frame has marked already, as where modes are read as the frame began
-    // throughout. The marks come out the same; extra_tests does not.
+    // Also tests neighbours that are already marked in this frame, as if all modes were read as of the frame's
+    // beginning. The marks are the same; extra_tests is larger.
     bool test_marked = false;
 };
 
@@ -32,17 +32,17 @@ struct OcclusionTestCounts {
     std::uint64_t extra_tests = 0;   // ray-triangle tests beyond those of plain ray tracing
 };
 
-/// Runs the test for one row of primary hits. Rows must come from top to bottom: what is marked above is not tested
-/// again below.
+/// Runs the test for one row of primary hits. Rows must come from top to bottom, because triangles marked above are not
+/// tested again below.
 /// @param hits      this row, left to right
 /// @param above     the row above, same length; empty for the first row
 /// @param last_row  whether this row is the screen's lower edge
-/// @param modes     gets marks, which count in this test at once and for shadows from the next frame on
+/// @param modes     receives marks, which this test reads at once, and the shadow test from the next frame on
 OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<const PrimaryHit> above, bool last_row,
                                    const SceneTriangles& triangles, Modes& modes,
                                    const OcclusionTestOptions& options = {});
 
-/// Whether a ray meets a triangle at t >= 0, borders included [Moller and Trumbore 1997].
+/// Whether a ray hits a triangle at t >= 0, borders included [Moller and Trumbore 1997].
 bool intersects(const glm::vec3& origin, const glm::vec3& direction, const glm::vec3 (&triangle)[3]);
 
 }   // namespace gnomon::shadow_culling

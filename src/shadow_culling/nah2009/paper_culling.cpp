@@ -29,11 +29,7 @@ PaperCulling::PaperCulling(const scene::SceneState& state, const ray::RayScene& 
 void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::FrameChanges& changes = state.changes();
-    std::vector<scene::ObjectId> started;
-    for (const auto* list : {&changes.moved, &changes.deformed, &changes.appeared, &changes.vanished})
-        for (const scene::ObjectId o : *list)
-            if (!triangles_.object_is_dynamic(o)) started.push_back(o);
-    begin_frame(state, rays, {changes.lights_moved, started, {}});
+    begin_frame(state, rays, {changes.lights_moved, changes.promoted, {}});
 }
 
 void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const PaperChanges& changes)
@@ -42,14 +38,14 @@ void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RaySce
     triangles_.follow(rays);
     counters_ = {};
 
-    // DEVIATION(Nah 2009, 2.2): the paper leaves open what a moved light does, or an object that starts or stops. They
-    // clear what they touch.
+    // DEVIATION(Nah 2009, 2.2): the paper does not define the effect of lights that move and of objects that start or
+    // stop. They clear the modes that they affect.
     for (const scene::LightId l : changes.lights) modes_.forget_light(static_cast<int>(l));
     for (const scene::ObjectId o : changes.started) start(o);
     for (const scene::ObjectId o : changes.stopped) stop(o);
 
-    // DEVIATION(Nah 2009, 2.6): PARTIALLY_OCCLUDED is not for ever, since what is hidden in one view may be seen whole
-    // in the next. It starts the frame as INIT; its shadow bits stay.
+    // DEVIATION(Nah 2009, 2.6): PARTIALLY_OCCLUDED does not last, because a triangle that is hidden in one view may be
+    // seen whole in the next. It becomes INIT at the beginning of the frame; its shadow bits stay.
     for (const PrimitiveId primitive : begin_afresh_)
         if (modes_.occlusion(primitive) == OcclusionMode::partially_occluded)
             modes_.set_occlusion(primitive, OcclusionMode::init);
@@ -105,9 +101,9 @@ ShadowDecision PaperCulling::decide(PrimitiveId origin, int light, Notes& notes)
 
 void PaperCulling::note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_occluded, Notes& notes)
 {
-    // DEVIATION(Nah 2009, Table 3): `cullingResult` is nowhere assigned. Traversal of dynamic objects alone counts as
-    // culled and sets no bits: callers note full traversals alone.
-    // Moving primitives are never FULLY_RENDERED, so their shadow modes would never be read.
+    // DEVIATION(Nah 2009, Table 3): `cullingResult` is nowhere assigned. Traversal of dynamic objects only counts as
+    // culled and sets no bits: callers note only full traversals.
+    // Dynamic primitives are never FULLY_RENDERED, so their shadow modes would never be read.
     if (triangles_.is_dynamic(origin)) return;
     const ShadowMode bits = shadow_bits(static_part, dynamic_occluded, options_.set_modes);
     if (bits != ShadowMode::init) modes_.note_shadow(origin, light, bits, notes.touched);
@@ -129,14 +125,14 @@ void PaperCulling::see_image(std::span<const PrimaryHit> hits, std::size_t width
 
 void PaperCulling::end_frame(std::span<Notes> notes)
 {
-    // Merge what the shadow rays met, of primary and of other hits.
+    // Merge the results of the shadow rays, of primary and of other hits.
     for (Notes& n : notes) {
         for (const PrimitiveId primitive : n.touched) modes_.merge_shadow(primitive);
         n.touched.clear();
         counters_.add(n.counters);
         n.counters = {};
     }
-    // Set the occlusion mode of every rendered primitive; the most pixels are raised after the comparison.
+    // Set the occlusion mode of every rendered primitive; update most_pixels after the comparison.
     for (const PrimitiveId primitive : rendered_) {
         const OcclusionMode after =
             occlusion_after(modes_.occlusion(primitive), modes_.marked(primitive), modes_.pixels(primitive),
@@ -152,17 +148,17 @@ bool may_shadow(const scene::Light& light, const scene::LightState& at, const Bo
 {
     if (occluder.empty() || receiver.empty()) return false;
     const glm::dvec3 o(occluder.centre()), r(receiver.centre());
-    // Spheres around the boxes, a little larger than rounding can make them wrong.
+    // Bounding spheres of the boxes, enlarged by more than the rounding error.
     constexpr double k_slack = 1.00001;
     const double o_radius = 0.5 * k_slack * occluder.diagonal(), r_radius = 0.5 * k_slack * receiver.diagonal();
 
     if (light.type == scene::LightType::directional) {
-        // The receiver's sphere, drawn out towards the light.
+        // Test the receiver's sphere, extruded towards the light.
         const glm::dvec3 to_light = -glm::dvec3(at.direction), d = o - r;
         const double along = glm::dot(d, to_light), reach = o_radius + r_radius;
         return along >= -reach && glm::length(d - along * to_light) <= reach;
     }
-    // The cone from the light around the receiver's sphere, against that around the occluder's.
+    // Test the cone from the light around the receiver's sphere against the one around the occluder's.
     const glm::dvec3 to_receiver = r - glm::dvec3(at.position), to_occluder = o - glm::dvec3(at.position);
     const double r_distance = glm::length(to_receiver), o_distance = glm::length(to_occluder);
     if (r_distance <= r_radius || o_distance <= o_radius) return true;

@@ -2,25 +2,24 @@
 #pragma once
 // Shadow culling as published: J.-H. Nah, W.-C. Park, T.-D. Han, "Shadow Culling for Interactive Ray Tracing" (2009).
 //
-// What static geometry does to static geometry under a light that stands still does not change from frame to frame. So
-// every triangle remembers, per light, whether the shadow rays that left it were all occluded or all free; where all of
-// the triangle was seen, the next frame's rays are not traced, or against moving objects alone.
+// The shadows of static geometry on static geometry do not change while the light rests. So every triangle stores, per
+// light, whether the shadow rays that left it were all occluded or all free. If all of the triangle was seen, the next
+// frame's rays are not traced, or only against dynamic objects.
 //
-// A frame goes:
-//   begin_frame     forgets what moved lights and objects have made untrue
-//   decide, trace, note   per hit and light, from any threads; each with its own notes
-//   see_image     the occlusion test over the primary hits (before or after the shadow rays, at any time in the
-//   frame) end_frame       merges the notes
+// Steps of a frame:
+//   begin_frame           clears the modes that moved lights and objects invalidate
+//   decide, trace, note   per hit and light, from any thread, each with its own notes
+//   see_image             the occlusion test over the primary hits, before or after the shadow rays
+//   end_frame             merges the notes
 //
-// DEVIATION(Nah 2009, 2.3 to 2.6): modes are read as they stood when the frame began, and what is learned is merged
-// when it ends; the paper writes them as it goes. So the image does not depend on threads, nor on the order of the
-// pixels.
+// DEVIATION(Nah 2009, 2.3 to 2.6): modes are read as they were when the frame began, and new results are merged at its
+// end; the paper writes them immediately. So the image depends neither on threads nor on the order of the pixels.
 //
-// The scheme is a heuristic and its images can be wrong: shadows smaller than a pixel, primitives whose left or upper
-// part is hidden, points never shaded. Nothing here hides that: callers compare against a full trace.
+// The method is a heuristic and its images can be wrong: shadows smaller than a pixel, primitives whose left or upper
+// part is hidden, points that were never shaded. Callers compare with a full trace.
 //
-// Cost: one look-up a shadow ray; 0 to 2 triangle tests a pixel; the merge of what was seen. A light that moves costs a
-// pass over all modes, an object that starts or stops one over all static triangles.
+// Cost: one look-up per shadow ray, 0 to 2 triangle tests per pixel, and the merge of what was seen. A light that moves
+// costs a pass over all modes, an object that starts or stops one over all static triangles.
 
 #include <span>
 #include <vector>
@@ -37,32 +36,32 @@ struct PaperOptions {
 };
 
 struct PaperCounters {
-    std::uint64_t rays = 0;           // shadow rays asked for
+    std::uint64_t rays = 0;           // shadow rays requested
     std::uint64_t skipped = 0;        // not traced at all
-    std::uint64_t dynamic_only = 0;   // traced against moving objects alone
+    std::uint64_t dynamic_only = 0;   // traced against dynamic objects only
     std::uint64_t extra_tests = 0;    // triangle tests of the occlusion test
     void add(const PaperCounters& other);
 };
 
-/// What is no longer true when a frame begins. Empty lists for a still scene.
+/// The changes that invalidate modes when a frame begins. Empty lists if nothing changed.
 struct PaperChanges {
-    std::span<const scene::LightId> lights;     // moved since the frame before
+    std::span<const scene::LightId> lights;     // moved since the last frame
     std::span<const scene::ObjectId> started;   // static objects that are dynamic from now on
-    std::span<const scene::ObjectId> stopped;   // dynamic objects that are static from now on, where they now stand
+    std::span<const scene::ObjectId>
+        stopped;   // dynamic objects that are static from now on, in their present positions
 };
 
 class PaperCulling {
  public:
-    /// Objects are dynamic as the scene has them, over the whole clip.
+    /// Objects are dynamic as in SceneState::is_dynamic().
     PaperCulling(const scene::SceneState& state, const ray::RayScene& rays, const PaperOptions& options = {});
 
-    /// Follows one advance() of the state. A static object moved by hand is dynamic from then on, as the ray scene has
-    /// it.
+    /// Follows one advance() of the state: promoted objects become dynamic.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays);
-    /// The same, told what changed.
+    /// The same for given changes.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const PaperChanges& changes);
 
-    /// What one thread learned in this frame. Kept from frame to frame for its memory.
+    /// The results of one thread in this frame. Reused from frame to frame.
     struct Notes {
         PaperCounters counters;
         std::vector<PrimitiveId> touched;
@@ -72,19 +71,19 @@ class PaperCulling {
     {
         return triangles_.id(object, triangle);
     }
-    /// What to do about one shadow ray.
+    /// Decides how to trace one shadow ray.
     ShadowDecision decide(PrimitiveId origin, int light, Notes& notes) const;
-    /// What a ray met whose decision was full_traversal; the others teach nothing.
-    /// @param dynamic_occluded  by a moving object; need not be known where a static one blocks
+    /// Notes the result of a ray whose decision was full_traversal; other rays give no information.
+    /// @param dynamic_occluded  by a dynamic object; need not be known if a static one occludes
     void note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_occluded, Notes& notes);
-    /// The occlusion test over all rows of the image; once a frame, by one thread.
-    /// @param hits  row by row from the top left, width a row
+    /// Runs the occlusion test over all rows of the image; once per frame, by one thread.
+    /// @param hits  row by row from the top left, `width` per row
     void see_image(std::span<const PrimaryHit> hits, std::size_t width);
 
-    /// Merges and empties the notes of all threads that took part.
+    /// Merges and clears the notes of all threads.
     void end_frame(std::span<Notes> notes);
 
-    const PaperCounters& counters() const { return counters_; }   // since begin_frame; whole after end_frame
+    const PaperCounters& counters() const { return counters_; }   // since begin_frame; complete after end_frame
     const Modes& modes() const { return modes_; }
     const SceneTriangles& triangles() const { return triangles_; }
     std::size_t bytes() const { return modes_.bytes(); }
@@ -98,14 +97,14 @@ class PaperCulling {
     PaperOptions options_;
     SceneTriangles triangles_;
     Modes modes_;
-    std::vector<Box3> static_bounds_;         // by object; where it stood while static, else empty
+    std::vector<Box3> static_bounds_;         // by object: of static ones, else empty
     std::vector<PrimitiveId> rendered_;       // in this frame
     std::vector<PrimitiveId> begin_afresh_;   // PARTIALLY_OCCLUDED when the last frame ended
     PaperCounters counters_;
 };
 
-/// Whether something in `occluder` may stand between some point of `receiver` and the light. Conservative: may say yes
-/// where nothing does.
+/// Whether something in `occluder` may lie between a point of `receiver` and the light. Conservative: may be true where
+/// nothing does.
 bool may_shadow(const scene::Light& light, const scene::LightState& at, const Box3& occluder, const Box3& receiver);
 
 }   // namespace gnomon::shadow_culling

@@ -12,7 +12,7 @@ void PaperTracer::answer(PaperCulling& culling, const ray::RayScene& rays, int l
     full_.clear(), moving_.clear();
     full_ray_.clear(), moving_ray_.clear();
 
-    // Sort the rays by what Table 2 says of them.
+    // Sort the rays by their decision of Table 2.
     for (std::uint32_t i = 0; i < origins.size(); ++i) {
         const ShadowDecision decision = culling.decide(origins[i], light, notes_);
         if (traced)
@@ -26,20 +26,20 @@ void PaperTracer::answer(PaperCulling& culling, const ray::RayScene& rays, int l
         (all ? full_ray_ : moving_ray_).push_back(i);
     }
 
-    // Trace what is left.
+    // Trace the remaining rays.
     trace_full(culling, rays, light, origins, occluded);
     hit_.resize(moving_.size() + ray::k_packet_pad);
     rays.occluded(moving_, 0, moving_.size(), hit_.data(), ray::Against::dynamic_only);
     for (std::size_t i = 0; i < moving_.size(); ++i) occluded[moving_ray_[i]] = hit_[i];
 }
 
-// Static objects first: only so is it known what they did to a ray that something dynamic blocks, too.
+// Traces static objects first, so that their effect is also known for rays that a dynamic object occludes.
 void PaperTracer::trace_full(PaperCulling& culling, const ray::RayScene& rays, int light,
                              std::span<const PrimitiveId> origins, std::uint8_t* occluded)
 {
     hit_.resize(full_.size() + ray::k_packet_pad);
     rays.occluded(full_, 0, full_.size(), hit_.data(), ray::Against::static_only);
-    // What the static objects let pass meets the dynamic ones; those rays move to the front of the queue.
+    // Trace the rays that pass the static objects against the dynamic ones; move them to the front of the queue.
     std::size_t passed = 0;
     for (std::size_t i = 0, count = full_.size(); i < count; ++i) {
         const std::uint32_t r = full_ray_[i];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The shadow rays of one thread under the published shadow culling [Nah 2009, 2.4 and 2.5]: what Table 2 leaves to
-// trace is traced, and what it met is noted for Table 3. Primary, reflected and refracted hits alike.
+// Traces the shadow rays of one thread with the published shadow culling [Nah 2009, 2.4 and 2.5]: those that Table 2
+// leaves are traced, and their results are noted for Table 3. For primary, reflected and refracted hits alike.
 //
-// The ray scene keeps what stands still and what moves in trees of their own, so a full traversal is the first tree,
-// then the second where the first let the ray pass; a traversal of dynamic objects alone is the second.
+// The ray scene has separate trees for static and dynamic objects. A full traversal traces the static tree, then the
+// dynamic one for rays that are not occluded; a traversal of dynamic objects only traces the latter.
 //
-// Cost: one look-up a ray; the rays that are left.
+// Cost: one look-up per ray, and the remaining rays.
 
 #include <span>
 #include <utility>
@@ -20,16 +20,17 @@ class PaperTracer {
  public:
     using Notes = PaperCulling::Notes;
 
-    /// Answers one light's shadow rays. Threads may share `culling`, each with a tracer of its own.
-    /// @param asked    the rays, as a full trace would cast them
+    /// Traces the shadow rays of one light. Threads may share `culling`, each with a tracer of its own.
+    /// @param asked    the rays that a full trace would cast
     /// @param origins  by ray: the primitive that it leaves
-    /// @param occluded  by ray: 1 where it is taken as occluded, else 0
-    /// @param traced   optional, by ray: 1 where it was traced against everything, 2 against dynamic objects alone, 0
-    /// not at all
+    /// @param occluded  by ray: set to 1 where it counts as occluded, else to 0
+    /// @param traced   optional, by ray: set to 1 where it was traced against everything, 2 against dynamic objects
+    /// only,
+    ///                 0 not at all
     void answer(PaperCulling& culling, const ray::RayScene& rays, int light, const ray::RayQueue& asked,
                 std::span<const PrimitiveId> origins, std::uint8_t* occluded, std::uint8_t* traced = nullptr);
 
-    /// What it learned in this frame, for PaperCulling::end_frame.
+    /// Its results in this frame, for PaperCulling::end_frame.
     Notes take_notes() { return std::exchange(notes_, {}); }
 
  private:
@@ -38,7 +39,7 @@ class PaperTracer {
 
     Notes notes_;
     ray::RayQueue full_, moving_;
-    std::vector<std::uint32_t> full_ray_, moving_ray_;   // by ray of these queues: which was asked
+    std::vector<std::uint32_t> full_ray_, moving_ray_;   // by ray of these queues: its index in `asked`
     std::vector<std::uint8_t> hit_;
 };
 

@@ -9,7 +9,7 @@ SceneTriangles::SceneTriangles(const scene::SceneState& state, const ray::RaySce
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         first_.push_back(static_cast<PrimitiveId>(object_.size()));
         object_.resize(object_.size() + scene.meshes[scene.objects[o].mesh].triangles.size(), o);
-        dynamic_.push_back(scene.objects[o].dynamic);
+        dynamic_.push_back(state.is_dynamic(o));
     }
     first_.push_back(static_cast<PrimitiveId>(object_.size()));
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// All triangles of a scene under one numbering, static and dynamic alike: the primitives of [Nah 2009].
+// Numbers all triangles of a scene, static and dynamic: the primitives of [Nah 2009].
 //
-// An object's triangles follow one another in its mesh's order. Corners are the very floats that rays are tested
-// against; those of dynamic objects are asked of nobody and not kept.
+// An object's triangles are consecutive, in the order of its mesh. Corners are the floats that rays are tested against;
+// those of dynamic objects are not needed and not stored.
 
 #include <vector>
 
@@ -26,7 +26,7 @@ class SceneTriangles {
     bool object_is_dynamic(scene::ObjectId object) const { return dynamic_[object]; }
     void set_dynamic(scene::ObjectId object, bool dynamic) { dynamic_[object] = dynamic; }
 
-    /// World-space corners now.
+    /// Present world-space corners.
     void corners(PrimitiveId primitive, glm::vec3 (&p)[3]) const
     {
         const scene::ObjectId object = object_[primitive];
@@ -37,7 +37,7 @@ class SceneTriangles {
 
  private:
     const ray::RayScene* rays_;
-    std::vector<PrimitiveId> first_;        // by object, and one more: the end
+    std::vector<PrimitiveId> first_;        // by object, plus one entry: the end
     std::vector<scene::ObjectId> object_;   // by primitive
     std::vector<char> dynamic_;             // by object
 };
