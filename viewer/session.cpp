@@ -4,20 +4,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <tuple>
 
-#include "frame/cluster_overlay.h"
-#include "frame/rasterizer.h"
+#include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
 #include "gnomon/error.h"
 #include "image/tone_map.h"
-#include "irradiance_cache/irradiance_cache.h"
-#include "light_quadtree/map_light.h"
-#include "ray/ray_scene.h"
-#include "shadow_culling/certified/certified_culling.h"
-#include "shadow_culling/nah2009/paper_culling.h"
-#include "trace/indirect_grid.h"
-#include "trace/traced_frame.h"
 
 namespace gnomon::viewer {
 
@@ -37,16 +28,50 @@ std::filesystem::file_time_type time_of_file(const std::string& what)
     return error ? std::filesystem::file_time_type{} : time;
 }
 
-bool shows_clusters(const RenderOptions& options)
+// The viewer shows images within about 50 ms: certificates are made between frames, and objects can be picked.
+constexpr frame::EngineSettings settings(int threads)
 {
-    return options.overlay == Overlay::clusters && options.indirect == Indirect::quadtree;
+    return {.threads = threads,
+            .culls_first_frame = true,
+            .defers_certificates = true,
+            .always_has_rays = true,
+            .redrawn_stays = true};
 }
 
-// What bounced light is made with.
-auto of_bounce(const RenderOptions& o)
+// Encodes the image of a frame for the screen, and finds where the view lies in it.
+void encode(frame::FrameEngine& engine, const RenderOptions& options, int overlay_light, ViewImage& out)
 {
-    return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
-                      o.indirect_at_every_pixel, o.indirect_memory, o.indirect_on);
+    const frame::Shown shown = engine.shown();
+    if (shown == frame::Shown::clusters || shown == frame::Shown::shadow_states) {
+        out.image = engine.paint_overlay({fmt::format("light {}", overlay_light)});
+        if (shown == frame::Shown::clusters) return;
+        const frame::PanelPlace place = frame::panel_place(out.eye.size, 1, 0);
+        out.corner = {place.left, place.top};
+        return;
+    }
+    const ImageF& color = engine.buffers().color;
+    out.image = Image8(color.width, color.height, 3);
+    const double exposure = options.exposure ? *options.exposure : image::auto_exposure(color.data);
+    if (shown == frame::Shown::redrawn) {
+        engine.paint_redrawn(exposure);
+        image::encode_srgb8(color.data, 0, ToneMap::none, out.image.data);
+    } else {
+        image::encode_srgb8(color.data, exposure, options.tonemap, out.image.data);
+    }
+}
+
+Picked describe(const scene::Scene& scene, const frame::PickedPoint& point)
+{
+    Picked picked;
+    picked.object = point.object;
+    if (picked.object == scene::none) return picked;
+    const scene::Object& object = scene.objects[picked.object];
+    // Of objects that move together, take the node that moves them.
+    picked.node = object.group == scene::none ? object.node : scene.groups[object.group].anchor;
+    picked.name = scene.nodes[object.node].name;
+    picked.mobility = object.deforming ? "deforms" : object.dynamic ? "moves" : "stands still";
+    picked.position = point.position;
+    return picked;
 }
 
 }   // namespace
@@ -64,142 +89,8 @@ double ViewTimes::total() const
     return sum;
 }
 
-struct ViewSession::Kept {
-    explicit Kept(int threads) : tasks(threads) {}
-
-    Tasks tasks;
-    std::shared_ptr<const Scene> owner;   // of what follows
-    std::unique_ptr<scene::SceneState> state;
-    std::unique_ptr<ray::RayScene> rays;
-    Accelerator accelerator = Accelerator::embree;
-    std::unique_ptr<shadow_culling::CertifiedCulling> certified;
-    std::unique_ptr<shadow_culling::PaperCulling> paper;
-    std::unique_ptr<irradiance_cache::IrradianceCache> visible;
-    std::unique_ptr<light_quadtree::MapLight> map;
-    RenderOptions map_options;   // that it, or the rasteriser, was made with
-    int visible_memory = 0;      // likewise `visible`
-    std::unique_ptr<frame::Rasterizer> raster;
-    ShadowTextures raster_shadows{};   // it was made for this, and what follows
-    int raster_filter = 0, raster_samples = 0;
-    bool raster_redrawn = false;
-    std::vector<HandMoved> hands;
-    std::unordered_map<scene::NodeId, glm::dmat4> held;   // by node that a hand holds: its own transform when taken
-    shading::FrameBuffers buffers;
-    trace::StateMap states;
-    std::optional<glm::vec3> turn_centre;   // of `owner`
-
-    void forget()
-    {
-        turn_centre.reset();
-        certified.reset();
-        paper.reset();
-        visible.reset();
-        map.reset();
-        raster.reset();
-        rays.reset();
-        state.reset();
-        hands.clear();
-        held.clear();
-        owner.reset();
-    }
-
-    // Whatever fits the options is kept, all else is dropped or made.
-    void follow_options(const RenderOptions& options)
-    {
-        if (options.renderer == RenderMethod::raster) {
-            // What is not asked in every frame misses what changes.
-            certified.reset();
-            paper.reset();
-            visible.reset();
-            map.reset();
-            follow_raster(options);
-            return;
-        }
-        raster.reset();
-        if (options.shadow_culling != ShadowCulling::certified) certified.reset();
-        if (options.shadow_culling != ShadowCulling::paper) paper.reset();
-        if (options.indirect != Indirect::visible || options.indirect_memory != visible_memory) visible.reset();
-        if (of_bounce(options) != of_bounce(map_options) || options.overlay == Overlay::shadow_states) map.reset();
-        const bool wants_map = options.indirect == Indirect::rsm || options.indirect == Indirect::quadtree;
-        if (wants_map && !map && options.overlay != Overlay::shadow_states) {
-            map = std::make_unique<light_quadtree::MapLight>(*state, *rays, trace::map_light_options(options), tasks);
-            map_options = options;
-        }
-        // A memory of shadows follows every frame or none.
-        if (shows_clusters(options)) {
-            certified.reset();
-            paper.reset();
-            return;
-        }
-        if (options.shadow_culling == ShadowCulling::certified && !certified && !state->scene().lights.empty())
-            certified =
-                std::make_unique<shadow_culling::CertifiedCulling>(*state, *rays, shadow_culling::CertifiedOptions{});
-        if (options.shadow_culling == ShadowCulling::paper && !paper)
-            paper = std::make_unique<shadow_culling::PaperCulling>(*state, *rays);
-        if (options.indirect == Indirect::visible && !visible) {
-            visible = std::make_unique<irradiance_cache::IrradianceCache>(*state, *rays,
-                                                                          trace::visible_light_options(options), tasks);
-            visible_memory = options.indirect_memory;
-        }
-    }
-
-    void follow_raster(const RenderOptions& options)
-    {
-        const bool redrawn = options.overlay == Overlay::redrawn && options.shadow_textures != ShadowTextures::off &&
-                             !state->scene().lights.empty();
-        if (raster && raster_shadows == options.shadow_textures && raster_filter == options.shadow_filter &&
-            raster_samples == options.samples && raster_redrawn == redrawn &&
-            of_bounce(options) == of_bounce(map_options)) {
-            raster->update(*state);
-            return;
-        }
-        raster.reset();   // a device may hold one of them, and not two
-        raster = frame::make_rasterizer(*state, {.samples = options.samples,
-                                                 .shadows = options.shadow_textures,
-                                                 .shadow_filter = static_cast<float>(options.shadow_filter),
-                                                 .redrawn = redrawn,
-                                                 .redrawn_stays = true,
-                                                 .indirect = options.indirect,
-                                                 .map = trace::map_light_options(options),
-                                                 .visible = trace::visible_light_options(options),
-                                                 .indirect_on = options.indirect_on,
-                                                 .rays = rays.get(),
-                                                 .tasks = &tasks});
-        raster_shadows = options.shadow_textures;
-        raster_filter = options.shadow_filter;
-        raster_samples = options.samples;
-        raster_redrawn = redrawn;
-        map_options = options;
-    }
-
-    void follow_hands(std::vector<HandMoved> wanted)
-    {
-        std::erase_if(wanted, [&](const HandMoved& hand) { return hand.node >= state->scene().nodes.size(); });
-        if (wanted == hands) return;
-        for (const HandMoved& hand : hands) state->override_transform(hand.node, nullptr);
-        for (const HandMoved& hand : wanted) {
-            if (!held.contains(hand.node)) held[hand.node] = local_of(hand.node);
-            glm::dmat4 local = held[hand.node];
-            local[3] += glm::dvec4(hand.offset, 0);
-            state->override_transform(hand.node, &local);
-        }
-        std::erase_if(held, [&](const auto& entry) {
-            return std::none_of(wanted.begin(), wanted.end(),
-                                [&](const HandMoved& h) { return h.node == entry.first; });
-        });
-        hands = std::move(wanted);
-    }
-
-    // Of its track. Not from where it is: its parent may be squeezed to nothing.
-    glm::dmat4 local_of(scene::NodeId n) const
-    {
-        const scene::Node& node = state->scene().nodes[n];
-        return node.transform ? node.transform->evaluate(state->time()) : node.local;
-    }
-};
-
 ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame)
-    : threads_(threads), rays_a_frame_(rays_a_frame), kept_(std::make_unique<Kept>(threads))
+    : threads_(threads), rays_a_frame_(rays_a_frame), engine_(std::make_unique<frame::FrameEngine>(settings(threads)))
 {
     loader_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
     renderer_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
@@ -207,7 +98,7 @@ ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame)
 
 ViewSession::~ViewSession()
 {
-    leaving_ = true;   // a frame under way ends at its next tile
+    leaving_ = true;   // interrupts a frame at its next tile
 }
 
 void ViewSession::load(const SceneRecipe& recipe)
@@ -238,7 +129,7 @@ std::shared_ptr<const Scene> ViewSession::scene() const
 std::uint64_t ViewSession::ask(ViewRequest request)
 {
     const std::lock_guard lock(mutex_);
-    // A question is not lost when its frame is overtaken.
+    // Keep the pick of a request that is replaced.
     if (request_ && request_->pick && !request.pick && request_->scene == request.scene) request.pick = request_->pick;
     request.number = ++asked_;
     request_ = std::move(request);
@@ -358,21 +249,20 @@ void ViewSession::render_loop(const std::stop_token& stop)
                 state_.frame_error.clear();
                 state_.failed = 0;
                 if (!request_) refining_ = lacking && scene == scene_;
-                // Bounced light that the frame had no time for: the same frame again, unless another is wanted.
+                // Render the same frame again for the light that is missing, unless another is requested.
                 if (refining_) {
                     request.pick.reset();   // answered
                     request_ = std::move(request);
                     continue;
                 }
             }
-            // No frame waits for certificates: they are made while nobody wants one.
-            if (kept_->certified)
-                kept_->certified->judge(kept_->tasks, [&] {
-                    const std::lock_guard lock(mutex_);
-                    return !request_ && !leaving_;
-                });
+            // Make certificates until the next request comes.
+            engine_->make_certificates([&] {
+                const std::lock_guard lock(mutex_);
+                return !request_ && !leaving_;
+            });
         } catch (const std::exception& e) {
-            kept_->forget();   // half a frame would be remembered
+            engine_->forget();   // the caches may have taken half a frame
             fail(number, e.what());
         }
     }
@@ -380,115 +270,43 @@ void ViewSession::render_loop(const std::stop_token& stop)
 
 std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
 {
-    Kept& kept = *kept_;
-    const RenderOptions& options = request.options;
+    const scene::Scene& inside = *scene->inside();
+    RenderOptions options = request.options;
+    options.layers = false;   // not shown
+    options.reference.reset();
     auto image = std::make_shared<ViewImage>();
     image->scene = scene;
     image->request = request.number;
-    Clock::time_point start = Clock::now();
-    const auto end_stage = [&](int stage) {
-        image->times.ms[stage] = milliseconds_since(start);
-        start = Clock::now();
-    };
-
-    if (scene != kept.owner || options.accelerator != kept.accelerator) {
-        kept.forget();
-        kept.state = std::make_unique<scene::SceneState>(scene->inside(), request.time);
-        kept.rays = std::make_unique<ray::RayScene>(*kept.state);
-        if (options.accelerator == Accelerator::kdtree) kept.rays->trace_on_kdtree(*kept.state);
-        kept.owner = scene;
-        kept.accelerator = options.accelerator;
-    }
-    kept.follow_hands(request.hands);
-    kept.state->advance(request.time);
-    end_stage(0);
-    kept.rays->update(*kept.state);
-    kept.follow_options(options);
-    if (kept.visible) kept.visible->limit_rays(request.whole ? 0 : rays_a_frame_);
-    end_stage(1);
-
-    image->eye =
-        request.eye ? *request.eye
-                    : scene::make_view(*kept.state, scene::find_camera(*scene->inside(), request.camera), request.size);
-    if (!request.eye && request.turn != 0) {
-        if (!kept.turn_centre) kept.turn_centre = scene->inside()->bounds(scene->inside()->timeline.start).centre();
-        image->eye = scene::turned(image->eye, *kept.turn_centre, request.turn);
-    }
-
-    const bool states = !kept.raster && options.overlay == Overlay::shadow_states && !scene->inside()->lights.empty() &&
-                        options.shadow_culling != ShadowCulling::off;
-    trace::TracedOptions traced;
-    traced.max_depth = options.max_depth;
-    traced.samples = options.samples;
-    trace::Remembered remembered(kept.certified.get());
-    remembered.judge_later = true;
-    remembered.paper = kept.paper.get();
-    remembered.visible = states ? nullptr : kept.visible.get();
-    remembered.map = states ? nullptr : kept.map.get();
-    if (states) {
-        const int last = static_cast<int>(scene->inside()->lights.size()) - 1;
-        kept.states.lights = {std::min(options.overlay_light.value_or(0), last)};
-        remembered.states = &kept.states;
-    }
-    // Light that is not asked for under the overlay is not to miss what moves meanwhile.
-    if (states && kept.visible) kept.visible->update(*kept.state, *kept.rays, kept.tasks);
-    const Progress progress = [this](const ProgressStep&) { return !leaving_; };
-    const bool clusters = kept.map && shows_clusters(options);
-    if (clusters)
-        kept.map->begin_frame(*kept.state, *kept.rays, kept.tasks);
-    else
-        image->counters = kept.raster ? kept.raster->render(*kept.state, image->eye, kept.buffers, progress)
-                                      : trace::trace_frame(*kept.state, *kept.rays, image->eye, traced, kept.tasks,
-                                                           kept.buffers, remembered, nullptr, progress);
-    end_stage(2);
-
-    if (clusters) {
-        image->image = frame::paint_clusters(*scene->inside(), *kept.rays, image->eye, *kept.map, kept.tasks);
-    } else if (states) {
-        image->image = frame::paint_states(kept.states, {fmt::format("light {}", kept.states.lights[0])},
-                                           options.shadow_culling == ShadowCulling::paper);
-        const frame::PanelPlace place = frame::panel_place(image->eye.size, 1, 0);
-        image->corner = {place.left, place.top};
-    } else {
-        ImageF& color = kept.buffers.color;
-        image->image = Image8(color.width, color.height, 3);
-        const double exposure = options.exposure ? *options.exposure : image::auto_exposure(color.data);
-        if (kept.raster && kept.raster_redrawn) {
-            kept.raster->paint_redrawn(exposure, color);
-            image::encode_srgb8(color.data, 0, ToneMap::none, image->image.data);
-        } else {
-            image::encode_srgb8(color.data, exposure, options.tonemap, image->image.data);
-        }
-    }
-    end_stage(3);
-
-    image->complete = !remembered.visible || !remembered.visible->lacks_points();
     image->time = request.time;
-    image->bounds = kept.rays->bounds();
-    if (kept.certified) image->remembered_bytes += kept.certified->bytes();
-    if (kept.visible) image->remembered_bytes += kept.visible->bytes();
-    if (kept.map) image->remembered_bytes += kept.map->bytes();
-    if (kept.raster) image->remembered_bytes += kept.raster->remembered_bytes();
-    if (request.pick) {
-        ray::RayQueue queue;
-        glm::vec3 origin, direction;
-        float near = 0, far = 0;
-        image->eye.ray(request.pick->x, request.pick->y, origin, direction, near, far);
-        queue.push(origin, near, direction, far);
-        ray::Hits hits;
-        hits.resize(1);
-        kept.rays->closest(queue, 0, 1, hits, ray::Sides::front);
-        Picked& picked = image->picked.emplace();
-        picked.object = hits.object[0];
-        if (picked.object != scene::none) {
-            const scene::Object& object = scene->inside()->objects[picked.object];
-            // What moves together is taken by what moves it.
-            picked.node = object.group == scene::none ? object.node : scene->inside()->groups[object.group].anchor;
-            picked.name = scene->inside()->nodes[object.node].name;
-            picked.mobility = object.deforming ? "deforms" : object.dynamic ? "moves" : "stands still";
-            picked.position = origin + hits.t[0] * direction;
-        }
-    }
+
+    // Advance the scene.
+    std::vector<frame::UserOverride> overrides;
+    for (const HandMoved& hand : request.hands) overrides.push_back({hand.node, hand.offset});
+    const frame::AdvanceTimes advanced = engine_->advance(scene->inside(), request.time, options, overrides);
+    image->times.ms[0] = advanced.scene;
+    image->times.ms[1] = advanced.caches;
+
+    // Render the view.
+    Clock::time_point start = Clock::now();
+    std::optional<double> turn;
+    if (request.turn != 0) turn = request.turn;
+    image->eye =
+        request.eye ? *request.eye : engine_->make_view(scene::find_camera(inside, request.camera), request.size, turn);
+    const int last_light = static_cast<int>(inside.lights.size()) - 1;
+    const int overlay_light = std::min(options.overlay_light.value_or(0), last_light);
+    const frame::RenderRequest what{.overlay_lights = {overlay_light},
+                                    .indirect_ray_limit = request.whole ? 0 : rays_a_frame_};
+    image->counters = engine_->render(image->eye, what, [this](const ProgressStep&) { return !leaving_; });
+    image->times.ms[2] = milliseconds_since(start);
+
+    start = Clock::now();
+    encode(*engine_, options, overlay_light, *image);
+    image->times.ms[3] = milliseconds_since(start);
+
+    image->complete = engine_->complete();
+    image->bounds = engine_->rays().bounds();
+    image->remembered_bytes = engine_->cached_bytes();
+    if (request.pick) image->picked = describe(inside, engine_->hit_at(image->eye, *request.pick));
     return image;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the window shows, made behind its back: one thread loads scenes, another renders the latest frame that was asked
-// for. The window's thread asks and takes, and never waits for either.
+// Loads scenes and renders frames for the viewer in the background: one thread loads scenes, another renders the latest
+// requested frame. The window's thread posts requests and takes images, and never waits for either.
 //
-// A request says everything about a frame: time, view, options, objects moved by hand. Requests that are overtaken are
-// never rendered. What stands still is kept between frames, as in gnomon::Renderer: images are the same.
+// A request describes a frame completely: time, view, options, user overrides. A request that is replaced before its
+// rendering began is never rendered. Frames come from a frame::FrameEngine, so they are those of gnomon::Renderer.
 
 #include <atomic>
 #include <condition_variable>
@@ -22,19 +22,23 @@
 #include "scene/scene.h"
 #include "scene/view.h"
 
+namespace gnomon::frame {
+class FrameEngine;
+}
+
 namespace gnomon::viewer {
 
-/// An object kept from its track: where it stands instead.
+/// A user override: a node that is held where it is, or moved from there.
 struct HandMoved {
     scene::NodeId node = scene::none;
-    bool frozen = false;   // stays where it is now
-    glm::vec3 offset{0};   // moved by so much, in its parent's space
+    bool frozen = false;   // held where it is now
+    glm::vec3 offset{0};   // from where it was taken, in its parent's space
     friend bool operator==(const HandMoved&, const HandMoved&) = default;
 };
 
 struct ViewRequest {
     std::shared_ptr<const Scene>
-        scene;   // that eye, hands and pick are about; they are not heeded once another is there
+        scene;   // that eye, hands and pick refer to; they are ignored once another scene is loaded
     double time = 0;
     std::optional<scene::View> eye;   // none: the scene's camera
     std::string camera = "auto";      // then, as on the command line; the frame fails if the scene has no such camera
@@ -42,8 +46,8 @@ struct ViewRequest {
     Size size{640, 360};
     RenderOptions options;   // size, camera, turntable and threads of it are not read
     std::vector<HandMoved> hands;
-    std::optional<glm::vec2> pick;   // pixels from the top left corner: what is there?
-    bool whole = false;              // all bounced light in the first image, however long that takes
+    std::optional<glm::vec2> pick;   // pixels from the top left corner: find the object there
+    bool whole = false;              // all indirect light in the first image, however long that takes
     std::uint64_t number = 0;        // given by ask()
 };
 
@@ -67,28 +71,28 @@ struct ViewImage {
     std::shared_ptr<const Scene> scene;
     Image8 image;           // sRGB
     scene::View eye;        // as rendered
-    glm::ivec2 corner{0};   // of what it sees in the image: overlays have titles and legends around it
+    glm::ivec2 corner{0};   // of the view in the image: overlays have titles and legends around it
     Box3 bounds;            // of the scene
     double time = 0;
-    bool complete = true;   // all of its bounced light is there; else the next image has more of it
+    bool complete = true;   // all of its indirect light is there; else the next image has more of it
     ViewTimes times;
     FrameCounters counters;
     std::uint64_t number = 0;       // counts up
-    std::uint64_t request = 0;      // whose image it is: the number that ask() gave
-    std::optional<Picked> picked;   // answers the last `pick`; object none: nothing there
+    std::uint64_t request = 0;      // its request: the number that ask() returned
+    std::optional<Picked> picked;   // result of the last `pick`; object none: nothing there
     std::size_t remembered_bytes = 0;
 };
 
-/// What is being loaded, or went wrong.
+/// Progress and errors.
 struct LoadState {
     bool loading = false;
-    std::string file;   // that is loaded, or was
+    std::string file;   // being loaded, or loaded last
     std::string stage;
     double done = 0;
-    std::string error;            // of the last load; empty: none
+    std::string error;            // of the last load; empty if it succeeded
     std::string frame_error;      // of the last frame
     std::uint64_t failed = 0;     // its request; 0: the last frame did not fail
-    std::exception_ptr trouble;   // the last of these
+    std::exception_ptr trouble;   // the last error
     std::uint64_t loads = 0;      // that succeeded
 };
 
@@ -104,30 +108,29 @@ struct SceneRecipe {
 
 class ViewSession {
  public:
-    /// Some 50 ms of two processors.
+    /// About 50 ms on two cores.
     static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
-    /// @param rays_a_frame  after so many, bounced light that an image lacks waits for the next one
+    /// @param rays_a_frame  limit of an image's rays of indirect light; the missing light comes with the next image
     explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame);
     ~ViewSession();
 
-    /// Begins to load; the scene before stays until this one is there, or for good if it fails.
+    /// Starts to load a scene. The one before stays until this one is loaded, or for good if loading fails.
     void load(const SceneRecipe& recipe);
     LoadState load_state() const;
-    /// The scene that requests are about; null: none yet.
+    /// The scene that requests refer to; null: none yet.
     std::shared_ptr<const Scene> scene() const;
 
-    /// Asks for a frame; replaces a request that was not begun, and ends the refining of the one before.
+    /// Requests a frame. Replaces a request whose rendering has not begun, and ends the refining of the one before.
     /// @return its number, from 1
     std::uint64_t ask(ViewRequest request);
     /// A request waits for its first image.
     bool busy() const;
-    /// The last request has an image, and gets better ones until it is complete.
+    /// The last request has an image, and gets refined ones until it is complete.
     bool refining() const;
     /// The newest image, if there is one newer than that number.
     std::shared_ptr<const ViewImage> image(std::uint64_t newer_than) const;
 
  private:
-    struct Kept;   // from frame to frame
     void load_loop(const std::stop_token& stop);
     void render_loop(const std::stop_token& stop);
     std::shared_ptr<ViewImage> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request);
@@ -145,8 +148,8 @@ class ViewSession {
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const ViewImage> image_;
     std::atomic<bool> leaving_ = false;
-    std::unique_ptr<Kept> kept_;   // of the render thread alone
-    // A file read before is not read again for other lights.
+    std::unique_ptr<frame::FrameEngine> engine_;   // of the render thread alone
+    // The last file read, so that other lights or rates do not read it again.
     std::string loaded_file_;
     std::filesystem::file_time_type loaded_time_{};
     std::optional<Scene> loaded_;

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "base/check.h"
-#include "trace/traced_frame.h"
+#include "frame/frame_engine.h"
 
 namespace gnomon::bench {
 
@@ -31,31 +31,35 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
 {
     const scene::Timeline& timeline = scene->timeline;
     const double time = timeline.time_of(options.frame);
-    scene::SceneState state(scene, time);
-    const ray::RayScene rays_of_scene(state);
+    RenderOptions render;
+    render.max_depth = options.max_depth;
+    render.shadow_culling = ShadowCulling::off;
+    render.indirect = Indirect::off;
+    frame::FrameEngine engine({.threads = options.threads});
+    engine.advance(scene, time, render);
 
     TraceBenchResult result;
-    result.build_ms = rays_of_scene.statistics().build_ms;
-    const scene::View view = scene::make_view(state, options.camera, options.size);
-    trace::TracedOptions traced;
-    traced.max_depth = options.max_depth;
-    shading::FrameBuffers buffers;
+    result.build_ms = engine.rays().statistics().build_ms;
+    result.bytes = engine.rays().statistics().bytes;
+    const scene::View view = engine.make_view(options.camera, options.size);
+    Tasks one(1);
+    const auto frame_ms = [&](const frame::RenderRequest& request) {
+        engine.advance(scene, time, render);
+        return milliseconds_of([&] { engine.render(view, request); });
+    };
 
-    // Record the rays of the frame once.
-    Tasks one(1), many(options.threads);
+    // Record the frame's rays once.
     trace::TraceLog log;
-    trace::trace_frame(state, rays_of_scene, view, traced, one, buffers, nullptr, &log);
+    frame_ms({.tasks = &one, .log = &log});
     result.rays = log.rays();
 
-    // Time the frame and the bare loop alternately, so that changes in the machine's speed affect both.
+    // Time the frame and the bare loop in turn, so that a drift of the machine's speed affects both.
     std::vector<double> frame, single, bare, ratios;
     std::uint64_t sink = 0;
     for (int i = 0; i < options.repeats; ++i) {
-        single.push_back(
-            milliseconds_of([&] { trace::trace_frame(state, rays_of_scene, view, traced, one, buffers); }));
-        bare.push_back(milliseconds_of([&] { sink += log.replay(rays_of_scene); }));
-        frame.push_back(
-            milliseconds_of([&] { trace::trace_frame(state, rays_of_scene, view, traced, many, buffers); }));
+        single.push_back(frame_ms({.tasks = &one}));
+        bare.push_back(milliseconds_of([&] { sink += log.replay(engine.rays()); }));
+        frame.push_back(frame_ms({}));
         ratios.push_back(single.back() / bare.back());
     }
     GNOMON_CHECK(sink != 1);   // keeps the replay from being optimised away
@@ -64,20 +68,15 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
     result.bare_ms = median(bare);
     result.ratio = median(ratios);
 
-    // Time the update on a few steps to the next frame.
+    // Step through a few frames to time the update.
     if (timeline.frames > 1) {
-        ray::RayScene moving(state);
         std::vector<double> updates;
         for (int i = 0; i < 2 * options.repeats; ++i) {
             const int next = (options.frame + i) % timeline.frames + 1;
-            updates.push_back(milliseconds_of([&] {
-                state.advance(timeline.time_of(next));
-                moving.update(state);
-            }));
+            updates.push_back(milliseconds_of([&] { engine.advance(scene, timeline.time_of(next), render); }));
         }
         result.update_ms = median(updates);
     }
-    result.bytes = rays_of_scene.statistics().bytes;
     return result;
 }
 

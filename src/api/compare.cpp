@@ -19,7 +19,7 @@ namespace gnomon {
 
 namespace {
 
-// An image with its values as the file holds them.
+// An image with the values of its file.
 struct Loaded {
     ImageF image;
     std::vector<std::string> channels;
@@ -74,7 +74,7 @@ bool is_color(const Loaded& image)
     return image.channels.front() == "R" || image.channels.front() == "Y";
 }
 
-// The colour channels as three.
+// Returns the colour channels as three.
 ImageF color_of(const Loaded& image)
 {
     const ImageF& from = image.image;
@@ -91,7 +91,7 @@ ImageF decoded(ImageF image)
     return image;
 }
 
-// Images of different kinds are compared by their colour alone, in linear light if either is linear.
+// Compares images of different kinds by their colour alone, in linear light if either is linear.
 void bring_together(Loaded& a, Loaded& b, const std::string& names)
 {
     if (a.channels == b.channels && a.linear == b.linear) return;

@@ -29,7 +29,7 @@ std::vector<std::string> words_of(const std::string& text)
     return words;
 }
 
-// "spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B" or "point X Y Z R G B".
+// Parses "spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B" or "point X Y Z R G B".
 scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3& direction)
 {
     const auto refuse = [&](const std::string& why) {
@@ -75,18 +75,18 @@ std::shared_ptr<scene::Scene> copy_of(const std::shared_ptr<const scene::Scene>&
     return std::make_shared<scene::Scene>(*inside);
 }
 
-// A node from where a light travels along a direction, or looks there.
+// Makes a node whose light shines in a direction.
 scene::NodeId add_looking_node(scene::Scene& scene, const std::string& name, const glm::dvec3& position,
                                const glm::dvec3& direction)
 {
     const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
     const scene::NodeId node =
         scene.add_node(name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
-    scene.child_begin.push_back(scene.child_begin.back());   // no children: the index stays whole
+    scene.child_begin.push_back(scene.child_begin.back());   // no children
     return node;
 }
 
-// Lights that are gone leave no remark about them.
+// Removes the remarks about lights that were removed.
 void forget_default_light(scene::Scene& scene)
 {
     std::erase_if(scene.warnings,

@@ -12,7 +12,7 @@ namespace {
 
 using light_quadtree::LightMap;
 
-// A point belongs to a texel whose own point is no farther away than this many texel widths.
+// A surface point belongs to a texel whose own point lies within this many texel widths.
 constexpr float k_nearness = 2.5f;
 
 struct Cluster {
@@ -20,7 +20,7 @@ struct Cluster {
     int grid;   // log2 of the nodes a side of its level
 };
 
-// Goes down from the start level, as the cut does.
+// Descends from the start level, as the cut does.
 std::optional<Cluster> cluster_at(const LightMap& map, const light_quadtree::CutLevels& levels,
                                   const glm::vec3& position)
 {
@@ -44,7 +44,7 @@ std::optional<Cluster> cluster_at(const LightMap& map, const light_quadtree::Cut
     return {};
 }
 
-// Full colours around the circle of hues.
+// Returns the saturated colour of a hue in [0, 1).
 glm::vec3 hue_color(float hue)
 {
     const auto channel = [&](float from) {

@@ -82,8 +82,8 @@ class VulkanRasterizer final : public Rasterizer {
     std::vector<raster::Redrawn> redrawn_;   // by object
     double redrawn_time_ = 0;
     bool redrawn_stays_ = false;
-    const irradiance_cache::IrradianceCache* visible_ = nullptr;   // of the frame's bounced light
-    const light_views::LightViews* views_ = nullptr;               // of the frame's visibility
+    const irradiance_cache::IrradianceCache* visible_ = nullptr;   // owned by the frame's bounced light
+    const light_views::LightViews* views_ = nullptr;               // owned by the frame's visibility
 };
 
 }   // namespace

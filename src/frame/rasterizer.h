@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The rasterised frame as the renderer sees it: without a Vulkan type, and there whether Vulkan is built in or not.
+// Interface of the rasterised frame, without Vulkan types: it exists whether the program is built with Vulkan or not.
 
 #include <memory>
 #include <string>
@@ -9,7 +9,8 @@
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
 #include "light_quadtree/map_light.h"
-#include "trace/traced_frame.h"
+#include "scene/view.h"
+#include "shading/frame_buffers.h"
 
 namespace gnomon::frame {
 
@@ -19,14 +20,14 @@ struct RasterSettings {
     ShadowTextures shadows = ShadowTextures::coherent;
     float shadow_filter = 1;   // texels; 0: hard
     bool redrawn = false;      // paint_redrawn() will be called
-    /// While the time stays, paint_redrawn() shows what was drawn for it: who looks at one moment in several images,
-    /// finer each time, sees it in the last, too.
+    /// While the time stays the same, paint_redrawn() shows what was drawn for its first frame. So the last of several
+    /// images of one moment, each finer than the one before, still shows it.
     bool redrawn_stays = false;
     Indirect indirect = Indirect::off;
-    light_quadtree::MapLightOptions map{};   // of Indirect::rsm, quadtree
+    light_quadtree::MapLightOptions map{};   // for Indirect::rsm and quadtree
     irradiance_cache::CacheOptions visible{};
     IndirectOn indirect_on = IndirectOn::automatic;
-    // Of Indirect::visible: follows the state before every update() and render(); both outlive the rasterizer.
+    // For Indirect::visible. The ray scene must follow the state before every update(); both outlive the rasterizer.
     const ray::RayScene* rays = nullptr;
     Tasks* tasks = nullptr;
 };
@@ -37,15 +38,15 @@ class Rasterizer {
 
     /// Follows one advance() of the state it was made from.
     virtual void update(const scene::SceneState& state) = 0;
-    /// @throws MissingError      too little device memory, or the device was lost; this rasterizer is then of no more
-    /// use
-    /// @throws InterruptedError  progress returned false; likewise
+    /// After an exception the rasterizer must not be used again.
+    /// @throws MissingError      too little device memory, or the device was lost
+    /// @throws InterruptedError  progress returned false
     virtual FrameCounters render(const scene::SceneState& state, const scene::View& view, shading::FrameBuffers& out,
                                  const Progress& progress) = 0;
-    /// Overlay::redrawn, over the last frame's colour; its light becomes what is shown, within 0 to 1.
+    /// Paints Overlay::redrawn over the last frame's colour, which becomes the shown image, within 0 to 1.
     virtual void paint_redrawn(double exposure, ImageF& color) const = 0;
     virtual std::string device() const = 0;
-    /// Held in the host's memory from frame to frame, of bounced light.
+    /// Bytes of host memory that the irradiance cache holds.
     virtual std::size_t remembered_bytes() const { return 0; }
 };
 

@@ -12,11 +12,11 @@
 namespace gnomon::frame {
 
 namespace {
-constexpr std::uint8_t k_paper_tone = 24, k_ink = 210;   // of the frame around the panels, and of its text
-constexpr int k_small_image = 900;                       // pixels; narrower ones get small letters
+constexpr std::uint8_t k_paper_tone = 24, k_ink = 210;   // grey levels of the border and of its text
+constexpr int k_small_image = 900;                       // pixels of width; narrower images get small letters
 constexpr int k_gap = 4;
 
-// Told apart without red and green [Okabe and Ito 2008].
+// Colours that do not need red and green to be distinguished [Okabe and Ito 2008].
 constexpr Rgb8 k_colors[trace::k_state_marks] = {
     {12, 12, 14},      // background
     {58, 58, 62},      // away
@@ -27,7 +27,7 @@ constexpr Rgb8 k_colors[trace::k_state_marks] = {
     {213, 94, 0},      // partial
 };
 constexpr Rgb8 k_untrusted_grey{112, 112, 112};
-constexpr float k_untrusted_share = 0.6f;   // of that grey
+constexpr float k_untrusted_share = 0.6f;   // weight of the grey that is mixed in
 
 struct Entry {
     Rgb8 color;
@@ -60,7 +60,7 @@ int inner_width(Size panel, std::size_t panels)
     return columns_of(panels) * cell_width(panel) - k_gap;
 }
 
-// Pixels a dot of the letters.
+// Returns the size in pixels of one dot of the letters.
 int dot_of(Size panel, std::size_t panels)
 {
     return inner_width(panel, panels) < k_small_image ? 1 : 2;
@@ -83,7 +83,7 @@ Rgb8 mix(const Rgb8& a, const Rgb8& b, float share_of_b)
 // Counts of cells by mark, with and without trust, and of wrong ones, over all panels.
 struct Sums {
     std::size_t trusted[trace::k_state_marks] = {}, untrusted[trace::k_state_marks] = {}, wrong = 0, wrong_behind = 0;
-    std::size_t asked = 0;   // cells with a question
+    std::size_t asked = 0;   // cells where the light could reach the surface
 };
 
 Sums sums_of(const trace::StateMap& map)
@@ -99,7 +99,7 @@ Sums sums_of(const trace::StateMap& map)
     return sums;
 }
 
-// Every figure has the same width, so that a video's legend stands still.
+// Pads every number to the same width, so that the legend of a video does not move.
 std::vector<Entry> legend_of(const Sums& sums, bool paper)
 {
     const auto share = [&](std::size_t count) {
@@ -128,7 +128,7 @@ std::vector<Entry> legend_of(const Sums& sums, bool paper)
     return entries;
 }
 
-// Lays entries out from left to right, in as many lines as they need.
+// Lays out entries from left to right, in as many lines as they need.
 struct Line {
     std::vector<std::size_t> entries;
 };
@@ -200,7 +200,7 @@ Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& 
     Image8 image(size.width, size.height, 3);
     std::fill(image.data.begin(), image.data.end(), k_paper_tone);
 
-    // The panels, each below its title.
+    // Paint the panels, each below its title.
     for (std::size_t i = 0; i < panels; ++i) {
         const PanelPlace at = panel_place(map.size, panels, i);
         image::draw_text(image, titles[i], at.left, at.top - line_height(dot) + dot, map.size.width, dot, k_ink);
@@ -213,7 +213,7 @@ Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& 
             }
     }
 
-    // The legend, laid out as it was measured.
+    // Paint the legend, laid out as it was measured.
     const std::vector<Entry> entries = legend_of(sums_of(map), paper), measured = legend_of({}, paper);
     const int width = inner_width(map.size, panels);
     int top = k_gap + rows_of(panels) * cell_height(map.size, panels);

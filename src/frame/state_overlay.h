@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The image of --overlay shadow-states: a panel for each light, coloured by what was remembered, wrong answers
-// glaring, a legend with shares below. Shapes come from how far a surface faces the viewer.
+// Paints the image of --overlay shadow-states: one panel per light, coloured by the cached shadow states, with wrong
+// results in glaring colours, and a legend with percentages. Shapes are drawn by the angle between surface and viewer.
 
 #include <array>
 #include <string>
@@ -13,16 +13,16 @@ namespace gnomon::frame {
 
 using Rgb8 = std::array<std::uint8_t, 3>;
 
-/// Of a mark where the surface faces the viewer; wrong answers overrule it.
+/// The colour of a mark where the surface faces the viewer; the colour of a wrong result replaces it.
 Rgb8 state_color(trace::StateMark mark);
 inline constexpr Rgb8 k_wrong_color{255, 0, 255}, k_wrong_behind_color{0, 255, 255};
-/// Of one pixel. Wrong answers are not shaded.
+/// The colour of one pixel. Wrong results are not shaded.
 Rgb8 cell_color(const trace::StateCell& cell, std::uint8_t shade);
 
-/// How many pixels the whole image takes: panels in a grid, legend and titles. Both even, as videos need.
+/// Size in pixels of the whole image: panels in a grid, titles and legend. Both sides are even, as videos need.
 Size overlay_size(Size panel, std::size_t panels, bool paper);
 
-/// Where a panel's first pixel lies.
+/// The position of a panel's first pixel.
 struct PanelPlace {
     int left = 0, top = 0;
 };

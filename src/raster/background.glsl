@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies behind everything, as src/scene/light.cpp and environment.cpp have it. Included with `frame` (RasterFrame)
-// and `environment` (texels) declared.
+// Radiance of the background, by the formulas of src/scene/light.cpp and environment.cpp. The including shader declares
+// `frame` (RasterFrame) and `environment` (texels).
 #include "scene/light_shared.h"
 
 vec3 environment_texel(int column, int row)

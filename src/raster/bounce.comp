@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Adds bounced light to the image, from the irradiance that arrives at each pixel's surface. Formula:
+// Adds indirect light to the image, from the irradiance at each pixel's surface. Formula:
 // reflect_irradiance in src/shading/shading.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -41,7 +41,7 @@ void main()
     const float coverage = texelFetch(g_geometric, at, 0).w;
     vec3 radiance = diffuse.xyz * (coverage / k_pi) * texelFetch(irradiance, at, 0).xyz;
     if (model == GNOMON_MODEL_METALLIC_ROUGHNESS) {
-        // What mirror rays bring is not given back again.
+        // Leave out the light that mirror rays bring.
         const vec4 normal = texelFetch(g_normal, at, 0), specular = texelFetch(g_specular, at, 0);
         const vec3 position = texelFetch(g_position, at, 0).xyz;
         const vec3 to_viewer = frame.orthographic != 0 ? -frame.forward : normalize(frame.eye - position);

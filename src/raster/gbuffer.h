@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the rasterised frame knows of each pixel's nearest surface, and the seam where shadows come in.
+// The G-buffer of the rasterised frame, and the interfaces through which shadows and indirect light enter it.
 
 #include "gnomon/types.h"
 #include "gpu_scene/gpu_scene.h"
@@ -13,7 +13,7 @@ namespace gnomon::raster {
 /// One layer of surfaces, of the image's size. Images are sampled (texelFetch) or read as storage images; the format
 /// is four 32-bit floats except for the ids.
 struct GBuffer {
-    vk::Image position;    // xyz: in the world; w: depth along the view's forward axis, 0 where nothing is to be lit
+    vk::Image position;    // xyz: in the world; w: depth along the view's forward axis, 0 where there is no surface
     vk::Image normal;      // xyz: shading normal, unit, on the viewer's side; w: roughness, or Phong's exponent
     vk::Image geometric;   // xyz: geometric normal, likewise; w: coverage
     vk::Image diffuse;     // xyz: reflectance; w: shading model (GNOMON_MODEL_...)
@@ -21,28 +21,27 @@ struct GBuffer {
     vk::Image ids;         // two 32-bit: object + 1 (0: nothing), triangle in the object's mesh
 };
 
-/// Shadows. Asked once for every batch of lights and every layer of surfaces (transparent surfaces come first, nearest
-/// first; pixels that are done have no object).
+/// Shadows. Called once for every batch of lights and every layer of surfaces (transparent surfaces come first, nearest
+/// first; in later layers, a pixel that needs no more surfaces has no object).
 class LightVisibility {
  public:
     virtual ~LightVisibility() = default;
 
     /// Follows one advance() of the state; called once a frame, before any fill.
-    virtual void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state,
-                        const scene::View& view) = 0;
+    virtual void update(vk::Commands& commands, const scene::SceneState& state) = 0;
 
-    /// Records what fills layers 0 ... count - 1 of an array image (8-bit, one channel) with the visibility of lights
-    /// first ... first + count - 1 at the surfaces of `surfaces`: 1 is lit, 0 in shadow, between at filtered edges.
-    /// What faces away from a light need not be marked. The image may be a colour target or a storage image, and its
-    /// former content is of no use.
+    /// Records the passes that fill layers 0 ... count - 1 of an array image (8-bit, one channel) with the visibility
+    /// of lights first ... first + count - 1 at `surfaces`: 1 is lit, 0 in shadow, between at filtered edges. Surfaces
+    /// that face away from a light may have any value. The image may be a colour target or a storage image, and its
+    /// former content is not used.
     virtual void fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
                       const vk::Image& visibility) = 0;
 
-    /// Draw calls, and copies, of the last frame.
+    /// Draw calls and copies of the last frame.
     virtual std::uint64_t draws() const { return 0; }
 };
 
-/// Light that arrives by one bounce. Asked once for every layer of surfaces, as LightVisibility.
+/// Light that arrives by one bounce. Called once for every layer of surfaces.
 class BouncedLight {
  public:
     virtual ~BouncedLight() = default;

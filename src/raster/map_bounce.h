@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Bounced light from light maps in the rasterised frame: all of it on the device (light_quadtree/vulkan).
+// Indirect light from light maps in the rasterised frame, computed on the device (light_quadtree/vulkan).
 
 #include "light_quadtree/vulkan/gpu_map_light.h"
 #include "raster/gbuffer.h"
@@ -33,7 +33,7 @@ class MapBounce final : public BouncedLight {
 
  private:
     light_quadtree::GpuMapLight light_;
-    vk::Buffer count_;   // of this frame's clusters
+    vk::Buffer count_;   // number of this frame's clusters
 };
 
 }   // namespace gnomon::raster

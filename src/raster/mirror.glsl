@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of the light a surface mirrors, as Continuation has it (shading/shading.h).
+// Fraction of the light that a surface mirrors, as in Continuation (shading/shading.h).
 
 float fresnel_dielectric(float cosine, float eta)
 {
@@ -18,7 +18,7 @@ vec3 rough_fresnel(vec3 specular, float roughness, float cosine)
     return specular + (vec3(f90) - specular) * (x * x * x * x * x);
 }
 
-// Of mirror light: what the traced frame asks rays for; the rest is unresolved.
+// Fraction of the mirrored light that the traced frame casts rays for; the rest is unresolved.
 float traced_part(float roughness)
 {
     const float mirror_roughness = 0.12, matte_roughness = 0.45;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// One frame by rasterisation, with deferred shading:
+// Renders one frame by rasterisation, with deferred shading:
 //
 //   cull -> ids of opaque surfaces -> per layer: ids of transparent surfaces -> surfaces -> (shadows) -> lights
-//                                                                                -> (bounced light)
+//                                                                                -> (indirect light)
 //
-// What is drawn is ids alone (draw and triangle). A compute pass then makes each pixel's surface from its triangle, by
-// the formulas and with the ray cone of the traced frame; so both frames see the same surface, texel and normal, and
-// differ where a ray and the rasteriser disagree about an edge.
+// Only ids (draw and triangle) are drawn. A compute pass then makes each pixel's surface from its triangle, by the
+// formulas and with the ray cone of the traced frame. So both frames see the same surface, texel and normal, and differ
+// only where a ray and the rasteriser disagree about an edge.
 //
-// Transparent surfaces are peeled, nearest first, k_transparent_layers of them, and composed front to back. What is
-// left out, against the traced frame: reflection and refraction (as it with max depth 0), except that what lies behind
-// a transparent surface is seen, straight through it.
+// Transparent surfaces are peeled, nearest first, RasterOptions::transparent_layers of them, and composed front to
+// back. Compared with the traced frame, reflection and refraction are left out, as at max depth 0; but surfaces behind
+// a transparent one are seen, straight through it.
 //
-// CPU cost a frame: what moved, and a constant number of passes; no loop over what stands still. A frame depends on the
-// scene, the view and the options alone.
+// CPU cost of a frame: the objects that moved, and a constant number of passes; there is no loop over static objects. A
+// frame depends on the scene, the view and the options alone.
 
 #include "base/image.h"
 #include "gnomon/types.h"
@@ -30,21 +30,21 @@ using IdImage = Image<std::uint32_t>;
 struct RasterOptions {
     int samples = 1;                 // per pixel
     bool layers = false;             // fill all of shading::FrameBuffers, not `color` alone
-    int transparent_layers = 4;      // surfaces in a row that one sees through; the rest of the light is lost
-    std::uint32_t light_batch = 8;   // lights whose shadows are kept at once
-    IdImage* ids = nullptr;          // filled, too: of the first sample
+    int transparent_layers = 4;      // transparent surfaces in a row; light from behind them is lost
+    std::uint32_t light_batch = 8;   // lights whose shadows are held at once
+    IdImage* ids = nullptr;          // optional: filled by the first sample
 };
 
 class RasterFrame {
  public:
-    /// Opens a device and sends the scene there.
+    /// Opens a device and uploads the scene.
     /// @throws MissingError  no suitable device, or too little memory
     explicit RasterFrame(const scene::SceneState& state);
     RasterFrame(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state);
 
-    /// Shadows from now on; null: none.
+    /// Shadows from the next frame on; null: none.
     void set_visibility(std::unique_ptr<LightVisibility> visibility) { visibility_ = std::move(visibility); }
-    /// Bounced light from now on; null: ambient light stands in for it.
+    /// Indirect light from the next frame on; null: ambient light stands in for it.
     void set_bounced(std::unique_ptr<BouncedLight> bounced) { bounced_ = std::move(bounced); }
 
     /// Follows one advance() of the state it was made from; takes effect in the next render(). Call once an advance.
@@ -61,10 +61,15 @@ class RasterFrame {
     const std::vector<vk::PassTiming>& timings() const { return commands_.timings(); }
 
  private:
+    // The images that one sample has read back; empty where the options do not need them.
+    struct Drawn {
+        vk::Buffer counts, ids, diffuse, specular, normal, position, color, direct, indirect, lit;
+    };
     void make_pipelines();
     void fit(Size size, const RasterOptions& options, std::size_t lights);
-    void send_frame(const scene::View& view);
-    shared::DrawPush draw_push(const scene::View& view, glm::vec2 offset) const;
+    void begin_frame(const scene::SceneState& state, const scene::View& view, const RasterOptions& options);
+    Drawn draw_sample(const scene::View& view, const RasterOptions& options, int sample);
+    void store_sample(const Drawn& drawn, const RasterOptions& options, int sample, shading::FrameBuffers& out);
     void draw_ids(const shared::DrawPush& push);
     void peel(const shared::DrawPush& push, const vk::Image& last_depth, const vk::Image& depth);
     void draw_groups(vk::Recorder& r, scene::SurfaceClass surface) const;
@@ -88,8 +93,5 @@ class RasterFrame {
     vk::Image color_, direct_, indirect_, irradiance_, through_, share_, lights_visible_;
     float unlimited_far_ = 0;   // where an orthographic view without a far plane ends
 };
-
-/// Planes of a view that point inwards, for culling: left, right, bottom, top, near, far.
-void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6]);
 
 }   // namespace gnomon::raster

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifndef GNOMON_RASTER_SHARED_H
 #define GNOMON_RASTER_SHARED_H
-// What the rasterised frame's shaders share with the host. Layout: scalar.
+// Structures shared by the rasterised frame's shaders and the host. Layout: scalar.
 
 #include "vk/shared_types.h"
 
@@ -19,7 +19,7 @@ struct RasterFrame {
     float pixel_spread;
     float pixel_width;
     uint background;   // as scene::Background::Kind: color, sky, image
-    uint stand_in;     // ambient light stands in for bounced light
+    uint stand_in;     // ambient light stands in for indirect light
     vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
     vec3 ambient;
     uint environment_width, environment_height;
@@ -30,13 +30,13 @@ struct RasterFrame {
 #define GNOMON_BACKGROUND_SKY 1u
 #define GNOMON_BACKGROUND_IMAGE 2u
 
-/// Of drawing ids.
+/// Push constants of drawing ids.
 struct DrawPush {
     mat4 clip_from_offset;   // of a point's offset from the eye
     vec3 eye;
 };
 
-/// Of making surfaces from ids.
+/// Push constants of making surfaces from ids.
 struct ResolvePush {
     vec2 sample_offset;   // in the pixel
     float weight;         // of the sample
@@ -45,17 +45,17 @@ struct ResolvePush {
     uint last;            // of the sample's layers
 };
 
-/// Of lighting.
+/// Push constants of lighting.
 struct ShadePush {
     uint first_light, light_count;
-    uint shadowed;   // `visibility` counts
+    uint shadowed;   // `visibility` is filled
     uint colors;     // add to the image and, of `layers`, to direct light
     uint layers;
-    uint first_lit, lit_count;   // of the lights: those whose layers of what is lit are bound; add to them
+    uint first_lit, lit_count;   // the lights whose layers of lit pixels are bound, to be added to
     uint lit_pixels;             // from one such layer to the next
 };
 
-/// Of adding bounced light.
+/// Push constants of adding indirect light.
 struct BouncePush {
     uint layers;   // also add to the layer of indirect light
 };

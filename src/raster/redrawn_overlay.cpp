@@ -11,7 +11,7 @@ namespace gnomon::raster {
 
 namespace {
 
-// Brightness of the image below the colours: a marked object is seen in the dark, too.
+// Brightness of the image below the colours. The floor keeps marked objects visible in the dark.
 constexpr float k_grey_share = 0.6f, k_mark_floor = 0.25f;
 
 glm::vec3 tint_of(Redrawn what)
@@ -39,7 +39,7 @@ std::vector<Redrawn> redrawn_objects(const light_views::LightViews& views)
         if (!view.shown) continue;
         for (const auto& settle : view.plan.settle) mark(settle.object, Redrawn::settled);
         for (const auto& redraw : view.plan.redraw) mark(redraw.object, Redrawn::repaired);
-        // Where the light itself moves, what stands still is drawn as if it moved.
+        // Where the light itself moves, static objects are drawn as if they moved.
         for (const scene::ObjectId object : view.plan.dynamics)
             mark(object, views.is_dynamic(object) ? Redrawn::moved : Redrawn::repaired);
     }

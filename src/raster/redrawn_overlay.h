@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The overlay of what was redrawn: the image in grey, and each object in the colour of what the light views did with
-// it in this frame. Grey: nothing; its depths were kept.
+// Paints the overlay of redrawn objects: the image in grey, and over it each object that the light views drew in this
+// frame, in a colour that says why. Objects whose depths were kept stay grey.
 //
 // Cost: O(objects + pixels).
 
@@ -10,18 +10,18 @@
 
 namespace gnomon::raster {
 
-/// In ascending order of what counts where an object was drawn into several views.
+/// In ascending order: of an object drawn into several views, the highest value counts.
 enum class Redrawn : std::uint8_t {
     kept,       // not drawn
-    settled,    // green: has come to rest, and was drawn to stay
-    repaired,   // yellow: stands still, and was drawn again where something has left, or because its light changed
-    moved       // red: moves, and was drawn on top of what stands still
+    settled,    // green: came to rest, and was drawn into the static depths
+    repaired,   // yellow: is static, and was drawn again where an object has left, or because its light changed
+    moved       // red: moves, and was drawn on top of the static depths
 };
 
-/// By object, of the views' last update.
+/// By object, for the views' last update.
 std::vector<Redrawn> redrawn_objects(const light_views::LightViews& views);
 
-/// Paints over an image in linear light, as it is to be shown: exposed, within 0 to 1.
+/// Paints over an image in linear light; the result is exposed, within 0 to 1.
 /// @param ids       object + 1 of each pixel, 0 for none, and another number
 /// @param exposure  in stops, of `color`
 void paint_redrawn(const IdImage& ids, const std::vector<Redrawn>& objects, double exposure, ImageF& color);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Ids to surfaces: fills the G-buffer for one layer, adds what needs no light (emission, ambient light, the background),
-// and says how much of what lies behind is seen.
+// Makes surfaces from ids: fills the G-buffer for one layer, adds emission, ambient light and the background, and
+// stores the weight of the surfaces behind this layer.
 //
-// With reflection and refraction left out, as the traced frame at max depth 0; but what lies behind a transparent
-// surface is seen straight through it.
+// Reflection and refraction are left out, as in the traced frame at max depth 0; but surfaces behind a transparent one
+// are seen straight through it.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #define GNOMON_OBJECTS 0
@@ -41,7 +41,7 @@ layout(push_constant, scalar) uniform Push { ResolvePush push; };
 #include "raster/mirror.glsl"
 #include "raster/surface.glsl"
 
-// Mirror light of rough surfaces, taken from the background alone (Continuation::unresolved_share).
+// Mirrored light of rough surfaces, taken from the background alone (Continuation::unresolved_share).
 vec3 unresolved_mirror(Surface s)
 {
     if (s.model != GNOMON_MODEL_METALLIC_ROUGHNESS || s.transmitted != vec3(0) || s.specular == vec3(0)) return vec3(0);
@@ -54,7 +54,7 @@ vec3 unresolved_mirror(Surface s)
     return fresnel * (1 - traced) * s.coverage * background_ambient(normalize(reflected));
 }
 
-// What stands in for light from everywhere, and what of it is there beside bounced light (ambient_light in shading.cpp).
+// Ambient light, in full or as it is beside indirect light (ambient_light in shading.cpp).
 vec3 ambient_light(Surface s)
 {
     const bool whitted = s.model == GNOMON_MODEL_WHITTED;
@@ -66,7 +66,7 @@ vec3 ambient_light(Surface s)
     return result;
 }
 
-// What is seen of what lies straight behind.
+// Weight of the surfaces straight behind.
 vec3 passes(Surface s)
 {
     vec3 result = vec3(1 - s.coverage);
@@ -99,7 +99,7 @@ void main()
         return;
     }
 
-    // The pixel's ray, as View::ray makes it.
+    // Make the pixel's ray, as View::ray does.
     const float sx = 2 * (float(at.x) + push.sample_offset.x) / float(frame.width) - 1;
     const float sy = 1 - 2 * (float(at.y) + push.sample_offset.y) / float(frame.height);
     vec3 origin = frame.eye, direction = frame.forward;

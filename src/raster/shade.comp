@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Adds some lights to the image, from the G-buffer. Formulas: src/shading/shading.cpp and src/scene/light.cpp.
+// Adds the direct light of a batch of lights to the image, from the G-buffer. Formulas: src/shading/shading.cpp and
+// src/scene/light.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"

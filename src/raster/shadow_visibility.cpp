@@ -29,8 +29,7 @@ ShadowVisibility::ShadowVisibility(const std::shared_ptr<vk::Device>& device, co
         textures_ = std::make_unique<shadow_textures::GpuTextures>(device, views_);
 }
 
-void ShadowVisibility::update(vk::Commands& commands, const gpu_scene::GpuScene&, const scene::SceneState& state,
-                              const scene::View&)
+void ShadowVisibility::update(vk::Commands& commands, const scene::SceneState& state)
 {
     views_.update(state);
     casters_.update(commands, state);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Shadows of the rasterised frame: light views that follow what moves, and shadow textures looked up in them.
+// Shadows of the rasterised frame, from shadow textures that are looked up in light views.
 //
-// Coherent: light views keep what stood still, and the item of each texel stands for all receivers' textures at once
-// (see shadow_textures/vulkan/gpu_textures.h). By depth, and by casters between: everything is drawn anew in every
-// frame, and each receiver's own texture is looked up; the same images, at their methods' cost.
+// ShadowTextures::coherent: light views keep the depths of static objects, and the item of each texel takes the place
+// of all receivers' textures (see shadow_textures/vulkan/gpu_textures.h). ShadowTextures::depth and per_caster draw
+// everything anew in every frame and look up each receiver's own texture: the same images, at those methods' cost.
 
 #include "gnomon/renderer.h"
 #include "light_views/light_views.h"
@@ -16,7 +16,7 @@ namespace gnomon::raster {
 struct ShadowOptions {
     ShadowTextures method = ShadowTextures::coherent;   // not off
     shadow_textures::LookupOptions look_up;
-    /// Finer than a light view is by default: edges of shadows are looked at closely here.
+    /// Finer than the default of light views, because the edges of shadows are seen closely here.
     light_views::AtlasOptions atlas{.view_size = 2048, .budget_texels = 1 << 25};
 };
 
@@ -26,8 +26,7 @@ class ShadowVisibility final : public LightVisibility {
     ShadowVisibility(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                      const ShadowOptions& options = {});
 
-    void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state,
-                const scene::View& view) override;
+    void update(vk::Commands& commands, const scene::SceneState& state) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
               const vk::Image& visibility) override;
     std::uint64_t draws() const override { return draws_; }
@@ -39,9 +38,9 @@ class ShadowVisibility final : public LightVisibility {
     light_views::LightViews views_;
     light_views::CasterGeometry casters_;
     light_views::GpuLightViews buffers_;
-    std::unique_ptr<shadow_textures::GpuTextures> textures_;   // null: items are looked up
+    std::unique_ptr<shadow_textures::GpuTextures> textures_;   // null: coherent
     shadow_textures::GpuVisibility visibility_;
-    std::unique_ptr<shadow_textures::HardVisibility> hard_;   // where edges are hard
+    std::unique_ptr<shadow_textures::HardVisibility> hard_;   // null: filtered edges
     std::uint64_t draws_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pixel's triangle made into a point to shade, as src/shading/surface.cpp does it. Included after
-// gpu_scene/scene_data.glsl, with `positions` and `normals` (floats, three a vertex) and `indices` declared.
+// Makes a point to shade from a pixel's triangle, as src/shading/surface.cpp does. Included after
+// gpu_scene/scene_data.glsl, with `positions` and `normals` (three floats per vertex) and `indices` declared.
 
 struct Surface {
     vec3 position;
@@ -15,13 +15,13 @@ struct Surface {
     float distance;
 };
 
-// The triangle, and where on it the ray meets it.
+// The triangle, and the place on it where the ray meets it.
 struct Triangle {
     uint object;
-    uvec3 corner;   // vertices, in the mesh's own numbers
+    uvec3 corner;   // vertices of the mesh
     vec3 p[3];
     float u, v;
-    vec2 along, across;   // what the pixel covers, as steps in u and v
+    vec2 along, across;   // the pixel's footprint, as steps in u and v
 };
 
 vec3 fetch3(uint which, uint vertex)   // 0: position, 1: normal
@@ -53,7 +53,7 @@ vec4 look_up(Triangle t, GpuTextureUse use)
                           apply_to_step(use, t.across.x * a + t.across.y * b));
 }
 
-// As find_footprint in src/shading/surface.cpp.
+// Finds the footprint, as find_footprint in src/shading/surface.cpp.
 void find_footprint(inout Triangle t, float double_area, vec3 normal, vec3 direction, float width)
 {
     const float k_least_sine = 1e-4, k_least_cosine = 0.02;
@@ -150,7 +150,8 @@ void fill_material(Triangle t, GpuMaterial m, inout Surface s)
         s.ambient *= 1 + m.occlusion_strength * (look_up(t, m.occlusion_texture).x - 1);
 }
 
-// Where the ray meets the triangle's plane [Moller and Trumbore 1997]; its middle where it is seen edge-on.
+// Finds where the ray meets the triangle's plane [Moller and Trumbore 1997]; the triangle's middle where it is seen
+// edge-on.
 void meet(inout Triangle t, vec3 origin, vec3 direction, out float distance)
 {
     const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
@@ -165,7 +166,7 @@ void meet(inout Triangle t, vec3 origin, vec3 direction, out float distance)
         t.u = t.v = 1 / 3.0;
         distance = dot((t.p[0] + t.p[1] + t.p[2]) / 3 - origin, direction);
     }
-    // The pixel's centre may lie a rounding beyond an edge.
+    // Clamp, because the pixel's centre may lie beyond an edge by rounding.
     t.u = clamp(t.u, 0, 1);
     t.v = clamp(t.v, 0, 1);
 }
@@ -188,7 +189,7 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
     s.position = w * t.p[0] + t.u * t.p[1] + t.v * t.p[2];
     s.to_viewer = -direction;
 
-    // Find which side was met. A mirroring transform turns the winding round, not the outside inside.
+    // Find which side was met. A mirroring transform reverses the winding, not inside and outside.
     const vec3 normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
     const float double_area = sqrt(dot(normal, normal));
     vec3 outward = double_area > 0 ? normal / double_area : -direction;
@@ -198,7 +199,7 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
     s.normal = s.geometric_normal;
     const uint first = objects.at[object].normals;
     if (first != GNOMON_NONE) {
-        // Unit at the corners already, as baked vertices are: a scale that differs by axis would weigh them otherwise.
+        // Normalise at the corners first, as baked vertices are: a non-uniform scale would weight them differently.
         const mat3 turn = mat3(objects.at[object].normal_x, objects.at[object].normal_y, objects.at[object].normal_z);
         vec3 turned = vec3(0);
         for (int c = 0; c < 3; ++c) {

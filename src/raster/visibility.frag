@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Which draw's which triangle a pixel shows: all that the later passes need to make its surface.
+// Stores the ids of draw and triangle, from which later passes make the pixel's surface.
 layout(location = 0) flat in uint draw;
 layout(location = 0) out uvec2 id;
 

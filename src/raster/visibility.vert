@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// Places one vertex of one draw. The offset from the eye is taken first: far from the origin it is exact where the
-// product of matrices is not.
+// Transforms one vertex of one draw. The offset from the eye is computed first, because far from the origin it is exact
+// where a product of matrices is not.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "gpu_scene/gpu_scene_shared.h"

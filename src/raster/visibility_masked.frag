@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// As visibility.frag, with the holes of masked surfaces: where texture, factor and vertex colour together do not reach
-// the cutoff.
+// As visibility.frag, and discards where a masked surface's alpha (texture, factor and vertex colour) is below the
+// cutoff.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #define GNOMON_OBJECTS 0

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-// As visibility.vert, with what decides on holes.
+// As visibility.vert, with the inputs of the alpha test.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #define GNOMON_OBJECTS 0

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// One layer of transparent surfaces [Everitt 2001, "Interactive Order-Independent Transparency"]: the nearest that lies
-// before everything opaque and behind the layer before. Depths are reversed: nearer is greater.
+// Draws one layer of transparent surfaces [Everitt 2001, "Interactive Order-Independent Transparency"]: the nearest in
+// front of all opaque surfaces and behind the layer before. Depths are reversed: nearer is greater.
 layout(binding = 2) uniform texture2D opaque_depth;
 layout(binding = 3) uniform texture2D last_depth;
 layout(location = 0) flat in uint draw;

@@ -10,9 +10,9 @@ namespace gnomon::raster {
 
 namespace {
 
-constexpr int k_tile = 32;   // pixels a side, asked for together
+constexpr int k_tile = 32;   // pixels a side, lit as one batch
 
-// Where a point of a triangle lies on it.
+// Returns the barycentric coordinates of a point of a triangle.
 glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
 {
     const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = at - p[0];
@@ -47,7 +47,7 @@ void VisibleBounce::update(vk::Commands& commands, const gpu_scene::GpuScene& sc
     if (on_device_ && on_device_->rays()) {
         on_device_->rays()->update(commands, scene, state);
     } else if (on_device_ && DeviceRays::supported(*device_)) {
-        commands.submit();   // it builds from the scene as it is on the device
+        commands.submit();   // because it builds from the scene on the device
         on_device_->trace_with(std::make_unique<DeviceRays>(device_, scene, state), scene);
     }
     light_.update(state, rays_, tasks_);
@@ -63,7 +63,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
                      ids = commands.read_back(surfaces.ids);
     commands.submit();
 
-    // Light the surfaces, tile by tile, as the traced frame does.
+    // Light the surfaces tile by tile, as the traced frame does.
     const int width = view.size.width, height = view.size.height;
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     arrives_.assign(pixels, glm::vec4(0));
@@ -103,7 +103,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
     };
     light_.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), batches_, tasks_, light_tile);
 
-    // Send what arrives.
+    // Send the irradiance to the device.
     if (sent_.bytes() != pixels * sizeof(glm::vec4))
         sent_ = vk::Buffer(device_, "bounced light", pixels * sizeof(glm::vec4));
     const vk::Upload upload = vk::upload_of(sent_, std::span<const glm::vec4>(arrives_));

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Bounced light with shadows in the rasterised frame: the surfaces are the device's, the light is that of the traced
-// frame's remembered points (irradiance_cache/irradiance_cache.h). The processor finds which points speak for a pixel;
-// cuts and sums of points are its own or the device's.
+// Indirect light with visibility in the rasterised frame: the surfaces that the device drew are lit from the irradiance
+// cache of the traced frame (irradiance_cache/irradiance_cache.h). The CPU finds the cache points of each pixel; cuts
+// and sums of points are computed by the CPU or the device.
 //
-// Each layer's surfaces are read back, lit, and what arrives is sent to the device: a wait for the device a layer, 72
-// bytes a pixel down and 16 up. A pixel's light is that of the traced frame wherever both see the same surface.
+// Each layer's surfaces are read back and lit, and the irradiance is sent to the device. This costs one wait for the
+// device per layer, and per pixel 72 bytes down and 16 bytes up. A pixel's light equals that of the traced frame
+// wherever both see the same surface.
 
 #include "base/tasks.h"
 #include "irradiance_cache/irradiance_cache.h"
@@ -20,8 +21,8 @@ namespace gnomon::raster {
 class VisibleBounce final : public BouncedLight {
  public:
     /// @param rays       follows the state before every frame; like `tasks`, must outlive this
-    /// @param on_device  cuts and sums are the device's (irradiance_cache/vulkan/gpu_points.h); so are rays of points,
-    /// if it traces rays (device_rays.h), from the first update() on
+    /// @param on_device  the device computes cuts and sums (irradiance_cache/vulkan/gpu_points.h) and, if it traces
+    /// rays (device_rays.h), from the first update() on also casts the rays of points
     /// @throws MissingError  too little device memory
     VisibleBounce(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state, const ray::RayScene& rays,
                   const irradiance_cache::CacheOptions& options, bool on_device, Tasks& tasks);
@@ -43,7 +44,7 @@ class VisibleBounce final : public BouncedLight {
     const ray::RayScene& rays_;
     Tasks& tasks_;
     irradiance_cache::IrradianceCache light_;
-    irradiance_cache::GpuPoints* on_device_ = nullptr;   // its engine, if cuts and sums are the device's
+    irradiance_cache::GpuPoints* on_device_ = nullptr;   // the cache's engine; null: the CPU computes cuts and sums
     std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches_;   // by thread
     std::vector<Scratch> scratch_;
     std::vector<glm::vec4> arrives_;   // by pixel

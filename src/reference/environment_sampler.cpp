@@ -9,14 +9,14 @@ namespace {
 
 constexpr int k_columns = 1024, k_rows = 512;   // of the grid, at most
 
-// Solid angle of one of `columns` cells between two rows' edges.
+// Returns the solid angle of one of `columns` cells between two rows' edges.
 double solid_angle(int row, int rows, int columns)
 {
     const double above = std::cos(k_pi * row / rows), below = std::cos(k_pi * (row + 1) / rows);
     return 2 * k_pi / columns * (above - below);
 }
 
-// Which part of a list of running sums a share of the last falls into, and how far into it.
+// Finds the entry of a list of running sums that contains a fraction of the total, and the position within it.
 std::pair<int, double> find_part(const double* sums, int count, double share)
 {
     const double wanted = share * sums[count - 1];
@@ -46,7 +46,7 @@ EnvironmentSampler::EnvironmentSampler(const scene::Environment& environment)
         }
     }
 
-    // Make running sums of them.
+    // Accumulate the sums.
     for (std::size_t y = 0; y < rows; ++y) {
         for (std::size_t x = 1; x < columns; ++x) cells_[y * columns + x] += cells_[y * columns + x - 1];
         total_ += cells_[y * columns + columns - 1];
@@ -68,7 +68,7 @@ glm::vec3 EnvironmentSampler::sample(float u, float v, float& density) const
     const auto [x, across] = find_part(row, width_, static_cast<double>(u));
     density = cell_density(x, y);
 
-    // Even by solid angle within the cell: even in longitude and in height.
+    // Sample the cell uniformly by solid angle: uniformly in longitude and in height.
     const double above = std::cos(k_pi * y / height_), below = std::cos(k_pi * (y + 1) / height_);
     const double height = above + down * (below - above);
     return scene::Environment::direction_at((x + across) / width_, std::acos(std::clamp(height, -1.0, 1.0)) / k_pi);

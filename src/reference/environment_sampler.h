@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Directions towards the bright parts of an image of the surroundings, for the reference's light from there.
+// Samples directions towards the bright parts of an environment image, for the path-traced reference.
 //
 // The density is constant over each cell of a grid that is no finer than the image, in proportion to the cell's mean
-// luminance. It may be 0 where a blend of texels still is not black; so it is for use beside cosine sampling, weighted
-// by the balance heuristic [Veach and Guibas 1995], which reaches every direction.
+// luminance. It may be 0 where interpolated texels are not black; so it is to be combined with cosine sampling, which
+// reaches every direction, by the balance heuristic [Veach and Guibas 1995].
 //
 // Cost: one pass over the image; a sample is two binary searches.
 
@@ -18,11 +18,11 @@ class EnvironmentSampler {
  public:
     explicit EnvironmentSampler(const scene::Environment& environment);
 
-    /// A black image has no directions.
+    /// True for a black image, which has no directions to sample.
     bool empty() const { return rows_.empty() || !(total_ > 0); }
-    /// u, v in [0, 1). Not for an empty one. @return unit; `density` per steradian, above 0
+    /// u, v in [0, 1). Not when empty(). @return unit direction; `density` per steradian, above 0
     glm::vec3 sample(float u, float v, float& density) const;
-    /// Per steradian, of sample() returning this unit direction.
+    /// The density per steradian with which sample() returns this unit direction.
     float density(const glm::vec3& direction) const;
 
  private:

@@ -9,7 +9,7 @@
 namespace gnomon::reference {
 
 namespace {
-constexpr std::size_t k_paths_of_task = 4096;   // a task traces about so many
+constexpr std::size_t k_paths_of_task = 4096;   // paths of one task, about
 }   // namespace
 
 IrradiancePoint irradiance_point(const shading::SurfacePoint& s, std::uint64_t key)

@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The reference: indirect light by brute force, at given points of surfaces, with its own error.
+// Computes indirect irradiance at points of surfaces by path tracing, with an estimate of its error: the reference for
+// the faster methods.
 //
-// A path tracer for light that diffuse surfaces send on [Kajiya 1986, "The Rendering Equation"]: from a point, rays in
-// proportion to the cosine; where one meets a surface, a lamp is asked for directly, by a shadow ray (next-event
-// estimation), and the path goes on, as often as there are bounces. Nothing is remembered, nothing is filtered, nothing
-// is clamped: the estimate is unbiased, and its spread between batches says how far off it is.
+// Paths follow the light that diffuse surfaces reflect [Kajiya 1986, "The Rendering Equation"]. From a point, rays are
+// distributed in proportion to the cosine. Where a ray meets a surface, one light is sampled by a shadow ray
+// (next-event estimation), and the path continues for the given number of bounces. Nothing is cached, filtered or
+// clamped: the estimate is unbiased, and the spread between batches of samples gives its error.
 //
-// What counts, here as for every kind of indirect light in this library:
-//   - Surfaces reflect their `diffuse` share, evenly to all sides; both sides of a one-sided surface do.
-//   - Mirrors and glass throw no light on other surfaces. What does not block a shadow ray does not block this light.
-//   - Lights: all of the scene, whatever their falloff. Several are asked one at a time, chosen at random in proportion
-//     to what each would add unshadowed.
-//   - Irradiance is the integral of radiance times the cosine. AFF, whose lights lack a factor of pi, counts in
-//   radiance
-//     as its images show it; so for every material: radiance sent on = diffuse / pi * irradiance.
-// With `surroundings`, what lies behind everything lights the points too: the sky and an image of the surroundings
-// themselves, instead of the lights that stand for the image (by both kinds of sampling, weighted by the balance
-// heuristic [Veach and Guibas 1995]). With `shining`, surfaces that shine by themselves do so too; else lights alone
-// light, which scenes without any get in place of such surfaces (scene/defaults/emissive_lights.h).
+// The rules, here as for every kind of indirect light in this library:
+//   - Surfaces reflect the fraction `diffuse`, equally in all directions, on both sides of a one-sided surface as well.
+//   - Mirrors and glass cast no light on other surfaces. A surface that does not block shadow rays does not block
+//     indirect light.
+//   - All lights of the scene take part, whatever their falloff. One of them is sampled at a time, with a probability
+//   in
+//     proportion to its unshadowed contribution.
+//   - Irradiance is the integral of radiance times the cosine. The lights of AFF lack a factor of pi, and its radiance
+//   is
+//     that of its images; so for every material: reflected radiance = diffuse / pi * irradiance.
+// With `surroundings`, the background lights the points too: the sky, and the environment image in place of the lights
+// that approximate it (by both kinds of sampling, combined by the balance heuristic [Veach and Guibas 1995]). With
+// `shining`, emissive surfaces emit light. Otherwise lights alone do; scenes without lights get some in place of their
+// emissive surfaces (scene/defaults/emissive_lights.h).
 //
-// The same for any number of threads. A point's random numbers depend on the seed and its key alone.
-// Cost: a sample is one ray and at most one shadow ray a bounce, in packets.
+// The result is the same for any number of threads: a point's random numbers depend on the seed and its key alone.
+// Cost: a sample is one ray and at most one shadow ray per bounce, in packets.
 
 #include <memory>
 #include <span>
@@ -41,17 +44,17 @@ struct ReferenceOptions {
     int samples = 1024;   // paths a point, 1 or more
     int bounces = 1;      // diffuse bounces after the first surface that light meets, 0 or more
     std::uint64_t seed = 0;
-    bool surroundings = false;   // also light that is no lamp's (see above)
+    bool surroundings = false;   // also light from the background (see above)
     bool shining = false;
 };
 
-/// Where light is asked for.
+/// A point whose irradiance is computed.
 struct IrradiancePoint {
     glm::vec3 position{0};
     glm::vec3 geometric_normal{0};   // unit, on the side that is lit
     glm::vec3 normal{0};             // unit, shading; on that side too
     float offset = 0;                // how far along the geometric normal rays must start
-    std::uint64_t key = 0;           // chooses its random numbers: points with equal keys have the same
+    std::uint64_t key = 0;           // seed of its random numbers, with ReferenceOptions::seed
 };
 
 /// The point of a triangle that a ray met at (1-u-v) p0 + u p1 + v p2, on the side towards `to_viewer`.
@@ -60,11 +63,11 @@ IrradiancePoint irradiance_point(const scene::Scene& scene, const ray::RayScene&
                                  std::uint64_t key);
 IrradiancePoint irradiance_point(const shading::SurfacePoint& surface, std::uint64_t key);
 
-/// What a point gets, three channels each; not what lamps add without a bounce.
+/// Irradiance at a point, without the direct light of the lights.
 struct IrradianceEstimate {
-    glm::vec3 indirect{0};         // after one to `bounces` bounces
-    glm::vec3 surroundings{0};     // with none, from the sky, an image of the surroundings, shining surfaces
-    glm::vec3 indirect_error{0};   // standard error of `indirect`; 0 with one sample, which cannot tell
+    glm::vec3 indirect{0};         // after 1 to `bounces` bounces
+    glm::vec3 surroundings{0};     // without a bounce: from the sky, the environment image and emissive surfaces
+    glm::vec3 indirect_error{0};   // standard error of `indirect`; 0 with one sample
     glm::vec3 error{0};            // of the sum
 };
 
@@ -82,12 +85,12 @@ std::vector<IrradianceEstimate> reference_irradiance(const scene::SceneState& st
                                                      ReferenceCounters* counters = nullptr,
                                                      const Progress& progress = {});
 
-/// What all paths of a frame read.
+/// The data of a frame that all its paths read.
 class ReferenceLight {
  public:
     ReferenceLight(const scene::SceneState& state, const ray::RayScene& rays, const ReferenceOptions& options);
 
-    /// Whether this light's own, unbounced light is the lamp's to give (and not the surroundings').
+    /// Whether the direct light of this light is to be added. Otherwise it is part of the surroundings.
     bool uses(const scene::Light& light) const { return !(options_.surroundings && light.of_environment); }
     const ReferenceOptions& options() const { return options_; }
 
@@ -96,15 +99,15 @@ class ReferenceLight {
     const scene::SceneState& state_;
     const ray::RayScene& rays_;
     ReferenceOptions options_;
-    std::vector<scene::LightId> lights_;   // that shine
+    std::vector<scene::LightId> lights_;   // that emit light
     scene::Background background_;         // without the sun, which is a light
     bool background_shines_ = false;
     bool surfaces_shine_ = false;
-    bool transparent_ = false;                          // something does not block light
+    bool transparent_ = false;                          // some materials do not block light
     std::unique_ptr<EnvironmentSampler> environment_;   // null: none to sample
 };
 
-/// Paths in bulk, with the memory they need. One a thread.
+/// Traces paths in bulk. One object per thread; its memory is reused.
 class ReferencePaths {
  public:
     explicit ReferencePaths(const ReferenceLight& light) : light_(light) {}
@@ -118,12 +121,12 @@ class ReferencePaths {
     const ReferenceCounters& counters() const { return counters_; }
 
  private:
-    // A path and the surface that it stands on.
+    // A path and its last surface.
     struct Path {
         Random random;
-        glm::vec3 position, origin;   // of the surface; of rays from it
+        glm::vec3 position, origin;   // the surface point; the origin of rays from it
         glm::vec3 geometric_normal, normal;
-        glm::vec3 weight;      // irradiance at the path's start for irradiance here
+        glm::vec3 weight;      // throughput: irradiance at the path's start per irradiance here
         glm::vec3 direction;   // of its next ray
         glm::vec3 indirect, surroundings;
         bool aff = false;   // the surface counts irradiance as AFF does
@@ -144,7 +147,8 @@ class ReferencePaths {
     SamplePattern pattern_;
     std::vector<Path> paths_;
     ray::RayQueue rays_, shadow_rays_, passing_;
-    std::vector<std::uint32_t> ray_path_, shadow_path_, standing_;   // whose ray; paths that still stand on a surface
+    std::vector<std::uint32_t> ray_path_, shadow_path_,
+        standing_;   // by ray: its path; paths that still have a surface
     std::vector<glm::vec3> shadow_gain_;
     std::vector<float> light_chance_;
     ray::Hits hits_, next_hits_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paths of the reference, many at a time: all rays of one bounce wait in a queue and are traced together.
+// Traces the paths of the reference, many at a time: all rays of one bounce wait in a queue and are traced together.
 #include <algorithm>
 
 #include "base/check.h"
@@ -10,19 +10,19 @@ namespace gnomon::reference {
 
 namespace {
 
-// Batches of a point's samples: their spread gives the error with 15 degrees of freedom, while each is still large
-// enough to profit from even sampling.
+// Batches of a point's samples. Their spread gives the error with 15 degrees of freedom, while each batch is still
+// large enough to profit from stratified sampling.
 constexpr int k_batches = 16;
-constexpr int k_least_batch = 4;   // smaller ones are not worth it: every sample is then a batch of its own
+constexpr int k_least_batch = 4;   // samples; for fewer, every sample is a batch of its own
 constexpr std::size_t k_paths_at_once = 2048;
 
-// Paths that carry little end at random from this bounce on; those that go on make up for it.
+// Paths of low throughput end at random from this bounce on; the weight of those that continue compensates.
 constexpr int k_first_roulette = 4;
 constexpr float k_least_survival = 0.1f;
 
-// Surfaces that do not block light: a ray passes this many, then it is lost.
+// A ray passes at most this many surfaces that do not block light; then it is lost.
 constexpr int k_most_passes = 64;
-constexpr float k_least_cosine = 1e-2f;   // at which a ray passes them
+constexpr float k_least_cosine = 1e-2f;   // least cosine taken for a ray that passes them
 
 constexpr auto k_float_pi = static_cast<float>(k_pi);
 
@@ -33,7 +33,7 @@ int batches_of(int samples)
 
 }   // namespace
 
-// Mean and standard error of one point's samples, which come batch by batch.
+// Accumulates mean and standard error of one point's samples, batch by batch.
 class ReferencePaths::Sum {
  public:
     explicit Sum(int samples) : samples_(samples), batches_(batches_of(samples)) {}
@@ -47,7 +47,7 @@ class ReferencePaths::Sum {
         part_[0] += glm::dvec3(path.indirect);
         part_[1] += glm::dvec3(path.surroundings);
         if (++in_batch_ < batch_size(batch_)) return;
-        // A batch weighs as much as it has samples.
+        // Weight a batch by its number of samples.
         const double weight = static_cast<double>(in_batch_) / samples_;
         const double mean_of = 1.0 / in_batch_;
         const glm::dvec3 mean[3] = {mean_of * part_[0], mean_of * part_[1], mean_of * (part_[0] + part_[1])};
@@ -90,7 +90,7 @@ class ReferencePaths::Sum {
 
 void ReferencePaths::estimate(std::span<const Request> requests, IrradianceEstimate* out)
 {
-    // Fill up paths, run them, and hand them out in the order they were made.
+    // Start as many paths as fit, trace them, and add them up in the order they were started.
     std::vector<Sum> sums;
     sums.reserve(requests.size());
     for (const Request& request : requests) sums.emplace_back(request.samples);
@@ -152,7 +152,7 @@ void ReferencePaths::run_paths()
     }
 }
 
-// From where each path stands, look towards the bright parts of the surroundings.
+// Samples the bright parts of the environment image from the surface of each path.
 void ReferencePaths::ask_environment(int bounce)
 {
     if (!light_.environment_) return;
@@ -172,8 +172,8 @@ void ReferencePaths::ask_environment(int bounce)
     trace_shadows(bounce == 0);
 }
 
-// Sends each standing path on. Those that meet a surface stand there, the others are done.
-// @return whether any still stands and may bounce
+// Continues each path to the next surface. A path that meets none is done.
+// @return whether any path met a surface and may bounce
 bool ReferencePaths::trace_on(int bounce)
 {
     const bool last = bounce >= light_.options_.bounces;
@@ -181,7 +181,7 @@ bool ReferencePaths::trace_on(int bounce)
     rays_.clear(), ray_path_.clear();
     for (const std::uint32_t i : standing_) {
         const Path& path = paths_[i];
-        // A shading normal's horizon may lie below the surface's own.
+        // A direction above the shading normal's horizon may lie below the surface's.
         if (glm::dot(path.direction, path.geometric_normal) <= 0) continue;
         rays_.push(path.origin, 0, path.direction, k_infinity);
         ray_path_.push_back(i);
@@ -203,7 +203,7 @@ bool ReferencePaths::trace_on(int bounce)
         gain(path, radiance);
     };
 
-    // The last ray need only know whether it leaves the scene.
+    // The last ray only needs to know whether it leaves the scene.
     if (last && !light_.surfaces_shine_) {
         occluded_.resize(count + ray::k_packet_pad);
         light_.rays_.occluded(rays_, 0, count, occluded_.data());
@@ -235,7 +235,7 @@ bool ReferencePaths::trace_on(int bounce)
     return !standing_.empty();
 }
 
-// Rays that met what does not block light go on behind it.
+// Continues rays that met a surface that does not block light, behind it.
 void ReferencePaths::pass_transparent()
 {
     const scene::Scene& scene = light_.state_.scene();
@@ -250,7 +250,7 @@ void ReferencePaths::pass_transparent()
         passing_.clear(), passing_ray_.clear();
         for (std::uint32_t r = 0; r < rays_.size(); ++r) {
             if (blocks(r)) continue;
-            // Behind the surface by what a hit's distance may be wrong.
+            // Start behind the surface by the rounding error of a hit's distance.
             const shading::SurfacePoint s = surface_of(r);
             const float cosine = std::abs(glm::dot(s.geometric_normal, rays_.direction(r)));
             const float tnear = hits_.t[r] + s.offset / std::max(cosine, k_least_cosine);
@@ -279,7 +279,7 @@ shading::SurfacePoint ReferencePaths::surface_of(std::size_t r) const
     return s;
 }
 
-// From where each path stands, ask one lamp.
+// Samples one light from the surface of each path.
 void ReferencePaths::ask_lights()
 {
     if (light_.lights_.empty()) return;
@@ -288,7 +288,7 @@ void ReferencePaths::ask_lights()
     light_chance_.resize(light_.lights_.size());
     for (const std::uint32_t i : standing_) {
         Path& path = paths_[i];
-        // What would each add unshadowed?
+        // Compute the unshadowed contribution of each light.
         float sum = 0;
         for (std::size_t k = 0; k < light_.lights_.size(); ++k) {
             const scene::LightId l = light_.lights_[k];
@@ -300,7 +300,7 @@ void ReferencePaths::ask_lights()
         }
         if (!(sum > 0)) continue;
 
-        // Choose one.
+        // Choose one in proportion to it.
         std::size_t chosen = 0;
         if (light_.lights_.size() > 1) {
             float left = path.random.uniform() * sum;

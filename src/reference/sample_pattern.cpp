@@ -18,7 +18,7 @@ std::uint32_t reversed_bits(std::uint32_t x)
     return (x >> 16) | (x << 16);
 }
 
-// The second dimension of the (0, 2)-sequence: the matrix of binomial coefficients modulo 2.
+// Computes the second dimension of the (0, 2)-sequence: the matrix of binomial coefficients modulo 2.
 std::uint32_t second_dimension(std::uint32_t i)
 {
     std::uint32_t result = 0;
@@ -26,8 +26,6 @@ std::uint32_t second_dimension(std::uint32_t i)
         if (i & 1) result ^= column;
     return result;
 }
-
-// The bits of a number, each followed by a zero.
 
 }   // namespace
 
@@ -62,7 +60,7 @@ glm::vec3 cosine_direction(const glm::vec3& n, float u, float v)
     return x * s + y * t + z * n;
 }
 
-// The finaliser of SplitMix64 [Steele, Lea and Flood 2014] over both.
+// Applies the finaliser of SplitMix64 [Steele, Lea and Flood 2014] to both.
 std::uint64_t mix(std::uint64_t a, std::uint64_t b)
 {
     std::uint64_t z = a + 0x9e3779b97f4a7c15ull * (b + 1);

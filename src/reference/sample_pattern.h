@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Where the reference's rays go: points of the unit square, spread evenly and yet random, and directions made of them.
+// Randomised low-discrepancy points of the unit square, and directions made from them, for the reference's rays.
 //
 // A batch is the first n points of the (0, 2)-sequence [Sobol' 1967; Kollig and Keller 2002, "Efficient
-// Multidimensional Sampling"], its bits flipped at random. So every point is uniform by itself, n points of a batch
-// leave no large gap, and batches with other flips are independent of each other: their spread measures the error.
+// Multidimensional Sampling"], its bits flipped at random. So every point is uniform by itself, the n points of a batch
+// leave no large gap, and batches with different flips are independent: their spread measures the error.
 //
-// The points come in Morton order. Flipping bits keeps that, up to the order of whole cells: neighbours in the list are
-// neighbours in the square, and rays made of them share their packets.
+// The points come in Morton order. Flipping bits keeps it, up to the order of whole cells: neighbours in the list are
+// neighbours in the square, and rays made from them share packets.
 
 #include <cstdint>
 #include <map>
@@ -22,24 +22,24 @@ class SamplePattern {
  public:
     using Point = std::pair<std::uint32_t, std::uint32_t>;   // fractions, in units of 2^-32
 
-    /// The first `count` points. Kept: made once per count. Cost of the first call: count * log(count).
+    /// The first `count` points. Cost: count * log(count) in the first call with that count, then none.
     const std::vector<Point>& points(int count);
 
  private:
     std::map<int, std::vector<Point>> kept_;
 };
 
-/// In [0, 1).
+/// Returns a fraction in [0, 1) from random bits.
 inline float unit_fraction(std::uint32_t bits)
 {
     return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
 
-/// A direction about the unit vector n, with density cosine / pi; neighbours in the square stay neighbours [Shirley and
-/// Chiu 1997]. u, v in [0, 1).
+/// Returns a direction about the unit vector n, with density cosine / pi; neighbours in the square stay neighbours
+/// [Shirley and Chiu 1997]. u, v in [0, 1).
 glm::vec3 cosine_direction(const glm::vec3& n, float u, float v);
 
-/// A well-mixed number from several: the seeds of independent streams of random numbers.
+/// Mixes two numbers into the seed of an independent stream of random numbers.
 std::uint64_t mix(std::uint64_t a, std::uint64_t b);
 
 }   // namespace gnomon::reference

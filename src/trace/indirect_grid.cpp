@@ -6,25 +6,6 @@
 
 namespace gnomon::trace {
 
-irradiance_cache::CacheOptions visible_light_options(const RenderOptions& options)
-{
-    irradiance_cache::CacheOptions visible;
-    visible.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
-    return visible;
-}
-
-light_quadtree::MapLightOptions map_light_options(const RenderOptions& options)
-{
-    light_quadtree::MapLightOptions map;
-    map.method =
-        options.indirect == Indirect::rsm ? light_quadtree::MapMethod::rsm : light_quadtree::MapMethod::quadtree;
-    map.levels.limit = options.indirect_level;
-    map.map.validity = {static_cast<float>(options.depth_threshold), static_cast<float>(options.normal_threshold)};
-    map.rsm.samples = options.rsm_samples;
-    if (options.indirect_at_every_pixel) map.grid = 0;
-    return map;
-}
-
 IndirectGrid cast_indirect_grid(const scene::Scene& scene, const ray::RayScene& rays, const scene::View& view, int step,
                                 Tasks& tasks)
 {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// From what the shadows of a frame were answered, pixel by pixel and light by light: the data of --overlay
-// shadow-states.
+// Records, per pixel and light, which cached state a frame's shadows came from: the data of --overlay shadow-states.
 //
-// A mark tells of the first hit of a pixel's first sample, by the memory as the frame read it: for certified culling
-// the state of its part, for the published one the shadow mode of its triangle. Faults are answers that differ from a
-// trace of every ray, at that hit or behind mirrors and glass, of any sample; so whoever fills a map traces every ray.
+// A mark describes the first hit of a pixel's first sample, as the cache was when the frame read it: for certified
+// culling the state of its part, for the culling of [Nah 2009] the shadow mode of its triangle. A result is wrong if it
+// differs from that of a traced ray, at this hit or behind mirrors and glass, in any sample (checked_shadows.h).
 
 #include <cstdint>
 #include <vector>
@@ -17,21 +16,21 @@ namespace gnomon::trace {
 /// In the order of the legend.
 enum class StateMark : std::uint8_t {
     background,   // no surface
-    away,         // the light is behind the surface, dark, or does not reach so far: no question
-    moving,       // a surface that may move: always traced
-    unknown,      // nothing is remembered yet: traced
-    none,         // nothing static in the way: only what moves is asked, or nothing at all
-    full,         // in the shadow of something static: no ray
-    partial,      // both: traced
+    away,         // the light is behind the surface, dark or out of range: no test
+    moving,       // the surface is dynamic: always traced
+    unknown,      // nothing is known yet: traced
+    none,         // no static occluder: traced against dynamic objects at most
+    full,         // in the shadow of a static object: no ray
+    partial,      // some points lit, some in shadow: traced
 };
 inline constexpr int k_state_marks = 7;
 
-/// One byte: a mark and flags.
+/// A mark and flags, stored in one byte.
 struct StateCell {
     StateMark mark = StateMark::background;
-    bool untrusted = false;      // published culling: the triangle was not seen whole, its mode is not read
-    bool wrong = false;          // the answer at this hit differs from a trace of every ray
-    bool wrong_behind = false;   // one seen in a mirror or through glass does
+    bool untrusted = false;      // [Nah 2009]: the triangle was partly hidden, so its mode is not used
+    bool wrong = false;          // the result at this hit differs from a traced ray's
+    bool wrong_behind = false;   // so does one at a point seen in a mirror or through glass
 
     static constexpr std::uint8_t k_mark = 7, k_untrusted = 8, k_wrong = 16, k_wrong_behind = 32;
     static StateCell of(std::uint8_t byte)
@@ -43,11 +42,11 @@ struct StateCell {
 
 struct StateMap {
     Size size;
-    std::vector<int> lights;           // which ones, by panel
+    std::vector<int> lights;           // by panel
     std::vector<std::uint8_t> cells;   // [panel][pixel], see StateCell
     std::vector<std::uint8_t> shade;   // [pixel]: 0 grazing to 255 facing the viewer; draws the shapes
 
-    /// Empty, for that many pixels.
+    /// Clears the map, for an image of that size.
     void start(Size image)
     {
         size = image;

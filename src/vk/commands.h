@@ -5,16 +5,15 @@
 // debuggers and timed.
 //
 //     Commands commands(device);
-//     commands.pass("depth").reads(matrices, Use::storage_read).reads(vertices, Use::vertices)
+//     commands.pass("depth").uses(pipeline).binds("matrices", matrices).reads(vertices, Use::vertices)
 //         .depth({.image = &depth, .clear = 0.f}).render([&](Recorder& r) {
-//             r.bind(pipeline);
-//             r.set("matrices", matrices);
 //             r.vertex_buffer(0, vertices);
 //             r.draw(vertex_count);
 //         });
 //     Buffer result = commands.read_back(depth);
 //     commands.submit();                        // waits; then result.as<float>()
 //
+// A pass of several pipelines declares its resources by reads() and writes(), and binds them in its body.
 // A check fails if a pass uses a resource without declaring it, or writes one that it declared as read. Resources must
 // live until submit() returns. Cost: a few comparisons per resource and pass.
 
@@ -169,6 +168,13 @@ class Recorder {
 /// Declares one pass; the last call records it.
 class Pass {
  public:
+    /// The pipeline of all calls of the pass: it is bound before the body runs. Before binds().
+    Pass& uses(const Pipeline& pipeline);
+    /// Declares a resource of that pipeline and fills its binding, by the name in the shader; reflection says whether
+    /// the shader reads or writes it. The body then only pushes constants, and draws or dispatches.
+    Pass& binds(const char* binding, const Buffer& buffer);
+    Pass& binds(const char* binding, const Image& image);
+    Pass& binds_texels(const char* binding, const Buffer& buffer, VkFormat format);
     Pass& reads(const Buffer& buffer, Use use);
     Pass& reads(const Image& image, Use use);
     Pass& writes(const Buffer& buffer, Use use = Use::storage_write);
@@ -188,10 +194,20 @@ class Pass {
     friend class Commands;
     Pass(Commands& commands, std::string name) : commands_(commands), name_(std::move(name)) {}
     void record(Recorder::Kind kind, const std::function<void(Recorder&)>& body);
+    const Binding& binding(const char* name) const;
+    void fill_bindings(Recorder& recorder) const;
     void begin_rendering(VkCommandBuffer buffer) const;
 
+    struct Bound {
+        const char* binding;
+        const Buffer* buffer = nullptr;
+        const Image* image = nullptr;
+        VkFormat format = VK_FORMAT_UNDEFINED;   // of a texel buffer
+    };
     Commands& commands_;
     std::string name_;
+    const Pipeline* pipeline_ = nullptr;
+    std::vector<Bound> bound_;
     std::vector<ResourceUse> uses_;
     std::vector<ColorTarget> colors_;
     std::optional<DepthTarget> depth_;

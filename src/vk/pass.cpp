@@ -1,11 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 // Declares passes, and records what surrounds their bodies: barriers, rendering scope, label, timestamps.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/check.h"
 #include "vk/commands.h"
 
 namespace gnomon::vk {
+
+Pass& Pass::uses(const Pipeline& pipeline)
+{
+    pipeline_ = &pipeline;
+    return *this;
+}
+
+const Binding& Pass::binding(const char* name) const
+{
+    GNOMON_CHECK(pipeline_);
+    const auto& all = pipeline_->bindings();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Binding& b) { return b.name == name; });
+    if (found == all.end())
+        fail_check(__FILE__, __LINE__, fmt::format("'{}': no binding '{}'", pipeline_->name(), name));
+    return *found;
+}
+
+Pass& Pass::binds(const char* name, const Buffer& buffer)
+{
+    const Binding& b = binding(name);
+    bound_.push_back({.binding = name, .buffer = &buffer});
+    uses_.push_back({&buffer, nullptr,
+                     b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? Use::uniform
+                     : b.writes                                  ? Use::storage_write
+                                                                 : Use::storage_read});
+    return *this;
+}
+
+Pass& Pass::binds(const char* name, const Image& image)
+{
+    const Binding& b = binding(name);
+    bound_.push_back({.binding = name, .image = &image});
+    uses_.push_back({nullptr, &image,
+                     b.type != VK_DESCRIPTOR_TYPE_STORAGE_IMAGE ? Use::sampled
+                     : b.writes                                 ? Use::storage_write
+                                                                : Use::storage_read});
+    return *this;
+}
+
+Pass& Pass::binds_texels(const char* name, const Buffer& buffer, VkFormat format)
+{
+    binding(name);
+    bound_.push_back({.binding = name, .buffer = &buffer, .format = format});
+    uses_.push_back({&buffer, nullptr, Use::sampled});
+    return *this;
+}
+
+void Pass::fill_bindings(Recorder& recorder) const
+{
+    recorder.bind(*pipeline_);
+    for (const Bound& bound : bound_) {
+        if (bound.image)
+            recorder.set(bound.binding, *bound.image);
+        else if (bound.format != VK_FORMAT_UNDEFINED)
+            recorder.set_texels(bound.binding, *bound.buffer, bound.format);
+        else
+            recorder.set(bound.binding, *bound.buffer);
+    }
+}
 
 Pass& Pass::reads(const Buffer& buffer, Use use)
 {
@@ -163,6 +224,7 @@ void Pass::record(Recorder::Kind kind, const std::function<void(Recorder&)>& bod
         recorder.scissor(area);
         recorder.cull(VK_CULL_MODE_NONE);
     }
+    if (pipeline_) fill_bindings(recorder);
     body(recorder);
     if (kind == Recorder::Kind::render) vkCmdEndRendering(buffer);
     commands_.draw_calls_ += recorder.calls_;

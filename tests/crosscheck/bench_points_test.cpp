@@ -42,7 +42,7 @@ BothRays trace_both(const std::string& name, int frame, int max_depth, Size size
     shading::FrameBuffers buffers;
     trace::TraceLog log;
     Tasks one(1);
-    both.counters = trace::trace_frame(state, rays, view, options, one, buffers, nullptr, &log);
+    both.counters = trace::trace_frame(state, rays, view, options, one, buffers, {}, &log);
     for (const trace::TraceLog::Entry& entry : log.entries)
         if (!entry.any_hit) collect(entry.rays, both.frame);
 

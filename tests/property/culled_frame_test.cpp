@@ -14,6 +14,7 @@
 #include "shadow_culling/certified/certified_culling.h"
 #include "soup.h"
 #include "support.h"
+#include "trace/shadow_testers.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon {
@@ -90,9 +91,8 @@ TEST(CulledFrame, SameForAnyNumberOfCertificatesPerFrame)
             state.advance(scene->timeline.time_of(frame));
             rays.update(state);
             const scene::View view = scene::make_view(state, 0, {160, 120});
-            trace::Remembered remembered(&culling);
-            remembered.judge_later = true;
-            skipped = trace::trace_frame(state, rays, view, {}, tasks, buffers, remembered).shadow.rays_skipped;
+            trace::CertifiedShadows shadows(culling, true);
+            skipped = trace::trace_frame(state, rays, view, {}, tasks, buffers, {&shadows}).shadow.rays_skipped;
             trace::trace_frame(state, rays, view, {}, tasks, plain);
             EXPECT_EQ(buffers.color.data, plain.color.data) << frame << ", " << every << " chunks";
         };
@@ -170,10 +170,11 @@ TEST(CertifiedCulling, FollowsUserOverridesOfStaticObjects)
     trace::TracedOptions options;
     const scene::View view = scene::make_view(state, 0, {120, 120});
     const auto compare = [&](int frame) {
-        shading::FrameBuffers remembered, plain;
-        trace::trace_frame(state, rays, view, options, one, remembered, &culling);
+        shading::FrameBuffers culled, plain;
+        trace::CertifiedShadows shadows(culling);
+        trace::trace_frame(state, rays, view, options, one, culled, {&shadows});
         trace::trace_frame(state, rays, view, options, one, plain);
-        EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame;
+        EXPECT_EQ(culled.color.data, plain.color.data) << "frame " << frame;
     };
     scene::NodeId block = scene::none;   // the second static object above the floor: any will do
     for (const scene::Object& object : scene->objects)
@@ -234,10 +235,11 @@ TEST(CertifiedCulling, IsExactForDynamicObjectsWithSingularTransforms)
             }
             state.advance(0);
             rays.update(state);
-            shading::FrameBuffers remembered, plain;
-            skipped += trace::trace_frame(state, rays, view, {}, one, remembered, &culling).shadow.rays_skipped;
+            shading::FrameBuffers culled, plain;
+            trace::CertifiedShadows shadows(culling);
+            skipped += trace::trace_frame(state, rays, view, {}, one, culled, {&shadows}).shadow.rays_skipped;
             trace::trace_frame(state, rays, view, {}, one, plain);
-            EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame << ", as thin as " << thin;
+            EXPECT_EQ(culled.color.data, plain.color.data) << "frame " << frame << ", as thin as " << thin;
         }
     }
     EXPECT_GT(skipped, 1000u);
@@ -269,10 +271,11 @@ TEST(CertifiedCulling, FollowsUserOverridesWithinAMovingGroup)
         if (frame > 1) state.override_transform(passenger, &place);
         state.advance(0);
         rays.update(state);
-        shading::FrameBuffers remembered, plain;
-        trace::trace_frame(state, rays, view, {}, one, remembered, &culling);
+        shading::FrameBuffers culled, plain;
+        trace::CertifiedShadows shadows(culling);
+        trace::trace_frame(state, rays, view, {}, one, culled, {&shadows});
         trace::trace_frame(state, rays, view, {}, one, plain);
-        EXPECT_EQ(remembered.color.data, plain.color.data) << "frame " << frame;
+        EXPECT_EQ(culled.color.data, plain.color.data) << "frame " << frame;
     }
 }
 

@@ -9,6 +9,7 @@
 #include "base/bits.h"
 #include "irradiance_cache/irradiance_cache.h"
 #include "scene_helpers.h"
+#include "trace/indirect_lights.h"
 #include "trace/traced_frame.h"
 #include "world.h"
 
@@ -64,13 +65,12 @@ scene::Scene room(std::size_t panel_at, Panel panel)
 
 std::vector<float> indirect_of(World& world, IrradianceCache& visible)
 {
-    trace::Remembered remembered;
-    remembered.visible = &visible;
+    trace::CachedIndirect indirect(visible);
     trace::TracedOptions options;
     options.layers = true;
     shading::FrameBuffers buffers;
     trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {48, 32}), options, world.tasks,
-                       buffers, remembered);
+                       buffers, {nullptr, &indirect});
     return buffers.indirect.data;
 }
 

@@ -6,6 +6,7 @@
 #include "base/bits.h"
 #include "irradiance_cache/irradiance_cache.h"
 #include "seen_points.h"
+#include "trace/indirect_lights.h"
 #include "trace/traced_frame.h"
 #include "world.h"
 
@@ -23,15 +24,14 @@ std::vector<float> indirect_of(const char* name, std::vector<int> frames, int th
 {
     World world(name, frames.front(), threads);
     IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
-    trace::Remembered remembered;
-    remembered.visible = &visible;
+    trace::CachedIndirect indirect(visible);
     trace::TracedOptions options;
     options.layers = true;
     shading::FrameBuffers buffers;
     for (std::size_t f = 0; f < frames.size(); ++f) {
         if (f > 0) world.go(frames[f]);
         trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {size, size}), options,
-                           world.tasks, buffers, remembered);
+                           world.tasks, buffers, {nullptr, &indirect});
     }
     return buffers.indirect.data;
 }
@@ -96,15 +96,14 @@ TEST(IrradianceCache, MemoryLimitChangesNoFrame)
         CacheOptions visible_options;
         visible_options.memory = memory;
         IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
-        trace::Remembered remembered;
-        remembered.visible = &visible;
+        trace::CachedIndirect indirect(visible);
         trace::TracedOptions options;
         options.layers = true;
         shading::FrameBuffers buffers;
         for (const int frame : {1, 30, 60, 90, 31}) {
             world.go(frame);
             trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {64, 64}), options,
-                               world.tasks, buffers, remembered);
+                               world.tasks, buffers, {nullptr, &indirect});
             most = std::max(most, visible.points());
         }
         return buffers.indirect.data;
@@ -129,8 +128,7 @@ TEST(IrradianceCache, LimitedRaysConvergeToTheFullFrame)
     World world("cornell", 3, 2);
     IrradianceCache visible(world.state, world.rays, with_near_field(), world.tasks);
     visible.limit_rays(1 << 14);
-    trace::Remembered remembered;
-    remembered.visible = &visible;
+    trace::CachedIndirect indirect(visible);
     trace::TracedOptions options;
     options.layers = true;
     shading::FrameBuffers buffers;
@@ -139,7 +137,7 @@ TEST(IrradianceCache, LimitedRaysConvergeToTheFullFrame)
     for (; lacking < k_most; ++lacking) {
         world.go(3);
         trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {k_size, k_size}), options,
-                           world.tasks, buffers, remembered);
+                           world.tasks, buffers, {nullptr, &indirect});
         // A tile may exceed the limit by the rays that it casts at once.
         if (!visible.lacks_points()) break;
     }
@@ -280,12 +278,12 @@ TEST(IrradianceCache, NoIrradianceWithoutLights)
     ray::RayScene rays(state);
     Tasks tasks(1);
     IrradianceCache visible(state, rays, {}, tasks);
-    trace::Remembered remembered;
-    remembered.visible = &visible;
+    trace::CachedIndirect indirect(visible);
     trace::TracedOptions options;
     options.layers = true;
     shading::FrameBuffers buffers;
-    trace::trace_frame(state, rays, scene::make_view(state, 0, {32, 32}), options, tasks, buffers, remembered);
+    trace::trace_frame(state, rays, scene::make_view(state, 0, {32, 32}), options, tasks, buffers,
+                       {nullptr, &indirect});
     for (const float value : buffers.indirect.data) ASSERT_EQ(value, 0);
 }
 

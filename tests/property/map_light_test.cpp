@@ -5,6 +5,7 @@
 
 #include "light_quadtree/map_light.h"
 #include "scene/builtin/builtin.h"
+#include "trace/indirect_lights.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon {
@@ -36,8 +37,7 @@ Lit lit_after(const std::vector<int>& frames, int threads, const MapLightOptions
     ray::RayScene rays(state);
     Tasks tasks(threads);
     MapLight light(state, rays, options, tasks);
-    trace::Remembered remembered;
-    remembered.map = &light;
+    trace::MapIndirect indirect(light);
     trace::TracedOptions traced;
     traced.layers = true;
     shading::FrameBuffers buffers;
@@ -46,7 +46,8 @@ Lit lit_after(const std::vector<int>& frames, int threads, const MapLightOptions
             state.advance(scene->timeline.time_of(frames[f]));
             rays.update(state);
         }
-        trace::trace_frame(state, rays, scene::make_view(state, 0, {size, size}), traced, tasks, buffers, remembered);
+        trace::trace_frame(state, rays, scene::make_view(state, 0, {size, size}), traced, tasks, buffers,
+                           {nullptr, &indirect});
     }
     return {buffers.indirect.data, light.counters()};
 }

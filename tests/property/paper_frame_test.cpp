@@ -9,7 +9,7 @@
 #include "scene/builtin/builtin.h"
 #include "shadow_culling/nah2009/paper_culling.h"
 #include "support.h"
-#include "trace/state_map.h"
+#include "trace/checked_shadows.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon {
@@ -125,11 +125,10 @@ TEST(PaperFrame, MarksEveryWrongPixel)
         state.advance(scene->timeline.time_of(frame));
         rays.update(state);
         const scene::View view = scene::make_view(state, 0, {150, 110});
-        shading::FrameBuffers remembered, plain;
-        trace::Remembered memory;
-        memory.paper = &paper;
-        memory.states = &states;
-        const FrameCounters counters = trace::trace_frame(state, rays, view, options, tasks, remembered, memory);
+        shading::FrameBuffers culled, plain;
+        trace::NahShadows shadows(paper);
+        trace::CheckedShadows checked(shadows, states);
+        const FrameCounters counters = trace::trace_frame(state, rays, view, options, tasks, culled, {&checked});
         trace::trace_frame(state, rays, view, options, tasks, plain);
         std::uint64_t different = 0;
         for (int y = 0; y < view.size.height; ++y)
@@ -141,7 +140,7 @@ TEST(PaperFrame, MarksEveryWrongPixel)
                     behind += cell.wrong_behind;
                 }
                 const bool differs =
-                    !std::equal(plain.color.pixel(x, y), plain.color.pixel(x, y) + 3, remembered.color.pixel(x, y));
+                    !std::equal(plain.color.pixel(x, y), plain.color.pixel(x, y) + 3, culled.color.pixel(x, y));
                 EXPECT_TRUE(marked || !differs) << "frame " << frame << " pixel " << x << ", " << y;
                 different += differs;
             }

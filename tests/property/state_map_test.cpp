@@ -8,7 +8,7 @@
 #include "shadow_culling/certified/certified_culling.h"
 #include "shadow_culling/nah2009/paper_culling.h"
 #include "support.h"
-#include "trace/state_map.h"
+#include "trace/checked_shadows.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon {
@@ -79,7 +79,10 @@ class StateMapTest : public testing::Test {
         rays->update(*state);
         view = scene::make_view(*state, 0, {128, 96});
     }
-    void trace(const trace::Remembered& memory) { trace::trace_frame(*state, *rays, view, {}, tasks, buffers, memory); }
+    void trace(trace::ShadowTester& shadows)
+    {
+        trace::trace_frame(*state, *rays, view, {}, tasks, buffers, {&shadows});
+    }
     glm::vec3 to_light(int l, const glm::vec3& from) const
     {
         const scene::LightState& at = state->light(static_cast<scene::LightId>(l));
@@ -134,9 +137,9 @@ TEST_F(StateMapTest, ShowsCertifiedStatesThatAgreeWithRays)
             for (std::uint32_t p = 0; p < hits.points.size(); ++p)
                 for (const int l : states.lights) expected.push_back(culling.state_of(*batch, p, l));
 
-            trace::Remembered memory(&culling);
-            memory.states = &states;
-            trace(memory);
+            trace::CertifiedShadows shadows(culling);
+            trace::CheckedShadows checked(shadows, states);
+            trace(checked);
 
             std::size_t at = 0;
             for (std::size_t p = 0; p < hits.points.size(); ++p)
@@ -183,10 +186,9 @@ TEST_F(StateMapTest, ShowsModesOfThePublishedCulling)
         paper.begin_frame(*state, *rays);
         const shadow_culling::Modes then = paper.modes();
 
-        trace::Remembered memory;
-        memory.paper = &paper;
-        memory.states = &states;
-        trace(memory);
+        trace::NahShadows shadows(paper);
+        trace::CheckedShadows checked(shadows, states);
+        trace(checked);
         for (std::size_t p = 0; p < hits.points.size(); ++p)
             for (const int l : states.lights) {
                 const auto [x, y] = hits.pixels[p];

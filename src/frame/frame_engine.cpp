@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame/frame_engine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "base/check.h"
+#include "frame/cluster_overlay.h"
+#include "frame/reference_indirect.h"
+#include "frame/state_overlay.h"
+#include "ray/kdtree/kdtree.h"
+#include "trace/checked_shadows.h"
+#include "trace/indirect_lights.h"
+#include "trace/shadow_testers.h"
+#include "trace/traced_frame.h"
+
+namespace gnomon::frame {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Discards everything when a call fails halfway, for example for want of memory.
+class DiscardOnFailure {
+ public:
+    explicit DiscardOnFailure(FrameEngine& engine) : engine_(engine) {}
+    ~DiscardOnFailure()
+    {
+        if (!succeeded_) engine_.forget();
+    }
+    DiscardOnFailure(const DiscardOnFailure&) = delete;
+    DiscardOnFailure& operator=(const DiscardOnFailure&) = delete;
+    void succeed() { succeeded_ = true; }
+
+ private:
+    FrameEngine& engine_;
+    bool succeeded_ = false;
+};
+
+irradiance_cache::CacheOptions cache_options(const RenderOptions& options)
+{
+    irradiance_cache::CacheOptions result;
+    result.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
+    return result;
+}
+
+light_quadtree::MapLightOptions map_options(const RenderOptions& options)
+{
+    light_quadtree::MapLightOptions result;
+    result.method =
+        options.indirect == Indirect::rsm ? light_quadtree::MapMethod::rsm : light_quadtree::MapMethod::quadtree;
+    result.levels.limit = options.indirect_level;
+    result.map.validity = {static_cast<float>(options.depth_threshold), static_cast<float>(options.normal_threshold)};
+    result.rsm.samples = options.rsm_samples;
+    if (options.indirect_at_every_pixel) result.grid = 0;
+    return result;
+}
+
+// The options that a technique is made with: while they stay, so does the technique.
+auto cache_key(const RenderOptions& o)
+{
+    return o.indirect_memory;
+}
+
+auto map_key(const RenderOptions& o)
+{
+    return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
+                      o.indirect_at_every_pixel);
+}
+
+auto raster_key(const RenderOptions& o)
+{
+    return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.overlay, o.indirect_on, cache_key(o),
+                      map_key(o));
+}
+
+}   // namespace
+
+FrameEngine::FrameEngine(const EngineSettings& settings) : settings_(settings), tasks_(settings.threads) {}
+
+FrameEngine::~FrameEngine() = default;
+
+void FrameEngine::discard_caches()
+{
+    certified_.reset();
+    nah_.reset();
+    cache_.reset();
+    map_.reset();
+    raster_.reset();
+}
+
+void FrameEngine::forget()
+{
+    discard_caches();
+    rays_.reset();
+    state_.reset();
+    scene_.reset();
+    overrides_.clear();
+    taken_from_.clear();
+    turn_centre_.reset();
+    first_frame_ = true;
+    advanced_ = false;
+    plan_ = {};
+}
+
+FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
+{
+    const bool has_lights = !scene_->lights.empty();
+    Plan plan;
+    plan.raster = o.renderer == RenderMethod::raster;
+    if (plan.raster) {
+        plan.raster_indirect = o.indirect != Indirect::off;
+        if (o.overlay == Overlay::redrawn && o.shadow_textures != ShadowTextures::off && has_lights)
+            plan.shown = Shown::redrawn;
+        return plan;
+    }
+    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off && has_lights)
+        plan.shown = Shown::shadow_states;
+    if (o.overlay == Overlay::clusters && o.indirect == Indirect::quadtree && !o.reference)
+        plan.shown = Shown::clusters;
+
+    if (plan.shown != Shown::clusters) {
+        plan.nah = o.shadow_culling == ShadowCulling::paper;
+        plan.certified = o.shadow_culling == ShadowCulling::certified && has_lights && !o.reference &&
+                         (settings_.culls_first_frame || !first_frame_);
+    }
+    if (plan.shown == Shown::shadow_states) return plan;
+    plan.reference = o.reference.has_value();
+    plan.cache = o.indirect == Indirect::visible && !o.reference;
+    plan.map = (o.indirect == Indirect::rsm || o.indirect == Indirect::quadtree) && !o.reference;
+    return plan;
+}
+
+AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& scene, double time,
+                                  const RenderOptions& options, std::span<const UserOverride> overrides)
+{
+    DiscardOnFailure guard(*this);
+    AdvanceTimes times;
+    Clock::time_point start = Clock::now();
+
+    // Move the scene.
+    const bool needs_rays =
+        options.renderer == RenderMethod::trace || options.indirect == Indirect::visible || settings_.always_has_rays;
+    const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
+    const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
+    const bool is_new = scene != scene_ || accelerator != accelerator_;
+    if (is_new) {
+        forget();
+        scene_ = scene;
+        accelerator_ = accelerator;
+        state_ = std::make_unique<scene::SceneState>(scene, time);
+    }
+    bool rays_follow = false;   // they saw the state before an advance
+    const auto make_rays = [&] {
+        rays_ = std::make_unique<ray::RayScene>(*state_);
+        if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
+    };
+    if (is_new && needs_rays) make_rays();
+    if (override_transforms(overrides) || !is_new) {
+        state_->advance(time);
+        rays_follow = rays_ != nullptr;
+    }
+    if (needs_rays && !rays_) make_rays();
+    times.scene = milliseconds_since(start);
+    start = Clock::now();
+
+    // Let the rest follow. A cache that did not see the last advance cannot.
+    if (rays_follow) rays_->update(*state_);
+    if (advanced_) discard_caches();
+    advanced_ = true;
+    options_ = options;
+    plan_ = plan_for(options);
+    fit_caches(options);
+    first_frame_ = false;
+    times.caches = milliseconds_since(start);
+    guard.succeed();
+    return times;
+}
+
+bool FrameEngine::override_transforms(std::span<const UserOverride> overrides)
+{
+    std::vector<UserOverride> wanted(overrides.begin(), overrides.end());
+    std::erase_if(wanted, [&](const UserOverride& o) { return o.node >= scene_->nodes.size(); });
+    if (wanted == overrides_) return false;
+    for (const UserOverride& o : overrides_) state_->override_transform(o.node, nullptr);
+    for (const UserOverride& o : wanted) {
+        // Take the node's transform from its track, not from its world matrix: its parent's may be singular.
+        if (!taken_from_.contains(o.node)) {
+            const scene::Node& node = scene_->nodes[o.node];
+            taken_from_[o.node] = node.transform ? node.transform->evaluate(state_->time()) : node.local;
+        }
+        glm::dmat4 local = taken_from_[o.node];
+        local[3] += glm::dvec4(o.offset, 0);
+        state_->override_transform(o.node, &local);
+    }
+    std::erase_if(taken_from_, [&](const auto& entry) {
+        return std::none_of(wanted.begin(), wanted.end(), [&](const UserOverride& o) { return o.node == entry.first; });
+    });
+    overrides_ = std::move(wanted);
+    return true;
+}
+
+void FrameEngine::fit_caches(const RenderOptions& options)
+{
+    // Discard what the plan lacks, or what other options made. An irradiance cache outlives the overlay of shadow
+    // states.
+    if (!plan_.raster) raster_.reset();
+    if (!plan_.certified) certified_.reset();
+    if (!plan_.nah) nah_.reset();
+    const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
+    if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
+    if (!plan_.map || map_key(options) != map_key(map_options_)) map_.reset();
+
+    // Make what is missing.
+    if (plan_.raster) fit_rasterizer(options);
+    if (plan_.nah && !nah_) nah_ = std::make_unique<shadow_culling::PaperCulling>(*state_, *rays_);
+    if (plan_.map && !map_) {
+        map_ = std::make_unique<light_quadtree::MapLight>(*state_, *rays_, map_options(options), tasks_);
+        map_options_ = options;
+    }
+    if (plan_.certified && !certified_)
+        certified_ =
+            std::make_unique<shadow_culling::CertifiedCulling>(*state_, *rays_, shadow_culling::CertifiedOptions{});
+    if (plan_.cache && !cache_) {
+        cache_ = std::make_unique<irradiance_cache::IrradianceCache>(*state_, *rays_, cache_options(options), tasks_);
+        cache_options_ = options;
+    }
+}
+
+void FrameEngine::fit_rasterizer(const RenderOptions& options)
+{
+    if (raster_ && raster_key(options) == raster_key(raster_options_)) {
+        raster_->update(*state_);
+        return;
+    }
+    raster_.reset();   // first, because a device may have memory for one of them alone
+    raster_ = make_rasterizer(*state_, {.samples = options.samples,
+                                        .layers = options.layers,
+                                        .shadows = options.shadow_textures,
+                                        .shadow_filter = static_cast<float>(options.shadow_filter),
+                                        .redrawn = plan_.shown == Shown::redrawn,
+                                        .redrawn_stays = settings_.redrawn_stays,
+                                        .indirect = options.indirect,
+                                        .map = map_options(options),
+                                        .visible = cache_options(options),
+                                        .indirect_on = options.indirect_on,
+                                        .rays = rays_.get(),
+                                        .tasks = &tasks_});
+    raster_options_ = options;
+}
+
+scene::View FrameEngine::make_view(scene::CameraId camera, Size size, std::optional<double> turn)
+{
+    const scene::View view = scene::make_view(*state_, camera, size);
+    if (!turn) return view;
+    // Turn around one centre for the whole clip, whatever moves.
+    if (!turn_centre_) turn_centre_ = scene_->bounds(scene_->timeline.start).centre();
+    return scene::turned(view, *turn_centre_, *turn);
+}
+
+FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& request, const Progress& progress)
+{
+    GNOMON_CHECK(advanced_);
+    advanced_ = false;
+    view_ = view;
+    DiscardOnFailure guard(*this);
+    try {
+        FrameCounters counters =
+            plan_.raster ? raster_->render(*state_, view, buffers_, progress) : render_traced(view, request, progress);
+        guard.succeed();
+        return counters;
+    } catch (const InterruptedError&) {
+        // Nah's culling has learned from half a frame, the rasteriser has recorded half of one, and the irradiance
+        // cache has points that were claimed and not evaluated.
+        nah_.reset();
+        if (!plan_.raster && !cache_) guard.succeed();
+        throw;
+    }
+}
+
+FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request,
+                                         const Progress& progress)
+{
+    Tasks& tasks = request.tasks ? *request.tasks : tasks_;
+    if (plan_.shown == Shown::clusters) {
+        map_->begin_frame(*state_, *rays_, tasks);
+        FrameCounters counters;
+        counters.indirect.clusters = map_->counters().lights;
+        counters.indirect.rays = map_->map().work().cast;
+        return counters;
+    }
+
+    // Choose the shadow test.
+    std::optional<trace::CertifiedShadows> certified;
+    std::optional<trace::NahShadows> nah;
+    std::optional<trace::EveryShadowRay> every_ray;
+    std::optional<trace::CheckedShadows> checked;
+    trace::Techniques techniques;
+    if (certified_) techniques.shadows = &certified.emplace(*certified_, settings_.defers_certificates);
+    if (nah_) techniques.shadows = &nah.emplace(*nah_);
+    if (plan_.shown == Shown::shadow_states) {
+        if (!techniques.shadows) techniques.shadows = &every_ray.emplace();
+        states_.lights = request.overlay_lights;
+        techniques.shadows = &checked.emplace(*techniques.shadows, states_);
+        // An irradiance cache that the overlay does not show must not miss what moves meanwhile.
+        if (cache_) cache_->update(*state_, *rays_, tasks);
+    }
+
+    // Choose the indirect light.
+    std::optional<trace::CachedIndirect> cached;
+    std::optional<trace::MapIndirect> mapped;
+    std::optional<ReferenceIndirect> reference;
+    if (plan_.cache) {
+        cache_->limit_rays(request.indirect_ray_limit);
+        techniques.indirect = &cached.emplace(*cache_);
+    } else if (plan_.map) {
+        techniques.indirect = &mapped.emplace(*map_);
+    } else if (plan_.reference) {
+        const auto& [spp, bounces, seed] = *options_.reference;
+        // A background of one colour is seen, and lights nothing.
+        const bool surroundings = scene_->background.kind != scene::Background::Kind::color;
+        techniques.indirect =
+            &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings}, options_.samples);
+    }
+
+    trace::TracedOptions traced;
+    traced.max_depth = options_.max_depth;
+    traced.samples = options_.samples;
+    traced.layers = options_.layers && plan_.shown == Shown::light;
+    FrameCounters counters =
+        trace::trace_frame(*state_, *rays_, view, traced, tasks, buffers_, techniques, request.log, progress);
+    if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
+    return counters;
+}
+
+void FrameEngine::count_kdtree(FrameCounters& counters) const
+{
+    const auto work = [&](ray::RayClass purpose) {
+        const ray::KdCounts counts = rays_->kdtree_work(purpose);
+        return FrameCounters::KdTree::Work{counts.nodes, counts.tests};
+    };
+    counters.kdtree = {work(ray::RayClass::primary), work(ray::RayClass::reflection), work(ray::RayClass::refraction),
+                       work(ray::RayClass::shadow), work(ray::RayClass::indirect)};
+}
+
+bool FrameEngine::complete() const
+{
+    return !plan_.cache || !cache_->lacks_points();
+}
+
+Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)
+{
+    if (plan_.shown == Shown::clusters) return paint_clusters(*scene_, *rays_, view_, *map_, tasks_);
+    GNOMON_CHECK(plan_.shown == Shown::shadow_states);
+    return paint_states(states_, titles, options_.shadow_culling == ShadowCulling::paper);
+}
+
+void FrameEngine::paint_redrawn(double exposure)
+{
+    GNOMON_CHECK(plan_.shown == Shown::redrawn);
+    raster_->paint_redrawn(exposure, buffers_.color);
+}
+
+std::string FrameEngine::device() const
+{
+    return raster_ ? raster_->device() : std::string();
+}
+
+std::size_t FrameEngine::cached_bytes() const
+{
+    std::size_t bytes = 0;
+    if (certified_) bytes += certified_->bytes();
+    if (cache_) bytes += cache_->bytes();
+    if (map_) bytes += map_->bytes();
+    if (raster_) bytes += raster_->remembered_bytes();
+    return bytes;
+}
+
+void FrameEngine::make_certificates(const std::function<bool()>& go_on)
+{
+    if (certified_) certified_->judge(tasks_, go_on);
+}
+
+PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::vec2& pixel) const
+{
+    GNOMON_CHECK(rays_);
+    ray::RayQueue queue;
+    glm::vec3 origin, direction;
+    float near = 0, far = 0;
+    view.ray(pixel.x, pixel.y, origin, direction, near, far);
+    queue.push(origin, near, direction, far);
+    ray::Hits hits;
+    hits.resize(1);
+    rays_->closest(queue, 0, 1, hits, ray::Sides::front);
+    PickedPoint picked;
+    picked.object = hits.object[0];
+    if (picked.object != scene::none) picked.position = origin + hits.t[0] * direction;
+    return picked;
+}
+
+}   // namespace gnomon::frame

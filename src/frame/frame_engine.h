@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Renders frames of a scene, and keeps what the next frame can use again: the scene's state, the ray scene, the caches
+// of shadows and indirect light, and the rasteriser.
+//
+// This is the only place that makes techniques from options, and that replaces them when options change. A cache is
+// kept as long as the options still need it and it would be made in the same way; otherwise it is discarded, because a
+// cache that does not follow every frame misses changes.
+//
+// A frame is two calls: advance() moves scene, ray scene and caches to a time; render() makes the image of a view.
+//
+// Invariant: the image depends on the scene, the time, the options and the overrides alone, not on earlier frames.
+// Exceptions: ShadowCulling::paper, overlays that show a cache, a limit on indirect rays, and an object that was once
+// overridden, which stays dynamic and is rounded as such.
+// Cost: that of the techniques; advance() itself compares a few options.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "base/tasks.h"
+#include "frame/rasterizer.h"
+#include "gnomon/renderer.h"
+#include "irradiance_cache/irradiance_cache.h"
+#include "light_quadtree/map_light.h"
+#include "scene/view.h"
+#include "shading/frame_buffers.h"
+#include "shadow_culling/certified/certified_culling.h"
+#include "shadow_culling/nah2009/paper_culling.h"
+#include "trace/state_map.h"
+#include "trace/trace_log.h"
+
+namespace gnomon::frame {
+
+/// How an engine is used.
+struct EngineSettings {
+    int threads = 0;   // 0: all
+    /// Cull shadows from a scene's first frame on. Otherwise from the second, since a single image gains nothing.
+    bool culls_first_frame = false;
+    /// Certificates are made by make_certificates() alone, not at the end of each frame.
+    bool defers_certificates = false;
+    /// There is a ray scene for rasterised frames too: hit_at() and bounds() will be called.
+    bool always_has_rays = false;
+    bool redrawn_stays = false;   // RasterSettings::redrawn_stays
+};
+
+/// A node that the user has taken from its track.
+struct UserOverride {
+    scene::NodeId node = scene::none;
+    glm::vec3 offset{0};   // from where it was when it was taken, in its parent's space
+    friend bool operator==(const UserOverride&, const UserOverride&) = default;
+};
+
+/// The image that options come to for a scene.
+enum class Shown : std::uint8_t { light, shadow_states, clusters, redrawn };
+
+/// Milliseconds of advance().
+struct AdvanceTimes {
+    double scene = 0;    // state and, for a new scene, ray scene
+    double caches = 0;   // update of the ray scene; what the options need was made
+};
+
+struct RenderRequest {
+    std::vector<int> overlay_lights{};      // of Shown::shadow_states: the lights of its panels
+    std::uint64_t indirect_ray_limit = 0;   // IrradianceCache::limit_rays(); 0: none
+    // For measurements, with no technique that keeps a cache.
+    Tasks* tasks = nullptr;           // these threads instead of the engine's
+    trace::TraceLog* log = nullptr;   // takes the frame's rays; needs a single thread
+};
+
+/// What a view's ray meets first.
+struct PickedPoint {
+    scene::ObjectId object = scene::none;
+    glm::vec3 position{0};
+};
+
+class FrameEngine {
+ public:
+    explicit FrameEngine(const EngineSettings& settings = {});
+    ~FrameEngine();
+    FrameEngine(const FrameEngine&) = delete;
+    FrameEngine& operator=(const FrameEngine&) = delete;
+
+    /// Moves to a time of a scene. Another scene or accelerator discards everything, overrides included.
+    /// @param options    size, camera, turntable, threads, exposure and tone mapping are not read
+    /// @param overrides  all that are in force; nodes that the scene does not have are ignored
+    /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or memory
+    AdvanceTimes advance(const std::shared_ptr<const scene::Scene>& scene, double time, const RenderOptions& options,
+                         std::span<const UserOverride> overrides = {});
+
+    /// @param turn  radians around the scene's centre at the clip's start; none: the camera as it is
+    scene::View make_view(scene::CameraId camera, Size size, std::optional<double> turn = {});
+
+    /// Renders a view, once after each advance(). The image lies in buffers() where shown() is light or redrawn, else
+    /// paint_overlay() makes it.
+    /// @throws InterruptedError  progress returned false; the next frame begins without the caches that took notes
+    /// @throws MissingError      too little device memory, or the device was lost; everything is discarded
+    FrameCounters render(const scene::View& view, const RenderRequest& request = {}, const Progress& progress = {});
+
+    // Of the last frame.
+    Shown shown() const { return plan_.shown; }
+    shading::FrameBuffers& buffers() { return buffers_; }
+    /// The layer of indirect light was filled, with layers.
+    bool has_indirect() const { return plan_.reference || plan_.cache || plan_.map || plan_.raster_indirect; }
+    bool is_reference() const { return plan_.reference; }
+    /// No point of the irradiance cache is missing because of a limit on rays.
+    bool complete() const;
+    /// Shown::shadow_states and clusters, in screen colours.
+    /// @param titles  of shadow states, by panel
+    Image8 paint_overlay(const std::vector<std::string>& titles);
+    /// Shown::redrawn: paints over the colour in buffers(), which becomes what is shown, within 0 to 1.
+    void paint_redrawn(double exposure);
+    /// The Vulkan device; empty for traced frames.
+    std::string device() const;
+    std::size_t cached_bytes() const;
+
+    /// Makes certificates from what the last frames' shadow rays saw, until all are made or `go_on` returns false.
+    void make_certificates(const std::function<bool()>& go_on);
+    /// What is seen at a place of the image, in pixels from the top left corner. Needs a ray scene.
+    PickedPoint hit_at(const scene::View& view, const glm::vec2& pixel) const;
+    /// The ray scene. There is one unless all frames of the scene were rasterised without the irradiance cache.
+    const ray::RayScene& rays() const { return *rays_; }
+
+    /// Discards the scene and all caches.
+    void forget();
+
+ private:
+    // The techniques that options come to for a scene.
+    struct Plan {
+        Shown shown = Shown::light;
+        bool raster = false, raster_indirect = false;
+        bool certified = false, nah = false;                  // shadow culling of the traced frame
+        bool cache = false, map = false, reference = false;   // its indirect light
+    };
+    Plan plan_for(const RenderOptions& options) const;
+    bool override_transforms(std::span<const UserOverride> overrides);   // true: they changed
+    void discard_caches();
+    void fit_caches(const RenderOptions& options);
+    void fit_rasterizer(const RenderOptions& options);
+    FrameCounters render_traced(const scene::View& view, const RenderRequest& request, const Progress& progress);
+    void count_kdtree(FrameCounters& counters) const;
+
+    EngineSettings settings_;
+    Tasks tasks_;
+    std::shared_ptr<const scene::Scene> scene_;   // of all that follows
+    Accelerator accelerator_ = Accelerator::embree;
+    std::unique_ptr<scene::SceneState> state_;
+    std::unique_ptr<ray::RayScene> rays_;
+    bool first_frame_ = true;   // of the scene
+    bool advanced_ = false;     // and not rendered since
+    RenderOptions options_;     // of the last advance()
+    Plan plan_;                 // likewise
+    std::optional<glm::vec3> turn_centre_;
+
+    std::vector<UserOverride> overrides_;
+    std::unordered_map<scene::NodeId, glm::dmat4> taken_from_;   // by overridden node: its local transform then
+
+    std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
+    std::unique_ptr<shadow_culling::PaperCulling> nah_;
+    std::unique_ptr<irradiance_cache::IrradianceCache> cache_;
+    std::unique_ptr<light_quadtree::MapLight> map_;
+    std::unique_ptr<Rasterizer> raster_;
+    RenderOptions cache_options_, map_options_, raster_options_;   // that these were made with
+
+    shading::FrameBuffers buffers_;
+    trace::StateMap states_;
+    scene::View view_;   // of the last frame
+};
+
+}   // namespace gnomon::frame

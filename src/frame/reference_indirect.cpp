@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame/reference_indirect.h"
+
+#include <algorithm>
+
+namespace gnomon::frame {
+
+namespace {
+
+constexpr int k_least_paths = 2;   // of a point: fewer have no spread, and so no error
+
+}   // namespace
+
+class ReferenceIndirect::Work final : public Worker {
+ public:
+    explicit Work(const ReferenceIndirect& light) : light_(light), paths_(*light.light_) {}
+
+    void begin_tile(const trace::Tile& tile) override
+    {
+        points_of_pixel_.assign(static_cast<std::size_t>(tile.side) * static_cast<std::size_t>(tile.side), 0);
+    }
+    void gather(const trace::PointBatch& batch, trace::IndirectResult& result) override
+    {
+        // Give each point random numbers of its own, by pixel and by how many points the pixel had so far.
+        requests_.clear();
+        result.point.clear();
+        for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+            const trace::TilePoint& point = batch.points[p];
+            if (point.surface.diffuse * point.surface.coverage == glm::vec3(0)) continue;
+            const std::uint64_t place = batch.tile.index_in_image(point.pixel, light_.image_width_);
+            const std::uint64_t key = reference::mix(place, points_of_pixel_[point.pixel]++);
+            requests_.push_back({reference::irradiance_point(point.surface, key), samples_of(point.throughput)});
+            result.point.push_back(p);
+        }
+        estimates_.resize(requests_.size());
+        paths_.estimate(requests_, estimates_.data());
+
+        for (auto* list : {&result.irradiance, &result.surroundings, &result.irradiance_error, &result.error})
+            list->clear();
+        for (const reference::IrradianceEstimate& estimate : estimates_) {
+            result.irradiance.push_back(estimate.indirect);
+            result.surroundings.push_back(estimate.surroundings);
+            result.irradiance_error.push_back(estimate.indirect_error);
+            result.error.push_back(estimate.error);
+        }
+    }
+    std::uint64_t rays() const { return paths_.counters().rays; }
+
+ private:
+    // Gives a point seen in a mirror fewer paths, in proportion to its throughput, since it adds less to the noise.
+    int samples_of(const glm::vec3& throughput) const
+    {
+        const int all = std::max(1, light_.options_.samples / light_.samples_per_pixel_);
+        const float wanted = static_cast<float>(all) * std::max({throughput.x, throughput.y, throughput.z});
+        if (wanted >= static_cast<float>(all)) return all;
+        int samples = std::min(all, k_least_paths);
+        while (static_cast<float>(samples) < wanted) samples *= 2;
+        return std::min(samples, all);
+    }
+
+    const ReferenceIndirect& light_;
+    reference::ReferencePaths paths_;
+    std::vector<reference::ReferencePaths::Request> requests_;
+    std::vector<reference::IrradianceEstimate> estimates_;
+    std::vector<std::uint32_t> points_of_pixel_;   // over all samples of the tile
+};
+
+void ReferenceIndirect::begin_frame(const trace::FrameContext& frame)
+{
+    light_.emplace(frame.state, frame.rays, options_);
+    image_width_ = frame.view.size.width;
+}
+
+std::unique_ptr<trace::IndirectLight::Worker> ReferenceIndirect::make_worker()
+{
+    return std::make_unique<Work>(*this);
+}
+
+FrameCounters::Indirect ReferenceIndirect::end_frame(std::span<const std::unique_ptr<Worker>> workers)
+{
+    FrameCounters::Indirect sum;
+    for (const auto& worker : workers) sum.rays += static_cast<const Work&>(*worker).rays();
+    return sum;
+}
+
+}   // namespace gnomon::frame

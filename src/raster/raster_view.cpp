@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "raster/raster_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/environment.h"
+
+namespace gnomon::raster {
+
+namespace {
+
+constexpr float k_nearest = 1e-6f;   // scene units: where a perspective view without a near plane begins
+
+}   // namespace
+
+void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6])
+{
+    // In units of the half extent: x is inside where |x| <= reach, and reach grows with distance or is 1.
+    const glm::vec3 x = view.right / glm::dot(view.right, view.right), y = view.up / glm::dot(view.up, view.up);
+    const glm::vec3 reach = view.orthographic ? glm::vec3(0) : view.forward;
+    const float constant = view.orthographic ? 1.0f : 0.0f;
+    const auto plane = [&](const glm::vec3& n, float at_eye) { return glm::vec4(n, at_eye - glm::dot(n, view.eye)); };
+    planes[0] = plane(reach + x, constant);
+    planes[1] = plane(reach - x, constant);
+    planes[2] = plane(reach + y, constant);
+    planes[3] = plane(reach - y, constant);
+    planes[4] = plane(view.forward, -view.near);
+    planes[5] = std::isfinite(view.far) ? plane(-view.forward, view.far) : glm::vec4(0, 0, 0, 1);
+}
+
+shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, float unlimited_far)
+{
+    const glm::vec3 x = view.right / glm::dot(view.right, view.right), y = -view.up / glm::dot(view.up, view.up);
+    glm::vec4 rows[4] = {glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(0), glm::vec4(view.forward, 0)};
+    if (view.orthographic) {
+        const float far = std::isfinite(view.far) ? view.far : unlimited_far;
+        rows[2] = glm::vec4(-view.forward, far) / (far - view.near);
+        rows[3] = glm::vec4(0, 0, 0, 1);
+    } else {
+        const float near = std::max(view.near, k_nearest);
+        rows[2] = std::isfinite(view.far) ? near / (view.far - near) * glm::vec4(-view.forward, view.far)
+                                          : glm::vec4(0, 0, 0, near);
+    }
+    // Move the image against the sample's place in the pixel.
+    const glm::vec2 move = -2.0f * (sample - 0.5f) / glm::vec2(view.size.width, view.size.height);
+    rows[0] += move.x * rows[3];
+    rows[1] += move.y * rows[3];
+    shared::DrawPush push{};
+    push.clip_from_offset = glm::transpose(glm::mat4(rows[0], rows[1], rows[2], rows[3]));
+    push.eye = view.eye;
+    return push;
+}
+
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in)
+{
+    const scene::Background& background = scene.background;
+    shared::RasterFrame f{};
+    f.eye = view.eye;
+    f.orthographic = view.orthographic ? 1 : 0;
+    f.right = view.right, f.up = view.up, f.forward = view.forward;
+    f.width = static_cast<std::uint32_t>(view.size.width);
+    f.height = static_cast<std::uint32_t>(view.size.height);
+    f.pixel_spread = view.pixel_spread;
+    f.pixel_width = view.pixel_width;
+    f.background = static_cast<std::uint32_t>(background.kind);
+    f.background_color = background.color;
+    f.zenith = background.zenith, f.horizon = background.horizon, f.ground = background.ground;
+    f.sun_direction = background.sun_direction, f.sun_radiance = background.sun_radiance;
+    f.ambient = scene.ambient;
+    f.stand_in = stand_in ? 1 : 0;
+    if (background.kind == scene::Background::Kind::image) {
+        f.environment_width = static_cast<std::uint32_t>(background.environment->image().width);
+        f.environment_height = static_cast<std::uint32_t>(background.environment->image().height);
+        std::copy(background.environment->harmonics().begin(), background.environment->harmonics().end(), f.harmonics);
+    }
+    return f;
+}
+
+}   // namespace gnomon::raster

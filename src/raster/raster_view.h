@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// A view as the rasteriser's passes take it: culling planes, the clip transform, and the constants of a frame.
+
+#include "raster/raster_shared.h"
+#include "scene/state.h"
+#include "scene/view.h"
+
+namespace gnomon::raster {
+
+/// Planes of a view that point inwards, for culling: left, right, bottom, top, near, far.
+void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6]);
+
+/// The transform from a point's offset from the eye to clip space, with reversed depth: 1 at the near plane, 0 far
+/// away.
+/// @param sample  place in the pixel, in [0, 1)^2
+/// @param unlimited_far  where an orthographic view without a far plane ends
+shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, float unlimited_far);
+
+/// @param stand_in  ambient light stands in for bounced light
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in);
+
+}   // namespace gnomon::raster

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace/indirect_lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "trace/indirect_grid.h"
+
+namespace gnomon::trace {
+
+namespace {
+
+// Whether a surface reflects indirect light.
+bool scatters(const shading::SurfacePoint& s)
+{
+    return s.model != scene::ShadingModel::unlit && s.diffuse != glm::vec3(0);
+}
+
+float largest(const glm::vec3& v)
+{
+    return std::max({v.x, v.y, v.z});
+}
+
+}   // namespace
+
+class CachedIndirect::Work final : public Worker {
+ public:
+    explicit Work(const CachedIndirect& light) : light_(light), batch_(light.cache_.make_batch()) {}
+
+    void gather(const PointBatch& batch, IndirectResult& result) override
+    {
+        asked_.clear();
+        result.point.clear();
+        for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+            const TilePoint& point = batch.points[p];
+            const shading::SurfacePoint& s = point.surface;
+            if (!scatters(s)) continue;
+            const shadow_culling::ShadowPoint& here = batch.shadow_points[p];
+            // Chrome and glass show everything small and from viewpoints of their own, so that its cache points would
+            // be many and new in every frame; and a path of low throughput may be coarser.
+            const float wider =
+                batch.primary ? 1.0f
+                              : light_.options_.mirrored_spacing / std::sqrt(std::min(largest(point.throughput), 1.0f));
+            const float width = s.cone.width * wider;
+            asked_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
+                              width, s.to_viewer});
+            if (batch.primary) {
+                const int pixel = static_cast<int>(point.pixel);
+                asked_.back().x = static_cast<std::int16_t>(pixel % batch.tile.side);
+                asked_.back().y = static_cast<std::int16_t>(pixel / batch.tile.side);
+            }
+            result.point.push_back(p);
+        }
+        result.irradiance.resize(asked_.size());
+        light_.cache_.shade(*batch_, asked_, result.irradiance.data());
+    }
+    std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_batch() { return std::move(batch_); }
+
+ private:
+    const CachedIndirect& light_;
+    std::unique_ptr<irradiance_cache::IrradianceCache::Batch> batch_;
+    std::vector<irradiance_cache::IndirectPoint> asked_;
+};
+
+std::unique_ptr<IndirectLight::Worker> CachedIndirect::make_worker()
+{
+    return std::make_unique<Work>(*this);
+}
+
+FrameCounters::Indirect CachedIndirect::end_frame(std::span<const std::unique_ptr<Worker>> workers)
+{
+    std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches;
+    for (const auto& worker : workers) batches.push_back(static_cast<Work&>(*worker).take_batch());
+    cache_.end_frame(batches);
+    return {cache_.counters().nodes, cache_.counters().rays};
+}
+
+class MapIndirect::Work final : public Worker {
+ public:
+    explicit Work(const MapIndirect& light) : light_(light), batch_(std::make_unique<light_quadtree::MapLight::Batch>())
+    {
+    }
+
+    void gather(const PointBatch& batch, IndirectResult& result) override
+    {
+        receivers_.clear();
+        result.point.clear();
+        for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+            const shading::SurfacePoint& s = batch.points[p].surface;
+            if (!scatters(s)) continue;
+            light_quadtree::MapReceiver& receiver = receivers_.emplace_back();
+            receiver.position = s.position;
+            receiver.normal = s.normal;
+            receiver.width = s.cone.width;
+            if (batch.primary) receiver.pixel = batch.tile.pixel_of_image(batch.points[p].pixel);
+            result.point.push_back(p);
+        }
+        result.irradiance.resize(receivers_.size());
+        light_.light_.shade(*batch_, receivers_, result.irradiance.data());
+    }
+    std::unique_ptr<light_quadtree::MapLight::Batch> take_batch() { return std::move(batch_); }
+
+ private:
+    const MapIndirect& light_;
+    std::unique_ptr<light_quadtree::MapLight::Batch> batch_;
+    std::vector<light_quadtree::MapReceiver> receivers_;
+};
+
+void MapIndirect::begin_frame(const FrameContext& frame)
+{
+    light_.begin_frame(frame.state, frame.rays, frame.tasks);
+    const int step = light_.grid_step(frame.view.size.width, frame.view.size.height);
+    if (step == 0) return;
+    const IndirectGrid grid = cast_indirect_grid(frame.state.scene(), frame.rays, frame.view, step, frame.tasks);
+    light_.set_grid(grid.receivers, grid.columns, step, frame.tasks);
+}
+
+std::unique_ptr<IndirectLight::Worker> MapIndirect::make_worker()
+{
+    return std::make_unique<Work>(*this);
+}
+
+FrameCounters::Indirect MapIndirect::end_frame(std::span<const std::unique_ptr<Worker>> workers)
+{
+    std::vector<std::unique_ptr<light_quadtree::MapLight::Batch>> batches;
+    for (const auto& worker : workers) batches.push_back(static_cast<Work&>(*worker).take_batch());
+    light_.end_frame(batches);
+    return {light_.counters().lights, light_.map().work().cast};
+}
+
+}   // namespace gnomon::trace

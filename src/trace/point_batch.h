@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The data that a tile hands to the techniques of the traced frame: the points of one queue, side by side.
+//
+// A technique is called once for a whole batch (shadows: once per light and batch), so that its virtual calls cost
+// nothing per point or ray, and so that its rays stay in full packets.
+
+#include <cstdint>
+#include <span>
+
+#include "base/tasks.h"
+#include "scene/view.h"
+#include "shading/shading.h"
+#include "shadow_culling/certified/shadow_point.h"
+
+namespace gnomon::trace {
+
+/// What a technique needs to know of a frame; all of it outlives the frame.
+struct FrameContext {
+    const scene::SceneState& state;
+    const ray::RayScene& rays;   // follows the state
+    const scene::View& view;
+    Tasks& tasks;
+};
+
+/// A square of pixels, cut off at the image's borders. Its pixels are numbered row by row, `side` to a row.
+struct Tile {
+    int x = 0, y = 0, width = 0, height = 0;
+    int side = 0;
+
+    glm::ivec2 pixel_of_image(std::uint32_t pixel) const
+    {
+        return {x + static_cast<int>(pixel) % side, y + static_cast<int>(pixel) / side};
+    }
+    /// Place in an image of that width, row by row.
+    std::size_t index_in_image(std::uint32_t pixel, int image_width) const
+    {
+        const glm::ivec2 at = pixel_of_image(pixel);
+        return static_cast<std::size_t>(at.y) * static_cast<std::size_t>(image_width) + static_cast<std::size_t>(at.x);
+    }
+};
+
+/// The path that a ray in a queue continues.
+struct Path {
+    std::uint32_t pixel;    // of the tile
+    glm::vec3 throughput;   // of the path so far: the weight of what the ray brings in the pixel's colour
+    shading::RayCone cone;
+};
+
+/// A point to shade.
+struct TilePoint {
+    shading::SurfacePoint surface;
+    shading::Continuation next;
+    std::uint32_t pixel;   // of the tile
+    glm::vec3 throughput;
+};
+
+/// The points of one queue. The spans hold until the batch is shaded.
+struct PointBatch {
+    std::span<const TilePoint> points;
+    std::span<const shadow_culling::ShadowPoint> shadow_points;   // by point; an unlit surface has normal 0
+    std::span<const glm::vec3> normals;                           // by point: shading normals
+    Tile tile;
+    bool primary = false;        // first hits, not seen in mirrors or through glass
+    bool first_sample = false;   // of the pixels
+};
+
+/// The first hits of a tile, by ray.
+struct PrimaryRays {
+    const ray::RayQueue& rays;
+    const ray::Hits& hits;
+    std::span<const Path> paths;
+    Tile tile;
+};
+
+}   // namespace gnomon::trace
