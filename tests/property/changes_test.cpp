@@ -23,6 +23,8 @@
 #include "ray_helpers.h"
 #include "scene/view.h"
 #include "shadow_culling/certified/certified_culling.h"
+#include "trace/indirect_lights.h"
+#include "trace/shadow_testers.h"
 #include "trace/traced_frame.h"
 #include "vk_helpers.h"
 
@@ -347,15 +349,14 @@ class Caches {
         // The caches below share the ray scene: packets of closest-hit rays may differ in the last bit between two
         // builds of the same trees. Frames: shadows and bounced light remembered, against neither; then bounced light
         // by the light map.
-        trace::Remembered remembered(&culling_), nothing;
-        remembered.visible = &visible_;
+        trace::CertifiedShadows shadows(culling_);
         irradiance_cache::IrradianceCache fresh_cache(state_, rays_, cache_options(), tasks_);
-        nothing.visible = &fresh_cache;
-        tally.skipped += compare_frames(remembered, nothing, "shadows and irradiance cache", tally);
-        remembered = nothing = {};
+        trace::CachedIndirect cached(visible_), fresh_cached(fresh_cache);
+        tally.skipped +=
+            compare_frames({&shadows, &cached}, {nullptr, &fresh_cached}, "shadows and irradiance cache", tally);
         light_quadtree::MapLight fresh_map(state_, rays_, map_options(), tasks_);
-        remembered.map = &map_, nothing.map = &fresh_map;
-        compare_frames(remembered, nothing, "light map", tally);
+        trace::MapIndirect mapped(map_), fresh_mapped(fresh_map);
+        compare_frames({nullptr, &mapped}, {nullptr, &fresh_mapped}, "light map", tally);
         EXPECT_EQ(differing(map_.map(), fresh_map.map()), 0u) << "light map";
 
         views_.update(state_);
@@ -390,14 +391,14 @@ class Caches {
         EXPECT_EQ(differ, 0u) << "k-d tree";
     }
 
-    std::uint64_t compare_frames(const trace::Remembered& remembered, const trace::Remembered& nothing,
-                                 const char* what, Tally& tally)
+    std::uint64_t compare_frames(const trace::Techniques& kept, const trace::Techniques& made_anew, const char* what,
+                                 Tally& tally)
     {
         const scene::View view = scene::make_view(state_, 0, {24, 18});
         shading::FrameBuffers mine, fresh;
         const std::uint64_t skipped =
-            trace::trace_frame(state_, rays_, view, options_, tasks_, mine, remembered).shadow.rays_skipped;
-        trace::trace_frame(state_, rays_, view, options_, tasks_, fresh, nothing);
+            trace::trace_frame(state_, rays_, view, options_, tasks_, mine, kept).shadow.rays_skipped;
+        trace::trace_frame(state_, rays_, view, options_, tasks_, fresh, made_anew);
         EXPECT_TRUE(same_bits(mine.color.data, fresh.color.data)) << what;
         EXPECT_TRUE(same_bits(mine.indirect.data, fresh.indirect.data)) << what << ", indirect light";
         for (const float value : mine.indirect.data) tally.lit += value > 0;
