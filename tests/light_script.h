@@ -105,11 +105,11 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     // Every second dynamic object may rest exactly where a static object with the same mesh stands, so that all depths
     // are equal.
     for (int i = 0; i < dynamic_objects; ++i) {
-        const std::uint32_t twin = random.below(static_cast<std::uint32_t>(still));
+        const std::uint32_t same = random.below(static_cast<std::uint32_t>(still));
         std::vector<glm::dmat4> places{random_placement(random, 5), random_placement(random, 5),
                                        translation(60, 3 * i, 0)};
-        if (i % 2) places.push_back(static_places[twin]);
-        const scene::NodeId node = add_object(scene, i % 2 ? static_meshes[twin] : random.below(rigid_meshes));
+        if (i % 2) places.push_back(static_places[same]);
+        const scene::NodeId node = add_object(scene, i % 2 ? static_meshes[same] : random.below(rigid_meshes));
         scene.nodes[node].transform =
             std::make_shared<ScriptTrack>(places, frames, script.fps, seed * 77 + static_cast<std::uint64_t>(i));
         if (i % 3 == 2) scene.nodes[node].visibility = blinking(frames, script.fps, 20, random);
@@ -141,8 +141,8 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     scene.nodes[dynamic_object].transform = std::make_shared<ScriptTrack>(
         std::vector<glm::dmat4>{look_at({-9, 6, 2}, {0, 0, 0}), look_at({4, 10, -6}, {0, 0, 0})}, frames, script.fps,
         seed + 9);
-    const scene::NodeId lamp = add_light(scene::LightType::point, translation(3, 2, 2));
-    scene.nodes[lamp].visibility = blinking(frames, script.fps, 25, random);
+    const scene::NodeId blinking_light = add_light(scene::LightType::point, translation(3, 2, 2));
+    scene.nodes[blinking_light].visibility = blinking(frames, script.fps, 25, random);
     add_light(scene::LightType::spot, look_at({0, 9, 0.1}, {0, 0, 0}), 1.4f);   // so wide that it needs six faces
     const scene::NodeId sun = add_light(scene::LightType::directional, glm::dmat4(1));
     scene.nodes[sun].transform = std::make_shared<ScriptTrack>(

@@ -371,8 +371,8 @@ TEST_F(RasterCrosscheck, HardShadowsOfAlphaTestedObjectsEqualTheTracedFrame)
     EXPECT_GT(through, 200u);
 }
 
-// Squeezed flat by what moves it, a thing meets no ray: it is not seen, and casts no shadow. One that cannot move does
-// both. By either frame.
+// A dynamic object with a singular transform is invisible and casts no shadow in either frame. A static one is visible
+// and casts a shadow.
 TEST_F(RasterCrosscheck, SingularTransformsAreHandledAsInTheTracedFrame)
 {
     const glm::dmat4 flat = test::translation(0, 2, 0) * glm::scale(glm::dmat4(1), glm::dvec3(1.5, 0, 1.5));

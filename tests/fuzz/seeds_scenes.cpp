@@ -21,7 +21,7 @@ b .1 .2 .3
 am .1 .1 .1
 l 1 2 3 1 1 1
 l 1 2 3
-la lamp 3 2 1 1 1 1
+la lite 3 2 1 1 1 1
 d 1
 f .5 .5 .5 .8 .2 10 0 1
 p 3 0 0 0 1 0 0 0 1 0
@@ -43,7 +43,7 @@ xs 1 2 3 0 1 0 90 1 0 0 { m vertices 3 0 0 0 1 0 0 0 1 0 triangles 1 0 1 2 }
 const char* const k_aff_moving = R"(a 0 3 4
 f 1 1 1 1 0 1 0 1
 x thing { s 0 0 0 1 x inner { p 3 0 0 0 1 0 0 0 1 0 } }
-la lamp 3 2 1
+la lite 3 2 1
 k thing {
   transl 4 0 0 0 0 0 0 0  1 1 0 0 0 0 0  2 2 0 0 .5 .5 .5  3 3 0 0 0 0 0
   scale 4 0 1 1 1 0 0 0  1 1 2 1 0 0 0  2 1 1 2 0 0 0  3 1 1 1 0 0 0
@@ -51,7 +51,7 @@ k thing {
   visibility 2 0 1 2 0
 }
 k inner { visibility 1 0 1 }
-k lamp { transl 4 0 0 0 0 0 0 0  1 1 0 0 0 0 0  2 2 0 0 0 0 0  3 3 0 0 0 0 0 }
+k lite { transl 4 0 0 0 0 0 0 0  1 1 0 0 0 0 0  2 2 0 0 0 0 0  3 3 0 0 0 0 0 }
 )";
 
 const char* const k_obj_scene =

@@ -332,7 +332,7 @@ TEST(HostileAff, OpensOnlyRegularFilesInsideItsFolder)
 std::string small_scene()
 {
     return "b 1 1 1 am 2 2 2 # x\nv from 0 0 5 at 0 0 0 up 0 1 0 angle 40 hither 0.1 resolution 8 6\n"
-           "l 1 2 3 .5 .5 .5 la lamp 0 1 0 a 0 2 3\n" +
+           "l 1 2 3 .5 .5 .5 la lite 0 1 0 a 0 2 3\n" +
            k_material +
            "s 0 0 0 1 c 0 0 0 1 0 1 0 .5\np 3 0 0 0 1 0 0 0 1 0 pp 3 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1\n"
            "tt t.ppm 0 0 0 0 0 1 0 0 1 0 0 1 0 0 1\nttp t.ppm 0 0 0 0 0 1 0 0 1 0 0 0 0 1 1 0 0 1 0 0 0 1 0 1\n"

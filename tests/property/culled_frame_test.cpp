@@ -159,7 +159,7 @@ std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipp
     return wrong;
 }
 
-// A static object taken by hand stops casting the shadow that was remembered, and casts its own where it is.
+// A static object that a user override moves no longer casts its remembered shadow, but one from where it is.
 TEST(CertifiedCulling, FollowsUserOverridesOfStaticObjects)
 {
     const auto scene = std::make_shared<scene::Scene>(scene::make_cornell());
@@ -212,8 +212,8 @@ scene::View small_view(Size size, float away, float pixel)
     return view;
 }
 
-// Dynamic objects without volume, as where they are hidden by a scale of 0, and dynamic objects squeezed aslant by
-// another's scale, which rays meet roughly or not at all: what is said of them without rays is what rays say.
+// Objects hidden by a scale of 0, and objects that a parent's scale flattens at an angle: rays hit them roughly or not
+// at all. The mask must give the results that rays give.
 TEST(CertifiedCulling, IsExactForDynamicObjectsWithSingularTransforms)
 {
     std::uint64_t skipped = 0;
@@ -227,10 +227,10 @@ TEST(CertifiedCulling, IsExactForDynamicObjectsWithSingularTransforms)
         for (int frame = 0; frame < 4; ++frame) {
             for (std::size_t i = 1; i <= 6; ++i) {
                 const double turn = 0.3 + 0.2 * frame + static_cast<double>(i);
-                const glm::dmat4 squeezed =
+                const glm::dmat4 flat_transform =
                     glm::scale(glm::dmat4(1), glm::dvec3(1, i % 2 ? thin : 1, i % 2 ? 1 : thin));
                 const glm::dmat4 turned = glm::rotate(glm::dmat4(1), turn, glm::normalize(glm::dvec3(1, 2, 3)));
-                const glm::dmat4 local = i % 3 ? squeezed * turned : turned * squeezed;
+                const glm::dmat4 local = i % 3 ? flat_transform * turned : turned * flat_transform;
                 state.override_transform(scene->objects[scene->objects.size() - i].node, &local);
             }
             state.advance(0);
@@ -245,7 +245,7 @@ TEST(CertifiedCulling, IsExactForDynamicObjectsWithSingularTransforms)
     EXPECT_GT(skipped, 1000u);
 }
 
-// Who is taken by hand out of a group that moves casts its shadow from where it is.
+// A user override that takes an object out of a moving group: the object casts its shadow from where it is.
 TEST(CertifiedCulling, FollowsUserOverridesWithinAMovingGroup)
 {
     scene::Scene made = test::scene_with_balls();

@@ -106,8 +106,8 @@ TEST(AffImport, ReadsLightsAndTheirTracks)
 {
     const AffFolder folder;
     const scene::Scene scene = folder.load(
-        "l 1 2 3\nl 4 5 6 .1 .2 .3\nla lamp 1 0 0 1 1 0\nla still 7 8 9\n"
-        "k lamp { transl 4  0 0 2 0 0 0 0  1 0 2 0 0 0 0  2 0 4 0 0 0 0  3 0 4 0 0 0 0"
+        "l 1 2 3\nl 4 5 6 .1 .2 .3\nla lite 1 0 0 1 1 0\nla still 7 8 9\n"
+        "k lite { transl 4  0 0 2 0 0 0 0  1 0 2 0 0 0 0  2 0 4 0 0 0 0  3 0 4 0 0 0 0"
         "         rot 4  0 0 0 1 90 0 0 0  1 0 0 1 90 0 0 0  2 0 0 1 90 0 0 0  3 0 0 1 90 0 0 0 }");
     ASSERT_EQ(scene.lights.size(), 4u);
     EXPECT_EQ(scene.lights[0].color, glm::vec3(1));

@@ -54,7 +54,7 @@ ViewRequest at(double time)
     return request;
 }
 
-// By hand, where it is now and a little higher.
+// A user override that raises a node a little above where it is now.
 HandMoved promoted(scene::NodeId node)
 {
     return {node, true, glm::vec3(0, 0.3f, 0)};

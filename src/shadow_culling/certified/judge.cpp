@@ -97,10 +97,10 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
 
 ShadowState Judge::certify(const MicroTriangle& part, std::uint32_t at_level, int light, bool saw_occluded)
 {
-    const scene::Light& lamp = state_.scene().lights[static_cast<std::size_t>(light)];
+    const scene::Light& source = state_.scene().lights[static_cast<std::size_t>(light)];
     const scene::LightState& at = state_.light(static_cast<scene::LightId>(light));
     visibility::LightPoint to;
-    to.directional = lamp.type == scene::LightType::directional;
+    to.directional = source.type == scene::LightType::directional;
     to.place = to.directional ? glm::normalize(-glm::dvec3(at.direction)) : glm::dvec3(at.position);
 
     // No point needs a light behind the triangle's plane, and none is certified for a light near the plane. (All points
