@@ -57,7 +57,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
                                      options.frames.last, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
     options.threads = values.integer("threads");
-    options.camera = scene::find_camera(*scene.inside(), values.text("camera"));
+    options.camera = scene::find_camera(*scene.impl(), values.text("camera"));
     options.spp = values.integer("spp");
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
@@ -94,7 +94,7 @@ int run_bench_indirect(const CommandLine& line, Output& output)
     study.device = device;
     study.options = options_of(values, scene);
     const bench::IndirectBenchOptions& options = study.options;
-    const auto inside = values.flag("moving-lights") ? bench::with_moving_lights(scene.inside()) : scene.inside();
+    const auto inside = values.flag("moving-lights") ? bench::with_moving_lights(scene.impl()) : scene.impl();
     // Measure all methods.
     const bench::IndirectBenchResult& result = study.result = bench::bench_indirect(
         inside, options, output.progress(), [&](const bench::IndirectRow& row) { say_row(row, output); });

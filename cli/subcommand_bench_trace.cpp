@@ -22,10 +22,10 @@ int run_bench_trace(const CommandLine& line, Output& output)
     if (options.frame > scene.frame_count())
         throw UsageError(fmt::format("--frame {}: the clip has frames 1 to {}", options.frame, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
-    options.camera = scene::find_camera(*scene.inside(), values.text("camera"));
+    options.camera = scene::find_camera(*scene.impl(), values.text("camera"));
     options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
-    const bench::TraceBenchResult result = bench::bench_trace(scene.inside(), options);
+    const bench::TraceBenchResult result = bench::bench_trace(scene.impl(), options);
 
     const double load_ms = load.count() + result.build_ms;   // from opening the file to the first ray
     output.say(fmt::format("frame   {:.2f} ms ({:.2f} ms on one thread)", result.frame_ms, result.one_thread_ms));

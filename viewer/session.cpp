@@ -270,7 +270,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
 
 std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
 {
-    const scene::Scene& inside = *scene->inside();
+    const scene::Scene& inside = *scene->impl();
     RenderOptions options = request.options;
     options.layers = false;   // not shown
     options.reference.reset();
@@ -282,7 +282,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     // Advance the scene.
     std::vector<frame::UserOverride> overrides;
     for (const HandMoved& hand : request.hands) overrides.push_back({hand.node, hand.offset});
-    const frame::AdvanceTimes advanced = engine_->advance(scene->inside(), request.time, options, overrides);
+    const frame::AdvanceTimes advanced = engine_->advance(scene->impl(), request.time, options, overrides);
     image->times.ms[0] = advanced.scene;
     image->times.ms[1] = advanced.caches;
 

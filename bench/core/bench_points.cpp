@@ -93,11 +93,11 @@ void PointTracer::queue_continuations()
     std::vector<shading::Continuation> next;
     next.reserve(shaded_.size());
     for (const Continued& point : shaded_) next.push_back(shading::continue_from(point.surface));
-    for (std::size_t i = 0; i < shaded_.size(); ++i) push(shaded_[i], next[i].reflected_share, 1, next[i].reflected);
+    for (std::size_t i = 0; i < shaded_.size(); ++i) push(shaded_[i], next[i].reflected_weight, 1, next[i].reflected);
     reflected_ = queue_.size();
     for (std::size_t i = 0; i < shaded_.size(); ++i) {
-        push(shaded_[i], next[i].refracted_share, -1, next[i].refracted);
-        push(shaded_[i], next[i].straight_share, -1, -shaded_[i].surface.to_viewer);
+        push(shaded_[i], next[i].refracted_weight, -1, next[i].refracted);
+        push(shaded_[i], next[i].straight_weight, -1, -shaded_[i].surface.to_viewer);
     }
     refracted_ = queue_.size() - reflected_;
 }

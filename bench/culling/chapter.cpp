@@ -163,8 +163,8 @@ class CullingChapter : public BenchChapter {
         }
         const Scene scene = wanted.timed ? loaded_->with_lights(k_timed_lights) : *loaded_;
         CullingWindow window = window_of(wanted);
-        window.lights = scene.inside()->lights.size();
-        window.result = bench_culling(scene.inside(), window.options, progress);
+        window.lights = scene.impl()->lights.size();
+        window.result = bench_culling(scene.impl(), window.options, progress);
         if (wanted.timed) {
             timed_.push_back(std::move(window));
         } else {

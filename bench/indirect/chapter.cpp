@@ -56,7 +56,7 @@ class IndirectChapter : public BenchChapter {
                                                    : 6.,
                              [&study](const Progress& progress) {
                                  const Scene scene = load(study.scene);
-                                 study.result = bench_indirect(scene.inside(), study.options, progress);
+                                 study.result = bench_indirect(scene.impl(), study.options, progress);
                                  study.direct = direct_light(scene, study);
                              }});
         }

@@ -89,7 +89,7 @@ class Renderer {
 
  private:
     struct Impl;
-    Impl& inside() const;
+    Impl& impl() const;
     std::unique_ptr<Impl> impl_;
 };
 

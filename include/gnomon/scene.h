@@ -67,7 +67,7 @@ class Scene {
     /// @throws UsageError  the number of lights is not a power of two from 1 to 1024
     Scene with_environment(const std::filesystem::path& file, int lights = 16) const;
 
-    const std::shared_ptr<const scene::Scene>& inside() const { return impl_; }
+    const std::shared_ptr<const scene::Scene>& impl() const { return impl_; }
 
  private:
     std::shared_ptr<const scene::Scene> impl_;

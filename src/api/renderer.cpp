@@ -126,7 +126,7 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
-Renderer::Impl& Renderer::inside() const
+Renderer::Impl& Renderer::impl() const
 {
     if (!impl_) throw UsageError("a renderer that was moved from renders nothing");
     return *impl_;
@@ -134,21 +134,21 @@ Renderer::Impl& Renderer::inside() const
 
 const RenderOptions& Renderer::options() const
 {
-    return inside().options;
+    return impl().options;
 }
 
 std::string Renderer::device() const
 {
-    return inside().engine.device();
+    return impl().engine.device();
 }
 
 Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
-    const RenderOptions& options = inside().options;
-    frame::FrameEngine& engine = inside().engine;
+    const RenderOptions& options = impl().options;
+    frame::FrameEngine& engine = impl().engine;
     if (frame < 1 || frame > scene.frame_count())
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
-    const scene::CameraId camera = scene::find_camera(*scene.inside(), options.camera);
+    const scene::CameraId camera = scene::find_camera(*scene.impl(), options.camera);
     image_size(scene, options);   // throws where an overlay cannot be shown
     const auto start = Clock::now();
 
@@ -157,7 +157,7 @@ Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
     gnomon::Stopwatch watch(own);
     result.frame = frame;
     result.time = scene.time_of(frame);
-    engine.advance(scene.inside(), result.time, options);
+    engine.advance(scene.impl(), result.time, options);
     watch.end(FrameTimes::scene);
 
     std::optional<double> turn;
@@ -165,14 +165,14 @@ Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
     const scene::View view = engine.make_view(camera, traced_size(scene, options), turn);
     frame::RenderRequest request;
     const frame::Shown shown = engine.shown();
-    if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(*scene.inside(), options);
+    if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(*scene.impl(), options);
     result.counters = engine.render(view, request, progress);
 
     watch.restart();
     if (shown == frame::Shown::shadow_states || shown == frame::Shown::clusters) {
-        set_overlay(engine.paint_overlay(overlay_titles(*scene.inside(), request.overlay_lights, frame)), result);
+        set_overlay(engine.paint_overlay(overlay_titles(*scene.impl(), request.overlay_lights, frame)), result);
     } else {
-        set_layers(engine, *scene.inside(), options, result);
+        set_layers(engine, *scene.impl(), options, result);
         result.size = view.size;
         watch.end(FrameTimes::image);
         if (options.renderer == RenderMethod::trace) {
@@ -187,17 +187,17 @@ Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 
 Size default_size(const Scene& scene, const std::string& camera)
 {
-    const Size own = scene.inside()->cameras[scene::find_camera(*scene.inside(), camera)].resolution;
+    const Size own = scene.impl()->cameras[scene::find_camera(*scene.impl(), camera)].resolution;
     return own.width > 0 ? own : k_default_size;
 }
 
 Size image_size(const Scene& scene, const RenderOptions& options)
 {
     const Size size = traced_size(scene, options);
-    if (options.overlay == Overlay::redrawn && scene.inside()->lights.empty())
+    if (options.overlay == Overlay::redrawn && scene.impl()->lights.empty())
         throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
     if (options.overlay != Overlay::shadow_states) return size;
-    const std::size_t panels = overlay_lights(*scene.inside(), options).size();
+    const std::size_t panels = overlay_lights(*scene.impl(), options).size();
     if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > ranges::k_max_pixels)
         throw UsageError(
             fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",

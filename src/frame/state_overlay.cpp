@@ -27,7 +27,7 @@ constexpr Rgb8 k_colors[trace::k_state_marks] = {
     {213, 94, 0},      // partial
 };
 constexpr Rgb8 k_untrusted_grey{112, 112, 112};
-constexpr float k_untrusted_share = 0.6f;   // weight of the grey that is mixed in
+constexpr float k_untrusted_weight = 0.6f;   // weight of the grey that is mixed in
 
 struct Entry {
     Rgb8 color;
@@ -169,7 +169,7 @@ Rgb8 cell_color(const trace::StateCell& cell, std::uint8_t shade)
     if (cell.wrong_behind) return k_wrong_behind_color;
     Rgb8 color = state_color(cell.mark);
     if (cell.mark == trace::StateMark::background) return color;
-    if (cell.untrusted) color = mix(color, k_untrusted_grey, k_untrusted_share);
+    if (cell.untrusted) color = mix(color, k_untrusted_grey, k_untrusted_weight);
     constexpr float k_grazing = 0.55f;   // of a colour where the surface is seen edge-on
     return mix({0, 0, 0}, color, k_grazing + (1 - k_grazing) * static_cast<float>(shade) / 255.0f);
 }

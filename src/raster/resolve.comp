@@ -41,7 +41,7 @@ layout(push_constant, scalar) uniform Push { ResolvePush push; };
 #include "raster/mirror.glsl"
 #include "raster/surface.glsl"
 
-// Mirrored light of rough surfaces, taken from the background alone (Continuation::unresolved_share).
+// Mirrored light of rough surfaces, taken from the background alone (Continuation::unresolved_weight).
 vec3 unresolved_mirror(Surface s)
 {
     if (s.model != GNOMON_MODEL_METALLIC_ROUGHNESS || s.transmitted != vec3(0) || s.specular == vec3(0)) return vec3(0);

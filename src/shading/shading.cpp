@@ -116,8 +116,8 @@ glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, co
     const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
     if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
     // Subtract the reflected light. Unresolved reflections bring only the background, so subtract them only from that.
-    const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_share, glm::vec3(0));
-    const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_share, glm::vec3(0));
+    const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_weight, glm::vec3(0));
+    const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_weight, glm::vec3(0));
     return reflectance * (not_traced * indirect + not_mirrored * surroundings);
 }
 
@@ -126,7 +126,7 @@ Continuation continue_from(const SurfacePoint& s)
     Continuation c;
     const glm::vec3 direction = -s.to_viewer;
     const float cosine = std::clamp(glm::dot(s.normal, s.to_viewer), 0.0f, 1.0f);
-    c.straight_share = glm::vec3(1 - s.coverage);
+    c.straight_weight = glm::vec3(1 - s.coverage);
     const bool refracts = s.transmitted != glm::vec3(0);
     if (s.specular == glm::vec3(0) && !refracts) return c;
 
@@ -141,9 +141,9 @@ Continuation continue_from(const SurfacePoint& s)
         const float fresnel = fresnel_dielectric(cosine, eta);
         // AFF glass has a reflection colour besides its index; it is weighted by what Fresnel reflection leaves.
         const bool whitted = s.model == scene::ShadingModel::whitted;
-        c.reflected_share = whitted ? glm::vec3(fresnel) + s.specular * (1 - fresnel) : glm::vec3(fresnel);
+        c.reflected_weight = whitted ? glm::vec3(fresnel) + s.specular * (1 - fresnel) : glm::vec3(fresnel);
         if (fresnel < 1) {
-            c.refracted_share = s.transmitted * (1 - fresnel);
+            c.refracted_weight = s.transmitted * (1 - fresnel);
             const float ratio = 1 / eta;
             const float cos_t = std::sqrt(std::max(0.0f, 1 - ratio * ratio * (1 - cosine * cosine)));
             c.refracted = glm::normalize(ratio * direction + (ratio * cosine - cos_t) * s.normal);
@@ -151,19 +151,19 @@ Continuation continue_from(const SurfacePoint& s)
                 c.refracted = glm::normalize(c.refracted - (1e-3f + below) * s.geometric_normal);
         }
     } else if (s.model == scene::ShadingModel::whitted) {
-        c.reflected_share = s.specular;
+        c.reflected_weight = s.specular;
     } else if (s.model == scene::ShadingModel::metallic_roughness) {
         const float f90 = std::max({1 - s.roughness, s.specular.x, s.specular.y, s.specular.z});
         const glm::vec3 fresnel = schlick(s.specular, cosine, f90);
         const float t =
             std::clamp((s.roughness - k_mirror_roughness) / (k_matte_roughness - k_mirror_roughness), 0.0f, 1.0f);
         const float traced = 1 - t * t * (3 - 2 * t);
-        c.reflected_share = fresnel * traced;
-        c.unresolved_share = fresnel * (1 - traced);
+        c.reflected_weight = fresnel * traced;
+        c.unresolved_weight = fresnel * (1 - traced);
     }
-    c.reflected_share *= s.coverage;
-    c.refracted_share *= s.coverage;
-    c.unresolved_share *= s.coverage;
+    c.reflected_weight *= s.coverage;
+    c.refracted_weight *= s.coverage;
+    c.unresolved_weight *= s.coverage;
     return c;
 }
 

@@ -18,7 +18,7 @@ namespace gnomon::shading {
 glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
 
 /// The same for a light that approximates a part of the environment: diffuse reflection only, because reflected rays
-/// and Continuation::unresolved_share account for the rest. Includes pi for AFF surfaces too, because the environment
+/// and Continuation::unresolved_weight account for the rest. Includes pi for AFF surfaces too, because the environment
 /// is radiance.
 glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);
 
@@ -30,15 +30,15 @@ glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool s
 
 /// The rays that continue from a surface, each with the weight of its radiance. A weight of zero: no such ray.
 struct Continuation {
-    glm::vec3 reflected_share{0}, reflected{0};
-    glm::vec3 refracted_share{0}, refracted{0};
-    glm::vec3 straight_share{0};     // through the uncovered part of a BLEND surface
-    glm::vec3 unresolved_share{0};   // of the background reflected by rough surfaces, without a ray
+    glm::vec3 reflected_weight{0}, reflected{0};
+    glm::vec3 refracted_weight{0}, refracted{0};
+    glm::vec3 straight_weight{0};     // through the uncovered part of a BLEND surface
+    glm::vec3 unresolved_weight{0};   // of the background reflected by rough surfaces, without a ray
 };
 Continuation continue_from(const SurfacePoint& s);
 
 /// Diffuse radiance towards the viewer by light from many directions. For glTF surfaces, light that is accounted for by
-/// reflected rays and Continuation::unresolved_share is not counted again. Includes pi for AFF surfaces too, because
+/// reflected rays and Continuation::unresolved_weight is not counted again. Includes pi for AFF surfaces too, because
 /// the incoming light is radiance.
 /// @param indirect      irradiance from other surfaces
 /// @param surroundings  irradiance from the background and from emissive surfaces

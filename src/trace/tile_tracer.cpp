@@ -167,8 +167,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = s.emissive * s.coverage;
         own += shading::ambient_light(s, scene_, !indirect_light_);
-        if (point.next.unresolved_share != glm::vec3(0))
-            own += point.next.unresolved_share * scene_.background.ambient(point.next.reflected);
+        if (point.next.unresolved_weight != glm::vec3(0))
+            own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.throughput * own;
         if (primary && options_.layers) {
             albedo_[path.pixel] += s.diffuse + s.specular;
@@ -256,9 +256,9 @@ void TileTracer::queue_continuations()
             if (largest(throughput) < options_.min_throughput) return;
             to.push({point.pixel, throughput, s.cone}, origin, 0, direction, k_infinity);
         };
-        queue(next_reflected_, c.reflected_share, s.position + lift, c.reflected);
-        queue(next_refracted_, c.refracted_share, s.position - lift, c.refracted);
-        queue(next_refracted_, c.straight_share, s.position - lift, -s.to_viewer);
+        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected);
+        queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
+        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
     }
     std::swap(reflected_, next_reflected_);
     std::swap(refracted_, next_refracted_);

@@ -193,7 +193,7 @@ std::uint64_t fingerprint_of(const scene::Scene& scene)
 std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
 {
     Fingerprint print;
-    print.add(fingerprint_of(*scene.inside()));
+    print.add(fingerprint_of(*scene.impl()));
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);

@@ -160,7 +160,7 @@ TEST_P(Extremes, EveryIndirectMethodStaysFinite)
 
 TEST_P(Extremes, LightViewsEqualAFullRedraw)
 {
-    const auto scene = this->scene().inside();
+    const auto scene = this->scene().impl();
     scene::SceneState state(scene, scene->timeline.time_of(1));
     light_views::LightViewsOptions options;
     options.atlas.view_size = 64;

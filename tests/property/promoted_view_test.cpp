@@ -46,7 +46,7 @@ Image8 last_of(std::vector<ViewRequest> requests)
 
 void expect_warm_is_cold(const RenderOptions& options)
 {
-    const std::shared_ptr<const scene::Scene> scene = load("builtin:cornell").inside();
+    const std::shared_ptr<const scene::Scene> scene = load("builtin:cornell").impl();
     scene::NodeId block = scene::none;
     for (scene::NodeId n = 0; n < scene->nodes.size(); ++n)
         if (scene->nodes[n].name == "short block") block = n;

@@ -188,7 +188,7 @@ TEST_F(ShadowTexturesVulkanFull, VideoOfKineticEqualsAFullRedraw)
 TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenEqualsAFullRedraw)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
-    follow_video(device_, load(file.string()).inside(), 1, 800);
+    follow_video(device_, load(file.string()).impl(), 1, 800);
 }
 
 TEST_F(ShadowTexturesVulkan, CoherentUpdateEqualsAFullRedrawAndMethodsAgree)

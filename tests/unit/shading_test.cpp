@@ -85,7 +85,7 @@ TEST(Shading, RefractionFollowsSnell)
         const float sine_in = std::sqrt(1 - s.to_viewer.z * s.to_viewer.z);
         EXPECT_NEAR(-c.refracted.x, sine_in / eta, 1e-5f);
         EXPECT_LT(c.refracted.z, 0);
-        EXPECT_NEAR(c.reflected_share.x + c.refracted_share.x, 1, 1e-5f);
+        EXPECT_NEAR(c.reflected_weight.x + c.refracted_weight.x, 1, 1e-5f);
     }
 }
 
@@ -96,7 +96,7 @@ TEST(Shading, IndexOneDoesNotRefract)
     s.ior = 1;
     const Continuation c = continue_from(s);
     EXPECT_NEAR(glm::distance(c.refracted, -s.to_viewer), 0, 1e-5f);
-    EXPECT_NEAR(c.refracted_share.x, 0.85f, 1e-5f);
+    EXPECT_NEAR(c.refracted_weight.x, 0.85f, 1e-5f);
 }
 
 TEST(Shading, TerminatorFadesBeforeTheGeometricHorizon)
