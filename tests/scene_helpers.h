@@ -157,11 +157,11 @@ inline scene::NodeId add_object(scene::Scene& scene, scene::MeshId mesh, scene::
 /// A placement in a cube of half-width `reach`, rotated, scaled, and mirrored for every third seed.
 inline glm::dmat4 random_placement(Random& random, float reach)
 {
-    const auto inside = [&] { return static_cast<double>(random.uniform(-reach, reach)); };
+    const auto coordinate = [&] { return static_cast<double>(random.uniform(-reach, reach)); };
     const auto stretch = [&] { return static_cast<double>(random.uniform(0.5f, 1.5f)); };
-    const glm::dvec3 place(impl(), impl(), impl());
+    const glm::dvec3 place(coordinate(), coordinate(), coordinate());
     const double angle = 6.0 * static_cast<double>(random.uniform());
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(1, impl(), impl()));
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(1, coordinate(), coordinate()));
     const glm::dvec3 size(random.below(3) == 0 ? -stretch() : stretch(), stretch(), stretch());
     return glm::scale(glm::rotate(glm::translate(glm::dmat4(1), place), angle, axis), size);
 }
