@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Makes scenes from a host's data, and changes scenes that exist.
+//
+// A builder can be finished as often as needed. The scenes share what they have in common, so that adding an object to
+// a finished scene and finishing again copies no geometry. Ids stay valid from scene to scene until their part is
+// removed. Values that change from frame to frame (transforms, vertices, visibility, lights, materials, cameras) need
+// no builder: hand them to Renderer::render().
+//
+// Nothing is added by default: a scene without lights is dark, and one without cameras needs one in FrameInput.
+// Cost: adding copies what is passed; finish() visits each node, not its geometry.
+
+#include <memory>
+#include <string>
+
+#include "gnomon/scene.h"
+#include "gnomon/scene_parts.h"
+
+namespace gnomon {
+
+struct NodeOptions {
+    Mobility mobility = Mobility::fixed;   // of everything below, too
+    NodeId parent{};                       // none: the world
+    std::string name{};
+};
+
+struct InstanceOptions {
+    Mobility mobility = Mobility::fixed;
+    NodeId parent{};
+    std::string name{};
+    SkinId skin{};                        // of a mesh with joints
+    std::vector<float> morph_weights{};   // empty: the mesh's own
+    /// The part of the world that it is expected to move in. Light views are laid out for it from the start; beyond, they
+    /// are laid out anew.
+    Box reach{};
+};
+
+struct FinishOptions {
+    /// Add what load() adds to files that lack it, with a warning each: lights in place of emissive surfaces; a sky and
+    /// a sun, or a light below the ceiling of a room; a camera that shows the whole scene.
+    bool default_light = false, default_camera = false;
+};
+
+class SceneBuilder {
+ public:
+    SceneBuilder();
+    /// Continues a scene: its parts keep their ids.
+    explicit SceneBuilder(const Scene& scene);
+    ~SceneBuilder();
+    SceneBuilder(SceneBuilder&&) noexcept;
+    SceneBuilder& operator=(SceneBuilder&&) noexcept;
+
+    // All functions below throw UsageError for ids that the builder does not have, for numbers that are not finite or
+    // out of range, for arrays whose lengths disagree, and for sizes beyond the limits (gnomon/ranges.h); MissingError
+    // if memory does not suffice. The builder is then as before.
+
+    MeshId mesh(const Mesh& mesh);
+    MaterialId material(const Material& material);
+    TextureId texture(const Texture& texture);
+    /// Decodes a PNG or JPEG file in memory; size, channels and pixels of `as` are not read.
+    /// @throws InputError  the bytes are not such a file
+    TextureId texture(std::span<const std::byte> file, const Texture& as = {});
+    SkinId skin(const Skin& skin);
+    NodeId node(const Transform& transform = {}, const NodeOptions& options = {});
+    /// @param material   of the whole mesh; none: the mesh's parts have materials of their own, or a grey one
+    /// @param transform  to the parent's space; affine
+    InstanceId instance(const MeshId& mesh, const MaterialId& material = {}, const Transform& transform = {},
+                        const InstanceOptions& options = {});
+    /// @param transform  its node's
+    LightId light(const Light& light, const Transform& transform = {}, const NodeOptions& options = {});
+    /// Camera::transform becomes its node's.
+    CameraId camera(const Camera& camera, const NodeOptions& options = {});
+
+    /// Surrounds the scene with light. It replaces the background.
+    /// @param lights  number of directional lights that approximate it, a power of two from 1 to 1024
+    void environment(const EnvironmentImage& image, int lights = 16);
+    /// The colour where rays leave the scene; it gives no light.
+    void background(const Vec3& color);
+    /// Uniform light without shadows, used only without indirect light.
+    void ambient(const Vec3& color);
+    /// The clip whose frames are numbered from 1. A scene without it has one frame, at time 0.
+    void clip(double start, double end, double fps);
+
+    // Changes.
+    void set_mesh(const MeshId& id, const Mesh& mesh);   // of all its instances
+    void set_material(const MaterialId& id, const Material& material);
+    void set_material(const InstanceId& id, const MaterialId& material);
+    void set_light(const LightId& id, const Light& light);
+    void set_camera(const CameraId& id, const Camera& camera);
+    void set_transform(const NodeId& id, const Transform& transform);   // replaces a track, too
+    void set_mobility(const NodeId& id, Mobility mobility);
+    /// Removes a node and everything below it: instances, lights and cameras.
+    /// @throws UsageError  a skin has a joint there
+    void remove(const NodeId& id);
+    void remove(const LightId& id);   // its node stays
+    void remove(const CameraId& id);
+    /// @throws UsageError  something uses it
+    void remove(const MeshId& id);
+    void remove(const MaterialId& id);
+    void remove(const TextureId& id);
+
+    /// Makes a scene of what there is now. The builder can go on.
+    Scene finish(const FinishOptions& options = {});
+
+ private:
+    struct Impl;
+    Impl& impl();
+    std::unique_ptr<Impl> impl_;
+};
+
+}   // namespace gnomon

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What a scene consists of, as a host describes it: meshes, textures, materials, lights, cameras.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gnomon/ids.h"
+#include "gnomon/math.h"
+#include "gnomon/types.h"
+
+namespace gnomon {
+
+/// Whether a host may move an object later, as tracks do in a file. What is fixed is stored for fast rays, and its
+/// shadows are remembered. What is declared fixed and changes all the same is promoted: in that frame the renderer
+/// starts anew, and from then on its images are those of a scene that declared the object so.
+enum class Mobility : std::uint8_t {
+    fixed,
+    may_move,     // transform and visibility may change
+    may_deform,   // vertices and weights of morph targets may change, too
+};
+
+/// The joints of four influences on a vertex, as indices into Skin::joints.
+struct Joints {
+    std::array<std::uint16_t, 4> joint{};
+};
+
+/// Offsets from the mesh's vertices. Each array is empty or has one element per vertex.
+struct MorphTarget {
+    std::span<const Vec3> positions, normals, tangents;
+};
+
+/// A run of triangles with a material of its own.
+struct MeshPart {
+    MaterialId material;
+    std::uint32_t first_triangle = 0, triangle_count = 0;
+};
+
+/// A triangle mesh. The arrays are copied. All but the first two are empty or have one element per vertex.
+struct Mesh {
+    std::span<const Vec3> positions;            // in object space, metres
+    std::span<const std::uint32_t> indices;     // three per triangle, counter-clockwise seen from the front; empty: the
+                                                // vertices in order
+    std::span<const Vec3> normals;              // empty: faceted
+    std::span<const Vec4> tangents;             // of normal maps: xyz unit length, w = -1 or 1
+    std::array<std::span<const Vec2>, 2> texcoords;   // v from the top
+    std::span<const Vec4> colors;               // linear RGBA; multiplies the base colour
+    std::span<const MeshPart> parts;            // cover all triangles in order; empty: one material throughout
+    std::span<const MorphTarget> morph_targets;
+    std::span<const float> morph_weights;       // one per target; empty: all 0
+    std::array<std::span<const Joints>, 2> joints;   // of a skin; the second four of a vertex are optional
+    std::array<std::span<const Vec4>, 2> weights;    // of the joints; their sum is 1
+    std::string name;
+};
+
+/// Joints that deform skinned meshes by linear blending.
+struct Skin {
+    std::vector<NodeId> joints;
+    std::vector<Transform> inverse_bind;   // one per joint: from the mesh's space to the joint's at rest
+    std::string name;
+};
+
+enum class Wrap : std::uint8_t { repeat, mirror, clamp };
+enum class Filter : std::uint8_t { nearest, linear };
+
+/// An 8-bit image for materials; copied. Row 0 is the upper edge, where v = 0.
+struct Texture {
+    int width = 0, height = 0;
+    int channels = 4;                       // 1: grey, 2: grey and alpha, 3: RGB, 4: RGBA
+    std::span<const std::uint8_t> pixels;   // channels interleaved
+    std::ptrdiff_t row_bytes = 0;           // from one row to the next; 0: width * channels
+    bool srgb = true;                       // colour is sRGB-encoded; false: linear data, such as normals
+    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+    Filter magnify = Filter::linear, minify = Filter::linear;
+    bool mipmaps = true;
+    std::string name;
+};
+
+/// A texture as a material uses it: coordinates are scaled, rotated, then moved (KHR_texture_transform).
+struct TextureUse {
+    TextureId texture;   // none: a constant 1
+    int texcoord = 0;    // the mesh's first or second coordinates
+    Vec2 offset, scale{1, 1};
+    float rotation = 0;   // radians, counter-clockwise
+    friend bool operator==(const TextureUse&, const TextureUse&) = default;
+};
+
+enum class ShadingModel : std::uint8_t { metallic_roughness, whitted, unlit };
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+
+/// A surface: glTF 2.0's metallic-roughness model, or the model of Whitted that the scenes of BART have. Colours are
+/// linear.
+struct Material {
+    std::string name;
+    ShadingModel model = ShadingModel::metallic_roughness;
+    Vec3 base_color{0.8f, 0.8f, 0.8f};   // whitted: the diffuse colour
+    TextureUse base_color_texture{};
+    bool double_sided = false;
+
+    // metallic_roughness
+    float alpha = 1;
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    float alpha_cutoff = 0.5f;   // AlphaMode::mask: the surface is there where alpha reaches it
+    float metallic = 0, roughness = 0.8f;
+    TextureUse metallic_roughness_texture{};   // roughness in G, metallic in B
+    TextureUse normal_texture{};
+    float normal_scale = 1;
+    TextureUse occlusion_texture{};   // in R; darkens ambient light only
+    float occlusion_strength = 1;
+    Vec3 emissive{};   // radiance in nits
+    TextureUse emissive_texture{};
+    float transmission = 0;   // 0 to 1: glass, which refracts by `ior`
+    float ior = 1.5f;         // index of refraction inside; of both models
+
+    // whitted
+    Vec3 ambient{}, specular{};   // specular: of highlights and reflections
+    float shine = 0;              // exponent of highlights; 0: none
+    float transmittance = 0;      // 0 to 1
+
+    friend bool operator==(const Material&, const Material&) = default;
+};
+
+enum class LightType : std::uint8_t { point, spot, directional };
+/// How irradiance depends on distance: by the inverse square, or not at all (BART).
+enum class Falloff : std::uint8_t { inverse_square, constant };
+/// The profile of a spot: smooth between the inner and the outer angle (glTF), or the cosine from the axis.
+enum class SpotProfile : std::uint8_t { smooth, cosine };
+
+/// A light without size, at its node's origin and directed along the node's -Z.
+struct Light {
+    std::string name;
+    LightType type = LightType::point;
+    Vec3 color{1, 1, 1};   // candela (point and spot), lux (directional); with constant falloff, the irradiance itself
+    Falloff falloff = Falloff::inverse_square;
+    SpotProfile profile = SpotProfile::smooth;
+    float inner_angle = 0, outer_angle = 0.7853982f;   // of a spot: radians from the axis
+    float range = 0;                                   // metres beyond which it is dark; 0: unlimited
+    friend bool operator==(const Light&, const Light&) = default;
+};
+
+/// Focal lengths and principal point in pixels, as cameras are calibrated. Pixel centres are at (0.5, 0.5) from the top
+/// left corner.
+struct Intrinsics {
+    double fx = 0, fy = 0;
+    double cx = 0, cy = 0;
+    Size size{};   // of the image that these pixels belong to; 0 x 0: of the rendered image
+    friend bool operator==(const Intrinsics&, const Intrinsics&) = default;
+};
+
+/// A camera. It looks along the -Z of its space, with +Y up. The first of `matrix`, `intrinsics` and
+/// `orthographic_height` that is given decides the projection; otherwise it is a perspective by `vertical_fov`.
+struct Camera {
+    std::string name;
+    /// From camera space to the world, or to its node's parent in a scene. Its scale is ignored.
+    Transform transform{};
+    double vertical_fov = 0.8;                // whole angle, radians; the width follows from the image
+    std::optional<double> orthographic_height{};   // metres
+    std::optional<Intrinsics> intrinsics{};
+    /// A projection as OpenGL has it: from camera space to clip space, w = -z for a perspective. It may be off-centre,
+    /// and decides `near` and `far`; it must not be skewed.
+    std::optional<Transform> matrix{};
+    double shift_x = 0, shift_y = 0;   // moves the image plane right and up, as a fraction of the image's height
+    double near = 0.01, far = 0;       // metres along the view axis; far 0: unlimited
+    Size resolution{};                 // at which it is rendered if no size is given; 0 x 0: 1280 x 720
+    friend bool operator==(const Camera&, const Camera&) = default;
+};
+
+/// An environment map: longitude by latitude, its upper edge towards +Y, its centre towards -Z and its right quarter
+/// towards +X. The pixels are copied.
+struct EnvironmentImage {
+    int width = 0, height = 0;
+    std::span<const float> pixels;   // three per pixel: radiance in nits; negative values and NaN count as 0
+};
+
+}   // namespace gnomon
