@@ -86,9 +86,9 @@ inline LightScript make_light_script(std::uint64_t seed, int frames, int still =
     scene.meshes.push_back(patchwork(seed));
     const auto rigid_meshes = static_cast<std::uint32_t>(scene.meshes.size());
     scene.meshes.push_back(patchwork(seed + 100));
-    add_vertex_keys(scene.meshes.back());
-    scene.meshes.back().vertex_keys->times = {0.2 * frames / script.fps, 0.3 * frames / script.fps,
-                                              0.5 * frames / script.fps};
+    scene::Mesh& keyed = scene.meshes.edit(rigid_meshes);
+    add_vertex_keys(keyed);
+    keyed.vertex_keys->times = {0.2 * frames / script.fps, 0.3 * frames / script.fps, 0.5 * frames / script.fps};
 
     // A floor below everything else, seen by all lights.
     const scene::NodeId floor =

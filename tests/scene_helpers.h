@@ -203,7 +203,7 @@ inline std::shared_ptr<const scene::Scene> make_random_scene(std::uint64_t seed,
     const auto rigid_meshes = static_cast<std::uint32_t>(scene.meshes.size());
     for (int i = 0; i < options.deforming; ++i) {
         scene.meshes.push_back(patchwork(seed + 100 + static_cast<std::uint64_t>(i)));
-        add_vertex_keys(scene.meshes.back());
+        add_vertex_keys(scene.meshes.edit(scene.meshes.size() - 1));
     }
 
     const scene::NodeId shelf = scene.add_node("shelf", scene::none, glm::translate(glm::dmat4(1), glm::dvec3(0.1)));

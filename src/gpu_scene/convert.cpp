@@ -77,7 +77,7 @@ shared::GpuLight convert(const scene::Light& light, const scene::LightState& sta
     return g;
 }
 
-TexelPool convert(const std::vector<scene::Texture>& textures)
+TexelPool convert(const scene::SharedList<scene::Texture>& textures)
 {
     static_assert(static_cast<int>(scene::Wrap::repeat) == 0 && static_cast<int>(scene::Wrap::mirror) == 1);
     static_assert(static_cast<int>(scene::Filter::nearest) == 0);

@@ -16,6 +16,6 @@ struct TexelPool {
     std::vector<std::uint16_t> halves;
 };
 /// @throws MissingError  more texels than a 32-bit index can address
-TexelPool convert(const std::vector<scene::Texture>& textures);
+TexelPool convert(const scene::SharedList<scene::Texture>& textures);
 
 }   // namespace gnomon::gpu_scene

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include "gnomon/error.h"
@@ -265,9 +266,21 @@ void GpuScene::update(vk::Commands& commands, const scene::SceneState& state)
         counts_.touched += draws_host_.size();
     }
 
-    for (const scene::LightId l : changes.lights_moved) {
+    // Update the lights that moved or were relit, and the materials.
+    std::vector<scene::LightId> lights_changed;
+    std::set_union(changes.lights_moved.begin(), changes.lights_moved.end(), changes.lights_relit.begin(),
+                   changes.lights_relit.end(), std::back_inserter(lights_changed));
+    for (const scene::LightId l : lights_changed) {
         lights_host_[l] = convert(scene_->lights[l], state.light(l));
         uploads.push_back(vk::upload_of(lights, std::span<const GpuLight>(&lights_host_[l], 1), l * sizeof(GpuLight)));
+        ++counts_.touched;
+    }
+    std::vector<GpuMaterial> changed_materials;
+    for (const scene::MaterialId m : changes.materials_changed)
+        changed_materials.push_back(convert(scene_->materials[m]));
+    for (std::size_t i = 0; i < changed_materials.size(); ++i) {
+        uploads.push_back(vk::upload_of(materials, std::span<const GpuMaterial>(&changed_materials[i], 1),
+                                        changes.materials_changed[i] * sizeof(GpuMaterial)));
         ++counts_.touched;
     }
     for (const vk::Upload& upload : uploads) counts_.bytes_uploaded += upload.bytes.size();

@@ -40,7 +40,7 @@ double uniform_scale(const glm::dmat3& m)
 
 LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, const LightMapOptions& options,
                    Tasks& tasks)
-    : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene()))
+    : options_(options), casters_(state), bounds_(state.present_bounds())
 {
     GNOMON_CHECK(options.least_side >= k_tile && options.side >= options.least_side);
     const scene::Scene& scene = state.scene();
@@ -288,10 +288,13 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
     casters_.update(state);
     work_ = {};
     const scene::FrameChanges& changes = state.changes();
-    if (!changes.anything()) return;
-    // A promoted object leaves the static layer: cast it anew. (A transparent one as well, because the rays behind it
-    // were traced in other packets.)
-    if (!changes.promoted.empty()) {
+    const bool other_bounds = !(state.present_bounds() == bounds_);
+    if (!changes.anything() && !other_bounds) return;
+    // Make the map anew in other bounds, or if the lights have other views now. A promoted object leaves the static
+    // layer: cast it anew, too. (A transparent one as well, because the rays behind it were traced in other packets.)
+    const bool other_layout =
+        !changes.lights_moved.empty() && !same_layout(views_, lay_out_views(state.scene(), bounds_, options_));
+    if (other_bounds || other_layout || !changes.promoted.empty()) {
         const std::uint32_t before = version_;
         *this = LightMap(state, rays, options_, tasks);
         version_ = before + 1;
@@ -301,7 +304,7 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
     std::vector<Work> works(views_.size());
     std::vector<std::uint8_t> anew(views_.size(), 0);
     tasks.for_each(views_.size(), [&](std::size_t v, int) {
-        if (std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light)) {
+        if (!changes.materials_changed.empty() || changes.light_changed(views_[v].light)) {
             make_view(v, state, rays, works[v]);
             anew[v] = 1;
             return;

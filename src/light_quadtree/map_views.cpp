@@ -52,6 +52,13 @@ std::vector<MapView> lay_out_views(const scene::Scene& scene, const light_views:
     return views;
 }
 
+bool same_layout(const std::vector<MapView>& a, const std::vector<MapView>& b)
+{
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const MapView& x, const MapView& y) {
+        return x.light == y.light && x.face == y.face && x.levels == y.levels && x.first == y.first;
+    });
+}
+
 void aim_view(MapView& view, const scene::SceneState& state, const light_views::SceneBounds& bounds)
 {
     const scene::Light& light = state.scene().lights[view.light];

@@ -44,6 +44,9 @@ struct MapView {
 std::vector<MapView> lay_out_views(const scene::Scene& scene, const light_views::SceneBounds& bounds,
                                    const LightMapOptions& options);
 
+/// Whether two layouts have the same views and nodes, wherever they are aimed.
+bool same_layout(const std::vector<MapView>& a, const std::vector<MapView>& b);
+
 /// Updates the view for the current light: `on`, `projection`, `depth_range`.
 void aim_view(MapView& view, const scene::SceneState& state, const light_views::SceneBounds& bounds);
 

@@ -3,7 +3,7 @@
 
 namespace gnomon::light_views {
 
-Casters::Casters(const scene::SceneState& state) : scene_(&state.scene())
+Casters::Casters(const scene::SceneState& state) : scene_(state.shared_scene())
 {
     std::vector<char> mesh_casts;
     for (const scene::Mesh& mesh : scene_->meshes) {

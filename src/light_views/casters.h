@@ -5,6 +5,7 @@
 // Boxes of rigid objects are those of their meshes, computed once; those of deforming objects are recomputed when they
 // deform. Cost per frame: the vertices of objects that deformed.
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -34,7 +35,7 @@ class Casters {
  private:
     void measure(const scene::SceneState& state, scene::ObjectId object);
 
-    const scene::Scene* scene_;
+    std::shared_ptr<const scene::Scene> scene_;
     std::vector<char> casts_;
     std::vector<Box3> mesh_box_;
     std::vector<std::uint32_t> deformed_slot_;   // by object; none for rigid objects

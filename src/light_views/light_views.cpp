@@ -7,13 +7,6 @@ namespace gnomon::light_views {
 
 namespace {
 
-Atlas atlas_of(const scene::Scene& scene, const SceneBounds& bounds, const LightViewsOptions& options)
-{
-    std::vector<int> views;
-    for (const scene::Light& light : scene.lights) views.push_back(view_count(light, bounds, options.projection));
-    return make_atlas(views, options.atlas);
-}
-
 bool holds(const std::vector<scene::LightId>& ascending, scene::LightId light)
 {
     return std::binary_search(ascending.begin(), ascending.end(), light);
@@ -24,13 +17,24 @@ bool holds(const std::vector<scene::LightId>& ascending, scene::LightId light)
 LightViews::LightViews(const scene::SceneState& state, const LightViewsOptions& options)
     : options_(options),
       casters_(state),
-      bounds_(clip_bounds(state.scene())),
-      atlas_(atlas_of(state.scene(), bounds_, options)),
+      bounds_(state.present_bounds()),
       mobility_(state.scene().objects.size(), options.quiet_frames),
       is_dynamic_(state.scene().objects.size(), 0)
 {
-    const auto lights = static_cast<scene::LightId>(state.scene().lights.size());
-    for (scene::LightId l = 0; l < lights; ++l)
+    lay_out(state);
+}
+
+// Makes the atlas and the views of all lights.
+void LightViews::lay_out(const scene::SceneState& state)
+{
+    const std::vector<scene::Light>& lights = state.scene().lights;
+    std::vector<int> counts;
+    for (const scene::Light& light : lights) counts.push_back(view_count(light, bounds_, options_.projection));
+    atlas_ = make_atlas(counts, options_.atlas);
+    views_.clear();
+    trackers_.clear();
+    touched_before_ = 0;
+    for (scene::LightId l = 0; l < lights.size(); ++l)
         for (std::uint32_t v = atlas_.first_tile[l]; v < atlas_.first_tile[l + 1]; ++v) {
             LightView view;
             view.light = l;
@@ -39,6 +43,25 @@ LightViews::LightViews(const scene::SceneState& state, const LightViewsOptions& 
             views_.push_back(std::move(view));
             trackers_.emplace_back(atlas_.tiles[v].size, is_dynamic_.size());
         }
+}
+
+// Follows the bounds of the scene, and lights whose cones changed.
+void LightViews::follow_bounds(const scene::SceneState& state)
+{
+    const bool other = !(state.present_bounds() == bounds_);
+    if (!other && state.changes().lights_moved.empty()) return;
+    if (other) {
+        bounds_ = state.present_bounds();
+        first_ = true;
+    }
+    const std::vector<scene::Light>& lights = state.scene().lights;
+    for (scene::LightId l = 0; l < lights.size(); ++l) {
+        const auto views = static_cast<int>(atlas_.first_tile[l + 1] - atlas_.first_tile[l]);
+        if (views == view_count(lights[l], bounds_, options_.projection)) continue;
+        lay_out(state);
+        ++layout_version_;
+        return;
+    }
 }
 
 void LightViews::set_override(scene::ObjectId object, scene::MobilityOverride value)
@@ -79,6 +102,7 @@ void LightViews::note_changes(const scene::SceneState& state)
 
 void LightViews::update(const scene::SceneState& state)
 {
+    follow_bounds(state);
     note_changes(state);
     const scene::Scene& scene = state.scene();
     const FrameMobility frame{state, casters_, changed_, dynamics_, is_dynamic_};

@@ -9,7 +9,7 @@
 // Invariants, held by tests: after each frame, the rendering buffer of every view of a visible light equals, bit for
 // bit, the one that redrawing everything gives; likewise the static buffer for static objects. Mobility, its hysteresis
 // and user overrides affect the work that is done, but never the rendering buffers. Cost: see ViewTracker; `touched`
-// counts.
+// counts. Where overrides take objects outside of the scene's bounds, all views are drawn anew.
 
 #include "light_views/atlas.h"
 #include "light_views/view_tracker.h"
@@ -49,6 +49,7 @@ class LightViews {
     explicit LightViews(const scene::SceneState& state, const LightViewsOptions& options = {});
 
     /// Makes the plans for the current state. Call once after every advance(); the first call plans complete redraws.
+    /// @throws MissingError  other bounds, or a wider cone, need more views than the atlas's budget holds
     void update(const scene::SceneState& state);
     /// Call if the buffers were lost: the next update plans complete redraws.
     void forget();
@@ -58,6 +59,9 @@ class LightViews {
 
     const LightViewsOptions& options() const { return options_; }
     const Atlas& atlas() const { return atlas_; }
+    /// Counts the updates that laid out the views anew, because lights have other numbers of views: buffers made for the
+    /// atlas before are void.
+    std::uint32_t layout_version() const { return layout_version_; }
     const std::vector<LightView>& views() const { return views_; }
     /// The index in views() of a light's first view; its other views follow.
     std::uint32_t first_view(scene::LightId light) const { return atlas_.first_tile[light]; }
@@ -69,6 +73,8 @@ class LightViews {
     const LightViewsCounts& counts() const { return counts_; }
 
  private:
+    void lay_out(const scene::SceneState& state);
+    void follow_bounds(const scene::SceneState& state);
     void note_changes(const scene::SceneState& state);
     void note_mobility(scene::ObjectId object);
 
@@ -81,7 +87,8 @@ class LightViews {
     std::vector<ViewTracker> trackers_;
     std::vector<char> is_dynamic_;
     std::vector<scene::ObjectId> changed_, dynamics_, overridden_;
-    bool first_ = true;
+    bool first_ = true;   // all projections are to be computed
+    std::uint32_t layout_version_ = 0;
     std::uint64_t touched_before_ = 0;
     LightViewsCounts counts_;
 };

@@ -5,8 +5,9 @@
 //
 // Depth is reversed, from 1 near to 0 far (perspective: near / distance along the axis, without a far plane), so floats
 // keep the same relative precision at every distance. Texel (0, 0) is at clip (-1, -1), as in Vulkan. A projection
-// depends only on the light and on the bounds of the whole clip, never on the positions of objects. So views are stable
-// while the light rests, and a frame does not depend on earlier frames.
+// depends only on the light and on the bounds of the scene (scene/scene_bounds.h), which follow the positions of objects
+// only where overrides take them outside. So views are stable while the light rests, and a frame does not depend on
+// earlier frames.
 //
 // A directional light has a second view if most of the scene fills a small part of the first (a courtyard in a
 // landscape); that view is fitted to this part. Views do not follow the camera, so they rest while the light does.
@@ -45,14 +46,9 @@ struct ViewProjection {
     }
 };
 
-/// The scene's bounds over its whole clip.
-struct SceneBounds {
-    Box3 whole;
-    Box3 dense;   // contains most triangles
-};
+using scene::SceneBounds;
 
-/// The number of views of a light: 1; 2 for a directional one in a wide landscape; 6 for a point light. Depends on the
-/// scene only.
+/// The number of views of a light: 1; 2 for a directional one in a wide landscape; 6 for a point light.
 int view_count(const scene::Light& light, const SceneBounds& bounds, const ProjectionOptions& options);
 
 /// The view_count() views of a light, all with `size` texels a side. Point lights: faces +x -x +y -y +z -z; two views
@@ -71,9 +67,5 @@ struct DistanceRange {
     float nearest = k_infinity, farthest = -k_infinity;
 };
 DistanceRange distance_range(const ViewProjection& view, const glm::mat4& to_world, const Box3& box);
-
-/// Bounds of everything at the times of the clip's frames (at most `most_times` of them, evenly spaced), hidden or not.
-/// Depends on the scene only. Deforming meshes: rest shape and vertex keys.
-SceneBounds clip_bounds(const scene::Scene& scene, int most_times = 256);
 
 }   // namespace gnomon::light_views

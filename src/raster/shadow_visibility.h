@@ -6,6 +6,8 @@
 // of all receivers' textures (see shadow_textures/vulkan/gpu_textures.h). ShadowTextures::depth and per_caster draw
 // everything anew in every frame and look up each receiver's own texture: the same images, at those methods' cost.
 
+#include <memory>
+
 #include "gnomon/renderer.h"
 #include "light_views/light_views.h"
 #include "raster/gbuffer.h"
@@ -34,12 +36,17 @@ class ShadowVisibility final : public LightVisibility {
     const light_views::LightViews& views() const { return views_; }
 
  private:
+    void make_buffers();
+
+    std::shared_ptr<vk::Device> device_;
     ShadowOptions options_;
     light_views::LightViews views_;
     light_views::CasterGeometry casters_;
-    light_views::GpuLightViews buffers_;
+    // Made for the layout of the views.
+    std::uint32_t layout_version_ = 0;
+    std::unique_ptr<light_views::GpuLightViews> buffers_;
     std::unique_ptr<shadow_textures::GpuTextures> textures_;   // null: coherent
-    shadow_textures::GpuVisibility visibility_;
+    std::unique_ptr<shadow_textures::GpuVisibility> visibility_;
     std::unique_ptr<shadow_textures::HardVisibility> hard_;   // null: filtered edges
     std::uint64_t draws_ = 0;
 };

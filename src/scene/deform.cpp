@@ -81,7 +81,54 @@ void apply_skin(const SkinBinding& skin, std::span<const glm::mat4> joints, Defo
     }
 }
 
+// Sums the triangles' normals, weighted by area, in the order of the triangles.
+void make_smooth_normals(const Mesh& mesh, DeformedMesh& out)
+{
+    std::vector<glm::dvec3> sums(mesh.positions.size(), glm::dvec3(0));
+    for (const glm::uvec3& triangle : mesh.triangles) {
+        const glm::dvec3 p[3] = {glm::dvec3(out.positions[triangle[0]]), glm::dvec3(out.positions[triangle[1]]),
+                                 glm::dvec3(out.positions[triangle[2]])};
+        const glm::dvec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+        for (int i = 0; i < 3; ++i) sums[triangle[i]] += cross;
+    }
+    out.normals.resize(sums.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const double length = glm::length(sums[i]);
+        const glm::vec3 at_rest = mesh.normals.empty() ? glm::vec3(0, 1, 0) : mesh.normals[i];
+        out.normals[i] = length > 0 && std::isfinite(length) ? glm::vec3(sums[i] / length) : at_rest;
+    }
+}
+
 }   // namespace
+
+void complete_vertices(const Mesh& mesh, const DeformedMesh& handed, DeformedMesh& out)
+{
+    const std::size_t count = mesh.positions.size();
+    GNOMON_CHECK_EQ(handed.positions.size(), count);
+    GNOMON_CHECK(handed.normals.empty() || handed.normals.size() == count);
+    GNOMON_CHECK(handed.tangents.empty() || handed.tangents.size() == count);
+    out.positions = handed.positions;
+
+    // Take the normals, or make smooth ones.
+    const bool has_normals = !mesh.normals.empty() || (mesh.vertex_keys && !mesh.vertex_keys->normals.empty());
+    if (!has_normals)
+        out.normals.clear();
+    else if (!handed.normals.empty())
+        out.normals = handed.normals;
+    else
+        make_smooth_normals(mesh, out);
+
+    // Take the tangents, or turn those of the mesh into the surface.
+    out.tangents.clear();
+    if (mesh.tangents.empty()) return;
+    out.tangents = handed.tangents.empty() ? mesh.tangents : handed.tangents;
+    if (!handed.tangents.empty() || out.normals.empty()) return;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 tangent(mesh.tangents[i]), &normal = out.normals[i];
+        out.tangents[i] =
+            glm::vec4(unit_or(tangent - glm::dot(tangent, normal) * normal, tangent), mesh.tangents[i].w);
+    }
+}
 
 void deform_mesh(const Mesh& mesh, double time, std::span<const float> weights, std::span<const glm::mat4> joints,
                  DeformedMesh& out)

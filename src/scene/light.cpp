@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/bits.h"
 #include "scene/environment.h"
 #include "scene/light_shared.h"
 
@@ -20,6 +21,13 @@ glm::vec3 bounded(const glm::vec3& irradiance)
 }
 
 }   // namespace
+
+bool same_reach(const Light& a, const Light& b)
+{
+    return a.type == b.type && a.falloff == b.falloff && a.profile == b.profile &&
+           same_bits(a.inner_angle, b.inner_angle) && same_bits(a.outer_angle, b.outer_angle) &&
+           same_bits(a.range, b.range);
+}
 
 LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point)
 {

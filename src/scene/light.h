@@ -34,6 +34,10 @@ struct Light {
     bool by_default = false;       // added by the library, not by the file
 };
 
+/// Whether two lights reach the same points, with irradiance in the same proportions: everything that bears on it but
+/// their colour and their nodes is the same, bit for bit.
+bool same_reach(const Light& a, const Light& b);
+
 /// A light at the current time.
 struct LightState {
     glm::vec3 position{0};           // point and spot

@@ -60,4 +60,10 @@ struct Material {
     bool one_sided() const { return !double_sided && surface_class() != SurfaceClass::transparent; }
 };
 
+/// Whether two materials have the same values, bit for bit; names aside.
+bool same_values(const Material& a, const Material& b);
+/// Whether rays meet the same surfaces with either material: the class and the visible sides are the same, and of
+/// masked ones the holes. Only a material that is the same to rays may take the place of another in a SceneState.
+bool same_to_rays(const Material& a, const Material& b);
+
 }   // namespace gnomon::scene

@@ -11,15 +11,18 @@ namespace gnomon::scene {
 
 namespace {
 
-// Sorts a mesh's parts by surface class and merges neighbours with the same material, so that each class (opaque,
-// masked, transparent) is one range of triangles.
+// Whether each surface class (opaque, masked, transparent) is one range of a mesh's triangles, in this order.
+bool parts_are_sorted(const Mesh& mesh, const std::vector<Material>& materials)
+{
+    return std::is_sorted(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& a, const MeshPart& b) {
+        return materials[a.material].surface_class() < materials[b.material].surface_class();
+    });
+}
+
+// Sorts a mesh's parts, and its triangles with them, by surface class.
 void sort_parts(Mesh& mesh, const std::vector<Material>& materials)
 {
     const auto class_of = [&](const MeshPart& part) { return materials[part.material].surface_class(); };
-    if (std::is_sorted(mesh.parts.begin(), mesh.parts.end(),
-                       [&](const MeshPart& a, const MeshPart& b) { return class_of(a) < class_of(b); }))
-        return;
-
     std::vector<MeshPart> sorted = mesh.parts;
     std::stable_sort(sorted.begin(), sorted.end(),
                      [&](const MeshPart& a, const MeshPart& b) { return class_of(a) < class_of(b); });
@@ -72,10 +75,11 @@ void Scene::finish()
     for (std::string& warning : warnings) warning = one_line(std::move(warning));
 
     // Check the guarantees of importers.
-    for (Mesh& mesh : meshes) {
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        const Mesh& mesh = meshes[m];
         check_mesh(mesh);
         for (const MeshPart& part : mesh.parts) GNOMON_CHECK_LT(part.material, materials.size());
-        sort_parts(mesh, materials);
+        if (!parts_are_sorted(mesh, materials)) sort_parts(meshes.edit(m), materials);
     }
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         const Node& node = nodes[n];
@@ -104,10 +108,9 @@ void Scene::finish()
     std::vector<NodeId> anchor(nodes.size(), none);
     track_nodes.clear();
     for (std::size_t n = 0; n < nodes.size(); ++n) {
-        Node& node = nodes[n];
+        const Node& node = nodes[n];
         if (node.transform || node.visibility || node.weights) track_nodes.push_back(static_cast<std::uint32_t>(n));
-        if (node.transform || node.visibility) node.animated = true;
-        if (node.animated)
+        if (node.animated || node.transform || node.visibility)
             anchor[n] = static_cast<NodeId>(n);
         else if (node.parent != none)
             anchor[n] = anchor[node.parent];
@@ -125,7 +128,8 @@ void Scene::finish()
         object.node = static_cast<NodeId>(n);
         object.mesh = node.mesh;
         object.skin = mesh.skin ? node.skin : none;
-        object.deforming = object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights);
+        object.deforming = object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights) ||
+                           node.deforms;
         object.dynamic = object.deforming || anchor[n] != none;
         // Mark a constant morph as deforming, because it must be evaluated once at the start.
         if (!mesh.morph_targets.empty()) object.deforming = true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A scene as a file describes it, immutable after `finish`. SceneState evaluates it at a time.
+// A scene as a file or a host describes it, immutable after `finish`. SceneState evaluates it at a time. Copies share
+// meshes and textures.
 
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include "scene/light.h"
 #include "scene/material.h"
 #include "scene/mesh.h"
+#include "scene/shared_list.h"
 #include "scene/track.h"
 
 namespace gnomon::scene {
@@ -22,7 +24,9 @@ struct Node {
     std::shared_ptr<const TransformTrack> transform;
     std::shared_ptr<const VisibilityTrack> visibility;   // hides everything below it, too
     std::shared_ptr<const WeightsTrack> weights;         // of the mesh on this node
-    bool animated = false;   // the file declares it as animated (AFF `x`, a target of a glTF channel)
+    bool animated = false;   // may move or be hidden: the file or the host declares it so (AFF `x`, a target of a glTF
+                             // channel)
+    bool deforms = false;    // a host hands over the vertices or the morph weights of its mesh
     MeshId mesh = none;
     SkinId skin = none;
     std::vector<float> morph_weights;   // replace the mesh's defaults if not empty
@@ -67,7 +71,7 @@ struct Object {
     MeshId mesh = none;
     SkinId skin = none;
     GroupId group = none;     // none: static, or deforming
-    bool dynamic = false;     // below an animated node, skinned, or morphing: may change during the clip
+    bool dynamic = false;     // below an animated node, skinned, morphing, or declared so: may change during the clip
     bool deforming = false;   // its vertices may change
 };
 
@@ -86,10 +90,10 @@ class Scene {
  public:
     std::string name;
     std::vector<Node> nodes;
-    std::vector<Mesh> meshes;
+    SharedList<Mesh> meshes;
     std::vector<Skin> skins;
     std::vector<Material> materials;
-    std::vector<Texture> textures;
+    SharedList<Texture> textures;
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     Background background;
@@ -107,8 +111,10 @@ class Scene {
     /// Adds a node and returns its index.
     NodeId add_node(std::string node_name, NodeId parent, const glm::dmat4& local = glm::dmat4(1));
 
-    /// Completes the scene: checks it, sorts triangles by surface class, finds objects and rigid groups. Call once,
-    /// after everything was added. Does not add a default light or camera: see add_defaults.
+    /// Completes the scene: checks it, sorts triangles by surface class, finds objects and rigid groups. Call after
+    /// everything was added, and again after a finished scene or a copy of it was edited: everything computed is
+    /// computed anew. Meshes whose triangles are sorted already stay shared. Does not add a default light or camera:
+    /// see add_defaults.
     void finish();
 
     Statistics statistics() const;

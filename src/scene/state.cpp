@@ -66,12 +66,19 @@ SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), non
     for (std::size_t g = 0; g < scene.groups.size(); ++g) group_at[scene.groups[g].anchor] = static_cast<GroupId>(g);
 }
 
-SceneState::SceneState(std::shared_ptr<const Scene> scene, double time)
-    : scene_(std::move(scene)), index_(std::make_unique<Index>(*scene_)), time_(time)
+bool FrameChanges::light_changed(LightId light) const
+{
+    return std::binary_search(lights_moved.begin(), lights_moved.end(), light) ||
+           std::binary_search(lights_relit.begin(), lights_relit.end(), light);
+}
+
+SceneState::SceneState(const std::shared_ptr<const Scene>& scene, double time)
+    : scene_(std::make_shared<Scene>(*scene)), index_(std::make_unique<Index>(*scene_)), time_(time)
 {
     const std::size_t nodes = scene_->nodes.size();
     local_.resize(nodes);
     world_.resize(nodes);
+    shown_.resize(nodes);
     node_visible_.resize(nodes);
     visited_.assign(nodes, 0);
     joints_.resize(scene_->skins.size());
@@ -79,6 +86,7 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, double time)
     for (std::size_t n = 0; n < nodes; ++n) {
         const Node& node = scene_->nodes[n];
         local_[n] = node.transform ? node.transform->evaluate(time_) : node.local;
+        shown_[n] = !node.visibility || node.visibility->evaluate(time_);
         evaluate_node(static_cast<NodeId>(n));
     }
     for (std::size_t l = 0; l < scene_->lights.size(); ++l) lights_.push_back(light_at(static_cast<LightId>(l)));
@@ -105,9 +113,8 @@ SceneState::~SceneState() = default;
 void SceneState::evaluate_node(NodeId n)
 {
     const Node& node = scene_->nodes[n];
-    const bool shown = !node.visibility || node.visibility->evaluate(time_);
     world_[n] = node.parent == none ? local_[n] : world_[node.parent] * local_[n];
-    node_visible_[n] = shown && (node.parent == none || node_visible_[node.parent]);
+    node_visible_[n] = shown_[n] && (node.parent == none || node_visible_[node.parent]);
 }
 
 const FrameChanges& SceneState::advance(double time)
@@ -121,42 +128,19 @@ const FrameChanges& SceneState::advance(double time)
     to_deform_.clear();
     skins_due_.clear();
     groups_toggled_.clear();
+    strays_.clear();
 
-    // Evaluate the tracks that change between the two times; collect the nodes that differ.
+    // Apply the values of lights and materials.
+    apply_values();
+
+    // Update the nodes that differ and those below, parents first.
     std::vector<NodeId> roots;
-    index_->transforms.query(before, time, due_);
-    changes_.touched_nodes += due_.size();
-    for (const NodeId n : due_) {
-        if (overrides_.contains(n)) continue;
-        const glm::dmat4 local = scene_->nodes[n].transform->evaluate(time);
-        if (same_bits(local, local_[n])) continue;
-        local_[n] = local;
-        roots.push_back(n);
-    }
-    index_->visibilities.query(before, time, due_);
-    changes_.touched_nodes += due_.size();
-    roots.insert(roots.end(), due_.begin(), due_.end());
-    for (const NodeId n : overrides_changed_) {
-        const Node& node = scene_->nodes[n];
-        const auto overridden = overrides_.find(n);
-        local_[n] = overridden != overrides_.end() ? overridden->second
-                    : node.transform               ? node.transform->evaluate(time)
-                                                   : node.local;
-        roots.push_back(n);
-    }
-    overrides_changed_.clear();
-
-    // Update the nodes below, parents first.
+    collect_roots(before, roots);
     sort_unique(roots);
     for (const NodeId root : roots) visit_below(root);
 
-    for (const SkinId skin : skins_due_) {
-        const std::vector<ObjectId>& bent = index_->skinned_by[skin];
-        to_deform_.insert(to_deform_.end(), bent.begin(), bent.end());
-    }
-    index_->deformations.query(before, time, due_);
-    changes_.touched_nodes += due_.size();
-    to_deform_.insert(to_deform_.end(), due_.begin(), due_.end());
+    // Deform the objects whose shapes may differ.
+    collect_shapes(before);
     sort_unique(to_deform_);
     for (const ObjectId object : to_deform_) {
         // A hidden object is deformed when it appears.
@@ -165,7 +149,66 @@ const FrameChanges& SceneState::advance(double time)
         changes_.deformed.push_back(object);
     }
     note_lists();
+    if (bounds_) bounds_->follow(*this);
     return changes_;
+}
+
+// Evaluates the tracks that change between the two times and the overrides that were set; collects the nodes that may
+// differ.
+void SceneState::collect_roots(double before, std::vector<NodeId>& roots)
+{
+    index_->transforms.query(before, time_, due_);
+    changes_.touched_nodes += due_.size();
+    for (const NodeId n : due_) {
+        if (transforms_.contains(n)) continue;
+        const glm::dmat4 local = scene_->nodes[n].transform->evaluate(time_);
+        if (same_bits(local, local_[n])) continue;
+        local_[n] = local;
+        roots.push_back(n);
+    }
+    index_->visibilities.query(before, time_, due_);
+    changes_.touched_nodes += due_.size();
+    for (const NodeId n : due_) {
+        if (visibilities_.contains(n)) continue;
+        shown_[n] = scene_->nodes[n].visibility->evaluate(time_);
+        roots.push_back(n);
+    }
+    for (const NodeId n : transforms_due_) {
+        const Node& node = scene_->nodes[n];
+        const auto overridden = transforms_.find(n);
+        local_[n] = overridden != transforms_.end() ? overridden->second
+                    : node.transform                ? node.transform->evaluate(time_)
+                                                    : node.local;
+        roots.push_back(n);
+    }
+    transforms_due_.clear();
+    for (const NodeId n : visibilities_due_) {
+        const Node& node = scene_->nodes[n];
+        const auto overridden = visibilities_.find(n);
+        shown_[n] = overridden != visibilities_.end() ? overridden->second
+                                                      : !node.visibility || node.visibility->evaluate(time_);
+        roots.push_back(n);
+    }
+    visibilities_due_.clear();
+}
+
+// Collects the objects whose joints moved, whose keys or weights change between the two times, and whose overrides were
+// set; unless an override takes the place of what differs.
+void SceneState::collect_shapes(double before)
+{
+    for (const SkinId skin : skins_due_)
+        for (const ObjectId object : index_->skinned_by[skin])
+            if (!vertices_.contains(object)) to_deform_.push_back(object);
+    index_->deformations.query(before, time_, due_);
+    changes_.touched_nodes += due_.size();
+    for (const ObjectId object : due_) {
+        if (vertices_.contains(object)) continue;
+        if (weights_.contains(object) && !scene_->meshes[scene_->objects[object].mesh].vertex_keys) continue;
+        to_deform_.push_back(object);
+    }
+    to_deform_.insert(to_deform_.end(), shapes_due_.begin(), shapes_due_.end());
+    changes_.touched_nodes += shapes_due_.size();
+    shapes_due_.clear();
 }
 
 void SceneState::visit_below(NodeId root)
@@ -183,6 +226,10 @@ void SceneState::visit_below(NodeId root)
         evaluate_node(n);
         const bool moved = !same_bits(old_world, world_[n]);
         const bool toggled = old_visible != static_cast<bool>(node_visible_[n]);
+        if (!visibilities_.empty())
+            if (const ObjectId object = index_->object_at[n]; object != none && group_of_[object] != none &&
+                                                              node_visible_[n] != group_visible(group_of_[object]))
+                strays_.push_back(object);
         if (!moved && !toggled) continue;   // so nothing below changed
 
         if (const ObjectId object = index_->object_at[n]; object != none) {
@@ -244,8 +291,8 @@ void SceneState::note_lists()
     difference(lights_active_before_, changes_.lights_moved, changes_.lights_stopped);
 }
 
-// Promotes the static objects that moved, which only a user override can do, and separates from their groups the
-// members that no longer move with them.
+// Promotes the static objects that changed, which only an override can do, and separates from their groups the members
+// that no longer move, or are no longer shown, with them.
 void SceneState::note_overridden()
 {
     for (const ObjectId object : changes_.changed) {
@@ -253,13 +300,16 @@ void SceneState::note_overridden()
             dynamic_index_[object] = static_cast<std::uint32_t>(dynamic_objects_.size());
             dynamic_objects_.push_back(object);
             changes_.promoted.push_back(object);
-            taken_objects_.push_back(object);
-        } else if (!overrides_.empty() && group_of_[object] != none && object_visible(object) && !rides_along(object)) {
-            group_of_[object] = none;
+        } else if (!transforms_.empty() && group_of_[object] != none && object_visible(object) &&
+                   !rides_along(object)) {
             changes_.separated.push_back(object);
-            taken_objects_.push_back(object);
         }
     }
+    changes_.separated.insert(changes_.separated.end(), strays_.begin(), strays_.end());
+    sort_unique(changes_.separated);
+    for (const ObjectId object : changes_.separated) group_of_[object] = none;
+    std::merge(changes_.promoted.begin(), changes_.promoted.end(), changes_.separated.begin(),
+               changes_.separated.end(), std::back_inserter(taken_objects_));
 }
 
 // Whether an object is where its group takes it. evaluate_node() multiplies the same matrices in the same order, so the
@@ -289,16 +339,28 @@ LightState SceneState::light_at(LightId light) const
 void SceneState::deform(ObjectId id)
 {
     const Object& object = scene_->objects[id];
+    const Mesh& mesh = scene_->meshes[object.mesh];
+    DeformedMesh& out = deformed_[deformed_slot_[id]];
+    if (const auto handed = vertices_.find(id); handed != vertices_.end())
+        return complete_vertices(mesh, *handed->second, out);
+
+    const auto overridden = weights_.find(id);
+    const std::vector<float> weights = overridden != weights_.end() ? overridden->second : tracked_weights(id);
+    std::span<const glm::mat4> joints;
+    if (object.skin != none) joints = joints_of(object.skin);
+    deform_mesh(mesh, time_, weights, joints, out);
+}
+
+// The morph weights that the track, else the node, else the mesh gives.
+std::vector<float> SceneState::tracked_weights(ObjectId id) const
+{
+    const Object& object = scene_->objects[id];
     const Node& node = scene_->nodes[object.node];
     const Mesh& mesh = scene_->meshes[object.mesh];
-
     std::vector<float> weights = node.morph_weights.empty() ? mesh.morph_weights : node.morph_weights;
     weights.resize(mesh.morph_targets.size());
     if (node.weights) node.weights->evaluate(time_, weights);
-
-    std::span<const glm::mat4> joints;
-    if (object.skin != none) joints = joints_of(object.skin);
-    deform_mesh(mesh, time_, weights, joints, deformed_[deformed_slot_[id]]);
+    return weights;
 }
 
 // Computes a skin's matrices once per step, for all its objects.
@@ -334,16 +396,6 @@ const DeformedMesh& SceneState::deformed(ObjectId object) const
 {
     GNOMON_CHECK(deformed_slot_[object] != none);
     return deformed_[deformed_slot_[object]];
-}
-
-void SceneState::override_transform(NodeId node, const glm::dmat4* local)
-{
-    GNOMON_CHECK_LT(node, scene_->nodes.size());
-    if (local)
-        overrides_[node] = *local;
-    else
-        overrides_.erase(node);
-    overrides_changed_.push_back(node);
 }
 
 }   // namespace gnomon::scene

@@ -6,16 +6,23 @@
 // This is the only place that decides what is dynamic. Caches read is_dynamic(), dynamic_objects() and the lists of
 // FrameChanges, and keep no bookkeeping of their own about it.
 //
-// Cost of advance(): the tracks that change between the two times and the nodes below those that moved. Objects at rest
-// are not visited; `touched_nodes` counts the visits.
+// A user or a host may override what tracks and the scene's description give: transforms, visibility, morph weights,
+// vertices, and the values of lights and materials. The state owns a copy of the scene (which shares meshes and
+// textures); only the values of lights and materials in it ever change, and only in advance().
+//
+// Cost of advance(): the tracks that change between the two times, what was overridden with other values, and the nodes
+// below those that moved. Objects at rest are not visited; `touched_nodes` counts the visits.
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "scene/deform.h"
 #include "scene/scene.h"
+#include "scene/scene_bounds.h"
 
 namespace gnomon::scene {
 
@@ -36,20 +43,29 @@ struct FrameChanges {
     std::vector<ObjectId> started;     // moved or deformed now, not in the step before
     std::vector<ObjectId> stopped;     // the reverse
     std::vector<GroupId> groups_moved;   // rigid groups whose anchor moved, or that appeared
-    std::vector<LightId> lights_moved;   // position, direction or visibility differ
+    std::vector<LightId> lights_moved;   // position, direction or visibility differ, or cone, range, falloff or profile
+    std::vector<LightId> lights_relit;   // the colour differs; some may be in lights_moved, too
+    std::vector<MaterialId> materials_changed;   // any value differs
     std::vector<LightId> lights_started;
     std::vector<LightId> lights_stopped;
     bool camera_moved = false;         // any camera
     std::uint64_t touched_nodes = 0;   // tracks evaluated and nodes visited
 
-    bool anything() const { return !changed.empty() || !lights_moved.empty(); }
+    bool anything() const
+    {
+        return !changed.empty() || !lights_moved.empty() || !lights_relit.empty() || !materials_changed.empty();
+    }
+    /// Whether the light moved or was relit: what it illuminates must be computed anew.
+    bool light_changed(LightId light) const;
 };
 
 class SceneState {
  public:
-    SceneState(std::shared_ptr<const Scene> scene, double time);
+    /// Copies the scene; meshes and textures stay shared. @pre not null
+    SceneState(const std::shared_ptr<const Scene>& scene, double time);
     ~SceneState();
 
+    /// The state's own copy of the scene, with the present values of lights and materials. It stays in place.
     const Scene& scene() const { return *scene_; }
     std::shared_ptr<const Scene> shared_scene() const { return scene_; }
     double time() const { return time_; }
@@ -84,13 +100,44 @@ class SceneState {
     /// Objects that a user override promoted or separated from their group, in order; ascending within a step.
     const std::vector<ObjectId>& taken_objects() const { return taken_objects_; }
 
-    /// User override: the node's transform is `local` from now on instead of its track's. nullptr removes the override.
-    /// Takes effect at the next advance(). A static object that moves by it is promoted, and stays dynamic even after
-    /// the override is removed; an override with the present matrix changes nothing.
+    /// What light views and light maps cover: the bounds over the clip; where overrides take objects that cast shadows
+    /// outside of these, larger ones, in steps. A function of the scene and the present state alone. Computed when it is
+    /// first asked for, then followed by advance(): O(what changed + objects outside). Not thread-safe.
+    const SceneBounds& present_bounds() const;
+
+    // Overrides by a user or a host. Each takes effect at the next advance(). One that equals what is in force, bit for
+    // bit, changes nothing and costs nothing there.
+
+    /// The node's transform is `local` from now on instead of its track's. nullptr removes the override. A static object
+    /// that moves by it is promoted, and stays dynamic even after the override is removed.
     void override_transform(NodeId node, const glm::dmat4* local);
+    /// Shows or hides the node, and with it everything below, instead of its track. nullopt removes the override. A
+    /// static object that vanishes by it is promoted.
+    void override_visibility(NodeId node, std::optional<bool> visible);
+    /// The morph weights of a deforming object instead of those of its track or file; as many as its mesh has targets.
+    /// nullopt removes the override. A static morph that changes by it is promoted.
+    void override_weights(ObjectId object, std::optional<std::vector<float>> weights);
+    /// The vertices of a deforming object instead of those that its mesh's keys, targets and skin give; in object space,
+    /// but in world space if it is skinned. nullptr removes the override. Normals and tangents may be left out: see
+    /// complete_vertices(). The mesh must not be written to afterwards.
+    void override_vertices(ObjectId object, std::shared_ptr<const DeformedMesh> vertices);
+    /// The values of a light from now on. Its name, node, type, of_environment and by_default stay as they are.
+    void set_light(LightId light, const Light& values);
+    /// The values of a material from now on; its name stays. @pre same_to_rays() to the present one
+    void set_material(MaterialId material, const Material& values);
+
+    /// Whether an override gives the object another place or shape than its tracks and its description do now.
+    bool displaced(ObjectId object) const;
+    /// Whether any override of transforms, weights or vertices is in force.
+    bool any_displaced() const { return !transforms_.empty() || !weights_.empty() || !vertices_.empty(); }
 
  private:
     struct Index;
+    void collect_roots(double before, std::vector<NodeId>& roots);
+    void collect_shapes(double before);
+    void apply_values();
+    bool node_displaced(NodeId node) const;
+    std::vector<float> tracked_weights(ObjectId object) const;
     void evaluate_node(NodeId node);
     void visit_below(NodeId root);
     void note_lists();
@@ -100,11 +147,12 @@ class SceneState {
     void deform(ObjectId object);
     const std::vector<glm::mat4>& joints_of(SkinId skin);
 
-    std::shared_ptr<const Scene> scene_;
+    std::shared_ptr<Scene> scene_;
     std::unique_ptr<Index> index_;   // when tracks change; which lights, cameras and objects belong to a node
     double time_ = 0;
     std::vector<glm::dmat4> local_, world_;
-    std::vector<char> node_visible_;
+    std::vector<char> shown_;          // by node: its own visibility
+    std::vector<char> node_visible_;   // and that of its ancestors
     std::vector<LightState> lights_;
     std::vector<DeformedMesh> deformed_;         // by slot
     std::vector<std::uint32_t> deformed_slot_;   // by object; none for those that do not deform
@@ -113,8 +161,17 @@ class SceneState {
         std::uint32_t step = none;         // in which they were computed
     };
     std::vector<Joints> joints_;   // by skin
-    std::unordered_map<NodeId, glm::dmat4> overrides_;
-    std::vector<NodeId> overrides_changed_;
+    // Overrides in force, and those that the next advance() applies.
+    std::unordered_map<NodeId, glm::dmat4> transforms_;
+    std::unordered_map<NodeId, bool> visibilities_;
+    std::unordered_map<ObjectId, std::vector<float>> weights_;
+    std::unordered_map<ObjectId, std::shared_ptr<const DeformedMesh>> vertices_;
+    std::vector<NodeId> transforms_due_, visibilities_due_;
+    std::vector<ObjectId> shapes_due_;
+    std::map<LightId, Light> lights_due_;
+    std::map<MaterialId, Material> materials_due_;
+    std::vector<ObjectId> strays_;   // members whose visibility differs from their group's
+    mutable std::unique_ptr<PresentBounds> bounds_;   // null until asked for
     std::vector<ObjectId> dynamic_objects_;
     std::vector<std::uint32_t> dynamic_index_;   // by object
     std::vector<GroupId> group_of_;              // by object

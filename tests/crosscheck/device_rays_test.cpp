@@ -205,7 +205,7 @@ std::shared_ptr<const scene::Scene> leaf_scene()
         for (auto& set : leaf.texcoords) set.emplace_back(random.uniform(-1, 2), random.uniform(-1, 2));
         leaf.colors.emplace_back(1, 1, 1, random.uniform(0.2f, 1));
     }
-    scene.meshes = {leaf};
+    scene.meshes.push_back(leaf);
     for (int i = 0; i < 60; ++i) {
         const scene::NodeId node = test::add_object(scene, 0, scene::none, test::random_placement(random, 3));
         if (i % 3 == 0)
@@ -226,8 +226,9 @@ std::shared_ptr<const scene::Scene> skinned_scene()
 {
     scene::Scene scene;
     test::add_materials(scene);
-    scene.meshes = {test::patchwork(1), test::ball(test::two_sided)};
-    scene::Mesh& mesh = scene.meshes[0];
+    scene.meshes.push_back(test::patchwork(1));
+    scene.meshes.push_back(test::ball(test::two_sided));
+    scene::Mesh& mesh = scene.meshes.edit(0);
     mesh.skin.emplace();
     for (const glm::vec3& p : mesh.positions) {
         const float weight = std::clamp(0.5f * p.y + 0.5f, 0.0f, 1.0f);
@@ -276,7 +277,7 @@ std::shared_ptr<const scene::Scene> box_scene()
 {
     scene::Scene scene;
     test::add_materials(scene);
-    scene.meshes = {box_mesh()};
+    scene.meshes.push_back(box_mesh());
     Random random(7);
     const auto place = [&](const glm::dvec3& stretch) {
         const double x = random.uniform(-6.0f, 6.0f), y = random.uniform(-6.0f, 6.0f);

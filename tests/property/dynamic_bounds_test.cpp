@@ -97,7 +97,7 @@ TEST(DynamicBounds, DistantRaysHitTheBoxesOfTheirOccluders)
     cube.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
                       {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
     cube.parts = {{two_sided, 0, 12}};
-    made.meshes[0] = cube;
+    made.meshes.edit(0) = cube;
     made.nodes[add_object(made, 0)].animated = true;
     scene::SceneState state(finished(made), 0);
     ray::RayScene rays(state);

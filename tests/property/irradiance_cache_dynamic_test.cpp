@@ -38,14 +38,14 @@ scene::Scene room(std::size_t panel_at, Panel panel)
     for (scene::Material& material : scene.materials) material.double_sided = true;
     scene.materials[0].base_color = glm::vec3(0.8f);
     scene.materials[1].base_color = glm::vec3(0.9f, 0.1f, 0.1f);
-    scene.meshes = {rectangle(0, {{-4, 0, -4}, {-4, 0, 4}, {4, 0, 4}, {4, 0, -4}}),
-                    rectangle(0, {{-4, 0, -4}, {-4, 4, -4}, {-4, 4, 4}, {-4, 0, 4}}),
-                    rectangle(1, {{-2, 0.1f, -1}, {2, 0.1f, -1}, {2, 4, -1}, {-2, 4, -1}})};
+    scene.meshes.push_back(rectangle(0, {{-4, 0, -4}, {-4, 0, 4}, {4, 0, 4}, {4, 0, -4}}));
+    scene.meshes.push_back(rectangle(0, {{-4, 0, -4}, {-4, 4, -4}, {-4, 4, 4}, {-4, 0, 4}}));
+    scene.meshes.push_back(rectangle(1, {{-2, 0.1f, -1}, {2, 0.1f, -1}, {2, 4, -1}, {-2, 4, -1}}));
     scene::VertexKeys keys;
     keys.times = {0, 1};
     keys.positions.assign(2, scene.meshes[2].positions);
     for (std::size_t corner : {2u, 3u}) keys.positions[1][corner].x += 0.2f;
-    if (panel == Panel::bends) scene.meshes[2].vertex_keys = keys;
+    if (panel == Panel::bends) scene.meshes.edit(2).vertex_keys = keys;
     std::vector<scene::MeshId> order = {0, 1};
     if (panel != Panel::missing) order.insert(order.begin() + static_cast<std::ptrdiff_t>(panel_at), 2);
     for (const scene::MeshId mesh : order) test::add_object(scene, mesh);

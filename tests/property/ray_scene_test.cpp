@@ -248,7 +248,7 @@ TEST(RayScene, ObjectShrunkToAPointReturns)
             scene::Scene scene;
             add_materials(scene);
             scene.meshes.push_back(shape);
-            scene::Mesh& mesh = scene.meshes[0];
+            scene::Mesh& mesh = scene.meshes.edit(0);
             mesh.skin.emplace();
             mesh.skin->joints[0].assign(mesh.positions.size(), glm::u16vec4(0));
             mesh.skin->weights[0].assign(mesh.positions.size(), glm::vec4(1, 0, 0, 0));
@@ -280,7 +280,7 @@ TEST(RayScene, PartlyShrunkMeshKeepsTheRest)
                 scene::Scene scene;
                 add_materials(scene);
                 scene.meshes.push_back(shape);
-                scene::Mesh& mesh = scene.meshes[0];
+                scene::Mesh& mesh = scene.meshes.edit(0);
                 mesh.skin.emplace();
                 for (std::size_t v = 0; v < mesh.positions.size(); ++v)   // in runs
                     mesh.skin->joints[0].emplace_back(v / 40 % every == 0 ? 0 : 1, 0, 0, 0);
@@ -402,7 +402,8 @@ TEST(RayScene, EmptySceneHasNoHits)
 TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
 {
     scene::Scene scene = scene_with_balls();
-    scene.meshes.assign(1, ball(two_sided, 256, 260));
+    scene.meshes.clear();
+    scene.meshes.push_back(ball(two_sided, 256, 260));
     constexpr int k_copies = 8;
     for (int i = 0; i < k_copies; ++i) {
         glm::dmat4 m = translation(4.0 * i, 0, 0);

@@ -131,7 +131,7 @@ TEST(Reference, WhiteObjectsVanishInAWhiteEnvironment)
     scene.materials[0].base_color = glm::vec3(1);
     scene.materials[0].double_sided = true;
     scene.meshes.push_back(test::ball(0, 12, 18));
-    scene.meshes.back().normals.clear();
+    scene.meshes.edit(scene.meshes.size() - 1).normals.clear();
     test::add_object(scene, 0, scene::none, test::translation(0, 2, 0));
     scene.meshes.push_back(rectangle({3, 3}));
     test::add_object(scene, 1);
@@ -197,7 +197,7 @@ TEST(Reference, GlassDoesNotBlockLight)
         test::add_object(scene, 0);
         add_sun(scene, {0, -1, 0}, glm::vec3(1));
         scene.meshes.push_back(rectangle({2, 2}));
-        scene.meshes.back().parts[0].material = 1;
+        scene.meshes.edit(scene.meshes.size() - 1).parts[0].material = 1;
         if (glass) {
             test::add_object(scene, 1, scene::none, test::translation(0, 0.3, 0));
             test::add_object(scene, 1, scene::none, test::translation(0, 0.4, 0));

@@ -52,9 +52,9 @@ TEST(Anchors, KeyEncodesPart)
 TEST(Anchors, RejectsMoreTrianglesThanNumbers)
 {
     scene::Scene scene;
-    scene.meshes.resize(2);
-    scene.meshes[0].triangles.resize(1 << 16);
-    scene.meshes[1].triangles.resize((1 << 16) - 1);
+    for (int i = 0; i < 2; ++i) scene.meshes.push_back({});
+    scene.meshes.edit(0).triangles.resize(1 << 16);
+    scene.meshes.edit(1).triangles.resize((1 << 16) - 1);
     scene.objects.resize(1 << 16);
     for (scene::Object& object : scene.objects) object.mesh = 0;
     EXPECT_THROW(first_triangles(scene), MissingError);

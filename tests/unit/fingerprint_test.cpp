@@ -95,34 +95,34 @@ const std::map<std::string, Edit>& edits()
 {
     static const std::map<std::string, Edit> all{
         {"nothing", [](scene::Scene&) {}},
-        {"a position", [](scene::Scene& s) { s.meshes[0].positions[1].x = 2; }},
+        {"a position", [](scene::Scene& s) { s.meshes.edit(0).positions[1].x = 2; }},
         {"a normal",
          [](scene::Scene& s) {
-             s.meshes[0].normals[1] = {0, 1, 0};
+             s.meshes.edit(0).normals[1] = {0, 1, 0};
          }},
         {"a tangent",
          [](scene::Scene& s) {
-             s.meshes[0].tangents[1] = {0, 1, 0, 1};
+             s.meshes.edit(0).tangents[1] = {0, 1, 0, 1};
          }},
-        {"a texture coordinate", [](scene::Scene& s) { s.meshes[0].texcoords[0][1].x = 0.5f; }},
-        {"one of the second set", [](scene::Scene& s) { s.meshes[0].texcoords[1][1].x = 0.5f; }},
-        {"a vertex colour", [](scene::Scene& s) { s.meshes[0].colors[1].y = 0.5f; }},
+        {"a texture coordinate", [](scene::Scene& s) { s.meshes.edit(0).texcoords[0][1].x = 0.5f; }},
+        {"one of the second set", [](scene::Scene& s) { s.meshes.edit(0).texcoords[1][1].x = 0.5f; }},
+        {"a vertex colour", [](scene::Scene& s) { s.meshes.edit(0).colors[1].y = 0.5f; }},
         {"a triangle",
          [](scene::Scene& s) {
-             s.meshes[0].triangles[0] = {0, 2, 1};
+             s.meshes.edit(0).triangles[0] = {0, 2, 1};
          }},
-        {"a morphed position", [](scene::Scene& s) { s.meshes[0].morph_targets[0].positions[1].x = 2; }},
-        {"a morphed normal", [](scene::Scene& s) { s.meshes[0].morph_targets[0].normals[1].x = 2; }},
-        {"a morphed tangent", [](scene::Scene& s) { s.meshes[0].morph_targets[0].tangents[1].x = 2; }},
-        {"a morph weight", [](scene::Scene& s) { s.meshes[0].morph_weights[0] = 0.5f; }},
+        {"a morphed position", [](scene::Scene& s) { s.meshes.edit(0).morph_targets[0].positions[1].x = 2; }},
+        {"a morphed normal", [](scene::Scene& s) { s.meshes.edit(0).morph_targets[0].normals[1].x = 2; }},
+        {"a morphed tangent", [](scene::Scene& s) { s.meshes.edit(0).morph_targets[0].tangents[1].x = 2; }},
+        {"a morph weight", [](scene::Scene& s) { s.meshes.edit(0).morph_weights[0] = 0.5f; }},
         {"a node's morph weight", [](scene::Scene& s) { s.nodes[1].morph_weights[0] = 0.5f; }},
         {"morph weights on their way", [](scene::Scene& s) { s.nodes[1].weights = weights(0.5); }},
-        {"a skin weight", [](scene::Scene& s) { s.meshes[0].skin->weights[0][1].x = 0.5f; }},
+        {"a skin weight", [](scene::Scene& s) { s.meshes.edit(0).skin->weights[0][1].x = 0.5f; }},
         {"a joint", [](scene::Scene& s) { s.skins[0].joints[0] = 1; }},
         {"a skin's rest", [](scene::Scene& s) { s.skins[0].inverse_bind[0][3].x = 1; }},
-        {"a vertex key's time", [](scene::Scene& s) { s.meshes[1].vertex_keys->times[1] = 1.5; }},
-        {"a vertex key's position", [](scene::Scene& s) { s.meshes[1].vertex_keys->positions[1][1].x = 2; }},
-        {"a vertex key's normal", [](scene::Scene& s) { s.meshes[1].vertex_keys->normals[1][1].x = 2; }},
+        {"a vertex key's time", [](scene::Scene& s) { s.meshes.edit(1).vertex_keys->times[1] = 1.5; }},
+        {"a vertex key's position", [](scene::Scene& s) { s.meshes.edit(1).vertex_keys->positions[1][1].x = 2; }},
+        {"a vertex key's normal", [](scene::Scene& s) { s.meshes.edit(1).vertex_keys->normals[1][1].x = 2; }},
         {"a node's place", [](scene::Scene& s) { s.nodes[0].local[3].x = 1; }},
         {"a key between the start and the middle", [](scene::Scene& s) { s.nodes[2].transform = slide(1); }},
         {"when something hides",
@@ -142,9 +142,9 @@ const std::map<std::string, Edit>& edits()
         {"where a texture lies", [](scene::Scene& s) { s.materials[0].base_color_texture.offset.x = 0.5f; }},
         {"a texture's turn", [](scene::Scene& s) { s.materials[0].base_color_texture.rotation = 0.5f; }},
         {"a texture's set", [](scene::Scene& s) { s.materials[0].base_color_texture.texcoord = 1; }},
-        {"a texel", [](scene::Scene& s) { s.textures[0] = texture(2); }},
-        {"a texture's edges", [](scene::Scene& s) { s.textures[0] = texture(1, {.wrap_u = scene::Wrap::clamp}); }},
-        {"a texture's filter", [](scene::Scene& s) { s.textures[0] = texture(1, {.mipmaps = false}); }},
+        {"a texel", [](scene::Scene& s) { s.textures.edit(0) = texture(2); }},
+        {"a texture's edges", [](scene::Scene& s) { s.textures.edit(0) = texture(1, {.wrap_u = scene::Wrap::clamp}); }},
+        {"a texture's filter", [](scene::Scene& s) { s.textures.edit(0) = texture(1, {.mipmaps = false}); }},
         {"a light's colour", [](scene::Scene& s) { s.lights[0].color.x = 2; }},
         {"a light's node", [](scene::Scene& s) { s.lights[0].node = 1; }},
         {"the zenith", [](scene::Scene& s) { s.background.zenith.x = 1; }},

@@ -31,13 +31,14 @@ std::shared_ptr<const scene::Scene> five_triangles()
 {
     scene::Scene scene;
     scene.materials.emplace_back();
-    scene.meshes = {
-        triangle({-40, -40, 0}, {40, -40, 0}, {0, 60, 0}),    // behind the next one
-        triangle({1, 1, 1}, {3, 1, 1}, {1, 3, 1}),            // between it and the lights
-        triangle({900, 0, 0}, {902, 0, 0}, {900, 2, 0}),      // far away
-        triangle({-5, -5, 2}, {-3, -5, 2}, {-5, -3, 2}),      // moves
-        triangle({-900, 0, 0}, {-902, 0, 0}, {-900, 2, 0}),   // far away, on the other side
-    };
+    for (scene::Mesh& mesh : std::vector<scene::Mesh>{
+             triangle({-40, -40, 0}, {40, -40, 0}, {0, 60, 0}),    // behind the next one
+             triangle({1, 1, 1}, {3, 1, 1}, {1, 3, 1}),            // between it and the lights
+             triangle({900, 0, 0}, {902, 0, 0}, {900, 2, 0}),      // far away
+             triangle({-5, -5, 2}, {-3, -5, 2}, {-5, -3, 2}),      // moves
+             triangle({-900, 0, 0}, {-902, 0, 0}, {-900, 2, 0}),   // far away, on the other side
+         })
+        scene.meshes.push_back(std::move(mesh));
     for (scene::MeshId m = 0; m < primitive_count; ++m)
         scene.nodes[test::add_object(scene, m)].animated = m == dynamic_object;
     for (int l = 0; l < 2; ++l) {

@@ -272,7 +272,7 @@ TEST(SceneState, ChangedHoldsEachObjectOnceInOrder)
     keys.times = {0, 9};
     keys.positions.assign(2, scene.meshes[1].positions);
     keys.positions[1][0].z = 1;
-    scene.meshes[1].vertex_keys = keys;
+    scene.meshes.edit(1).vertex_keys = keys;
     const auto blinks = [](bool first) {
         auto track = std::make_shared<VisibilityTrack>();
         track->times = {0, 1};
@@ -374,7 +374,7 @@ TEST(SceneState, CostsWhatMovesNotWhatIsThere)
 TEST(SceneState, DeformsVertexKeysAndMorphsOnlyWhenTheyChange)
 {
     Scene scene = scene_with_triangle_mesh();
-    Mesh& mesh = scene.meshes[0];
+    Mesh& mesh = scene.meshes.edit(0);
     mesh.vertex_keys.emplace();
     mesh.vertex_keys->times = {0, 2};
     mesh.vertex_keys->positions = {mesh.positions, {{0, 0, 4}, {1, 0, 4}, {0, 1, 4}}};
@@ -394,7 +394,7 @@ TEST(SceneState, DeformsVertexKeysAndMorphsOnlyWhenTheyChange)
 TEST(SceneState, SkinsBlendJoints)
 {
     Scene scene = scene_with_triangle_mesh();
-    Mesh& mesh = scene.meshes[0];
+    Mesh& mesh = scene.meshes.edit(0);
     mesh.skin.emplace();
     mesh.skin->joints[0] = {{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}};
     mesh.skin->weights[0] = {{1, 0, 0, 0}, {0.5f, 0.5f, 0, 0}, {0, 1, 0, 0}};
@@ -421,9 +421,9 @@ TEST(SceneState, ManyObjectsOnOneSkinOfManyJoints)
 {
     constexpr int many = 20'000;
     Scene scene = scene_with_triangle_mesh();
-    scene.meshes[0].skin.emplace();
-    scene.meshes[0].skin->joints[0].assign(3, glm::u16vec4(0));
-    scene.meshes[0].skin->weights[0].assign(3, glm::vec4(1, 0, 0, 0));
+    SkinBinding& binding = scene.meshes.edit(0).skin.emplace();
+    binding.joints[0].assign(3, glm::u16vec4(0));
+    binding.weights[0].assign(3, glm::vec4(1, 0, 0, 0));
     const NodeId dynamic_object = scene.add_node("dynamic object", none);
     scene.nodes[dynamic_object].transform = std::make_shared<Slide>(1, 2);
     Skin skin;

@@ -56,20 +56,34 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
 
 LightTree::LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options,
                      Tasks& tasks)
-    : options_(options), casters_(state), bounds_(light_views::clip_bounds(state.scene())), state_(&state), rays_(&rays)
+    : options_(options), casters_(state), bounds_(state.present_bounds()), state_(&state), rays_(&rays)
 {
-    const scene::Scene& scene = state.scene();
-    find_dynamics();
-    for (const scene::LightId l : bouncing_lights(scene, bounds_, options))
+    build(tasks);
+}
+
+// The views of all lights that are in the tree, without places for their nodes.
+std::vector<LightTree::View> LightTree::wanted_views() const
+{
+    const scene::Scene& scene = state_->scene();
+    std::vector<View> views;
+    for (const scene::LightId l : bouncing_lights(scene, bounds_, options_))
         for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, light_views::k_projection);
              ++face) {
-            View& view = views_.emplace_back();
+            View& view = views.emplace_back();
             view.light = l;
             view.face = face;
         }
-    int side = options.side;
-    while (side > options.least_side &&
-           views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options.leaves)
+    return views;
+}
+
+// Makes everything from the present state.
+void LightTree::build(Tasks& tasks)
+{
+    find_dynamics();
+    views_ = wanted_views();
+    int side = options_.side;
+    while (side > options_.least_side &&
+           views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options_.leaves)
         side /= 2;
     while (side > k_smallest_side && views_.size() * nodes_of(side) > k_most_nodes) side /= 2;
     NodeId end = 0;
@@ -80,11 +94,12 @@ LightTree::LightTree(const scene::SceneState& state, const ray::RayScene& rays, 
         end = first_of_level(view, view.levels + 1);
         view.occluded.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
     }
-    quads_.resize(end / 4);
+    quads_.assign(end / 4, {});
     GNOMON_CHECK(end <= k_most_nodes);
-    samples_.places.resize(end);
+    samples_.places.assign(end, glm::vec4(0));
+    differing_ = 0;
     for (Flux* flux : {&flux_, &static_flux_})
-        for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->resize(end);
+        for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->assign(end, 0.0f);
     children_.assign(end, k_none);
     for (const View& view : views_)
         for (int level = 1; level < view.levels; ++level)
@@ -437,30 +452,50 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     changed_.clear();
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
-    const bool promoted = !changes.promoted.empty();
-    geometry_changed_ = promoted || !changes.lights_moved.empty();
+    if (follow_lights_and_bounds(tasks)) return;
+    const bool promoted = !changes.promoted.empty(), all = promoted || !changes.materials_changed.empty();
+    geometry_changed_ = all || !changes.lights_moved.empty() || !changes.lights_relit.empty();
     if (promoted) find_dynamics();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
-            if (promoted ||
-                std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), views_[v].light))
-                make_view(views_[v]);
+            if (all || changes.light_changed(views_[v].light)) make_view(views_[v]);
         });
         find_roots();
         ++geometry_version_, ++flux_version_;
     }
     const bool unchanged = changes.changed.empty();
     if (unchanged && !geometry_changed_) return;
-    if (!unchanged && !promoted) follow_dynamic(changes);
+    if (!unchanged && !all) follow_dynamic(changes);
     mark_changes();
     gather_dynamic();
+}
+
+// Builds the tree anew in other bounds, or if lights that changed have another number of views or a brightness that
+// makes other lights the strongest.
+// @return  whether it did
+bool LightTree::follow_lights_and_bounds(Tasks& tasks)
+{
+    const scene::FrameChanges& changes = state_->changes();
+    const bool other_bounds = !(state_->present_bounds() == bounds_);
+    if (other_bounds) bounds_ = state_->present_bounds();
+    if (!other_bounds) {
+        if (changes.lights_moved.empty() && changes.lights_relit.empty()) return false;
+        const std::vector<View> wanted = wanted_views();
+        const bool same = std::equal(
+            wanted.begin(), wanted.end(), views_.begin(), views_.end(),
+            [](const View& a, const View& b) { return a.light == b.light && a.face == b.face; });
+        if (same) return false;
+    }
+    build(tasks);
+    geometry_changed_ = true;
+    ++geometry_version_, ++flux_version_;
+    return true;
 }
 
 void LightTree::follow_dynamic(const scene::FrameChanges& changes)
 {
     for (View& view : views_) {
-        if (!view.on || std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light))
-            continue;
+        if (!view.on || changes.light_changed(view.light)) continue;
         std::vector<light_views::Rect> where = view.dynamic_objects;
         find_dynamic(view);
         where.insert(where.end(), view.dynamic_objects.begin(), view.dynamic_objects.end());

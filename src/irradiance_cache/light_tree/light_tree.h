@@ -59,8 +59,9 @@ class LightTree {
  public:
     LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options, Tasks& tasks);
 
-    /// Follows one advance() of the state, after the ray scene did. Rebuilds the views of lights that moved; and all
-    /// views where a static object was promoted to a dynamic one.
+    /// Follows one advance() of the state, after the ray scene did. Rebuilds the views of lights that moved or were
+    /// relit; all views if a static object was promoted to a dynamic one or a material changed; and the whole tree in
+    /// other bounds, or if other lights or numbers of views are in it.
     void update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
     /// Nodes 4 q ... 4 q + 3.
@@ -130,6 +131,9 @@ class LightTree {
         glm::vec3 position{0}, normal{0}, sample{0}, flux{0};
         float area = 0;
     };
+    void build(Tasks& tasks);
+    std::vector<View> wanted_views() const;
+    bool follow_lights_and_bounds(Tasks& tasks);
     void make_view(View& view);
     Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
                  double measure) const;

@@ -75,22 +75,27 @@ GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene:
       start_(static_cast<std::uint32_t>(grid_of_paper_level(levels.start))),
       limit_(static_cast<std::uint32_t>(grid_of_paper_level(levels.limit))),
       casters_(state),
-      bounds_(light_views::clip_bounds(state.scene())),
+      bounds_(state.present_bounds()),
       views_(lay_out_views(state.scene(), bounds_, options))
 {
     GNOMON_CHECK(levels.limit <= levels.start && (1 << start_) <= options.least_side);
-    dirty_.resize(views_.size());
-    dynamic_.resize(views_.size());
     make_pipelines();
+    make_buffers();
+}
 
+// Makes what depends on the layout of the views.
+void GpuLightMap::make_buffers()
+{
+    dirty_.assign(views_.size(), {});
+    dynamic_.assign(views_.size(), {});
     const auto views = static_cast<std::uint32_t>(views_.size());
     const auto side = static_cast<std::uint32_t>(views_.empty() ? 1 : views_.front().side());
-    ids_ = vk::Image(device, {.name = "light map ids",
+    ids_ = vk::Image(device_, {.name = "light map ids",
                               .width = side,
                               .height = side,
                               .format = k_id_format,
                               .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
-    depth_ = vk::Image(device, {.name = "light map depth",
+    depth_ = vk::Image(device_, {.name = "light map depth",
                                 .width = side,
                                 .height = side,
                                 .format = k_depth_format,
@@ -98,10 +103,10 @@ GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene:
     groups_ = views * (limit_ - start_ + 1);
     const std::size_t most = static_cast<std::size_t>(std::min(side * side, 1u << (2 * limit_))) * views;
     const auto make = [&](const char* name, std::size_t bytes) {
-        if (bytes > device->limits().maxStorageBufferRange)
+        if (bytes > device_->limits().maxStorageBufferRange)
             throw MissingError(fmt::format("Vulkan: the {} take {} MiB, and the device addresses {} MiB", name,
-                                           bytes >> 20, device->limits().maxStorageBufferRange >> 20));
-        return vk::Buffer(device, name, bytes);
+                                           bytes >> 20, device_->limits().maxStorageBufferRange >> 20));
+        return vk::Buffer(device_, name, bytes);
     };
     view_buffer_ = make("light map views", std::max<std::size_t>(views, 1) * sizeof(GpuMapView));
     nodes_ = make("light map nodes", std::max<std::size_t>(node_count(), 1) * sizeof(GpuNode));
@@ -109,7 +114,7 @@ GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene:
     counts_ = make("cluster counts", (groups_ + 1) * sizeof(std::uint32_t));
     const std::size_t rows = std::max<std::size_t>(1, (most + GNOMON_CLUSTERS_A_ROW - 1) / GNOMON_CLUSTERS_A_ROW);
     clusters_ = make("clusters", rows * GNOMON_CLUSTERS_A_ROW * sizeof(GpuCluster));
-    cluster_image_ = vk::Image(device, {.name = "cluster texels",
+    cluster_image_ = vk::Image(device_, {.name = "cluster texels",
                                         .width = 3 * GNOMON_CLUSTERS_A_ROW,
                                         .height = static_cast<std::uint32_t>(rows),
                                         .format = VK_FORMAT_R32G32B32A32_SFLOAT,
@@ -156,24 +161,37 @@ std::uint32_t GpuLightMap::views_on() const
         std::count_if(views_.begin(), views_.end(), [](const MapView& view) { return view.on; }));
 }
 
+// Makes the map anew in other bounds, or if the lights have other views now.
+void GpuLightMap::follow_layout(const scene::SceneState& state)
+{
+    const bool other_bounds = !(state.present_bounds() == bounds_);
+    if (!other_bounds && state.changes().lights_moved.empty()) return;
+    bounds_ = state.present_bounds();
+    std::vector<MapView> views = lay_out_views(state.scene(), bounds_, options_);
+    if (!same_layout(views, views_)) {
+        views_ = std::move(views);
+        make_buffers();
+        fresh_ = true;
+    }
+    fresh_ = fresh_ || other_bounds;
+}
+
 // Finds the rectangle around all changes in each view. Returns false if there are none.
 bool GpuLightMap::find_dirty(const scene::SceneState& state)
 {
     const scene::FrameChanges& changes = state.changes();
     std::fill(dirty_.begin(), dirty_.end(), Rect{});
-    if (!fresh_) {
-        if (!changes.anything()) return false;
-        casters_.update(state);
-    }
+    if (!fresh_ && !changes.anything()) return false;
+    casters_.update(state);
 
-    // Draw everything anew where a static object was promoted: its footprint before is not known.
-    const bool all = fresh_ || std::any_of(changes.promoted.begin(), changes.promoted.end(),
+    // Draw everything anew where a material changed, or a static object was promoted: its footprint before is not known.
+    const bool all = fresh_ || !changes.materials_changed.empty() ||
+                     std::any_of(changes.promoted.begin(), changes.promoted.end(),
                                            [&](scene::ObjectId o) { return casters_.casts(o); });
     bool anything = false;
     for (std::size_t v = 0; v < views_.size(); ++v) {
         MapView& view = views_[v];
-        const bool aimed =
-            std::binary_search(changes.lights_moved.begin(), changes.lights_moved.end(), view.light) || fresh_;
+        const bool aimed = fresh_ || changes.light_changed(view.light);
         if (aimed) aim_view(view, state, bounds_);
         if (aimed || all) {
             dirty_[v] = {0, 0, view.side(), view.side()};
@@ -369,6 +387,7 @@ void GpuLightMap::copy_clusters(vk::Commands& commands) const
 void GpuLightMap::record(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state)
 {
     work_ = {};
+    follow_layout(state);
     if (fresh_)
         commands.pass("forget light maps")
             .writes(nodes_, Use::copy_target)

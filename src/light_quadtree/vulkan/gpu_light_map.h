@@ -68,6 +68,8 @@ class GpuLightMap {
 
  private:
     void make_pipelines();
+    void make_buffers();
+    void follow_layout(const scene::SceneState& state);
     bool find_dirty(const scene::SceneState& state);
     void send_views(vk::Commands& commands, const scene::SceneState& state);
     void draw(vk::Commands& commands, const gpu_scene::GpuScene& scene, std::uint32_t view) const;

@@ -61,17 +61,24 @@ GpuMapLight::GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene:
         const auto rows = (static_cast<std::uint32_t>(options.rsm.samples) - 1) / GNOMON_SAMPLES_A_ROW + 1;
         pattern_ = vk::Buffer(device, "sampling pattern", sizeof(glm::vec4) * rows * GNOMON_SAMPLES_A_ROW);
         pattern_image_ = grid_image(device, "sampling pattern", {GNOMON_SAMPLES_A_ROW, rows});
-        const auto views = static_cast<std::uint32_t>(map_.views().size());
-        const auto side = static_cast<std::uint32_t>(views == 0 ? 1 : map_.views().front().side());
-        const std::uint32_t most = device->limits().maxImageDimension2D;
-        if (3 * side > most || views * side > most)
-            throw MissingError(
-                fmt::format("Vulkan: light maps of {} x {} texels, and the device's images have {} at most", 3 * side,
-                            views * side, most));
-        texels_ = grid_image(device, "light map's texels", {3 * side, std::max(views, 1u) * side});
+        fit_texels();
     }
     for (vk::Image* image : {&grid_position_, &grid_normal_, &grid_light_, &none_})
         *image = grid_image(device, "no grid", {1, 1});
+}
+
+// Makes the image of the map's texels, unless it fits the map's views.
+void GpuMapLight::fit_texels()
+{
+    const auto views = static_cast<std::uint32_t>(map_.views().size());
+    const auto side = static_cast<std::uint32_t>(views == 0 ? 1 : map_.views().front().side());
+    const glm::uvec2 size(3 * side, std::max(views, 1u) * side);
+    if (texels_ && texels_.width() == size.x && texels_.height() == size.y) return;
+    const std::uint32_t most = device_->limits().maxImageDimension2D;
+    if (size.x > most || size.y > most)
+        throw MissingError(fmt::format("Vulkan: light maps of {} x {} texels, and the device's images have {} at most",
+                                       size.x, size.y, most));
+    texels_ = grid_image(device_, "light map's texels", size);
 }
 
 int GpuMapLight::grid_step(Size size) const
@@ -198,6 +205,7 @@ void GpuMapLight::copy_texels(vk::Commands& commands)
     if (copied_ == map_.version()) return;
     const bool all = copied_ + 1 != map_.version() || copied_ == 0;
     copied_ = map_.version();
+    fit_texels();
     glm::uvec2 size(0);
     for (const light_views::Rect& rect : map_.dirty())
         if (!rect.empty()) size = glm::max(size, glm::uvec2(rect.x1 - rect.x0, rect.y1 - rect.y0));

@@ -47,6 +47,7 @@ class GpuMapLight {
  private:
     void record(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance, bool grid,
                 bool listed);
+    void fit_texels();
     void send_pattern(vk::Commands& commands, std::uint32_t samples);
     void copy_texels(vk::Commands& commands);
 

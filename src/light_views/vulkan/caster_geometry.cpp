@@ -22,7 +22,7 @@ std::int32_t add_vertices(const scene::Mesh& mesh, const std::vector<glm::vec3>&
 }   // namespace
 
 CasterGeometry::CasterGeometry(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state)
-    : scene_(&state.scene())
+    : scene_(state.shared_scene())
 {
     // Gather the triangles that occlude light: opaque ones in one range, alpha-tested ones by material.
     std::map<scene::MaterialId, std::uint32_t> alpha_of;

@@ -58,7 +58,7 @@ class CasterGeometry {
                                  std::vector<shared::AlphaMaterial>& records) const;
     void fill(vk::Commands& commands, const scene::SceneState& state);
 
-    const scene::Scene* scene_;
+    std::shared_ptr<const scene::Scene> scene_;
     std::vector<MeshParts> meshes_;
     std::vector<std::int32_t> vertex_offset_;   // by object
     vk::Buffer positions_, texcoords_, indices_, matrices_, offsets_, alpha_materials_, alpha_texels_;

@@ -65,7 +65,13 @@ void RayScene::Impl::build(const scene::SceneState& state)
                meeting_by(glm::mat4(state.world(object.node))) == Meeting::truly;   // singular ones are flattened
     };
 
+    // Add dynamic objects first, because the margins of all depend on them: those of the clip, then those that the user
+    // took, in the order in which an updated scene has them.
     measure_still(state);
+    for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
+        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    for (const scene::ObjectId o : state.taken_objects()) add_alone(state, o);
 
     // Add flattened objects first, because their geometry ids are the indices of the records.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
@@ -73,14 +79,10 @@ void RayScene::Impl::build(const scene::SceneState& state)
     first_instance = static_cast<unsigned>(still_records.size());
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (!state.is_dynamic(o) && instanced(scene->objects[o])) add_still_instance(state, o);
+    finish_shared();
     device.commit(still.get());
     device.check();
 
-    for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
-    // Those of the clip, then those that the user took, in the order in which an updated scene has them.
-    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
-    for (const scene::ObjectId o : state.taken_objects()) add_alone(state, o);
     const float reach = present_reach();
     for (std::uint32_t s = 0; s < solids.size(); ++s) {
         solids[s].margin = margin_of(reach, solids[s].to_world);
@@ -157,34 +159,37 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
         attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
-        // One BLAS for all: use the margin of the most shrunken instance, with room for rays from dynamic objects that
-        // move away.
-        constexpr float k_room = 4;
         shared->box = box_of(shared->vertices.front().positions, mesh);
-        for (scene::ObjectId other = 0; other < scene->objects.size(); ++other)
-            if (const glm::mat4 there(state.world(scene->objects[other].node));
-                !state.is_dynamic(other) && scene->objects[other].mesh == object.mesh &&
-                meeting_by(there) == Meeting::truly)
-                shared->margin = std::max(shared->margin, margin_of(k_room * still_reach, there));
-        shared->attach_margin(device.get());
-        device.commit(shared->tree.get());
     }
     const glm::dmat4& world = state.world(object.node);
     const unsigned id = first_instance + static_cast<unsigned>(still_instances.size());
     Placed& placed = still_instances.emplace_back();
-    placed = {o, shared.get(), glm::mat4(world), normal_matrix(glm::mat4(world))};
+    placed = {o, false, shared.get(), glm::mat4(world), normal_matrix(glm::mat4(world))};
     describe(o, shared->vertices.front(), nullptr, mirrors(world));
     geometry[o].to_world = &placed.to_world;
     geometry[o].normal_to_world = &placed.normal_to_world;
     statistics.static_triangles += mesh.triangles.size();
-    if (!has_volume(placed.to_world) || !state.object_visible(o)) return;
-    const GeometryHandle instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(instance.get(), shared->tree.get());
-    rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &placed.to_world);
-    rtcSetGeometryMask(instance.get(), k_mask_seen | k_mask_blocks);
-    rtcCommitGeometry(instance.get());
-    rtcAttachGeometryByID(still.get(), instance.get(), id);
-    still_ids[o].push_back(id);
+    if (has_volume(placed.to_world) && state.object_visible(o)) still_ids[o].push_back(id);
+}
+
+// Builds the BLASes of shared meshes, whose margins depend on all instances, and adds the instances.
+void RayScene::Impl::finish_shared()
+{
+    shared_reach = reach_of_shared();
+    for (const auto& [mesh, shared] : shared_meshes) {
+        shared->margin = shared_margin(*shared);
+        shared->attach_margin(device.get());
+        device.commit(shared->tree.get());
+    }
+    for (const Placed& placed : still_instances)
+        for (const unsigned id : still_ids[placed.object]) {
+            const GeometryHandle instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+            rtcSetGeometryInstancedScene(instance.get(), placed.shared->tree.get());
+            rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &placed.to_world);
+            rtcSetGeometryMask(instance.get(), k_mask_seen | k_mask_blocks);
+            rtcCommitGeometry(instance.get());
+            rtcAttachGeometryByID(still.get(), instance.get(), id);
+        }
 }
 
 // The objects of a rigid group share a BLAS, in the space of the group's anchor.

@@ -72,6 +72,7 @@ bool can_be_met(const std::vector<glm::vec3>& positions);
 /// A static object that is an instance of a shared mesh.
 struct Placed {
     scene::ObjectId object = scene::none;
+    bool taken = false;   // promoted to a dynamic object
     const Solid* shared = nullptr;
     glm::mat4 to_world{1};
     glm::mat3 normal_to_world{1};
@@ -97,7 +98,9 @@ struct RayScene::Impl {
     unsigned first_instance = 0;
     std::vector<std::vector<unsigned>> still_ids;   // by object: its geometry ids in `still`
 
-    float still_reach = 0;   // largest coordinate
+    float still_reach = 0;    // largest coordinate
+    float shared_reach = 0;   // that the margins of shared meshes are made for
+    bool shared_taken = false;   // instances were promoted since then
 
     // Dynamic objects.
     SceneHandle moving;
@@ -128,6 +131,7 @@ struct RayScene::Impl {
     void build(const scene::SceneState& state);
     void add_still(const scene::SceneState& state, scene::ObjectId object);
     void add_still_instance(const scene::SceneState& state, scene::ObjectId object);
+    void finish_shared();
     void add_group(const scene::SceneState& state, scene::GroupId group);
     /// Adds a solid for a deforming object, or for one that was promoted or separated from its group.
     void add_alone(const scene::SceneState& state, scene::ObjectId object);
@@ -141,7 +145,10 @@ struct RayScene::Impl {
 
     // margin.cpp
     float present_reach() const;
-    /// Call before the dynamic scene is committed again.
+    float reach_of_shared() const;
+    float shared_margin(const Solid& shared) const;
+    void follow_shared_margins();
+    /// Call before the dynamic scene is committed again. Commits the static scene if shared meshes need other margins.
     void follow_margins();
 
     // ray_scene.cpp

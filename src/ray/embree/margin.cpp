@@ -113,6 +113,48 @@ float RayScene::Impl::present_reach() const
     return reach;
 }
 
+// The reach that the margins of shared meshes are made for: that of the static scene times k_room, doubled until it holds
+// everything, because the static scene is costly to commit again.
+float RayScene::Impl::reach_of_shared() const
+{
+    constexpr float k_room = 4;
+    const float present = present_reach();
+    float reach = still_reach > 0 ? k_room * still_reach : present;
+    while (reach < present) reach *= 2;
+    return reach;
+}
+
+// A mesh that many static objects share has one BLAS, with the margin of its most shrunken instance.
+float RayScene::Impl::shared_margin(const Solid& shared) const
+{
+    float margin = 0;
+    for (const Placed& placed : still_instances)
+        if (placed.shared == &shared && !placed.taken)
+            margin = std::max(margin, margin_of(shared_reach, placed.to_world));
+    return margin;
+}
+
+void RayScene::Impl::follow_shared_margins()
+{
+    if (shared_meshes.empty()) return;
+    const float reach = reach_of_shared();
+    if (reach == shared_reach && !shared_taken) return;
+    shared_reach = reach;
+    shared_taken = false;
+    bool changed = false;
+    for (const auto& [mesh, shared] : shared_meshes) {
+        const float margin = shared_margin(*shared);
+        if (margin == shared->margin) continue;
+        shared->set_margin(margin);
+        device.commit(shared->tree.get());
+        for (const Placed& placed : still_instances)
+            if (placed.shared == shared.get())
+                for (const unsigned id : still_ids[placed.object]) rtcCommitGeometry(rtcGetGeometry(still.get(), id));
+        changed = true;
+    }
+    if (changed) device.commit(still.get());
+}
+
 // Margins depend on the present state only, so that an updated scene has the same trees as a new one.
 void RayScene::Impl::follow_margins()
 {
@@ -125,6 +167,7 @@ void RayScene::Impl::follow_margins()
         device.commit(solid.tree.get());
         rtcCommitGeometry(solid.instance.get());
     }
+    follow_shared_margins();
 }
 
 }   // namespace gnomon::ray

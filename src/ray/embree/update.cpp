@@ -134,7 +134,12 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
         if (const scene::GroupId g = scene->objects[o].group; g != scene::none) {
             separate(o, solids[solid_of_group[g]]);
         } else {
-            for (const unsigned id : still_ids[o]) rtcDetachGeometry(still.get(), id);
+            for (const unsigned id : still_ids[o]) {
+                rtcDetachGeometry(still.get(), id);
+                if (id < first_instance) continue;
+                still_instances[id - first_instance].taken = true;
+                shared_taken = true;
+            }
             still_ids[o].clear();
             statistics.static_triangles -= geometry[o].mesh->triangles.size();
             still_changed = true;

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/scene_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/volume.h"
+#include "scene/state.h"
+
+namespace gnomon::scene {
+
+namespace {
+
+struct ObjectBox {
+    Box3 box;
+    double triangles;
+};
+
+// The value at which the sum of weights reaches a fraction of the total.
+float quantile(std::vector<std::pair<float, double>> values, double fraction)
+{
+    std::sort(values.begin(), values.end());
+    double sum = 0, all = 0;
+    for (const auto& [value, weight] : values) all += weight;
+    for (const auto& [value, weight] : values)
+        if ((sum += weight) >= fraction * all) return value;
+    return values.back().first;
+}
+
+// The box around the middle of the triangles, extended by objects that enlarge it little.
+Box3 dense_part(const std::vector<ObjectBox>& boxes)
+{
+    constexpr double k_outliers = 0.1;   // fraction of triangles that may initially lie beyond each side
+    constexpr float k_little = 0.25f;    // of its diagonal
+    Box3 dense;
+    std::vector<std::pair<float, double>> lows, highs;
+    for (int axis = 0; axis < 3; ++axis) {
+        lows.clear(), highs.clear();
+        for (const ObjectBox& object : boxes) {
+            lows.emplace_back(object.box.low[axis], object.triangles);
+            highs.emplace_back(object.box.high[axis], object.triangles);
+        }
+        dense.low[axis] = quantile(lows, k_outliers);
+        dense.high[axis] = quantile(highs, 1 - k_outliers);
+    }
+    if (dense.empty()) return {};
+    for (int round = 0; round < 2; ++round) {
+        const float most = k_little * dense.diagonal();
+        Box3 grown = dense;
+        for (const ObjectBox& object : boxes) {
+            const glm::vec3 below = dense.low - object.box.low, above = object.box.high - dense.high;
+            const glm::vec3 beyond = glm::max(below, above);
+            if (std::max({beyond.x, beyond.y, beyond.z}) <= most) grown.add(object.box);
+        }
+        dense = grown;
+    }
+    return dense;
+}
+
+}   // namespace
+
+SceneBounds clip_bounds(const Scene& scene, int most_times)
+{
+    std::vector<Box3> meshes;
+    for (const Mesh& mesh : scene.meshes) {
+        Box3 box = mesh.bounds();
+        if (mesh.vertex_keys)
+            for (const auto& key : mesh.vertex_keys->positions)
+                for (const glm::vec3& p : key) box.add(p);
+        meshes.push_back(box);
+    }
+    SceneBounds bounds;
+    std::vector<ObjectBox> boxes;
+    const int frames = std::max(scene.timeline.frames, 1), times = std::min(frames, most_times);
+    for (const Object& object : scene.objects)
+        boxes.push_back({{}, static_cast<double>(scene.meshes[object.mesh].triangles.size())});
+    const bool moves =
+        std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) { return o.dynamic; });
+    for (int i = 0; i < (moves ? times : 1); ++i) {
+        const int frame = times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
+        // Compute the matrices of all nodes at once, because walking up from each is slow in deep hierarchies.
+        const std::vector<glm::dmat4> world = scene.world_matrices(scene.timeline.time_of(frame));
+        for (std::size_t o = 0; o < boxes.size(); ++o) {
+            const Object& object = scene.objects[o];
+            const Box3& box = meshes[object.mesh];
+            if (box.empty() || (i > 0 && !object.dynamic)) continue;
+            for (int corner = 0; corner < 8; ++corner) {
+                const glm::dvec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                   corner & 4 ? box.high.z : box.low.z);
+                const glm::vec3 q(transform_point(world[object.node], p));
+                if (is_finite(q)) boxes[o].box.add(q);
+            }
+        }
+    }
+    std::erase_if(boxes, [](const ObjectBox& placed) { return placed.box.empty(); });
+    for (const ObjectBox& placed : boxes) bounds.whole.add(placed.box);
+    if (!boxes.empty()) bounds.dense = dense_part(boxes);
+    return bounds;
+}
+
+namespace {
+
+// How far a side moves outwards to enclose `excess` beyond it.
+double step_of(double extent, double excess)
+{
+    constexpr int k_least = -4;   // a sixteenth of the extent
+    int power = k_least;
+    while (std::ldexp(extent, power) < excess) ++power;
+    return std::ldexp(extent, power);
+}
+
+bool exceeds(const Box3& clip, const Box3& box)
+{
+    return clip.empty() || glm::any(glm::lessThan(box.low, clip.low)) || glm::any(glm::greaterThan(box.high, clip.high));
+}
+
+}   // namespace
+
+Box3 enlarged_bounds(const Box3& clip, const Box3& outside)
+{
+    if (outside.empty()) return clip;
+    Box3 result = clip;
+    if (clip.empty()) result = {glm::vec3(0), glm::vec3(0)};
+    const glm::dvec3 size(result.size());
+    for (int axis = 0; axis < 3; ++axis) {
+        // A flat scene has steps of its diagonal, a point steps of one unit.
+        double extent = size[axis];
+        if (!(extent > 0)) extent = glm::length(size);
+        if (!(extent > 0)) extent = 1;
+        const double low = static_cast<double>(result.low[axis]), high = static_cast<double>(result.high[axis]);
+        const double below = low - static_cast<double>(outside.low[axis]);
+        const double above = static_cast<double>(outside.high[axis]) - high;
+        if (below > 0) result.low[axis] = std::min(static_cast<float>(low - step_of(extent, below)), outside.low[axis]);
+        if (above > 0)
+            result.high[axis] = std::max(static_cast<float>(high + step_of(extent, above)), outside.high[axis]);
+    }
+    return result;
+}
+
+PresentBounds::PresentBounds(const SceneState& state) : clip_(clip_bounds(state.scene())), present_(clip_)
+{
+    follow(state);
+}
+
+void PresentBounds::follow(const SceneState& state)
+{
+    if (!state.any_displaced()) {
+        watching_ = false;
+        outside_.clear();
+        present_ = clip_;
+        return;
+    }
+    // Measure what changed; everything dynamic when the first override comes into force.
+    if (watching_)
+        for (const ObjectId object : state.changes().changed) measure(state, object);
+    else
+        for (const ObjectId object : state.dynamic_objects()) measure(state, object);
+    watching_ = true;
+    enlarge(state);
+}
+
+const PresentBounds::MeshFacts& PresentBounds::facts_of(const Scene& scene, MeshId id)
+{
+    const auto [at, fresh] = meshes_.try_emplace(id);
+    if (!fresh) return at->second;
+    const Mesh& mesh = scene.meshes[id];
+    at->second.box = mesh.bounds();
+    for (const MeshPart& part : mesh.parts)
+        at->second.casts |= part.triangle_count > 0 &&
+                            scene.materials[part.material].surface_class() != SurfaceClass::transparent;
+    return at->second;
+}
+
+// Lists an object if it reaches outside, or removes it from the list.
+void PresentBounds::measure(const SceneState& state, ObjectId id)
+{
+    outside_.erase(id);
+    if (!state.object_there(id)) return;
+    const Object& object = state.scene().objects[id];
+    const MeshFacts& mesh = facts_of(state.scene(), object.mesh);
+    if (!mesh.casts) return;
+    Box3 own = mesh.box;
+    if (object.deforming) {
+        own = {};
+        for (const glm::vec3& p : state.deformed(id).positions) own.add(p);
+    }
+    if (own.empty()) return;
+    const glm::mat4 matrix = state.object_matrix(id);
+    Box3 box;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p = transform_point(matrix, glm::vec3(corner & 1 ? own.high.x : own.low.x,
+                                                              corner & 2 ? own.high.y : own.low.y,
+                                                              corner & 4 ? own.high.z : own.low.z));
+        // No ray meets what is farther away.
+        const glm::vec3 size = glm::abs(p);
+        if (!(std::max({size.x, size.y, size.z}) <= k_largest_coordinate) || !is_finite(p)) return;
+        box.add(p);
+    }
+    if (exceeds(clip_.whole, box)) outside_.emplace(id, box);
+}
+
+// Encloses those outside that an override took there. An override may begin to differ from a track that moves on, so all
+// of them are asked each time.
+void PresentBounds::enlarge(const SceneState& state)
+{
+    Box3 all;
+    for (const auto& [object, box] : outside_)
+        if (state.displaced(object)) all.add(box);
+    present_ = {enlarged_bounds(clip_.whole, all), clip_.dense};
+}
+
+}   // namespace gnomon::scene
