@@ -160,12 +160,12 @@ class User {
  public:
     User(const RandomClip& clip, std::uint64_t seed) : clip_(clip), random_(seed, 4) {}
 
-    /// The time of the next step.
+    /// The time of the next step, of a whole frame: between frames, tracks jump within rounding of their times.
     double next_time(double now)
     {
         const std::uint32_t kind = random_.below(8);
         if (kind < 2) return now;
-        if (kind < 6) return std::min(now + 1 / k_fps, k_frames / k_fps);
+        if (kind < 6) return std::min(std::round(now * k_fps) + 1, double{k_frames}) / k_fps;
         return random_.below(k_frames) / k_fps;
     }
     void act(scene::SceneState& state)
