@@ -45,6 +45,31 @@ struct RandomClip {
     std::vector<ObjectId> morphed;   // those with morph targets
 };
 
+// Lights of all types, some of which move or blink, and a camera.
+inline void add_lights_and_camera(scene::Scene& made, RandomClip& clip, Random& random)
+{
+    const auto add_light = [&](scene::LightType type, const glm::dvec3& at) {
+        scene::Light light;
+        light.type = type;
+        light.color = glm::vec3(type == scene::LightType::directional ? 2.0f : 60.0f);
+        light.outer_angle = 0.7f;
+        light.node = made.add_node("", scene::none,
+                                   glm::inverse(glm::lookAt(at, glm::dvec3(0.1, -0.3, 0.2), glm::dvec3(0.1, 1, 0.3))));
+        made.lights.push_back(light);
+        return light.node;
+    };
+    clip.movable.push_back(add_light(scene::LightType::spot, {2, 7, 4}));
+    clip.movable.push_back(add_light(scene::LightType::point, {-2, 2, 2}));
+    made.nodes[add_light(scene::LightType::directional, {1, 3, 2})].visibility = blinking(k_frames, k_fps, 9, random);
+    const NodeId moving = add_light(scene::LightType::spot, {-4, 5, 3});
+    const glm::dmat4 from = made.nodes[moving].local;
+    made.nodes[moving].transform = std::make_shared<JumpTrack>(0.5, from, translation(0.5, 0.2, 0) * from);
+
+    scene::Camera camera;
+    camera.node = made.add_node("camera", scene::none, translation(0, 0.5, 9));
+    made.cameras.push_back(camera);
+}
+
 /// @param declared  the scene declares what a user may take as animated, so that nothing is promoted or separated
 inline RandomClip random_clip(std::uint64_t seed, bool declared = false)
 {
@@ -118,27 +143,8 @@ inline RandomClip random_clip(std::uint64_t seed, bool declared = false)
 
     made.nodes[add(add_mesh(patchwork(seed + 80)), scene::none, random_placement(random, 2))].deforms = true;
 
-    const auto add_light = [&](scene::LightType type, const glm::dvec3& at) {
-        scene::Light light;
-        light.type = type;
-        light.color = glm::vec3(type == scene::LightType::directional ? 2.0f : 60.0f);
-        light.outer_angle = 0.7f;
-        light.node = made.add_node("", scene::none,
-                                   glm::inverse(glm::lookAt(at, glm::dvec3(0.1, -0.3, 0.2), glm::dvec3(0.1, 1, 0.3))));
-        made.lights.push_back(light);
-        return light.node;
-    };
-    clip.movable.push_back(add_light(scene::LightType::spot, {2, 7, 4}));
-    clip.movable.push_back(add_light(scene::LightType::point, {-2, 2, 2}));
-    made.nodes[add_light(scene::LightType::directional, {1, 3, 2})].visibility =
-        blinking(k_frames, k_fps, 9, random);
-    const NodeId moving = add_light(scene::LightType::spot, {-4, 5, 3});
-    const glm::dmat4 from = made.nodes[moving].local;
-    made.nodes[moving].transform = std::make_shared<JumpTrack>(0.5, from, translation(0.5, 0.2, 0) * from);
+    add_lights_and_camera(made, clip, random);
 
-    scene::Camera camera;
-    camera.node = made.add_node("camera", scene::none, translation(0, 0.5, 9));
-    made.cameras.push_back(camera);
     // Some of what a user may take is declared; all that is not stays where it is.
     if (declared) {
         std::erase_if(clip.movable, [&](NodeId) { return random.below(3) == 0; });
@@ -153,7 +159,6 @@ inline RandomClip random_clip(std::uint64_t seed, bool declared = false)
     }
     return clip;
 }
-
 
 /// What a user overrides, and does next.
 class User {

@@ -4,9 +4,9 @@
 // object, created once.
 //
 // update() follows one advance() of the state. It uploads the matrices of objects that moved, the vertices of objects
-// that deformed, and the lights and materials that changed; static objects cost nothing (`touched` counts the updates). Culling runs on
-// the device. Draws are sorted by pipeline state and then by object. The order is fixed, except that draws are sorted
-// again when an object's matrix becomes mirrored or no longer is.
+// that deformed, and the lights and materials that changed; static objects cost nothing (`touched` counts the updates).
+// Culling runs on the device. Draws are sorted by pipeline state and then by object. The order is fixed, except that
+// draws are sorted again when an object's matrix becomes mirrored or no longer is.
 
 #include <memory>
 #include <vector>

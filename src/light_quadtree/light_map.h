@@ -13,8 +13,8 @@
 // was updated over any number of frames equals a new one, bit for bit, because a tile's rays always form the same
 // packets. Rays at dynamic objects end at the static layer, so static objects are not traced again.
 //
-// Cost: construction, a light that moved or was relit, or a material that changed: a ray per texel. A frame: rays at texels that dynamic objects may cover,
-// in the tiles that they left or entered. Memory: 68 bytes per texel.
+// Cost: construction, a light that moved or was relit, or a material that changed: a ray per texel. A frame: rays at
+// texels that dynamic objects may cover, in the tiles that they left or entered. Memory: 68 bytes per texel.
 
 #include <span>
 #include <vector>

@@ -59,8 +59,8 @@ class LightViews {
 
     const LightViewsOptions& options() const { return options_; }
     const Atlas& atlas() const { return atlas_; }
-    /// Counts the updates that laid out the views anew, because lights have other numbers of views: buffers made for the
-    /// atlas before are void.
+    /// Counts the updates that laid out the views anew, because lights have other numbers of views: buffers made for
+    /// the atlas before are void.
     std::uint32_t layout_version() const { return layout_version_; }
     const std::vector<LightView>& views() const { return views_; }
     /// The index in views() of a light's first view; its other views follow.

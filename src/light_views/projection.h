@@ -5,9 +5,9 @@
 //
 // Depth is reversed, from 1 near to 0 far (perspective: near / distance along the axis, without a far plane), so floats
 // keep the same relative precision at every distance. Texel (0, 0) is at clip (-1, -1), as in Vulkan. A projection
-// depends only on the light and on the bounds of the scene (scene/scene_bounds.h), which follow the positions of objects
-// only where overrides take them outside. So views are stable while the light rests, and a frame does not depend on
-// earlier frames.
+// depends only on the light and on the bounds of the scene (scene/scene_bounds.h), which follow the positions of
+// objects only where overrides take them outside. So views are stable while the light rests, and a frame does not
+// depend on earlier frames.
 //
 // A directional light has a second view if most of the scene fills a small part of the first (a courtyard in a
 // landscape); that view is fitted to this part. Views do not follow the camera, so they rest while the light does.

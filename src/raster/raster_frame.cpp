@@ -127,7 +127,11 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
 {
     fit(view.size, options, described_->lights.size());
     if (view.orthographic && !std::isfinite(view.far)) {
-        const Box3 bounds = described_->bounds(state.time());
+        Box3 bounds = described_->bounds(state.time());
+        const std::vector<scene::ObjectId>& dynamics = state.dynamic_objects();
+        if (state.any_displaced() &&
+            std::any_of(dynamics.begin(), dynamics.end(), [&](scene::ObjectId o) { return state.displaced(o); }))
+            bounds.add(state.present_bounds().whole);
         unlimited_far_ = view.near + std::max(1.0f, bounds.diagonal() + glm::length(bounds.centre() - view.eye));
     }
     const shared::RasterFrame constants = frame_constants(*described_, view, !bounced_);

@@ -56,7 +56,7 @@ void ShadowVisibility::fill(vk::Commands& commands, const GBuffer& surfaces, std
         hard_->record(commands, views_, casters_, image, visibility, first, count);
     else
         visibility_->record(commands, views_, *buffers_, textures_.get(), image, visibility, options_.look_up, first,
-                           count);
+                            count);
 }
 
 }   // namespace gnomon::raster

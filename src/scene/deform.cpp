@@ -125,8 +125,7 @@ void complete_vertices(const Mesh& mesh, const DeformedMesh& handed, DeformedMes
     if (!handed.tangents.empty() || out.normals.empty()) return;
     for (std::size_t i = 0; i < count; ++i) {
         const glm::vec3 tangent(mesh.tangents[i]), &normal = out.normals[i];
-        out.tangents[i] =
-            glm::vec4(unit_or(tangent - glm::dot(tangent, normal) * normal, tangent), mesh.tangents[i].w);
+        out.tangents[i] = glm::vec4(unit_or(tangent - glm::dot(tangent, normal) * normal, tangent), mesh.tangents[i].w);
     }
 }
 

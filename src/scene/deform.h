@@ -24,8 +24,8 @@ void deform_mesh(const Mesh& mesh, double time, std::span<const float> weights, 
                  DeformedMesh& out);
 
 /// Fills in what a host left out of the vertices that it hands over, so that an object has the same arrays in all
-/// frames: those that deform_mesh() gives. Missing normals are the area-weighted means of the triangles around a vertex;
-/// missing tangents are the mesh's, made orthogonal to the normals. Arrays that the mesh lacks are left out.
+/// frames: those that deform_mesh() gives. Missing normals are the area-weighted means of the triangles around a
+/// vertex; missing tangents are the mesh's, made orthogonal to the normals. Arrays that the mesh lacks are left out.
 /// @param handed  as many positions as the mesh has; normals (unit) and tangents as many, or none
 /// @throws InternalError  other lengths
 void complete_vertices(const Mesh& mesh, const DeformedMesh& handed, DeformedMesh& out);

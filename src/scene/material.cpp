@@ -11,12 +11,10 @@ namespace {
 
 std::array<float, 22> numbers_of(const Material& m)
 {
-    return {m.base_color.x, m.base_color.y, m.base_color.z, m.alpha,
-            m.alpha_cutoff, m.metallic,     m.roughness,    m.normal_scale,
-            m.emissive.x,   m.emissive.y,   m.emissive.z,   m.occlusion_strength,
-            m.ambient.x,    m.ambient.y,    m.ambient.z,    m.transmission,
-            m.specular.x,   m.specular.y,   m.specular.z,   m.shine,
-            m.ior,          m.transmittance};
+    return {m.base_color.x, m.base_color.y, m.base_color.z, m.alpha,        m.alpha_cutoff, m.metallic,
+            m.roughness,    m.normal_scale, m.emissive.x,   m.emissive.y,   m.emissive.z,   m.occlusion_strength,
+            m.ambient.x,    m.ambient.y,    m.ambient.z,    m.transmission, m.specular.x,   m.specular.y,
+            m.specular.z,   m.shine,        m.ior,          m.transmittance};
 }
 
 std::array<TextureUse, 5> uses_of(const Material& m)

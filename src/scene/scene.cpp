@@ -128,8 +128,8 @@ void Scene::finish()
         object.node = static_cast<NodeId>(n);
         object.mesh = node.mesh;
         object.skin = mesh.skin ? node.skin : none;
-        object.deforming = object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights) ||
-                           node.deforms;
+        object.deforming =
+            object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights) || node.deforms;
         object.dynamic = object.deforming || anchor[n] != none;
         // Mark a constant morph as deforming, because it must be evaluated once at the start.
         if (!mesh.morph_targets.empty()) object.deforming = true;

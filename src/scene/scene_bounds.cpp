@@ -111,7 +111,8 @@ double step_of(double extent, double excess)
 
 bool exceeds(const Box3& clip, const Box3& box)
 {
-    return clip.empty() || glm::any(glm::lessThan(box.low, clip.low)) || glm::any(glm::greaterThan(box.high, clip.high));
+    return clip.empty() || glm::any(glm::lessThan(box.low, clip.low)) ||
+           glm::any(glm::greaterThan(box.high, clip.high));
 }
 
 }   // namespace
@@ -166,8 +167,8 @@ const PresentBounds::MeshFacts& PresentBounds::facts_of(const Scene& scene, Mesh
     const Mesh& mesh = scene.meshes[id];
     at->second.box = mesh.bounds();
     for (const MeshPart& part : mesh.parts)
-        at->second.casts |= part.triangle_count > 0 &&
-                            scene.materials[part.material].surface_class() != SurfaceClass::transparent;
+        at->second.casts |=
+            part.triangle_count > 0 && scene.materials[part.material].surface_class() != SurfaceClass::transparent;
     return at->second;
 }
 
@@ -188,9 +189,9 @@ void PresentBounds::measure(const SceneState& state, ObjectId id)
     const glm::mat4 matrix = state.object_matrix(id);
     Box3 box;
     for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p = transform_point(matrix, glm::vec3(corner & 1 ? own.high.x : own.low.x,
-                                                              corner & 2 ? own.high.y : own.low.y,
-                                                              corner & 4 ? own.high.z : own.low.z));
+        const glm::vec3 p =
+            transform_point(matrix, glm::vec3(corner & 1 ? own.high.x : own.low.x, corner & 2 ? own.high.y : own.low.y,
+                                              corner & 4 ? own.high.z : own.low.z));
         // No ray meets what is farther away.
         const glm::vec3 size = glm::abs(p);
         if (!(std::max({size.x, size.y, size.z}) <= k_largest_coordinate) || !is_finite(p)) return;
@@ -199,8 +200,8 @@ void PresentBounds::measure(const SceneState& state, ObjectId id)
     if (exceeds(clip_.whole, box)) outside_.emplace(id, box);
 }
 
-// Encloses those outside that an override took there. An override may begin to differ from a track that moves on, so all
-// of them are asked each time.
+// Encloses those outside that an override took there. An override may begin to differ from a track that moves on, so
+// all of them are asked each time.
 void PresentBounds::enlarge(const SceneState& state)
 {
     Box3 all;

@@ -227,8 +227,8 @@ void SceneState::visit_below(NodeId root)
         const bool moved = !same_bits(old_world, world_[n]);
         const bool toggled = old_visible != static_cast<bool>(node_visible_[n]);
         if (!visibilities_.empty())
-            if (const ObjectId object = index_->object_at[n]; object != none && group_of_[object] != none &&
-                                                              node_visible_[n] != group_visible(group_of_[object]))
+            if (const ObjectId object = index_->object_at[n];
+                object != none && group_of_[object] != none && node_visible_[n] != group_visible(group_of_[object]))
                 strays_.push_back(object);
         if (!moved && !toggled) continue;   // so nothing below changed
 
@@ -308,8 +308,8 @@ void SceneState::note_overridden()
     changes_.separated.insert(changes_.separated.end(), strays_.begin(), strays_.end());
     sort_unique(changes_.separated);
     for (const ObjectId object : changes_.separated) group_of_[object] = none;
-    std::merge(changes_.promoted.begin(), changes_.promoted.end(), changes_.separated.begin(),
-               changes_.separated.end(), std::back_inserter(taken_objects_));
+    std::merge(changes_.promoted.begin(), changes_.promoted.end(), changes_.separated.begin(), changes_.separated.end(),
+               std::back_inserter(taken_objects_));
 }
 
 // Whether an object is where its group takes it. evaluate_node() multiplies the same matrices in the same order, so the

@@ -101,15 +101,15 @@ class SceneState {
     const std::vector<ObjectId>& taken_objects() const { return taken_objects_; }
 
     /// What light views and light maps cover: the bounds over the clip; where overrides take objects that cast shadows
-    /// outside of these, larger ones, in steps. A function of the scene and the present state alone. Computed when it is
-    /// first asked for, then followed by advance(): O(what changed + objects outside). Not thread-safe.
+    /// outside of these, larger ones, in steps. A function of the scene and the present state alone. Computed when it
+    /// is first asked for, then followed by advance(): O(what changed + objects outside). Not thread-safe.
     const SceneBounds& present_bounds() const;
 
     // Overrides by a user or a host. Each takes effect at the next advance(). One that equals what is in force, bit for
     // bit, changes nothing and costs nothing there.
 
-    /// The node's transform is `local` from now on instead of its track's. nullptr removes the override. A static object
-    /// that moves by it is promoted, and stays dynamic even after the override is removed.
+    /// The node's transform is `local` from now on instead of its track's. nullptr removes the override. A static
+    /// object that moves by it is promoted, and stays dynamic even after the override is removed.
     void override_transform(NodeId node, const glm::dmat4* local);
     /// Shows or hides the node, and with it everything below, instead of its track. nullopt removes the override. A
     /// static object that vanishes by it is promoted.
@@ -117,9 +117,9 @@ class SceneState {
     /// The morph weights of a deforming object instead of those of its track or file; as many as its mesh has targets.
     /// nullopt removes the override. A static morph that changes by it is promoted.
     void override_weights(ObjectId object, std::optional<std::vector<float>> weights);
-    /// The vertices of a deforming object instead of those that its mesh's keys, targets and skin give; in object space,
-    /// but in world space if it is skinned. nullptr removes the override. Normals and tangents may be left out: see
-    /// complete_vertices(). The mesh must not be written to afterwards.
+    /// The vertices of a deforming object instead of those that its mesh's keys, targets and skin give; in object
+    /// space, but in world space if it is skinned. nullptr removes the override. Normals and tangents may be left out:
+    /// see complete_vertices(). The mesh must not be written to afterwards.
     void override_vertices(ObjectId object, std::shared_ptr<const DeformedMesh> vertices);
     /// The values of a light from now on. Its name, node, type, of_environment and by_default stay as they are.
     void set_light(LightId light, const Light& values);
@@ -170,7 +170,7 @@ class SceneState {
     std::vector<ObjectId> shapes_due_;
     std::map<LightId, Light> lights_due_;
     std::map<MaterialId, Material> materials_due_;
-    std::vector<ObjectId> strays_;   // members whose visibility differs from their group's
+    std::vector<ObjectId> strays_;                    // members whose visibility differs from their group's
     mutable std::unique_ptr<PresentBounds> bounds_;   // null until asked for
     std::vector<ObjectId> dynamic_objects_;
     std::vector<std::uint32_t> dynamic_index_;   // by object

@@ -5,9 +5,9 @@
 // A sequence mixes steps in time, forwards and back, with user overrides: objects, members of rigid groups, parents and
 // lights are moved (some far outside of the clip's bounds), put back, made singular, or set to where they already are;
 // they are hidden and shown; objects get other weights and vertices, lights other colours and cones, materials other
-// colours and roughness. The scenes hold what caches treat differently: static objects (one of them flat, one a constant
-// morph), rigid groups, a parent that becomes singular, objects that appear, vanish and deform, a skin, and lights of
-// all types that move and blink.
+// colours and roughness. The scenes hold what caches treat differently: static objects (one of them flat, one a
+// constant morph), rigid groups, a parent that becomes singular, objects that appear, vanish and deform, a skin, and
+// lights of all types that move and blink.
 //
 // Where a scene declares what may move, a state that lived through the sequence also equals a state made anew with the
 // overrides that are in force, and so do the caches made from it.
@@ -273,8 +273,8 @@ class Caches {
     }
 
     std::uint64_t compare_frames(
-        const scene::SceneState& as, const trace::Techniques& kept, const trace::Techniques& made_anew, const char* what, Tally& tally,
-        const std::function<bool()>& must_be_equal = [] { return true; })
+        const scene::SceneState& as, const trace::Techniques& kept, const trace::Techniques& made_anew,
+        const char* what, Tally& tally, const std::function<bool()>& must_be_equal = [] { return true; })
     {
         const scene::View view = scene::make_view(state_, 0, {24, 18});
         shading::FrameBuffers mine, fresh;
@@ -368,7 +368,8 @@ TEST(Changes, EveryCacheEqualsOneMadeAnew)
 TEST(ChangesFull, EveryCacheEqualsOneMadeAnewOverAThousandSeeds)
 {
     Tally tally;
-    for (std::uint64_t seed = 101; seed <= 1100 && !HasFailure(); ++seed) follow_sequence(seed, 16, seed % 4 > 1, tally);
+    for (std::uint64_t seed = 101; seed <= 1100 && !HasFailure(); ++seed)
+        follow_sequence(seed, 16, seed % 4 > 1, tally);
     EXPECT_LE(tally.rounded, 160u);   // of 16,000 steps
 }
 

@@ -423,6 +423,38 @@ TEST(RayScene, HitsAFlatInstanceAmongManyCopies)
     EXPECT_NEAR(answers.both[5].t, 5, 1e-4);
 }
 
+// The margin of a shared BLAS follows dynamic objects that move far away, from which rays may come.
+TEST(RayScene, ManyCopiesAreHitFromFarAway)
+{
+    scene::Scene scene = scene_with_balls();
+    scene.meshes.clear();
+    scene.meshes.push_back(ball(two_sided, 256, 260));
+    for (int i = 0; i < 8; ++i) add_object(scene, 0, scene::none, translation(4.0 * i, 0, 0));
+    const scene::NodeId ball_node = add_object(scene, 0, scene::none, translation(0, 5, 0));
+    scene.nodes[ball_node].animated = true;
+    SceneState state(finished(scene), 0);
+    ray::RayScene kept(state);
+    ASSERT_GE(kept.statistics().static_triangles, std::size_t{1} << 20) << "otherwise they are not instanced";
+    const double places[] = {1e4, 1e5, 5};
+    for (const double y : places) {
+        const glm::dmat4 there = translation(0, y, 0);
+        state.override_transform(ball_node, &there);
+        state.advance(0);
+        kept.update(state);
+        const ray::RayScene anew(state);
+        // Aim at the borders of the boxes.
+        Random random(5);
+        ray::RayQueue queue;
+        for (int i = 0; i < 4000; ++i) {
+            const glm::vec3 at(4.0f * static_cast<float>(random.below(8)) + random.uniform(-1e-3f, 1e-3f),
+                               random.uniform(-1, 1), 1.0f);
+            const glm::vec3 from(random.uniform(-1, 1), static_cast<float>(y), 2);
+            queue.push(from, 0, at - from, 2);
+        }
+        EXPECT_EQ(differences(trace(kept, queue), trace(anew, queue)), 0u) << y;
+    }
+}
+
 // NaN, infinite and huge vertices, triangles without area, objects with singular transforms: they neither crash nor
 // affect other objects.
 TEST(RayScene, SurvivesDegenerateGeometry)

@@ -177,7 +177,7 @@ TEST(Fingerprint, IgnoresNames)
 {
     const auto of = [](const char* name) {
         auto made = std::make_shared<scene::Scene>(everything());
-        made->nodes[0].name = made->meshes[0].name = made->materials[0].name = made->lights[0].name = name;
+        made->nodes[0].name = made->meshes.edit(0).name = made->materials[0].name = made->lights[0].name = name;
         made->finish();
         return video::fingerprint_of(Scene(made), {});
     };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a host sets in a scene's state: what each setter changes, that equal values change nothing, and that a step costs
-// what was set.
+// What a host sets in a scene's state: what each setter changes, that equal values change nothing, and that a step
+// costs what was set.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -70,7 +70,7 @@ std::shared_ptr<const Scene> finished(Scene& scene)
     return std::make_shared<Scene>(scene);
 }
 
-DeformedMesh lifted(float height)
+DeformedMesh raised(float height)
 {
     DeformedMesh shape;
     shape.positions = square().positions;
@@ -132,7 +132,7 @@ TEST(SceneFinish, ComputesEverythingAnewAndCopiesNoMesh)
 TEST(Overrides, TheStateEditsItsOwnSceneAndSharesMeshes)
 {
     Scene scene = scene_with_square();
-    scene.lights.push_back({.name = "lamp", .type = LightType::spot, .node = add_object(scene)});
+    scene.lights.push_back({.name = "light", .type = LightType::spot, .node = add_object(scene)});
     const auto given = finished(scene);
     SceneState state(given, 0);
     EXPECT_NE(&state.scene(), given.get());
@@ -226,19 +226,19 @@ TEST(Overrides, VerticesReplaceKeysWeightsAndJoints)
     EXPECT_TRUE(given->objects[0].dynamic && given->objects[0].deforming);
     SceneState state(given, 0);
     EXPECT_EQ(state.deformed(0).positions, square().positions);
-    state.override_vertices(0, std::make_shared<DeformedMesh>(lifted(2)));
+    state.override_vertices(0, std::make_shared<DeformedMesh>(raised(2)));
     EXPECT_EQ(state.advance(0).deformed, Ids{0});
     EXPECT_EQ(state.deformed(0).positions[3].z, 2);
 
     // Equal vertices at another address change nothing.
-    state.override_vertices(0, std::make_shared<DeformedMesh>(lifted(2)));
+    state.override_vertices(0, std::make_shared<DeformedMesh>(raised(2)));
     EXPECT_FALSE(state.advance(0).anything());
     EXPECT_EQ(state.changes().touched_nodes, 0u);
 
     // What is handed over while the object is hidden is there when it appears.
     state.override_visibility(given->objects[0].node, false);
     state.advance(0);
-    state.override_vertices(0, std::make_shared<DeformedMesh>(lifted(3)));
+    state.override_vertices(0, std::make_shared<DeformedMesh>(raised(3)));
     EXPECT_FALSE(state.advance(0).anything());
     state.override_visibility(given->objects[0].node, {});
     EXPECT_EQ(state.advance(0).deformed, Ids{0});
@@ -247,7 +247,7 @@ TEST(Overrides, VerticesReplaceKeysWeightsAndJoints)
     state.override_vertices(0, nullptr);
     EXPECT_EQ(state.advance(0).deformed, Ids{0});
     EXPECT_EQ(state.deformed(0).positions, square().positions);
-    EXPECT_THROW(state.override_vertices(given->nodes[rigid].mesh + 1, std::make_shared<DeformedMesh>(lifted(1))),
+    EXPECT_THROW(state.override_vertices(given->nodes[rigid].mesh + 1, std::make_shared<DeformedMesh>(raised(1))),
                  InternalError)
         << "a rigid object";
     EXPECT_THROW(state.override_vertices(0, std::make_shared<DeformedMesh>()), InternalError);
@@ -274,8 +274,8 @@ TEST(Overrides, MissingNormalsAndTangentsAreMade)
     // A vertex of two triangles gets their mean, weighted by area.
     handed.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 3}};
     complete_vertices(mesh, handed, out);
-    const glm::vec3 sum = glm::cross(glm::vec3(1, 0, 0), glm::vec3(1, 1, 0)) +
-                          glm::cross(glm::vec3(1, 1, 0), glm::vec3(0, 0, 3));
+    const glm::vec3 sum =
+        glm::cross(glm::vec3(1, 0, 0), glm::vec3(1, 1, 0)) + glm::cross(glm::vec3(1, 1, 0), glm::vec3(0, 0, 3));
     EXPECT_NEAR(glm::length(out.normals[0] - glm::normalize(sum)), 0, 1e-6);
     EXPECT_EQ(out.normals[1], glm::vec3(0, 0, 1));
 
@@ -293,7 +293,7 @@ TEST(Overrides, LightsAreRelitOrReachElsewhere)
 {
     Scene scene = scene_with_square();
     const NodeId node = add_object(scene);
-    scene.lights.push_back({.name = "lamp", .type = LightType::spot, .node = node});
+    scene.lights.push_back({.name = "light", .type = LightType::spot, .node = node});
     scene.lights.push_back({.name = "other", .type = LightType::point, .node = node});
     const auto given = finished(scene);
     SceneState state(given, 0);
@@ -310,7 +310,7 @@ TEST(Overrides, LightsAreRelitOrReachElsewhere)
     EXPECT_EQ(changes.lights_relit, Ids{0});
     EXPECT_TRUE(changes.lights_moved.empty());
     EXPECT_TRUE(changes.anything() && changes.light_changed(0) && !changes.light_changed(1));
-    EXPECT_EQ(state.scene().lights[0].name, "lamp");
+    EXPECT_EQ(state.scene().lights[0].name, "light");
     EXPECT_EQ(state.scene().lights[0].type, LightType::spot);
     EXPECT_EQ(state.scene().lights[0].node, node);
 
@@ -378,7 +378,7 @@ std::uint64_t touched_with(int count, bool equal)
         scene.nodes.back().animated = true;
         scene.nodes.back().deforms = i < 10;
     }
-    for (int i = 0; i < 10; ++i) scene.lights.push_back({.name = "lamp", .node = nodes[0]});
+    for (int i = 0; i < 10; ++i) scene.lights.push_back({.name = "light", .node = nodes[0]});
     const auto given = finished(scene);
     SceneState state(given, 0);
     for (int step = 1; step < 4; ++step) {
@@ -387,7 +387,7 @@ std::uint64_t touched_with(int count, bool equal)
             const glm::dmat4 place = at(static_cast<double>(value));
             state.override_transform(nodes[i + 10], &place);
             state.override_visibility(nodes[i + 20], equal || step % 2 == 0);
-            state.override_vertices(i, std::make_shared<DeformedMesh>(lifted(value)));
+            state.override_vertices(i, std::make_shared<DeformedMesh>(raised(value)));
             Light light = given->lights[i];
             light.color = glm::vec3(value);
             state.set_light(i, light);
@@ -465,7 +465,7 @@ TEST(PresentBounds, GrowInStepsAndDependOnThePresentAlone)
     EXPECT_TRUE(same_bits(far.dense, clip.dense));
     EXPECT_TRUE(moved_to(4.2, 0) == little) << "and back";
 
-    // What is hidden, or squeezed flat, or farther than rays go, needs no room.
+    // What is hidden, or has a singular transform, or farther than rays go, needs no room.
     moved_to(24, 0);
     state.override_visibility(node, false);
     state.advance(0);
@@ -485,7 +485,7 @@ TEST(PresentBounds, FollowVerticesThatAreHandedOver)
     const SceneBounds clip = clip_bounds(*given);
     SceneState state(given, 0);
     EXPECT_TRUE(state.present_bounds() == clip);
-    state.override_vertices(0, std::make_shared<DeformedMesh>(lifted(7)));
+    state.override_vertices(0, std::make_shared<DeformedMesh>(raised(7)));
     state.advance(0);
     const float steps = std::exp2(std::ceil(std::log2(7 / clip.whole.diagonal())));
     EXPECT_FLOAT_EQ(state.present_bounds().whole.high.z, steps * clip.whole.diagonal())

@@ -481,9 +481,9 @@ bool LightTree::follow_lights_and_bounds(Tasks& tasks)
     if (!other_bounds) {
         if (changes.lights_moved.empty() && changes.lights_relit.empty()) return false;
         const std::vector<View> wanted = wanted_views();
-        const bool same = std::equal(
-            wanted.begin(), wanted.end(), views_.begin(), views_.end(),
-            [](const View& a, const View& b) { return a.light == b.light && a.face == b.face; });
+        const bool same =
+            std::equal(wanted.begin(), wanted.end(), views_.begin(), views_.end(),
+                       [](const View& a, const View& b) { return a.light == b.light && a.face == b.face; });
         if (same) return false;
     }
     build(tasks);

@@ -91,15 +91,15 @@ void GpuLightMap::make_buffers()
     const auto views = static_cast<std::uint32_t>(views_.size());
     const auto side = static_cast<std::uint32_t>(views_.empty() ? 1 : views_.front().side());
     ids_ = vk::Image(device_, {.name = "light map ids",
-                              .width = side,
-                              .height = side,
-                              .format = k_id_format,
-                              .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+                               .width = side,
+                               .height = side,
+                               .format = k_id_format,
+                               .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
     depth_ = vk::Image(device_, {.name = "light map depth",
-                                .width = side,
-                                .height = side,
-                                .format = k_depth_format,
-                                .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
+                                 .width = side,
+                                 .height = side,
+                                 .format = k_depth_format,
+                                 .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
     groups_ = views * (limit_ - start_ + 1);
     const std::size_t most = static_cast<std::size_t>(std::min(side * side, 1u << (2 * limit_))) * views;
     const auto make = [&](const char* name, std::size_t bytes) {
@@ -115,10 +115,10 @@ void GpuLightMap::make_buffers()
     const std::size_t rows = std::max<std::size_t>(1, (most + GNOMON_CLUSTERS_A_ROW - 1) / GNOMON_CLUSTERS_A_ROW);
     clusters_ = make("clusters", rows * GNOMON_CLUSTERS_A_ROW * sizeof(GpuCluster));
     cluster_image_ = vk::Image(device_, {.name = "cluster texels",
-                                        .width = 3 * GNOMON_CLUSTERS_A_ROW,
-                                        .height = static_cast<std::uint32_t>(rows),
-                                        .format = VK_FORMAT_R32G32B32A32_SFLOAT,
-                                        .usage = VK_IMAGE_USAGE_STORAGE_BIT});
+                                         .width = 3 * GNOMON_CLUSTERS_A_ROW,
+                                         .height = static_cast<std::uint32_t>(rows),
+                                         .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                         .usage = VK_IMAGE_USAGE_STORAGE_BIT});
 }
 
 void GpuLightMap::make_pipelines()
@@ -184,10 +184,11 @@ bool GpuLightMap::find_dirty(const scene::SceneState& state)
     if (!fresh_ && !changes.anything()) return false;
     casters_.update(state);
 
-    // Draw everything anew where a material changed, or a static object was promoted: its footprint before is not known.
+    // Draw everything anew where a material changed, or a static object was promoted: its footprint before is not
+    // known.
     const bool all = fresh_ || !changes.materials_changed.empty() ||
                      std::any_of(changes.promoted.begin(), changes.promoted.end(),
-                                           [&](scene::ObjectId o) { return casters_.casts(o); });
+                                 [&](scene::ObjectId o) { return casters_.casts(o); });
     bool anything = false;
     for (std::size_t v = 0; v < views_.size(); ++v) {
         MapView& view = views_[v];

@@ -98,8 +98,8 @@ struct RayScene::Impl {
     unsigned first_instance = 0;
     std::vector<std::vector<unsigned>> still_ids;   // by object: its geometry ids in `still`
 
-    float still_reach = 0;    // largest coordinate
-    float shared_reach = 0;   // that the margins of shared meshes are made for
+    float still_reach = 0;       // largest coordinate
+    float shared_reach = 0;      // that the margins of shared meshes are made for
     bool shared_taken = false;   // instances were promoted since then
 
     // Dynamic objects.

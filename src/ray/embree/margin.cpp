@@ -113,8 +113,8 @@ float RayScene::Impl::present_reach() const
     return reach;
 }
 
-// The reach that the margins of shared meshes are made for: that of the static scene times k_room, doubled until it holds
-// everything, because the static scene is costly to commit again.
+// The reach that the margins of shared meshes are made for: that of the static scene times k_room, doubled until it
+// holds everything, because the static scene is costly to commit again.
 float RayScene::Impl::reach_of_shared() const
 {
     constexpr float k_room = 4;
