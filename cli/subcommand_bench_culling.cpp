@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/scene_access.h"
 #include "base/machine.h"
 #include "bench/core/moving_lights.h"
 #include "bench/culling/json.h"
@@ -44,7 +45,7 @@ bench::CullingBenchOptions options_of(const options::OptionValues& values, const
         throw UsageError(fmt::format("--frames {}-{}: the clip has frames 1 to {}", options.frames.first,
                                      options.frames.last, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
-    options.camera = scene::find_camera(*scene.impl(), values.text("camera"));
+    options.camera = scene::find_camera(*api::scene_of(scene), values.text("camera"));
     options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
     options.repeat = values.integer("repeat");
@@ -108,7 +109,7 @@ int run_bench_culling(const CommandLine& line, Output& output)
     if (values.given("report")) report.emplace(values.text("report"));
 
     // Measure; print each frame when it is done, or at the end if its times are medians of several runs.
-    const auto inside = window.moving_lights ? bench::with_moving_lights(scene.impl()) : scene.impl();
+    const auto inside = window.moving_lights ? bench::with_moving_lights(api::scene_of(scene)) : api::scene_of(scene);
     window.lights = inside->lights.size();
     const bool live = window.options.repeat == 1;
     window.result =

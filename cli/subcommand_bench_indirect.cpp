@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/scene_access.h"
 #include "base/machine.h"
 #include "bench/core/moving_lights.h"
 #include "bench/indirect/report.h"
@@ -57,7 +58,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
                                      options.frames.last, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
     options.threads = values.integer("threads");
-    options.camera = scene::find_camera(*scene.impl(), values.text("camera"));
+    options.camera = scene::find_camera(*api::scene_of(scene), values.text("camera"));
     options.spp = values.integer("spp");
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
@@ -94,7 +95,7 @@ int run_bench_indirect(const CommandLine& line, Output& output)
     study.device = device;
     study.options = options_of(values, scene);
     const bench::IndirectBenchOptions& options = study.options;
-    const auto inside = values.flag("moving-lights") ? bench::with_moving_lights(scene.impl()) : scene.impl();
+    const auto inside = values.flag("moving-lights") ? bench::with_moving_lights(api::scene_of(scene)) : api::scene_of(scene);
     // Measure all methods.
     const bench::IndirectBenchResult& result = study.result = bench::bench_indirect(
         inside, options, output.progress(), [&](const bench::IndirectRow& row) { say_row(row, output); });
@@ -118,7 +119,7 @@ int run_bench_indirect(const CommandLine& line, Output& output)
         output.say(fmt::format("{:14} {}; times are the device's, except for cached visibility", "device", device));
 
     if (report) {
-        study.direct = bench::direct_light(Scene(inside), study);
+        study.direct = bench::direct_light(api::public_scene(inside), study);
         bench::ReportPage page(
             "Gnomon: indirect light",
             bench::machine_line(study.options.threads > 0 ? study.options.threads : gnomon::processor_threads()) +

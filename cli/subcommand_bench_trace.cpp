@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "api/scene_access.h"
 #include "bench/core/trace_bench.h"
 #include "cli/subcommands.h"
 #include "scene/view.h"
@@ -22,10 +23,10 @@ int run_bench_trace(const CommandLine& line, Output& output)
     if (options.frame > scene.frame_count())
         throw UsageError(fmt::format("--frame {}: the clip has frames 1 to {}", options.frame, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
-    options.camera = scene::find_camera(*scene.impl(), values.text("camera"));
+    options.camera = scene::find_camera(*api::scene_of(scene), values.text("camera"));
     options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
-    const bench::TraceBenchResult result = bench::bench_trace(scene.impl(), options);
+    const bench::TraceBenchResult result = bench::bench_trace(api::scene_of(scene), options);
 
     const double load_ms = load.count() + result.build_ms;   // from opening the file to the first ray
     output.say(fmt::format("frame   {:.2f} ms ({:.2f} ms on one thread)", result.frame_ms, result.one_thread_ms));

@@ -5,6 +5,7 @@
 
 #include <chrono>
 
+#include "api/scene_access.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
 #include "gnomon/error.h"
@@ -270,7 +271,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
 
 std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
 {
-    const scene::Scene& inside = *scene->impl();
+    const scene::Scene& inside = *api::scene_of(*scene);
     RenderOptions options = request.options;
     options.layers = false;   // not shown
     options.reference.reset();
@@ -282,7 +283,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     // Advance the scene.
     std::vector<frame::UserOverride> overrides;
     for (const HandMoved& hand : request.hands) overrides.push_back({hand.node, hand.offset});
-    const frame::AdvanceTimes advanced = engine_->advance(scene->impl(), request.time, options, overrides);
+    const frame::AdvanceTimes advanced = engine_->advance(api::scene_of(*scene), request.time, options, overrides);
     image->times.ms[0] = advanced.scene;
     image->times.ms[1] = advanced.caches;
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "api/scene_access.h"
 #include "bench/culling/json.h"
 #include "bench/culling/report.h"
 #include "bench/culling/tables.h"
@@ -163,8 +164,8 @@ class CullingChapter : public BenchChapter {
         }
         const Scene scene = wanted.timed ? loaded_->with_lights(k_timed_lights) : *loaded_;
         CullingWindow window = window_of(wanted);
-        window.lights = scene.impl()->lights.size();
-        window.result = bench_culling(scene.impl(), window.options, progress);
+        window.lights = api::scene_of(scene)->lights.size();
+        window.result = bench_culling(api::scene_of(scene), window.options, progress);
         if (wanted.timed) {
             timed_.push_back(std::move(window));
         } else {

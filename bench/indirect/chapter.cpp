@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/scene_access.h"
 #include "bench/indirect/printed.h"
 #include "bench/indirect/quality.h"
 #include "bench/indirect/report.h"
@@ -56,7 +57,7 @@ class IndirectChapter : public BenchChapter {
                                                    : 6.,
                              [&study](const Progress& progress) {
                                  const Scene scene = load(study.scene);
-                                 study.result = bench_indirect(scene.impl(), study.options, progress);
+                                 study.result = bench_indirect(api::scene_of(scene), study.options, progress);
                                  study.direct = direct_light(scene, study);
                              }});
         }

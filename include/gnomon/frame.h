@@ -28,7 +28,12 @@ struct Frame {
     double milliseconds = 0;   // of the frame, without loading and writing
     FrameTimes times;          // the same time by stage
     double time = 0;           // scene time in seconds
-    int frame = 1;
+    int frame = 1;             // of the clip; 0 if a time was given
+    /// No light is missing because of FrameInput::indirect_ray_limit; otherwise the next frame of the same input has
+    /// more of it.
+    bool complete = true;
+    Size view_size{};                  // of the rendered view, which overlays surround with titles
+    int view_left = 0, view_top = 0;   // and its place in the image
 
     const Layer* layer(const std::string& name) const;
     /// Applies exposure, tone mapping and sRGB encoding. Returns width * height * 3 bytes.

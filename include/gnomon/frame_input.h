@@ -38,8 +38,8 @@ struct NodeVisibility {
 /// arrays are copied.
 struct InstanceVertices {
     InstanceId instance;
-    std::span<const Vec3> positions;            // as many as the mesh has
-    std::span<const Vec3> normals{};            // empty: computed from the positions if the mesh has normals
+    std::span<const Vec3> positions;   // as many as the mesh has
+    std::span<const Vec3> normals{};   // empty: computed from the positions if the mesh has normals
     std::span<const Vec3> closing_positions{};
 };
 
@@ -57,8 +57,8 @@ struct LightValues {
     std::optional<Light> closing{};
 };
 
-/// The values of a material. Another surface class (opaque, masked, transparent), other sidedness, or another texture of
-/// a masked material costs as much as a new scene.
+/// The values of a material. Another surface class (opaque, masked, transparent), other sidedness, or another texture
+/// of a masked material costs as much as a new scene.
 struct MaterialValues {
     MaterialId material;
     Material values;

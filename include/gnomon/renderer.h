@@ -2,11 +2,13 @@
 #pragma once
 // Renders frames of a scene.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "gnomon/frame.h"
+#include "gnomon/frame_input.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"
 
@@ -63,11 +65,18 @@ struct RenderOptions {
     /// layers.
     Overlay overlay = Overlay::none;
     std::optional<int> overlay_light{};   // index from 0; none: all lights, one panel each
+    /// Prepare for a window: shadows are remembered from the first frame on, results for later frames are proven by
+    /// improve() alone instead of at the end of each frame, and pick() works with the rasteriser, too. Images are the
+    /// same. Cannot be changed later.
+    bool interactive = false;
 };
 
-/// Renders frames, and keeps the results for static parts of the scene from frame to frame. A frame does not depend on
-/// the number of threads. It does not depend on earlier frames either, except with ShadowCulling::paper, whose results
-/// depend on history, and with an overlay, which shows the cached state. Not thread-safe: use one renderer per thread.
+/// Renders frames, and keeps what stays the same from frame to frame. A frame depends on the scene, the input and the
+/// options alone: neither on the number of threads, nor on earlier frames. Exceptions: ShadowCulling::paper, whose
+/// results depend on history; overlays, which show the cached state; a limit on indirect rays; and an object that was
+/// promoted (see Mobility), which is rounded as one that moves from then on.
+///
+/// Several renderers can work at once in different threads and share scenes; one renderer serves one thread at a time.
 /// A renderer that was moved from can only be assigned to or destroyed; any other call throws UsageError.
 class Renderer {
  public:
@@ -77,15 +86,45 @@ class Renderer {
     Renderer(Renderer&&) noexcept;
     Renderer& operator=(Renderer&&) noexcept;
 
+    /// Renders a frame of the scene's clip. Values that were handed over before stay in force.
     /// @param frame  1 to scene.frame_count()
     /// @throws UsageError    the frame or camera does not exist
     /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or enough memory, or the device was
     ///         lost
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
+    /// Takes over what a host changed, and renders a frame. Another scene begins anew, except for values of parts that
+    /// it has in common with the one before.
+    /// Cost of the update: what is handed over with another value, and what that moves.
+    /// @throws UsageError  an id is not of this scene; a number is not finite; lengths disagree: then nothing is taken
+    ///         over. Also as above
+    Frame render(const Scene& scene, const FrameInput& input, const Progress& progress = {});
 
+    /// Other options for the frames that follow. What they do not bear on stays remembered.
+    /// @throws UsageError  an option is out of range, or `interactive` differs
+    void set_options(RenderOptions options);
     const RenderOptions& options() const;
+
+    // Of the last frame. All throw UsageError before the first, and for parts that its scene does not have.
+
+    /// A node's transform to its parent's space, and to the world.
+    Transform transform(const NodeId& node) const;
+    Transform world_transform(const NodeId& node) const;
+    bool visible(const NodeId& node) const;
+    /// The camera, with its transform to the world.
+    Camera camera() const;
+    /// What is visible now.
+    Box bounds() const;
+
+    /// Uses time without work: proves results for later frames until all are proven or `go_on` returns false.
+    void improve(const std::function<bool()>& go_on);
+
     /// Name of the Vulkan device that rendered the last frame; empty if none did.
     std::string device() const;
+    /// Bytes of remembered results, textures and geometry aside.
+    std::size_t remembered_bytes() const;
+
+    /// Forgets the scene, the values that were handed over and everything remembered.
+    void forget();
 
  private:
     struct Impl;

@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "gnomon/error.h"
+#include "gnomon/ids.h"
+#include "gnomon/scene_parts.h"
 #include "gnomon/types.h"
 
 namespace gnomon {
 
-namespace scene {
-class Scene;
+namespace api {
+class SceneAccess;
 }
 
 /// Statistics of a scene. 'Dynamic' means that it may move or deform at some time in the clip.
@@ -32,10 +34,10 @@ struct SceneInfo {
     std::vector<std::string> warnings;
 };
 
-/// An immutable scene. Copies are cheap because they share its data.
+/// An immutable scene, loaded or made by a SceneBuilder. Copies are cheap because they share its data. It can be used
+/// by several threads at once.
 class Scene {
  public:
-    explicit Scene(std::shared_ptr<const scene::Scene> inside);
     // Moves copy as well, so that a moved-from scene remains valid.
     Scene(const Scene&) = default;
     Scene& operator=(const Scene&) = default;
@@ -67,10 +69,46 @@ class Scene {
     /// @throws UsageError  the number of lights is not a power of two from 1 to 1024
     Scene with_environment(const std::filesystem::path& file, int lights = 16) const;
 
-    const std::shared_ptr<const scene::Scene>& impl() const { return impl_; }
+    // The scene's parts, in the order in which they were added or stand in the file.
+    std::vector<NodeId> nodes() const;
+    std::vector<InstanceId> instances() const;   // of meshes with triangles
+    std::vector<LightId> lights() const;
+    std::vector<CameraId> cameras() const;
+    std::vector<MaterialId> materials() const;
+    std::vector<MeshId> meshes() const;
+
+    // The first part of that name; an id without a part if there is none.
+    NodeId find_node(const std::string& name) const;
+    InstanceId find_instance(const std::string& name) const;
+    LightId find_light(const std::string& name) const;
+    CameraId find_camera(const std::string& name) const;
+    MaterialId find_material(const std::string& name) const;
+
+    // What a part is like. All throw UsageError for parts that the scene does not have.
+    std::string name(const NodeId& id) const;
+    NodeId parent(const NodeId& id) const;   // none: the world
+    Mobility mobility(const NodeId& id) const;
+    /// The farthest node up the hierarchy that moves this one as a rigid body; itself if nothing above may move.
+    NodeId mover(const NodeId& id) const;
+    Transform transform(const NodeId& id) const;   // to its parent's space, at the clip's start
+    MeshId mesh(const InstanceId& id) const;
+    NodeId node(const LightId& id) const;
+    NodeId node(const CameraId& id) const;
+    Light light(const LightId& id) const;
+    Material material(const MaterialId& id) const;
+    Camera camera(const CameraId& id) const;   // its transform: the node's, at the clip's start
+
+    /// The instance and the material that a value of the layers of ids stands for; an id without a part for 0 and for
+    /// values that stand for nothing.
+    InstanceId instance_of(std::uint32_t layer_value) const;
+    MaterialId material_of(std::uint32_t layer_value) const;
+
+    struct Impl;
 
  private:
-    std::shared_ptr<const scene::Scene> impl_;
+    friend class api::SceneAccess;
+    explicit Scene(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+    std::shared_ptr<const Impl> impl_;
 };
 
 struct LoadOptions {

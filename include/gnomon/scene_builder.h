@@ -30,8 +30,8 @@ struct InstanceOptions {
     std::string name{};
     SkinId skin{};                        // of a mesh with joints
     std::vector<float> morph_weights{};   // empty: the mesh's own
-    /// The part of the world that it is expected to move in. Light views are laid out for it from the start; beyond, they
-    /// are laid out anew.
+    /// The part of the world that it is expected to move in. Light views are laid out for it from the start; beyond,
+    /// they are laid out anew.
     Box reach{};
 };
 
@@ -66,6 +66,10 @@ class SceneBuilder {
     /// @param transform  to the parent's space; affine
     InstanceId instance(const MeshId& mesh, const MaterialId& material = {}, const Transform& transform = {},
                         const InstanceOptions& options = {});
+    /// Gives a node that has none a mesh, as a joint's or a light's node may have one, too.
+    /// @param options  name and parent are not read
+    InstanceId attach(const NodeId& node, const MeshId& mesh, const MaterialId& material = {},
+                      const InstanceOptions& options = {});
     /// @param transform  its node's
     LightId light(const Light& light, const Transform& transform = {}, const NodeOptions& options = {});
     /// Camera::transform becomes its node's.

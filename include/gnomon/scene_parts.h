@@ -31,37 +31,37 @@ struct Joints {
 
 /// Offsets from the mesh's vertices. Each array is empty or has one element per vertex.
 struct MorphTarget {
-    std::span<const Vec3> positions, normals, tangents;
+    std::span<const Vec3> positions{}, normals{}, tangents{};
 };
 
 /// A run of triangles with a material of its own.
 struct MeshPart {
-    MaterialId material;
+    MaterialId material{};
     std::uint32_t first_triangle = 0, triangle_count = 0;
 };
 
 /// A triangle mesh. The arrays are copied. All but the first two are empty or have one element per vertex.
 struct Mesh {
-    std::span<const Vec3> positions;            // in object space, metres
-    std::span<const std::uint32_t> indices;     // three per triangle, counter-clockwise seen from the front; empty: the
+    std::span<const Vec3> positions{};          // in object space, metres
+    std::span<const std::uint32_t> indices{};   // three per triangle, counter-clockwise seen from the front; empty: the
                                                 // vertices in order
-    std::span<const Vec3> normals;              // empty: faceted
-    std::span<const Vec4> tangents;             // of normal maps: xyz unit length, w = -1 or 1
-    std::array<std::span<const Vec2>, 2> texcoords;   // v from the top
-    std::span<const Vec4> colors;               // linear RGBA; multiplies the base colour
-    std::span<const MeshPart> parts;            // cover all triangles in order; empty: one material throughout
-    std::span<const MorphTarget> morph_targets;
-    std::span<const float> morph_weights;       // one per target; empty: all 0
-    std::array<std::span<const Joints>, 2> joints;   // of a skin; the second four of a vertex are optional
-    std::array<std::span<const Vec4>, 2> weights;    // of the joints; their sum is 1
-    std::string name;
+    std::span<const Vec3> normals{};            // empty: faceted
+    std::span<const Vec4> tangents{};           // of normal maps: xyz unit length, w = -1 or 1
+    std::array<std::span<const Vec2>, 2> texcoords{};   // v from the top
+    std::span<const Vec4> colors{};                     // linear RGBA; multiplies the base colour
+    std::span<const MeshPart> parts{};                  // cover all triangles in order; empty: one material throughout
+    std::span<const MorphTarget> morph_targets{};
+    std::span<const float> morph_weights{};            // one per target; empty: all 0
+    std::array<std::span<const Joints>, 2> joints{};   // of a skin; the second four of a vertex are optional
+    std::array<std::span<const Vec4>, 2> weights{};    // of the joints; their sum is 1
+    std::string name{};
 };
 
 /// Joints that deform skinned meshes by linear blending.
 struct Skin {
-    std::vector<NodeId> joints;
-    std::vector<Transform> inverse_bind;   // one per joint: from the mesh's space to the joint's at rest
-    std::string name;
+    std::vector<NodeId> joints{};
+    std::vector<Transform> inverse_bind{};   // one per joint: from the mesh's space to the joint's at rest
+    std::string name{};
 };
 
 enum class Wrap : std::uint8_t { repeat, mirror, clamp };
@@ -70,21 +70,21 @@ enum class Filter : std::uint8_t { nearest, linear };
 /// An 8-bit image for materials; copied. Row 0 is the upper edge, where v = 0.
 struct Texture {
     int width = 0, height = 0;
-    int channels = 4;                       // 1: grey, 2: grey and alpha, 3: RGB, 4: RGBA
-    std::span<const std::uint8_t> pixels;   // channels interleaved
-    std::ptrdiff_t row_bytes = 0;           // from one row to the next; 0: width * channels
-    bool srgb = true;                       // colour is sRGB-encoded; false: linear data, such as normals
+    int channels = 4;                         // 1: grey, 2: grey and alpha, 3: RGB, 4: RGBA
+    std::span<const std::uint8_t> pixels{};   // channels interleaved
+    std::ptrdiff_t row_bytes = 0;             // from one row to the next; 0: width * channels
+    bool srgb = true;                         // colour is sRGB-encoded; false: linear data, such as normals
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     Filter magnify = Filter::linear, minify = Filter::linear;
     bool mipmaps = true;
-    std::string name;
+    std::string name{};
 };
 
 /// A texture as a material uses it: coordinates are scaled, rotated, then moved (KHR_texture_transform).
 struct TextureUse {
-    TextureId texture;   // none: a constant 1
-    int texcoord = 0;    // the mesh's first or second coordinates
-    Vec2 offset, scale{1, 1};
+    TextureId texture{};   // none: a constant 1
+    int texcoord = 0;      // the mesh's first or second coordinates
+    Vec2 offset{}, scale{1, 1};
     float rotation = 0;   // radians, counter-clockwise
     friend bool operator==(const TextureUse&, const TextureUse&) = default;
 };
@@ -95,7 +95,7 @@ enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 /// A surface: glTF 2.0's metallic-roughness model, or the model of Whitted that the scenes of BART have. Colours are
 /// linear.
 struct Material {
-    std::string name;
+    std::string name{};
     ShadingModel model = ShadingModel::metallic_roughness;
     Vec3 base_color{0.8f, 0.8f, 0.8f};   // whitted: the diffuse colour
     TextureUse base_color_texture{};
@@ -132,7 +132,7 @@ enum class SpotProfile : std::uint8_t { smooth, cosine };
 
 /// A light without size, at its node's origin and directed along the node's -Z.
 struct Light {
-    std::string name;
+    std::string name{};
     LightType type = LightType::point;
     Vec3 color{1, 1, 1};   // candela (point and spot), lux (directional); with constant falloff, the irradiance itself
     Falloff falloff = Falloff::inverse_square;
@@ -154,10 +154,10 @@ struct Intrinsics {
 /// A camera. It looks along the -Z of its space, with +Y up. The first of `matrix`, `intrinsics` and
 /// `orthographic_height` that is given decides the projection; otherwise it is a perspective by `vertical_fov`.
 struct Camera {
-    std::string name;
+    std::string name{};
     /// From camera space to the world, or to its node's parent in a scene. Its scale is ignored.
     Transform transform{};
-    double vertical_fov = 0.8;                // whole angle, radians; the width follows from the image
+    double vertical_fov = 0.8;                     // whole angle, radians; the width follows from the image
     std::optional<double> orthographic_height{};   // metres
     std::optional<Intrinsics> intrinsics{};
     /// A projection as OpenGL has it: from camera space to clip space, w = -z for a perspective. It may be off-centre,
@@ -173,7 +173,7 @@ struct Camera {
 /// towards +X. The pixels are copied.
 struct EnvironmentImage {
     int width = 0, height = 0;
-    std::span<const float> pixels;   // three per pixel: radiance in nits; negative values and NaN count as 0
+    std::span<const float> pixels{};   // three per pixel: radiance in nits; negative values and NaN count as 0
 };
 
 }   // namespace gnomon

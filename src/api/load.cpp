@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "api/scene_access.h"
 #include "gnomon/scene.h"
 #include "io/load.h"
 #include "scene/builtin/builtin.h"
@@ -18,7 +19,7 @@ Scene load(const std::string& what, const LoadOptions& options)
     scene::add_emitter_lights(loaded);
     scene::add_default_light(loaded);
     scene::add_default_camera(loaded);
-    return Scene(std::make_shared<const scene::Scene>(std::move(loaded)));
+    return api::public_scene(std::make_shared<const scene::Scene>(std::move(loaded)));
 }
 
 }   // namespace gnomon

@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "api/check_options.h"
+#include "api/convert.h"
+#include "api/host_state.h"
+#include "api/scene_access.h"
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
@@ -20,6 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr Size k_default_size{1280, 720};
+
 // Makes an overlay, which is in screen colours, the only layer.
 void set_overlay(const Image8& image, Frame& result)
 {
@@ -53,8 +57,8 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
     for (const int l : lights) {
         const std::string& name = scene.lights[static_cast<std::size_t>(l)].name;
         const std::string number = fmt::format("light {}", l);
-        titles.push_back(fmt::format("frame {}  {}{}{}", frame, number, name.empty() || name == number ? "" : ": ",
-                                     name == number ? "" : name));
+        titles.push_back(fmt::format("{}{}{}{}", frame > 0 ? fmt::format("frame {}  ", frame) : "", number,
+                                     name.empty() || name == number ? "" : ": ", name == number ? "" : name));
     }
     return titles;
 }
@@ -107,14 +111,56 @@ Size traced_size(const Scene& scene, const RenderOptions& options)
     return options.size.width > 0 ? options.size : default_size(scene, options.camera);
 }
 
+// Throws where an overlay cannot be shown.
+void check_overlay(const Scene& scene, const RenderOptions& options)
+{
+    if (options.overlay == Overlay::redrawn && api::scene_of(scene)->lights.empty())
+        throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
+    if (options.overlay != Overlay::shadow_states) return;
+    const Size size = traced_size(scene, options);
+    const std::size_t panels = overlay_lights(*api::scene_of(scene), options).size();
+    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > ranges::k_max_pixels)
+        throw UsageError(
+            fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",
+                        panels, ranges::k_max_pixels / 1'000'000));
+}
+
 }   // namespace
 
 struct Renderer::Impl {
-    explicit Impl(RenderOptions o) : options(std::move(o)), engine({.threads = options.threads}) {}
+    explicit Impl(RenderOptions o)
+        : options(std::move(o)),
+          engine({.threads = options.threads,
+                  .culls_first_frame = options.interactive,
+                  .defers_certificates = options.interactive,
+                  .always_has_rays = options.interactive,
+                  .redrawn_stays = options.interactive})
+    {
+    }
 
     RenderOptions options;
     frame::FrameEngine engine;
+    api::HostState host;
+    std::optional<Camera> camera;   // of the last frame
+
+    Frame render(const Scene& scene, const FrameInput& input, const Progress& progress);
+    scene::View make_view(const Scene& scene, const FrameInput& input);
+    const Scene::Impl& last_scene() const;
+    const scene::SceneState& last_state() const;
 };
+
+// The scene of the last frame.
+const Scene::Impl& Renderer::Impl::last_scene() const
+{
+    if (!host.scene() || !engine.state()) throw UsageError("the renderer has no scene yet: render a frame first");
+    return api::SceneAccess::impl(*host.scene());
+}
+
+const scene::SceneState& Renderer::Impl::last_state() const
+{
+    last_scene();
+    return *engine.state();
+}
 
 Renderer::Renderer(RenderOptions options)
 {
@@ -137,42 +183,150 @@ const RenderOptions& Renderer::options() const
     return impl().options;
 }
 
+void Renderer::set_options(RenderOptions options)
+{
+    Impl& in = impl();
+    check_options(options);
+    if (options.interactive != in.options.interactive)
+        throw UsageError("a renderer is interactive from the start or not at all");
+    if (options.threads != in.options.threads) in.engine.use_threads(options.threads);
+    in.options = std::move(options);
+}
+
 std::string Renderer::device() const
 {
     return impl().engine.device();
 }
 
+std::size_t Renderer::remembered_bytes() const
+{
+    return impl().engine.cached_bytes();
+}
+
+void Renderer::forget()
+{
+    impl().engine.forget();
+    impl().host = {};
+    impl().camera.reset();
+}
+
+void Renderer::improve(const std::function<bool()>& go_on)
+{
+    impl().engine.make_certificates(go_on ? go_on : [] { return true; });
+}
+
+Transform Renderer::transform(const NodeId& id) const
+{
+    const Impl& in = impl();
+    const scene::SceneState& state = in.last_state();
+    return api::transform_of(state.local(api::require(in.last_scene().stamps.nodes, id, "the node")));
+}
+
+Transform Renderer::world_transform(const NodeId& id) const
+{
+    const Impl& in = impl();
+    const scene::SceneState& state = in.last_state();
+    return api::transform_of(state.world(api::require(in.last_scene().stamps.nodes, id, "the node")));
+}
+
+bool Renderer::visible(const NodeId& id) const
+{
+    const Impl& in = impl();
+    const scene::SceneState& state = in.last_state();
+    return state.visible(api::require(in.last_scene().stamps.nodes, id, "the node"));
+}
+
+Camera Renderer::camera() const
+{
+    impl().last_state();
+    return *impl().camera;
+}
+
+Box Renderer::bounds() const
+{
+    impl().last_state();
+    const Box3 box = impl().engine.bounds();
+    return box.empty() ? Box{} : Box{api::vec(box.low), api::vec(box.high)};
+}
+
 Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
-    const RenderOptions& options = impl().options;
-    frame::FrameEngine& engine = impl().engine;
-    if (frame < 1 || frame > scene.frame_count())
-        throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", frame, scene.frame_count()));
-    const scene::CameraId camera = scene::find_camera(*scene.impl(), options.camera);
-    image_size(scene, options);   // throws where an overlay cannot be shown
+    FrameInput input;
+    input.frame = frame;
+    return impl().render(scene, input, progress);
+}
+
+Frame Renderer::render(const Scene& scene, const FrameInput& input, const Progress& progress)
+{
+    return impl().render(scene, input, progress);
+}
+
+// The host's camera, else the scene's.
+scene::View Renderer::Impl::make_view(const Scene& scene, const FrameInput& input)
+{
+    if (input.camera) {
+        camera = input.camera;
+        Size size = options.size.width > 0 ? options.size : input.camera->resolution;
+        if (size.width <= 0) size = k_default_size;
+        return scene::make_view(api::to_scene(*camera), api::matrix_of(camera->transform, "the camera"), size);
+    }
+    const scene::Scene& inside = *api::scene_of(scene);
+    const scene::CameraId id = scene::find_camera(inside, options.camera);
+    std::optional<double> turn;
+    if (input.turn != 0) turn = input.turn;
+    if (options.turntable_seconds > 0 && !input.time)
+        turn = input.turn + 2 * k_pi * ((input.frame - 1) / scene.fps() / options.turntable_seconds);
+    scene::View view = engine.make_view(id, traced_size(scene, options), turn);
+    glm::dmat4 world = engine.state()->world(inside.cameras[id].node);
+    if (turn) world = scene::matrix_of(view);
+    camera = api::from_scene(inside.cameras[id], world);
+    return view;
+}
+
+Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const Progress& progress)
+{
+    // Check everything before anything changes.
+    if (!input.time && (input.frame < 1 || input.frame > scene.frame_count()))
+        throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", input.frame, scene.frame_count()));
+    if (input.time && !std::isfinite(*input.time)) throw UsageError("the time is not finite");
+    if (!std::isfinite(input.turn)) throw UsageError("the turn is not finite");
+    for (const std::optional<Camera>* given : {&input.camera, &input.camera_closing})
+        if (*given) api::to_scene(**given), api::matrix_of((*given)->transform, "the camera");
+    const scene::Scene& inside = *api::scene_of(scene);
+    if (!input.camera) scene::find_camera(inside, options.camera);
+    check_overlay(scene, options);
     const auto start = Clock::now();
 
     Frame result;
     FrameTimes own;   // of the stages outside the engine's render()
     gnomon::Stopwatch watch(own);
-    result.frame = frame;
-    result.time = scene.time_of(frame);
-    engine.advance(scene.impl(), result.time, options);
+    result.frame = input.time ? 0 : input.frame;
+    result.time = input.time ? *input.time : scene.time_of(input.frame);
+    host.apply(scene, input);
+    const bool began_anew = !engine.state() || engine.scene() != host.values().scene();
+    engine.advance(host.values().scene(), result.time, options, {}, &host.values());
+    host.values().forget_changes();
     watch.end(FrameTimes::scene);
 
-    std::optional<double> turn;
-    if (options.turntable_seconds > 0) turn = 2 * k_pi * ((frame - 1) / scene.fps() / options.turntable_seconds);
-    const scene::View view = engine.make_view(camera, traced_size(scene, options), turn);
+    const scene::View view = make_view(scene, input);
     frame::RenderRequest request;
     const frame::Shown shown = engine.shown();
-    if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(*scene.impl(), options);
+    if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(inside, options);
+    request.indirect_ray_limit = input.indirect_ray_limit;
     result.counters = engine.render(view, request, progress);
+    result.counters.update = {engine.state()->changes().touched_nodes, engine.touched_instances(), began_anew};
+    result.complete = engine.complete();
+    result.view_size = view.size;
 
     watch.restart();
     if (shown == frame::Shown::shadow_states || shown == frame::Shown::clusters) {
-        set_overlay(engine.paint_overlay(overlay_titles(*scene.impl(), request.overlay_lights, frame)), result);
+        set_overlay(engine.paint_overlay(overlay_titles(inside, request.overlay_lights, result.frame)), result);
+        if (shown == frame::Shown::shadow_states) {
+            const frame::PanelPlace place = frame::panel_place(view.size, request.overlay_lights.size(), 0);
+            result.view_left = place.left, result.view_top = place.top;
+        }
     } else {
-        set_layers(engine, *scene.impl(), options, result);
+        set_layers(engine, inside, options, result);
         result.size = view.size;
         watch.end(FrameTimes::image);
         if (options.renderer == RenderMethod::trace) {
@@ -187,21 +341,17 @@ Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 
 Size default_size(const Scene& scene, const std::string& camera)
 {
-    const Size own = scene.impl()->cameras[scene::find_camera(*scene.impl(), camera)].resolution;
+    const scene::Scene& inside = *api::scene_of(scene);
+    const Size own = inside.cameras[scene::find_camera(inside, camera)].resolution;
     return own.width > 0 ? own : k_default_size;
 }
 
 Size image_size(const Scene& scene, const RenderOptions& options)
 {
+    check_overlay(scene, options);
     const Size size = traced_size(scene, options);
-    if (options.overlay == Overlay::redrawn && scene.impl()->lights.empty())
-        throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
     if (options.overlay != Overlay::shadow_states) return size;
-    const std::size_t panels = overlay_lights(*scene.impl(), options).size();
-    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > ranges::k_max_pixels)
-        throw UsageError(
-            fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",
-                        panels, ranges::k_max_pixels / 1'000'000));
+    const std::size_t panels = overlay_lights(*api::scene_of(scene), options).size();
     return frame::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
 }
 

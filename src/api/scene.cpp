@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <glm/gtc/matrix_transform.hpp>
 
+#include "api/environment.h"
+#include "api/scene_access.h"
 #include "base/check.h"
 #include "gnomon/scene.h"
 #include "io/image/float_image.h"
@@ -70,53 +71,41 @@ scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3&
     return light;
 }
 
-std::shared_ptr<scene::Scene> copy_of(const std::shared_ptr<const scene::Scene>& inside)
-{
-    return std::make_shared<scene::Scene>(*inside);
-}
+// A copy to be changed. Its parts keep their ids.
+struct Changed {
+    std::shared_ptr<scene::Scene> scene;
+    api::SceneStamps stamps;
 
-// Makes a node whose light shines in a direction.
-scene::NodeId add_looking_node(scene::Scene& scene, const std::string& name, const glm::dvec3& position,
-                               const glm::dvec3& direction)
-{
-    const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
-    const scene::NodeId node =
-        scene.add_node(name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
-    scene.child_begin.push_back(scene.child_begin.back());   // no children
-    return node;
-}
-
-// Removes the remarks about lights that were removed.
-void forget_default_light(scene::Scene& scene)
-{
-    std::erase_if(scene.warnings,
-                  [](const std::string& warning) { return warning.starts_with("no light in the scene"); });
-}
+    explicit Changed(const Scene::Impl& impl) : scene(std::make_shared<scene::Scene>(*impl.scene)), stamps(impl.stamps)
+    {
+    }
+    scene::Scene* operator->() const { return scene.get(); }
+    Scene finished()
+    {
+        while (stamps.nodes.size() < scene->nodes.size()) stamps.nodes.renew(stamps.nodes.size());
+        return api::SceneAccess::make(std::move(scene), std::move(stamps));
+    }
+};
 }   // namespace
-
-Scene::Scene(std::shared_ptr<const scene::Scene> inside) : impl_(std::move(inside))
-{
-    GNOMON_CHECK(impl_ != nullptr);
-}
 
 int Scene::frame_count() const
 {
-    return impl_->timeline.frames;
+    return impl_->scene->timeline.frames;
 }
 
 double Scene::time_of(int frame) const
 {
-    return impl_->timeline.time_of(frame);
+    return impl_->scene->timeline.time_of(frame);
 }
 
 double Scene::fps() const
 {
-    return impl_->timeline.fps;
+    return impl_->scene->timeline.fps;
 }
 
 SceneInfo Scene::info() const
 {
-    const scene::Scene& scene = *impl_;
+    const scene::Scene& scene = *impl_->scene;
     const scene::Statistics counts = scene.statistics();
     SceneInfo info;
     info.name = scene.name;
@@ -142,13 +131,13 @@ Scene Scene::at_rate(double fps) const
 {
     if (!(fps > 0 && fps <= k_highest_fps))
         throw UsageError(fmt::format("a rate of {} frames a second: expected above 0, at most {}", fps, k_highest_fps));
-    const double seconds = impl_->timeline.end - impl_->timeline.start;
-    if (!impl_->timeline.own_frames && seconds * fps >= scene::k_most_frames)
+    const double seconds = impl_->scene->timeline.end - impl_->scene->timeline.start;
+    if (!impl_->scene->timeline.own_frames && seconds * fps >= scene::k_most_frames)
         throw UsageError(fmt::format("a rate of {} frames a second: {} s of it are more than {} frames", fps, seconds,
                                      scene::k_most_frames));
-    auto changed = copy_of(impl_);
-    changed->timeline = impl_->timeline.at_rate(fps);
-    return Scene(std::move(changed));
+    Changed changed(*impl_);
+    changed->timeline = impl_->scene->timeline.at_rate(fps);
+    return changed.finished();
 }
 
 Scene Scene::lasting(double seconds) const
@@ -157,58 +146,46 @@ Scene Scene::lasting(double seconds) const
     if (!(seconds > 0 && frames <= k_longest_clip))
         throw UsageError(fmt::format("a clip of {} s: expected above 0 s, at most {} frames", seconds, k_longest_clip));
     if (frame_count() > 1) return *this;
-    auto changed = copy_of(impl_);
+    Changed changed(*impl_);
     changed->timeline.frames = std::max(1, static_cast<int>(frames));
     changed->timeline.end = changed->timeline.start + (changed->timeline.frames - 1) / fps();
-    return Scene(std::move(changed));
+    return changed.finished();
 }
 
 Scene Scene::with_lights(int count) const
 {
     if (count < 0) throw UsageError(fmt::format("{} lights: expected 0 or more", count));
-    if (static_cast<std::size_t>(count) >= impl_->lights.size()) return *this;
-    auto changed = copy_of(impl_);
+    if (static_cast<std::size_t>(count) >= impl_->scene->lights.size()) return *this;
+    Changed changed(*impl_);
     changed->lights.resize(static_cast<std::size_t>(count));
-    return Scene(std::move(changed));
+    while (changed.stamps.lights.size() > static_cast<std::size_t>(count))
+        changed.stamps.lights.erase(changed.stamps.lights.size() - 1);
+    return changed.finished();
 }
 
 Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
 {
-    auto changed = copy_of(impl_);
+    Changed changed(*impl_);
     changed->lights.clear();
-    forget_default_light(*changed);
+    api::forget_default_light(*changed.scene);
     for (const std::string& spec : specs) {
         glm::dvec3 position, direction;
         scene::Light light = light_of(spec, position, direction);
         light.name = fmt::format("light {}", changed->lights.size());
-        light.node = add_looking_node(*changed, light.name, position, direction);
+        light.node = api::add_looking_node(*changed.scene, light.name, position, direction);
         changed->lights.push_back(std::move(light));
     }
-    return Scene(std::move(changed));
+    changed.stamps.lights = api::StampList(changed->lights.size());
+    return changed.finished();
 }
 
 Scene Scene::with_environment(const std::filesystem::path& file, int lights) const
 {
-    if (lights < 1 || lights > 1024 || (lights & (lights - 1)) != 0)
-        throw UsageError(fmt::format("{} lights for an environment: expected a power of two from 1 to 1024", lights));
+    api::check_environment_lights(lights);
     auto environment = std::make_shared<const scene::Environment>(io::read_float_image(file));
-    auto changed = copy_of(impl_);
-    std::erase_if(changed->lights, [](const scene::Light& light) { return light.by_default || light.of_environment; });
-    forget_default_light(*changed);
-    int number = 0;
-    for (const scene::EnvironmentLight& part : environment->lights(lights)) {
-        scene::Light light;
-        light.name = fmt::format("environment {}", number++);
-        light.type = scene::LightType::directional;
-        light.color = part.irradiance;
-        light.of_environment = true;
-        light.node = add_looking_node(*changed, light.name, glm::dvec3(0), -glm::dvec3(part.to_light));
-        changed->lights.push_back(std::move(light));
-    }
-    changed->background = {};
-    changed->background.kind = scene::Background::Kind::image;
-    changed->background.environment = std::move(environment);
-    return Scene(std::move(changed));
+    Changed changed(*impl_);
+    api::set_environment(*changed.scene, changed.stamps, std::move(environment), lights);
+    return changed.finished();
 }
 
 }   // namespace gnomon

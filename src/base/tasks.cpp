@@ -90,6 +90,7 @@ Tasks::Tasks(int threads) : threads_(threads > 0 ? threads : tbb::info::default_
     if (threads_ > 1) arena_ = std::make_unique<Arena>(threads_);
 }
 
+Tasks& Tasks::operator=(Tasks&&) noexcept = default;
 Tasks::~Tasks() = default;
 
 void Tasks::for_each(std::size_t count, const std::function<void(std::size_t, int)>& body)

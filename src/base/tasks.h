@@ -19,6 +19,7 @@ class Tasks {
     ~Tasks();
     Tasks(const Tasks&) = delete;
     Tasks& operator=(const Tasks&) = delete;
+    Tasks& operator=(Tasks&&) noexcept;   // while no loop runs
 
     int threads() const { return threads_; }
 

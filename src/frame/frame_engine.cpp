@@ -86,6 +86,12 @@ FrameEngine::FrameEngine(const EngineSettings& settings) : settings_(settings), 
 
 FrameEngine::~FrameEngine() = default;
 
+void FrameEngine::use_threads(int threads)
+{
+    raster_.reset();   // it has memory for each thread
+    tasks_ = Tasks(threads);
+}
+
 void FrameEngine::discard_caches()
 {
     certified_.reset();
@@ -138,7 +144,8 @@ FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
 }
 
 AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& scene, double time,
-                                  const RenderOptions& options, std::span<const UserOverride> overrides)
+                                  const RenderOptions& options, std::span<const UserOverride> overrides,
+                                  const HostValues* host)
 {
     DiscardOnFailure guard(*this);
     AdvanceTimes times;
@@ -161,8 +168,8 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
         rays_ = std::make_unique<ray::RayScene>(*state_);
         if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
     };
-    if (is_new && needs_rays) make_rays();
-    if (override_transforms(overrides) || !is_new) {
+    if (host) is_new ? host->apply_all(*state_) : host->apply_changes(*state_);
+    if (override_transforms(overrides) || host || !is_new) {
         state_->advance(time);
         rays_follow = rays_ != nullptr;
     }
@@ -385,6 +392,12 @@ std::size_t FrameEngine::cached_bytes() const
 void FrameEngine::make_certificates(const std::function<bool()>& go_on)
 {
     if (certified_) certified_->judge(tasks_, go_on);
+}
+
+Box3 FrameEngine::bounds() const
+{
+    GNOMON_CHECK(state_);
+    return rays_ ? rays_->bounds() : scene_->bounds(state_->time());
 }
 
 PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::vec2& pixel) const

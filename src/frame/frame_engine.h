@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "base/tasks.h"
+#include "frame/host_values.h"
 #include "frame/rasterizer.h"
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
@@ -88,9 +89,18 @@ class FrameEngine {
     /// Moves to a time of a scene. Another scene or accelerator discards everything, overrides included.
     /// @param options    size, camera, turntable, threads, exposure and tone mapping are not read
     /// @param overrides  all that are in force; nodes that the scene does not have are ignored
+    /// @param host       values of the same scene; their changes are taken over, or all of them for another scene
     /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or memory
     AdvanceTimes advance(const std::shared_ptr<const scene::Scene>& scene, double time, const RenderOptions& options,
-                         std::span<const UserOverride> overrides = {});
+                         std::span<const UserOverride> overrides = {}, const HostValues* host = nullptr);
+    /// The scene of the last advance().
+    const std::shared_ptr<const scene::Scene>& scene() const { return scene_; }
+    /// Objects of the ray scene that the last advance() placed or refitted.
+    std::uint64_t touched_instances() const { return rays_ ? rays_->statistics().touched : 0; }
+    /// The scene's state; none before the first advance().
+    const scene::SceneState* state() const { return state_.get(); }
+    /// @param threads  0: all
+    void use_threads(int threads);
 
     /// @param turn  radians around the scene's centre at the clip's start; none: the camera as it is
     scene::View make_view(scene::CameraId camera, Size size, std::optional<double> turn = {});
@@ -124,6 +134,8 @@ class FrameEngine {
     PickedPoint hit_at(const scene::View& view, const glm::vec2& pixel) const;
     /// The ray scene. There is one unless all frames of the scene were rasterised without the irradiance cache.
     const ray::RayScene& rays() const { return *rays_; }
+    /// Bounds of everything visible; with rays, of what they can hit.
+    Box3 bounds() const;
 
     /// Discards the scene and all caches.
     void forget();

@@ -110,7 +110,7 @@ void Scene::finish()
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         const Node& node = nodes[n];
         if (node.transform || node.visibility || node.weights) track_nodes.push_back(static_cast<std::uint32_t>(n));
-        if (node.animated || node.transform || node.visibility)
+        if (node.may_move())
             anchor[n] = static_cast<NodeId>(n);
         else if (node.parent != none)
             anchor[n] = anchor[node.parent];

@@ -4,10 +4,12 @@
 // meshes and textures.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/math.h"
+#include "gnomon/scene_parts.h"
 #include "gnomon/types.h"
 #include "scene/light.h"
 #include "scene/material.h"
@@ -30,6 +32,10 @@ struct Node {
     MeshId mesh = none;
     SkinId skin = none;
     std::vector<float> morph_weights;   // replace the mesh's defaults if not empty
+    Box3 reach;   // the part of the world that its mesh is expected to move in, beside where tracks take it
+
+    /// Whether it may move or be hidden: what is below moves with it as one body.
+    bool may_move() const { return animated || transform || visibility; }
 };
 
 struct Skin {
@@ -45,9 +51,16 @@ struct Camera {
     double vertical_fov = 0.8;        // whole angle, radians; perspective
     double orthographic_height = 0;   // whole height of the view in scene units; > 0: orthographic instead
     double near = 0.01;
-    double far = 0;      // 0: infinite
-    Size resolution{};   // the file's own, if given
+    double far = 0;        // 0: infinite
+    Size resolution{};     // the file's own, if given
+    glm::dvec2 shift{0};   // of the image plane, right and up, in heights of the image
+    // These replace the projection above; the first that is given counts.
+    std::optional<glm::dmat4> projection;   // is_projection(); with near and far of its own
+    std::optional<Intrinsics> intrinsics;
 };
+
+/// Whether a matrix from camera to clip space (OpenGL's) is a perspective or an orthographic projection, without skew.
+bool is_projection(const glm::dmat4& matrix);
 
 /// The limit on the frames of a clip; later frames are dropped.
 constexpr int k_most_frames = 1'000'000'001;

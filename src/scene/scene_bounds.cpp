@@ -92,6 +92,8 @@ SceneBounds clip_bounds(const Scene& scene, int most_times)
             }
         }
     }
+    for (std::size_t o = 0; o < boxes.size(); ++o)
+        if (const Box3& reach = scene.nodes[scene.objects[o].node].reach; !reach.empty()) boxes[o].box.add(reach);
     std::erase_if(boxes, [](const ObjectBox& placed) { return placed.box.empty(); });
     for (const ObjectBox& placed : boxes) bounds.whole.add(placed.box);
     if (!boxes.empty()) bounds.dense = dense_part(boxes);
@@ -109,10 +111,13 @@ double step_of(double extent, double excess)
     return std::ldexp(extent, power);
 }
 
+// Rounding aside: what only just touches the clip's bounds is inside.
 bool exceeds(const Box3& clip, const Box3& box)
 {
-    return clip.empty() || glm::any(glm::lessThan(box.low, clip.low)) ||
-           glm::any(glm::greaterThan(box.high, clip.high));
+    constexpr float k_rounding = 1e-5f;   // of the clip's diagonal
+    const glm::vec3 margin(clip.empty() ? 0.0f : k_rounding * clip.diagonal());
+    return clip.empty() || glm::any(glm::lessThan(box.low, clip.low - margin)) ||
+           glm::any(glm::greaterThan(box.high, clip.high + margin));
 }
 
 }   // namespace

@@ -74,6 +74,12 @@ class SharedList {
         if (item.use_count() > 1) item = std::make_shared<T>(*item);
         return const_cast<T&>(*item);   // every element was made without const
     }
+    /// Puts another element in the place of one; lists that share the old one keep it.
+    void replace(std::size_t i, T value)
+    {
+        GNOMON_CHECK_LT(i, items_.size());
+        items_[i] = std::make_shared<T>(std::move(value));
+    }
     void push_back(T value) { items_.push_back(std::make_shared<T>(std::move(value))); }
     /// Shares an element of another list. @pre not null, and made as a T, not as a const T: edit() may write to it
     void push_shared(std::shared_ptr<const T> value)

@@ -75,6 +75,7 @@ class SceneState {
     const FrameChanges& changes() const { return changes_; }
 
     const glm::dmat4& world(NodeId node) const { return world_[node]; }
+    const glm::dmat4& local(NodeId node) const { return local_[node]; }   // to the parent's space
     bool visible(NodeId node) const { return node_visible_[node]; }
     glm::mat4 object_matrix(ObjectId object) const;
     bool object_visible(ObjectId object) const { return node_visible_[scene_->objects[object].node]; }

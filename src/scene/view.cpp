@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "base/check.h"
@@ -20,6 +21,7 @@ glm::dvec3 unit(const glm::dvec3& v, const glm::dvec3& otherwise)
 
 scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
 {
+    if (scene.cameras.empty()) throw UsageError("the scene has no camera: hand one over with the frame");
     if (wanted == "auto") return 0;
     for (std::size_t c = 0; c < scene.cameras.size(); ++c)
         if (scene.cameras[c].name == wanted) return static_cast<scene::CameraId>(c);
@@ -29,34 +31,101 @@ scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted
     throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
 }
 
+bool is_projection(const glm::dmat4& p)
+{
+    const auto zero = [&](std::initializer_list<std::pair<int, int>> places) {   // rows and columns
+        return std::all_of(places.begin(), places.end(), [&](const auto& at) { return p[at.second][at.first] == 0; });
+    };
+    if (!(p[0][0] > 0 && p[1][1] > 0) || p[2][2] == 0) return false;
+    if (!zero({{0, 1}, {1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}})) return false;
+    const bool perspective = p[2][3] == -1 && p[3][3] == 0 && zero({{0, 3}, {1, 3}});
+    const bool orthographic = p[2][3] == 0 && p[3][3] == 1 && zero({{0, 2}, {1, 2}});
+    return perspective || orthographic;
+}
+
+namespace {
+
+// Half the extent of the image plane at distance 1 (perspective) or anywhere (orthographic), its shift in these units,
+// and the depth range.
+struct Lens {
+    bool orthographic = false;
+    glm::dvec2 half{1}, shift{0};
+    double near = 0, far = 0;   // far 0: infinite
+};
+
+// Reads the extent back from a matrix: ndc = (a x + c z) / -z, or a x + t.
+Lens lens_of(const glm::dmat4& p)
+{
+    Lens lens;
+    lens.orthographic = p[3][3] == 1;
+    lens.half = {1 / p[0][0], 1 / p[1][1]};
+    const double e = p[2][2], f = p[3][2];
+    if (lens.orthographic) {
+        lens.shift = {-p[3][0], -p[3][1]};
+        lens.near = (1 + f) / e, lens.far = (f - 1) / e;
+    } else {
+        lens.shift = {p[2][0], p[2][1]};
+        lens.near = f / (e - 1), lens.far = e == -1 ? 0 : f / (e + 1);
+    }
+    return lens;
+}
+
+Lens lens_of(const scene::Camera& camera, Size size)
+{
+    if (camera.projection) return lens_of(*camera.projection);
+    Lens lens;
+    lens.near = camera.near, lens.far = camera.far;
+    if (camera.intrinsics) {
+        const Intrinsics& in = *camera.intrinsics;
+        const Size of = in.size.width > 0 ? in.size : size;
+        lens.half.y = of.height / (2 * in.fy);
+        // Another aspect than that of the calibrated image shows more or less at the sides.
+        lens.half.x = lens.half.y * (in.fy / in.fx) * size.width / size.height;
+        const double centre = (of.width - 2 * in.cx) / (2 * in.fx);   // of the image, right of the axis
+        lens.shift = {centre / lens.half.x, 2 * in.cy / of.height - 1};
+        return lens;
+    }
+    lens.orthographic = camera.orthographic_height > 0;
+    lens.half.y = lens.orthographic ? camera.orthographic_height / 2 : std::tan(camera.vertical_fov / 2);
+    lens.half.x = lens.half.y * size.width / size.height;
+    lens.shift = {2 * camera.shift.x * size.height / size.width, 2 * camera.shift.y};
+    return lens;
+}
+
+}   // namespace
+
 View make_view(const scene::SceneState& state, scene::CameraId id, Size size)
 {
     const scene::Camera& camera = state.scene().cameras[id];
-    const glm::dmat4& world = state.world(camera.node);
+    return make_view(camera, state.world(camera.node), size);
+}
+
+View make_view(const scene::Camera& camera, const glm::dmat4& world, Size size)
+{
     const glm::dvec3 forward = unit(-glm::dvec3(world[2]), {0, 0, -1});
     const glm::dvec3 right = unit(glm::cross(forward, glm::dvec3(world[1])), {1, 0, 0});
     const glm::dvec3 up = glm::cross(right, forward);
+    const Lens lens = lens_of(camera, size);
 
     View view;
     view.size = size;
     view.eye = glm::vec3(glm::dvec3(world[3]));
     view.forward = glm::vec3(forward);
-    view.near = static_cast<float>(camera.near);
-    view.far = camera.far > 0 ? static_cast<float>(camera.far) : k_infinity;
-    view.orthographic = camera.orthographic_height > 0;
-    const double half_height = view.orthographic ? camera.orthographic_height / 2 : std::tan(camera.vertical_fov / 2);
-    const double half_width = half_height * size.width / size.height;
-    view.right = glm::vec3(half_width * right);
-    view.up = glm::vec3(half_height * up);
-    const auto pixel = static_cast<float>(2 * half_height / size.height);
+    view.near = static_cast<float>(lens.near);
+    view.far = lens.far > 0 ? static_cast<float>(lens.far) : k_infinity;
+    view.orthographic = lens.orthographic;
+    view.right = glm::vec3(lens.half.x * right);
+    view.up = glm::vec3(lens.half.y * up);
+    view.shift = glm::vec2(lens.shift);
+    const auto pixel = static_cast<float>(2 * lens.half.y / size.height);
     (view.orthographic ? view.pixel_width : view.pixel_spread) = pixel;
     return view;
 }
 
 void View::ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float& tnear, float& tfar) const
 {
-    const float sx = 2.0f * x / static_cast<float>(size.width) - 1.0f;
-    const float sy = 1.0f - 2.0f * y / static_cast<float>(size.height);
+    const float sx = 2.0f * x / static_cast<float>(size.width) - 1.0f + shift.x;
+    const float sy = 1.0f - 2.0f * y / static_cast<float>(size.height) + shift.y;
     if (orthographic) {
         origin = eye + sx * right + sy * up;
         direction = forward;
@@ -68,6 +137,12 @@ void View::ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float&
     origin = eye;
     direction = d / length;
     tnear = near * length, tfar = far * length;   // planes, not spheres
+}
+
+glm::dmat4 matrix_of(const View& view)
+{
+    return {glm::dvec4(glm::normalize(glm::dvec3(view.right)), 0), glm::dvec4(glm::normalize(glm::dvec3(view.up)), 0),
+            glm::dvec4(-glm::dvec3(view.forward), 0), glm::dvec4(glm::dvec3(view.eye), 1)};
 }
 
 View turned(const View& view, const glm::vec3& centre, double angle)

@@ -14,6 +14,7 @@ namespace gnomon::scene {
 struct View {
     glm::vec3 eye{0};
     glm::vec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};   // unit; right and up scaled by half the view's extent
+    glm::vec2 shift{0};   // of the image plane: added to (-1 ... 1) across the image, before `right` and `up`
     Size size;
     bool orthographic = false;
     float near = 0;   // along `forward`
@@ -30,6 +31,11 @@ struct View {
 scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted);
 
 View make_view(const scene::SceneState& state, scene::CameraId camera, Size size);
+/// @param world  from camera space to the world; its scale is ignored
+View make_view(const scene::Camera& camera, const glm::dmat4& world, Size size);
+
+/// From the space of a view's camera to the world.
+glm::dmat4 matrix_of(const View& view);
 
 /// The view rotated by `angle` radians around the vertical axis through `centre`, counter-clockwise seen from above.
 View turned(const View& view, const glm::vec3& centre, double angle);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "api/scene_access.h"
 #include "base/hash.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
@@ -193,7 +194,7 @@ std::uint64_t fingerprint_of(const scene::Scene& scene)
 std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
 {
     Fingerprint print;
-    print.add(fingerprint_of(*scene.impl()));
+    print.add(fingerprint_of(*api::scene_of(scene)));
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);

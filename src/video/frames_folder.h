@@ -13,6 +13,10 @@
 
 #include "gnomon/video.h"
 
+namespace gnomon::scene {
+class Scene;
+}
+
 namespace gnomon::video {
 
 /// Properties that all frames of a video have in common.

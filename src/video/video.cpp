@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "api/scene_access.h"
 #include "gnomon/version.h"
 #include "io/file/output_name.h"
 #include "io/image/exr.h"
@@ -62,7 +63,7 @@ void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::O
 void check_layers(const Scene& scene, const RenderOptions& options, Size size, const fs::path& out)
 {
     const bool layers = options.layers && (options.overlay == Overlay::none || options.overlay == Overlay::redrawn);
-    const std::size_t lights = scene.impl()->lights.size();
+    const std::size_t lights = api::scene_of(scene)->lights.size();
     const std::size_t room = io::room_in_exr(size);
     if (layers && io::is_exr_name(out) && lights + k_channels_beside_shadows > room)
         throw UsageError(fmt::format(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light maps on the device against ray-cast ones: the tree, the cut and the sums over the same texels; the maps
 // themselves; and the indirect light of complete images, for all methods.
+#include "api/scene_access.h"
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -42,7 +43,7 @@ std::shared_ptr<const scene::Scene> lit_scene(const std::string& name)
     scene::Scene scene = *test::make_random_scene(std::stoul(name));
     scene::add_default_camera(scene);
     const Scene lit(std::make_shared<const scene::Scene>(std::move(scene)));
-    return lit.with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"}).impl();
+    return api::scene_of(lit.with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"}));
 }
 
 MapLightOptions small(MapMethod method)

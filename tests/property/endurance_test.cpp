@@ -2,6 +2,8 @@
 // Ten thousand frames of Kitchen with one renderer: the clip forwards, pauses, jumps, lights switched on and off.
 // Memory settles, and at random frames the image equals that of a new renderer.
 #include <gtest/gtest.h>
+
+#include "api/scene_access.h"
 #include <unistd.h>
 
 #include <fstream>
@@ -42,7 +44,7 @@ Scene blinking_kitchen(const std::filesystem::path& file)
         if (node != scene::none) scene->nodes[node].visibility = test::visibility(times, on);
     }
     scene->finish();
-    return Scene(scene);
+    return api::public_scene(scene);
 }
 
 RenderOptions small()

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "aff_files.h"
+#include "api/scene_access.h"
 #include "gnomon/gnomon.h"
 #include "light_views/light_views.h"
 #include "light_views/software.h"
@@ -160,7 +161,7 @@ TEST_P(Extremes, EveryIndirectMethodStaysFinite)
 
 TEST_P(Extremes, LightViewsEqualAFullRedraw)
 {
-    const auto scene = this->scene().impl();
+    const auto scene = api::scene_of(this->scene());
     scene::SceneState state(scene, scene->timeline.time_of(1));
     light_views::LightViewsOptions options;
     options.atlas.view_size = 64;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "api/scene_access.h"
 #include "gnomon/scene.h"
 #include "sanitized.h"
 #include "scene/scene.h"
@@ -46,7 +47,7 @@ Image8 last_of(std::vector<ViewRequest> requests)
 
 void expect_warm_is_cold(const RenderOptions& options)
 {
-    const std::shared_ptr<const scene::Scene> scene = load("builtin:cornell").impl();
+    const std::shared_ptr<const scene::Scene> scene = api::scene_of(load("builtin:cornell"));
     scene::NodeId block = scene::none;
     for (scene::NodeId n = 0; n < scene->nodes.size(); ++n)
         if (scene->nodes[n].name == "short block") block = n;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadow textures on the device: a coherent update equals a full redraw to the bit, the methods agree, and the item
 // buffer equals all textures.
+#include "api/scene_access.h"
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -188,7 +189,7 @@ TEST_F(ShadowTexturesVulkanFull, VideoOfKineticEqualsAFullRedraw)
 TEST_F(ShadowTexturesVulkanFull, VideoOfKitchenEqualsAFullRedraw)
 {
     GNOMON_NEED_SCENE(file, "bart/kitchen/aff/kitchen.aff");
-    follow_video(device_, load(file.string()).impl(), 1, 800);
+    follow_video(device_, api::scene_of(load(file.string())), 1, 800);
 }
 
 TEST_F(ShadowTexturesVulkan, CoherentUpdateEqualsAFullRedrawAndMethodsAgree)

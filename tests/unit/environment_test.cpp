@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "api/scene_access.h"
+
 #include "base/random.h"
 #include "gnomon/gnomon.h"
 #include "io/image/exr.h"
@@ -184,7 +186,7 @@ TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
         add_default_light(*inside);
         add_default_camera(*inside);
 
-        const gnomon::Scene scene = gnomon::Scene(inside).with_environment(scratch / "white.exr");
+        const gnomon::Scene scene = api::public_scene(inside).with_environment(scratch / "white.exr");
         EXPECT_EQ(scene.info().lights.size(), 16u);   // the default sun is gone
         RenderOptions options;
         options.size = {32, 32};

@@ -2,6 +2,8 @@
 // The fingerprint of a video: --resume must not reuse frames that were rendered before an edit.
 #include <gtest/gtest.h>
 
+#include "api/scene_access.h"
+
 #include <functional>
 #include <map>
 
@@ -179,7 +181,7 @@ TEST(Fingerprint, IgnoresNames)
         auto made = std::make_shared<scene::Scene>(everything());
         made->nodes[0].name = made->meshes.edit(0).name = made->materials[0].name = made->lights[0].name = name;
         made->finish();
-        return video::fingerprint_of(Scene(made), {});
+        return video::fingerprint_of(api::public_scene(made), {});
     };
     EXPECT_EQ(of("a"), of("b"));
 }
@@ -206,7 +208,7 @@ TEST(Fingerprint, IsFastForAnEndlessClip)
     made->timeline.end = 1e9, made->timeline.frames = scene::k_most_frames;
     made->nodes[2].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
     made->finish();
-    EXPECT_NE(video::fingerprint_of(Scene(made), {}), 0u);
+    EXPECT_NE(video::fingerprint_of(api::public_scene(made), {}), 0u);
 }
 
 }   // namespace

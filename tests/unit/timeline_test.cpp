@@ -2,6 +2,8 @@
 // Clips at other frame rates.
 #include <gtest/gtest.h>
 
+#include "api/scene_access.h"
+
 #include "gnomon/error.h"
 #include "gnomon/scene.h"
 #include "scene/scene.h"
@@ -37,12 +39,12 @@ TEST(Timeline, LimitsTheNumberOfFrames)
         EXPECT_EQ(clip(end).at_rate(1000).frames, scene::k_most_frames) << end;
         auto inside = std::make_shared<scene::Scene>();
         inside->timeline = clip(end);
-        EXPECT_THROW(Scene(inside).at_rate(1000), UsageError) << end;
-        EXPECT_THROW(Scene(inside).at_rate(700), UsageError) << end;
+        EXPECT_THROW(api::public_scene(inside).at_rate(1000), UsageError) << end;
+        EXPECT_THROW(api::public_scene(inside).at_rate(700), UsageError) << end;
     }
     auto inside = std::make_shared<scene::Scene>();
     inside->timeline = clip(1e6);
-    EXPECT_EQ(Scene(inside).at_rate(1000).frame_count(), scene::k_most_frames);
+    EXPECT_EQ(api::public_scene(inside).at_rate(1000).frame_count(), scene::k_most_frames);
 }
 
 }   // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer's window asks for and gets.
 #ifdef GNOMON_VIEWER
+#include "api/scene_access.h"
 #include "viewer/session.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +63,7 @@ HandMoved promoted(scene::NodeId node)
 
 scene::NodeId node_called(const Scene& scene, const std::string& name)
 {
-    const auto& nodes = scene.impl()->nodes;
+    const auto& nodes = api::scene_of(scene)->nodes;
     for (std::size_t n = 0; n < nodes.size(); ++n)
         if (nodes[n].name == name) return static_cast<scene::NodeId>(n);
     ADD_FAILURE() << "no node " << name;
@@ -81,7 +82,7 @@ TEST(ViewSession, IgnoresUserOverridesOfMissingNodes)
     const auto plain = finished(session, at(0));
     ViewRequest request = at(0);
     request.scene = session.scene();
-    const auto nodes = static_cast<scene::NodeId>(session.scene()->impl()->nodes.size());
+    const auto nodes = static_cast<scene::NodeId>(api::scene_of(*session.scene())->nodes.size());
     request.hands = {promoted(nodes), promoted(nodes + 100)};
     for (int i = 0; i < 2; ++i) EXPECT_TRUE(same(finished(session, request), plain));
     request.hands.push_back(promoted(node_called(*session.scene(), "ball")));

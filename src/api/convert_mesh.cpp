@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "api/convert.h"
+#include "gnomon/error.h"
+#include "gnomon/ranges.h"
+
+namespace gnomon::api {
+
+namespace {
+
+constexpr float k_unit = 1e-3f;   // squares of lengths within this of 1 are left as they are
+
+// Copies an array of a mesh that is empty or as long as its positions, and checks that all numbers are finite.
+template <class To, class From>
+std::vector<To> copied(std::span<const From> from, std::size_t count, const std::string& owner, const char* what)
+{
+    static_assert(sizeof(To) == sizeof(From) && std::is_trivially_copyable_v<To>);
+    if (!from.empty() && from.size() != count)
+        throw UsageError(fmt::format("{}: {} {} for {} vertices", owner, from.size(), what, count));
+    std::vector<To> to(from.size());
+    if (!from.empty()) std::memcpy(to.data(), from.data(), from.size_bytes());
+    constexpr std::size_t floats = sizeof(To) / sizeof(float);
+    for (std::size_t i = 0; i < to.size(); ++i)
+        for (std::size_t k = 0; k < floats; ++k)
+            if (!std::isfinite((&to[i].x)[k])) throw UsageError(fmt::format("{}: {} {} is not finite", owner, what, i));
+    return to;
+}
+
+void make_unit(glm::vec3& v)
+{
+    const float square = glm::dot(v, v);
+    if (std::abs(square - 1) <= k_unit) return;
+    v = square > 0 && std::isfinite(square) ? v / std::sqrt(square) : glm::vec3(0, 1, 0);
+}
+
+std::vector<glm::uvec3> triangles_of(const Mesh& mesh, const std::string& owner)
+{
+    const std::size_t corners = mesh.indices.empty() ? mesh.positions.size() : mesh.indices.size();
+    if (corners % 3 != 0) throw UsageError(fmt::format("{}: {} indices are not three per triangle", owner, corners));
+    if (corners / 3 > static_cast<std::size_t>(ranges::k_most_triangles))
+        throw UsageError(
+            fmt::format("{}: {} triangles: expected at most {}", owner, corners / 3, ranges::k_most_triangles));
+    std::vector<glm::uvec3> triangles(corners / 3);
+    for (std::size_t i = 0; i < corners; ++i) {
+        const std::uint32_t index = mesh.indices.empty() ? static_cast<std::uint32_t>(i) : mesh.indices[i];
+        if (index >= mesh.positions.size())
+            throw UsageError(
+                fmt::format("{}: index {} is {}; the mesh has {} vertices", owner, i, index, mesh.positions.size()));
+        triangles[i / 3][static_cast<int>(i % 3)] = index;
+    }
+    return triangles;
+}
+
+std::vector<scene::MeshPart> parts_of(const Mesh& mesh, std::size_t triangles, const SceneStamps& stamps,
+                                      scene::MaterialId material, const std::string& owner)
+{
+    if (triangles == 0) return {};
+    if (mesh.parts.empty()) return {{material, 0, static_cast<std::uint32_t>(triangles)}};
+    std::vector<scene::MeshPart> parts;
+    std::size_t covered = 0;
+    for (const MeshPart& part : mesh.parts) {
+        if (part.first_triangle != covered || part.triangle_count > triangles - covered)
+            throw UsageError(fmt::format("{}: part {} has triangles {} to {} of {}: parts must cover all in order",
+                                         owner, parts.size(), part.first_triangle,
+                                         std::uint64_t{part.first_triangle} + part.triangle_count, triangles));
+        covered += part.triangle_count;
+        const std::uint32_t own =
+            part.material ? require(stamps.materials, part.material, fmt::format("{}: the material", owner)) : material;
+        if (part.triangle_count > 0) parts.push_back({own, part.first_triangle, part.triangle_count});
+    }
+    if (covered != triangles)
+        throw UsageError(fmt::format("{}: its parts cover {} of {} triangles", owner, covered, triangles));
+    return parts;
+}
+
+void add_morph_targets(const Mesh& mesh, const std::string& owner, scene::Mesh& result)
+{
+    const std::size_t count = mesh.positions.size();
+    for (const MorphTarget& target : mesh.morph_targets) {
+        scene::MorphTarget& own = result.morph_targets.emplace_back();
+        own.positions = copied<glm::vec3>(target.positions, count, owner, "positions of a morph target");
+        own.normals = copied<glm::vec3>(target.normals, count, owner, "normals of a morph target");
+        own.tangents = copied<glm::vec3>(target.tangents, count, owner, "tangents of a morph target");
+    }
+    if (!mesh.morph_weights.empty() && mesh.morph_weights.size() != mesh.morph_targets.size())
+        throw UsageError(fmt::format("{}: {} morph weights for {} targets", owner, mesh.morph_weights.size(),
+                                     mesh.morph_targets.size()));
+    result.morph_weights.assign(mesh.morph_weights.begin(), mesh.morph_weights.end());
+    result.morph_weights.resize(mesh.morph_targets.size());
+    for (const float weight : result.morph_weights)
+        if (!std::isfinite(weight)) throw UsageError(fmt::format("{}: a morph weight is not finite", owner));
+}
+
+void add_skin(const Mesh& mesh, const std::string& owner, scene::Mesh& result)
+{
+    const std::size_t count = mesh.positions.size();
+    if (mesh.joints[0].empty() && mesh.weights[0].empty() && mesh.joints[1].empty() && mesh.weights[1].empty()) return;
+    result.skin.emplace();
+    for (std::size_t group = 0; group < 2; ++group) {
+        const auto& joints = mesh.joints[group];
+        const bool needed = group == 0 || !joints.empty() || !mesh.weights[group].empty();
+        if (needed && (joints.size() != count || mesh.weights[group].size() != count))
+            throw UsageError(fmt::format("{}: {} joints and {} weights for {} vertices", owner, joints.size(),
+                                         mesh.weights[group].size(), count));
+        for (const Joints& j : joints)
+            result.skin->joints[group].emplace_back(j.joint[0], j.joint[1], j.joint[2], j.joint[3]);
+        result.skin->weights[group] = copied<glm::vec4>(mesh.weights[group], count, owner, "weights");
+    }
+}
+
+}   // namespace
+
+scene::Mesh to_scene(const Mesh& mesh, const SceneStamps& stamps, scene::MaterialId material)
+{
+    const std::string owner = mesh.name.empty() ? "mesh" : fmt::format("mesh '{}'", mesh.name);
+    // Check sizes before anything is read or allocated.
+    const std::size_t count = mesh.positions.size();
+    if (count > static_cast<std::size_t>(ranges::k_most_vertices))
+        throw UsageError(fmt::format("{}: {} vertices: expected at most {}", owner, count, ranges::k_most_vertices));
+
+    scene::Mesh result;
+    result.name = mesh.name;
+    result.triangles = triangles_of(mesh, owner);
+    result.parts = parts_of(mesh, result.triangles.size(), stamps, material, owner);
+    result.positions = copied<glm::vec3>(mesh.positions, count, owner, "positions");
+    result.normals = copied<glm::vec3>(mesh.normals, count, owner, "normals");
+    for (glm::vec3& normal : result.normals) make_unit(normal);
+    result.tangents = copied<glm::vec4>(mesh.tangents, count, owner, "tangents");
+    for (std::size_t set = 0; set < 2; ++set)
+        result.texcoords[set] = copied<glm::vec2>(mesh.texcoords[set], count, owner, "texture coordinates");
+    result.colors = copied<glm::vec4>(mesh.colors, count, owner, "colours");
+    add_morph_targets(mesh, owner, result);
+    add_skin(mesh, owner, result);
+    return result;
+}
+
+}   // namespace gnomon::api

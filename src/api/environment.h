@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Surrounds a scene with the light of an environment map, and places lights that have a direction.
+
+#include <memory>
+#include <string>
+
+#include "api/stamps.h"
+#include "scene/environment.h"
+#include "scene/scene.h"
+
+namespace gnomon::api {
+
+/// @throws UsageError  not a power of two from 1 to 1024
+void check_environment_lights(int lights);
+
+/// Replaces the background, an earlier environment and the default lights by an environment map and the directional
+/// lights that approximate it.
+void set_environment(scene::Scene& scene, SceneStamps& stamps, std::shared_ptr<const scene::Environment> environment,
+                     int lights);
+
+/// Adds a node whose light shines in a direction. The scene may be finished already.
+scene::NodeId add_looking_node(scene::Scene& scene, const std::string& name, const glm::dvec3& position,
+                               const glm::dvec3& direction);
+
+/// Removes the warning about a default light, which was removed.
+void forget_default_light(scene::Scene& scene);
+
+}   // namespace gnomon::api

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/host_state.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "api/convert.h"
+#include "gnomon/error.h"
+
+namespace gnomon::api {
+
+namespace {
+
+// A frame's input by the scene's indices.
+struct Checked {
+    std::vector<std::pair<scene::NodeId, glm::dmat4>> transforms;
+    std::vector<std::pair<scene::NodeId, bool>> visibility;
+    std::vector<std::pair<scene::NodeId, std::shared_ptr<const scene::DeformedMesh>>> vertices;
+    std::vector<std::pair<scene::NodeId, std::vector<float>>> weights;
+    std::vector<std::pair<scene::LightId, scene::Light>> lights;
+    std::vector<std::pair<scene::MaterialId, scene::Material>> materials;
+    std::vector<std::uint32_t> released_nodes, released_lights, released_materials;
+};
+
+std::string titled(const char* kind, const std::string& name, std::uint32_t index)
+{
+    return name.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} '{}'", kind, name);
+}
+
+std::vector<glm::vec3> copied(std::span<const Vec3> from, std::size_t expected, const std::string& owner,
+                              const char* what)
+{
+    if (from.size() != expected)
+        throw UsageError(fmt::format("{}: {} {} for {} vertices", owner, from.size(), what, expected));
+    std::vector<glm::vec3> to(from.size());
+    if (!from.empty()) std::memcpy(to.data(), from.data(), from.size_bytes());
+    for (std::size_t i = 0; i < to.size(); ++i)
+        if (!is_finite(to[i])) throw UsageError(fmt::format("{}: {} {} is not finite", owner, what, i));
+    return to;
+}
+
+// Checks the parts of an input one by one.
+class Checker {
+ public:
+    explicit Checker(const Scene::Impl& impl) : scene_(*impl.scene), stamps_(impl.stamps) {}
+
+    std::pair<scene::NodeId, glm::dmat4> transform(const NodeTransform& t) const
+    {
+        const scene::NodeId node = require(stamps_.nodes, t.node, "the node of a transform");
+        const std::string owner = titled("node", scene_.nodes[node].name, node);
+        if (t.closing) matrix_of(*t.closing, owner);
+        return {node, matrix_of(t.transform, owner)};
+    }
+    std::pair<scene::NodeId, std::shared_ptr<const scene::DeformedMesh>> vertices(const InstanceVertices& v) const
+    {
+        const scene::NodeId node = instance(v.instance, "the instance of vertices");
+        const std::string owner = titled("instance", scene_.nodes[node].name, node);
+        const std::size_t expected = scene_.meshes[scene_.nodes[node].mesh].positions.size();
+        auto shape = std::make_shared<scene::DeformedMesh>();
+        shape->positions = copied(v.positions, expected, owner, "positions");
+        if (!v.normals.empty()) shape->normals = copied(v.normals, expected, owner, "normals");
+        if (!v.closing_positions.empty()) copied(v.closing_positions, expected, owner, "closing positions");
+        return {node, std::move(shape)};
+    }
+    std::pair<scene::NodeId, std::vector<float>> weights(const MorphWeights& w) const
+    {
+        const scene::NodeId node = instance(w.instance, "the instance of morph weights");
+        const std::string owner = titled("instance", scene_.nodes[node].name, node);
+        const std::size_t expected = scene_.meshes[scene_.nodes[node].mesh].morph_targets.size();
+        for (const std::vector<float>* list : {&w.weights, &w.closing}) {
+            if (list->size() != expected && !(list == &w.closing && list->empty()))
+                throw UsageError(fmt::format("{}: {} morph weights for {} targets", owner, list->size(), expected));
+            for (const float weight : *list)
+                if (!std::isfinite(weight)) throw UsageError(fmt::format("{}: a morph weight is not finite", owner));
+        }
+        return {node, w.weights};
+    }
+    std::pair<scene::LightId, scene::Light> light(const LightValues& l) const
+    {
+        if (l.closing) to_scene(*l.closing);
+        return {require(stamps_.lights, l.light, "the light of values"), to_scene(l.values)};
+    }
+    std::pair<scene::MaterialId, scene::Material> material(const MaterialValues& m) const
+    {
+        if (m.closing) to_scene(*m.closing, stamps_);
+        return {require(stamps_.materials, m.material, "the material of values"), to_scene(m.values, stamps_)};
+    }
+    scene::NodeId instance(const InstanceId& id, std::string_view what) const
+    {
+        const scene::NodeId node = require(stamps_.nodes, id, what);
+        const scene::MeshId mesh = scene_.nodes[node].mesh;
+        if (mesh == scene::none || scene_.meshes[mesh].triangles.empty())
+            throw UsageError(fmt::format("{}: the node has no mesh with triangles", what));
+        return node;
+    }
+
+ private:
+    const scene::Scene& scene_;
+    const SceneStamps& stamps_;
+};
+
+Checked checked(const Scene::Impl& impl, const FrameInput& input)
+{
+    const Checker check(impl);
+    const SceneStamps& stamps = impl.stamps;
+    Checked result;
+    for (const NodeTransform& t : input.transforms) result.transforms.push_back(check.transform(t));
+    for (const NodeVisibility& v : input.visibility)
+        result.visibility.emplace_back(require(stamps.nodes, v.node, "the node of a visibility"), v.visible);
+    for (const InstanceVertices& v : input.vertices) result.vertices.push_back(check.vertices(v));
+    for (const MorphWeights& w : input.morph_weights) result.weights.push_back(check.weights(w));
+    for (const LightValues& l : input.lights) result.lights.push_back(check.light(l));
+    for (const MaterialValues& m : input.materials) result.materials.push_back(check.material(m));
+    for (const NodeId& id : input.released_nodes)
+        result.released_nodes.push_back(require(stamps.nodes, id, "a released node"));
+    for (const LightId& id : input.released_lights)
+        result.released_lights.push_back(require(stamps.lights, id, "a released light"));
+    for (const MaterialId& id : input.released_materials)
+        result.released_materials.push_back(require(stamps.materials, id, "a released material"));
+    return result;
+}
+
+}   // namespace
+
+void HostState::follow(const Scene& scene)
+{
+    const Scene::Impl& to = SceneAccess::impl(scene);
+    auto values = std::make_unique<frame::HostValues>(to.scene);
+    if (scene_) {
+        const SceneStamps& before = SceneAccess::impl(*scene_).stamps;
+        const auto finder = [](const StampList& from, const StampList& into) {
+            return [&](std::uint32_t index) { return into.search(index, from[index]); };
+        };
+        values_->copy_to(*values, {finder(before.nodes, to.stamps.nodes), finder(before.lights, to.stamps.lights),
+                                   finder(before.materials, to.stamps.materials)});
+    }
+    scene_ = scene;
+    values_ = std::move(values);
+}
+
+void HostState::apply(const Scene& scene, const FrameInput& input)
+{
+    const Checked in = checked(SceneAccess::impl(scene), input);
+    if (!scene_ || &SceneAccess::impl(*scene_) != &SceneAccess::impl(scene)) follow(scene);
+
+    frame::HostValues& values = *values_;
+    for (const std::uint32_t node : in.released_nodes) {
+        values.set_transform(node, nullptr);
+        values.set_visible(node, nullptr);
+        if (values.object_at(node) == scene::none) continue;
+        values.set_vertices(node, nullptr);
+        values.set_weights(node, nullptr);
+    }
+    for (const std::uint32_t light : in.released_lights) values.set_light(light, nullptr);
+    for (const std::uint32_t material : in.released_materials) values.set_material(material, nullptr);
+    for (const auto& [node, transform] : in.transforms) values.set_transform(node, &transform);
+    for (const auto& [node, visible] : in.visibility) values.set_visible(node, &visible);
+    for (const auto& [node, shape] : in.vertices) values.set_vertices(node, shape);
+    for (const auto& [node, weights] : in.weights) values.set_weights(node, &weights);
+    for (const auto& [light, light_values] : in.lights) values.set_light(light, &light_values);
+    for (const auto& [material, material_values] : in.materials) values.set_material(material, &material_values);
+    values.settle();
+}
+
+}   // namespace gnomon::api

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+// Changes and removes parts of the scene that a SceneBuilder holds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "api/convert.h"
+#include "api/scene_builder_impl.h"
+#include "gnomon/error.h"
+
+namespace gnomon {
+
+// Takes a free index above the parent's, because parents come first; else a new one.
+scene::NodeId SceneBuilder::Impl::add_node(const Transform& transform, const NodeOptions& options,
+                                           std::string_view what)
+{
+    const glm::dmat4 local = api::matrix_of(transform, what);
+    const scene::NodeId parent =
+        options.parent ? api::require(stamps.nodes, options.parent, fmt::format("{}: the parent", what)) : scene::none;
+    const auto free = parent == scene::none ? free_nodes.begin() : free_nodes.upper_bound(parent);
+    scene::NodeId node = scene::none;
+    if (free != free_nodes.end()) {
+        node = *free;
+        free_nodes.erase(free);
+        scene.nodes[node] = {};
+        scene.nodes[node].name = options.name;
+        scene.nodes[node].parent = parent;
+        scene.nodes[node].local = local;
+    } else {
+        node = scene.add_node(options.name, parent, local);
+    }
+    stamps.nodes.renew(node);
+    declare(node, options.mobility);
+    return node;
+}
+
+scene::MeshId SceneBuilder::Impl::add_mesh(scene::Mesh mesh)
+{
+    if (free_meshes.empty()) {
+        scene.meshes.push_back(std::move(mesh));
+        stamps.meshes.renew(scene.meshes.size() - 1);
+        mesh_users.push_back(0);
+        return static_cast<scene::MeshId>(scene.meshes.size() - 1);
+    }
+    const scene::MeshId id = *free_meshes.begin();
+    free_meshes.erase(free_meshes.begin());
+    scene.meshes.replace(id, std::move(mesh));
+    stamps.meshes.renew(id);
+    return id;
+}
+
+scene::MaterialId SceneBuilder::Impl::grey_material()
+{
+    if (grey == scene::none) {
+        scene.materials.emplace_back();
+        grey = static_cast<scene::MaterialId>(scene.materials.size() - 1);
+        stamps.materials.renew(grey);
+    }
+    return grey;
+}
+
+// A mesh with one material throughout: itself, or a copy that all instances with that material share.
+scene::MeshId SceneBuilder::Impl::mesh_with(scene::MeshId mesh, scene::MaterialId material)
+{
+    const scene::Mesh& original = scene.meshes[mesh];
+    if (std::all_of(original.parts.begin(), original.parts.end(),
+                    [&](const scene::MeshPart& part) { return part.material == material; }))
+        return mesh;
+    for (const auto& [id, variant] : stamps.mesh_variants)
+        if (variant.mesh == mesh && variant.material == material) return id;
+    scene::Mesh copy = original;
+    copy.parts = {{material, 0, static_cast<std::uint32_t>(copy.triangles.size())}};
+    const scene::MeshId id = add_mesh(std::move(copy));
+    stamps.meshes.clear(id);
+    stamps.mesh_variants[id] = {mesh, material};
+    return id;
+}
+
+SceneBuilder::Impl::Attachment SceneBuilder::Impl::check_attachment(const MeshId& mesh, const MaterialId& material,
+                                                                    const InstanceOptions& options,
+                                                                    const std::string& owner) const
+{
+    Attachment result;
+    result.mesh = api::require(stamps.meshes, mesh, fmt::format("{}: the mesh", owner));
+    if (material) result.material = api::require(stamps.materials, material, fmt::format("{}: the material", owner));
+    const scene::Mesh& shape = scene.meshes[result.mesh];
+    if (options.skin) {
+        result.skin = api::require(stamps.skins, options.skin, fmt::format("{}: the skin", owner));
+        require_joints(shape, result.skin, owner);
+    }
+    if (!options.morph_weights.empty() && options.morph_weights.size() != shape.morph_targets.size())
+        throw UsageError(fmt::format("{}: {} morph weights for {} targets", owner, options.morph_weights.size(),
+                                     shape.morph_targets.size()));
+    for (const float weight : options.morph_weights)
+        if (!std::isfinite(weight)) throw UsageError(fmt::format("{}: a morph weight is not finite", owner));
+    const Box& reach = options.reach;
+    for (const float value : {reach.low.x, reach.low.y, reach.low.z, reach.high.x, reach.high.y, reach.high.z})
+        if (!std::isfinite(value)) throw UsageError(fmt::format("{}: its reach is not finite", owner));
+    return result;
+}
+
+void SceneBuilder::Impl::attach(scene::NodeId id, const Attachment& attachment, const InstanceOptions& options)
+{
+    use_mesh(id,
+             attachment.material == scene::none ? attachment.mesh : mesh_with(attachment.mesh, attachment.material));
+    scene::Node& node = scene.nodes[id];
+    node.skin = attachment.skin;
+    node.morph_weights = options.morph_weights;
+    if (!options.reach.empty()) node.reach = {api::vec(options.reach.low), api::vec(options.reach.high)};
+}
+
+void SceneBuilder::Impl::declare(scene::NodeId node, Mobility mobility)
+{
+    scene.nodes[node].animated = mobility != Mobility::fixed;
+    scene.nodes[node].deforms = mobility == Mobility::may_deform;
+}
+
+void SceneBuilder::Impl::free_mesh(scene::MeshId mesh)
+{
+    scene.meshes.replace(mesh, scene::Mesh());
+    stamps.meshes.clear(mesh);
+    stamps.mesh_variants.erase(mesh);
+    free_meshes.insert(mesh);
+}
+
+void SceneBuilder::Impl::use_mesh(scene::NodeId node, scene::MeshId mesh)
+{
+    const scene::MeshId before = scene.nodes[node].mesh;
+    if (mesh != scene::none) ++mesh_users[mesh];
+    scene.nodes[node].mesh = mesh;
+    if (before == scene::none || --mesh_users[before] > 0) return;
+    if (stamps.mesh_variants.contains(before)) free_mesh(before);
+}
+
+void SceneBuilder::Impl::remove_light(std::size_t light)
+{
+    scene.lights.erase(scene.lights.begin() + static_cast<std::ptrdiff_t>(light));
+    stamps.lights.erase(light);
+}
+
+void SceneBuilder::Impl::remove_camera(std::size_t camera)
+{
+    scene.cameras.erase(scene.cameras.begin() + static_cast<std::ptrdiff_t>(camera));
+    stamps.cameras.erase(camera);
+}
+
+// The nodes of a subtree, parents first. Children come after their parents, so that one pass finds all.
+std::vector<scene::NodeId> SceneBuilder::Impl::subtree(scene::NodeId root) const
+{
+    std::vector<scene::NodeId> nodes{root};
+    std::vector<char> inside(scene.nodes.size(), 0);
+    inside[root] = 1;
+    for (std::size_t n = root + 1; n < scene.nodes.size(); ++n) {
+        const scene::NodeId parent = scene.nodes[n].parent;
+        if (parent == scene::none || !inside[parent]) continue;
+        inside[n] = 1;
+        nodes.push_back(static_cast<scene::NodeId>(n));
+    }
+    return nodes;
+}
+
+void SceneBuilder::Impl::require_joints(const scene::Mesh& mesh, scene::SkinId skin, const std::string& owner) const
+{
+    if (!mesh.skin) throw UsageError(fmt::format("{}: a skin, but its mesh has no joints", owner));
+    const std::size_t joints = scene.skins[skin].joints.size();
+    for (const auto& group : mesh.skin->joints)
+        for (const glm::u16vec4& four : group)
+            for (int k = 0; k < 4; ++k)
+                if (four[k] >= joints)
+                    throw UsageError(fmt::format("{}: joint {} of a skin with {}", owner, four[k], joints));
+}
+
+void SceneBuilder::set_mesh(const MeshId& id, const Mesh& mesh)
+{
+    Impl& in = impl();
+    const scene::MeshId index = api::require(in.stamps.meshes, id, "the mesh");
+    scene::Mesh made = api::to_scene(mesh, in.stamps, in.grey_material());
+    for (const scene::Node& node : in.scene.nodes) {
+        const bool uses = node.mesh == index || (in.stamps.mesh_variants.contains(node.mesh) &&
+                                                 in.stamps.mesh_variants.at(node.mesh).mesh == index);
+        if (!uses) continue;
+        if (node.skin != scene::none) in.require_joints(made, node.skin, fmt::format("instance '{}'", node.name));
+        if (!node.morph_weights.empty() && node.morph_weights.size() != made.morph_targets.size())
+            throw UsageError(fmt::format("instance '{}': {} morph weights for {} targets", node.name,
+                                         node.morph_weights.size(), made.morph_targets.size()));
+    }
+    for (const auto& [copy, variant] : in.stamps.mesh_variants) {
+        if (variant.mesh != index) continue;
+        scene::Mesh same = made;
+        same.parts.clear();
+        if (!same.triangles.empty())
+            same.parts = {{variant.material, 0, static_cast<std::uint32_t>(same.triangles.size())}};
+        in.scene.meshes.replace(copy, std::move(same));
+    }
+    in.scene.meshes.replace(index, std::move(made));
+}
+
+void SceneBuilder::set_material(const MaterialId& id, const Material& material)
+{
+    Impl& in = impl();
+    const scene::MaterialId index = api::require(in.stamps.materials, id, "the material");
+    in.scene.materials[index] = api::to_scene(material, in.stamps);
+}
+
+void SceneBuilder::set_material(const InstanceId& id, const MaterialId& material)
+{
+    Impl& in = impl();
+    const scene::NodeId node = api::require(in.stamps.nodes, id, "the instance");
+    const scene::MaterialId own = api::require(in.stamps.materials, material, "the material");
+    const scene::MeshId used = in.scene.nodes[node].mesh;
+    if (used == scene::none) throw UsageError("the node has no mesh: it takes no material");
+    const auto variant = in.stamps.mesh_variants.find(used);
+    in.use_mesh(node, in.mesh_with(variant == in.stamps.mesh_variants.end() ? used : variant->second.mesh, own));
+}
+
+void SceneBuilder::set_light(const LightId& id, const Light& light)
+{
+    Impl& in = impl();
+    const std::uint32_t index = api::require(in.stamps.lights, id, "the light");
+    scene::Light made = api::to_scene(light);
+    made.node = in.scene.lights[index].node;
+    made.of_environment = in.scene.lights[index].of_environment;
+    in.scene.lights[index] = std::move(made);
+}
+
+void SceneBuilder::set_camera(const CameraId& id, const Camera& camera)
+{
+    Impl& in = impl();
+    const std::uint32_t index = api::require(in.stamps.cameras, id, "the camera");
+    scene::Camera made = api::to_scene(camera);
+    const glm::dmat4 local = api::matrix_of(camera.transform, "the camera");
+    made.node = in.scene.cameras[index].node;
+    in.scene.nodes[made.node].local = local;
+    in.scene.nodes[made.node].transform.reset();
+    in.scene.cameras[index] = std::move(made);
+}
+
+void SceneBuilder::set_transform(const NodeId& id, const Transform& transform)
+{
+    Impl& in = impl();
+    scene::Node& node = in.scene.nodes[api::require(in.stamps.nodes, id, "the node")];
+    node.local = api::matrix_of(transform, "the node");
+    node.transform.reset();
+}
+
+void SceneBuilder::set_mobility(const NodeId& id, Mobility mobility)
+{
+    Impl& in = impl();
+    in.declare(api::require(in.stamps.nodes, id, "the node"), mobility);
+}
+
+void SceneBuilder::remove(const NodeId& id)
+{
+    Impl& in = impl();
+    const std::vector<scene::NodeId> nodes = in.subtree(api::require(in.stamps.nodes, id, "the node"));
+    const auto goes = [&](scene::NodeId n) { return std::binary_search(nodes.begin(), nodes.end(), n); };
+    for (std::size_t s = 0; s < in.scene.skins.size(); ++s)
+        if (std::any_of(in.scene.skins[s].joints.begin(), in.scene.skins[s].joints.end(), goes))
+            throw UsageError("the node is the joint of a skin, or one is below it: it cannot be removed");
+    for (std::size_t l = in.scene.lights.size(); l-- > 0;)
+        if (goes(in.scene.lights[l].node)) in.remove_light(l);
+    for (std::size_t c = in.scene.cameras.size(); c-- > 0;)
+        if (goes(in.scene.cameras[c].node)) in.remove_camera(c);
+    for (const scene::NodeId n : nodes) {
+        in.use_mesh(n, scene::none);
+        in.scene.nodes[n] = {};
+        in.stamps.nodes.clear(n);
+        in.free_nodes.insert(n);
+    }
+}
+
+void SceneBuilder::remove(const LightId& id)
+{
+    Impl& in = impl();
+    in.remove_light(api::require(in.stamps.lights, id, "the light"));
+}
+
+void SceneBuilder::remove(const CameraId& id)
+{
+    Impl& in = impl();
+    in.remove_camera(api::require(in.stamps.cameras, id, "the camera"));
+}
+
+void SceneBuilder::remove(const MeshId& id)
+{
+    Impl& in = impl();
+    const scene::MeshId mesh = api::require(in.stamps.meshes, id, "the mesh");
+    const bool has_variants = std::any_of(in.stamps.mesh_variants.begin(), in.stamps.mesh_variants.end(),
+                                          [&](const auto& variant) { return variant.second.mesh == mesh; });
+    if (in.mesh_users[mesh] > 0 || has_variants)
+        throw UsageError("the mesh has instances: it cannot be removed before them");
+    in.free_mesh(mesh);
+}
+
+void SceneBuilder::remove(const MaterialId& id)
+{
+    Impl& in = impl();
+    const scene::MaterialId material = api::require(in.stamps.materials, id, "the material");
+    for (std::size_t m = 0; m < in.scene.meshes.size(); ++m)
+        for (const scene::MeshPart& part : in.scene.meshes[m].parts)
+            if (part.material == material)
+                throw UsageError("a mesh uses the material: it cannot be removed before the mesh");
+    in.scene.materials[material] = {};
+    in.stamps.materials.clear(material);
+    if (material == in.grey) in.grey = scene::none;
+}
+
+void SceneBuilder::remove(const TextureId& id)
+{
+    Impl& in = impl();
+    const scene::TextureId texture = api::require(in.stamps.textures, id, "the texture");
+    for (const scene::Material& m : in.scene.materials)
+        for (const scene::TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                                             &m.occlusion_texture, &m.emissive_texture})
+            if (use->texture == texture)
+                throw UsageError("a material uses the texture: it cannot be removed before the material");
+    in.scene.textures.replace(texture, scene::Texture("", Image8(1, 1, 1), false, {}));
+    in.stamps.textures.clear(texture);
+}
+
+}   // namespace gnomon
