@@ -16,6 +16,16 @@ glm::dvec3 unit(const glm::dvec3& v, const glm::dvec3& otherwise)
     const double length = glm::length(v);
     return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
+
+// Returns the pixel in which a view shows an offset from its eye, whose distance along the view's axis counts as
+// `ahead`.
+glm::dvec2 pixel_of(const View& view, const glm::dvec3& offset, double ahead)
+{
+    const glm::dvec3 right(view.right), up(view.up);
+    const double sx = glm::dot(offset, right) / (glm::dot(right, right) * ahead) - static_cast<double>(view.shift.x);
+    const double sy = glm::dot(offset, up) / (glm::dot(up, up) * ahead) - static_cast<double>(view.shift.y);
+    return {0.5 * (sx + 1) * view.size.width, 0.5 * (1 - sy) * view.size.height};
+}
 }   // namespace
 
 scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
@@ -55,8 +65,8 @@ View make_view(const scene::SceneState& state, scene::CameraId id, Size size)
 
 void View::ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float& tnear, float& tfar) const
 {
-    const float sx = 2.0f * x / static_cast<float>(size.width) - 1.0f;
-    const float sy = 1.0f - 2.0f * y / static_cast<float>(size.height);
+    const float sx = 2.0f * x / static_cast<float>(size.width) - 1.0f + shift.x;
+    const float sy = 1.0f - 2.0f * y / static_cast<float>(size.height) + shift.y;
     if (orthographic) {
         origin = eye + sx * right + sy * up;
         direction = forward;
@@ -68,6 +78,20 @@ void View::ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float&
     origin = eye;
     direction = d / length;
     tnear = near * length, tfar = far * length;   // planes, not spheres
+}
+
+std::optional<glm::dvec2> View::project(const glm::dvec3& point) const
+{
+    const glm::dvec3 offset = point - glm::dvec3(eye);
+    if (orthographic) return pixel_of(*this, offset, 1);
+    return project_direction(offset);
+}
+
+std::optional<glm::dvec2> View::project_direction(const glm::dvec3& direction) const
+{
+    const double ahead = glm::dot(direction, glm::dvec3(forward));
+    if (orthographic || !(ahead > 0)) return {};
+    return pixel_of(*this, direction, ahead);
 }
 
 View turned(const View& view, const glm::vec3& centre, double angle)
