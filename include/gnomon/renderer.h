@@ -7,6 +7,7 @@
 #include <string>
 
 #include "gnomon/frame.h"
+#include "gnomon/frame_report.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"
 
@@ -59,6 +60,11 @@ struct RenderOptions {
     int threads = 0;   // 0: all
     /// Also output the layers depth, normal, albedo, direct, indirect and shadow, and more for a reference.
     bool layers = false;
+    /// Also output the layer id, or motion: one camera ray per pixel for both, in a pass of its own. Not with overlays
+    /// other than Overlay::redrawn.
+    bool ids = false;
+    bool motion = false;
+    bool report_changes = false;   // list the rectangles of pixels that changed (FrameReport::rectangles)
     /// Shown instead of the rendered scene. The image is then larger than `size` (see image_size) and has no other
     /// layers.
     Overlay overlay = Overlay::none;
@@ -82,6 +88,14 @@ class Renderer {
     /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or enough memory, or the device was
     ///         lost
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
+
+    /// What the last frame shows at a place in pixels from the top left corner; {0.5, 0.5} is the first pixel's centre.
+    /// At a pixel's centre, it is what the layer "id" holds there.
+    /// @throws UsageError  outside the image; no frame was rendered yet, or the last one failed or was an overlay
+    Pick pick(double x, double y);
+    /// What the last frame changed.
+    /// @throws UsageError  no frame was rendered yet, or the last one failed
+    FrameReport report() const;
 
     const RenderOptions& options() const;
     /// Name of the Vulkan device that rendered the last frame; empty if none did.

@@ -7,11 +7,14 @@
 #include <cmath>
 
 #include "api/check_options.h"
+#include "base/check.h"
+#include "base/image.h"
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
 #include "image/tone_map.h"
 #include "scene/view.h"
+#include "trace/centre_layers.h"
 
 namespace gnomon {
 
@@ -20,15 +23,35 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr Size k_default_size{1280, 720};
+
+// Returns a view of an image.
+// @param owner  keeps the image's memory
+template <class T>
+Layer layer_of(const char* name, std::vector<std::string> channels, const Image<T>& image,
+               const std::shared_ptr<const void>& owner)
+{
+    GNOMON_CHECK_EQ(channels.size(), static_cast<std::size_t>(image.channels));
+    Layer layer;
+    layer.name = name;
+    layer.channels = std::move(channels);
+    layer.format = std::is_same_v<T, std::uint32_t> ? PixelFormat::u32 : PixelFormat::f32;
+    layer.size = {image.width, image.height};
+    layer.data = image.data.data();
+    layer.pixel_stride = static_cast<std::ptrdiff_t>(sizeof(T)) * image.channels;
+    layer.row_stride = layer.pixel_stride * image.width;
+    layer.memory = owner;
+    return layer;
+}
+
 // Makes an overlay, which is in screen colours, the only layer.
 void set_overlay(const Image8& image, Frame& result)
 {
     result.size = {image.width, image.height};
     result.tonemap = ToneMap::none;
-    Layer layer{"", {"R", "G", "B"}, std::vector<float>(image.data.size())};
+    const auto shown = std::make_shared<ImageF>(image.width, image.height, 3);
     const float* linear = linear_from_srgb8();
-    for (std::size_t i = 0; i < image.data.size(); ++i) layer.data[i] = linear[image.data[i]];
-    result.layers.push_back(std::move(layer));
+    for (std::size_t i = 0; i < image.data.size(); ++i) shown->data[i] = linear[image.data[i]];
+    result.layers.push_back(layer_of("", {"R", "G", "B"}, *shown, shown));
 }
 
 // Returns the lights that an overlay shows.
@@ -69,7 +92,7 @@ double noise_of(const shading::FrameBuffers& buffers)
     return mean > 0 ? std::sqrt(square / count) / (mean / count) : 0;
 }
 
-// Exposes the engine's image, and copies its layers.
+// Exposes the engine's image, and lists its layers.
 void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options, Frame& result)
 {
     shading::FrameBuffers& buffers = engine.buffers();
@@ -82,10 +105,13 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
         result.exposure = 0;
     }
 
-    const auto add = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {
-        result.layers.push_back({name, std::move(channels), image.data});
+    const std::shared_ptr<const void> owner = engine.shared_buffers();
+    const auto add = [&](const char* name, std::vector<std::string> channels, const auto& image) {
+        result.layers.push_back(layer_of(name, std::move(channels), image, owner));
     };
     add("", {"R", "G", "B"}, buffers.color);
+    if (options.ids) add("id", {"object", "material"}, buffers.ids);
+    if (options.motion) add("motion", {"X", "Y"}, buffers.motion);
     if (!options.layers) return;
     add("depth", {"Z"}, buffers.depth);
     add("normal", {"X", "Y", "Z"}, buffers.normal);
@@ -142,6 +168,41 @@ std::string Renderer::device() const
     return impl().engine.device();
 }
 
+Pick Renderer::pick(double x, double y)
+{
+    frame::FrameEngine& engine = impl().engine;
+    if (!engine.has_frame()) throw UsageError("nothing can be picked: no frame was rendered, or the last one failed");
+    if (engine.shown() != frame::Shown::light) throw UsageError("nothing can be picked in an overlay");
+    const Size size = engine.view().size;
+    if (!(x >= 0 && y >= 0 && x <= size.width && y <= size.height))
+        throw UsageError(
+            fmt::format("{:g} {:g} lies outside the image of {} x {} pixels", x, y, size.width, size.height));
+    const frame::PickedPoint point = engine.hit_at(engine.view(), {static_cast<float>(x), static_cast<float>(y)});
+    Pick pick;
+    pick.hit = point.object != scene::none;
+    if (!pick.hit) return pick;
+    pick.object = trace::layer_id(point.object);
+    pick.material = trace::layer_id(point.material);
+    pick.triangle = point.triangle;
+    pick.position = {point.position.x, point.position.y, point.position.z};
+    pick.normal = {point.normal.x, point.normal.y, point.normal.z};
+    pick.depth = point.depth;
+    return pick;
+}
+
+FrameReport Renderer::report() const
+{
+    const frame::FrameEngine& engine = impl().engine;
+    if (!engine.has_frame()) throw UsageError("nothing to report: no frame was rendered, or the last one failed");
+    const frame::EngineReport& last = engine.report();
+    FrameReport report;
+    report.everything = last.everything;
+    for (const scene::ObjectId object : last.objects) report.objects.push_back(trace::layer_id(object));
+    for (const scene::LightId light : last.lights) report.lights.push_back(trace::layer_id(light));
+    report.rectangles = last.rectangles;
+    return report;
+}
+
 Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
     const RenderOptions& options = impl().options;
@@ -160,10 +221,15 @@ Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
     engine.advance(scene.impl(), result.time, options);
     watch.end(FrameTimes::scene);
 
-    std::optional<double> turn;
-    if (options.turntable_seconds > 0) turn = 2 * k_pi * ((frame - 1) / scene.fps() / options.turntable_seconds);
-    const scene::View view = engine.make_view(camera, traced_size(scene, options), turn);
+    const auto turn = [&](int i) -> std::optional<double> {
+        if (!(options.turntable_seconds > 0)) return {};
+        return 2 * k_pi * ((i - 1) / scene.fps() / options.turntable_seconds);
+    };
+    const Size size = traced_size(scene, options);
+    const scene::View view = engine.make_view(camera, size, turn(frame));
     frame::RenderRequest request;
+    if (options.motion && frame > 1)
+        request.previous_view = engine.move_previous(scene.time_of(frame - 1), camera, size, turn(frame - 1));
     const frame::Shown shown = engine.shown();
     if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(*scene.impl(), options);
     result.counters = engine.render(view, request, progress);

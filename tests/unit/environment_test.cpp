@@ -191,11 +191,11 @@ TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
         Renderer renderer(options);
         const Frame image = renderer.render(scene, 1);
         double sum = 0;
-        for (const float value : image.layers[0].data) {
+        for (const float value : image.layers[0].values()) {
             EXPECT_NEAR(value, 1.0f, 0.06f);
             sum += value;
         }
-        EXPECT_NEAR(sum / static_cast<double>(image.layers[0].data.size()), 1, 0.03);
+        EXPECT_NEAR(sum / static_cast<double>(image.layers[0].values().size()), 1, 0.03);
     }
 }
 

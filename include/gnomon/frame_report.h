@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What a host can ask about the last frame: what is seen at a pixel, and what changed.
+
+#include <cstdint>
+#include <vector>
+
+#include "gnomon/math.h"
+#include "gnomon/types.h"
+
+namespace gnomon {
+
+/// What the last frame shows at one place.
+struct Pick {
+    bool hit = false;             // false: nothing, and the rest is undefined
+    std::uint32_t object = 0;     // as in the layer "id"; never 0 for a hit
+    std::uint32_t material = 0;   // likewise
+    std::uint32_t triangle = 0;   // of the object's mesh, from 0
+    Vec3 position;                // on the surface, in world space
+    Vec3 normal;                  // shading normal in world space, unit, on the camera's side
+    float depth = 0;              // metres along the camera's axis, as in the layer "depth"
+};
+
+/// What the last frame changed against the one before it. Objects, lights and materials are numbered as in the layer
+/// "id", from 1, in ascending order.
+struct FrameReport {
+    /// The frame is the first of its scene, or the first after one that failed. Everything is new then: the lists of
+    /// parts are empty, and `rectangles` holds the whole image.
+    bool everything = true;
+    std::vector<std::uint32_t> objects;     // moved, deformed, appeared or vanished
+    std::vector<std::uint32_t> lights;      // position, direction, visibility or values differ; lights count from 1
+    std::vector<std::uint32_t> materials;   // values differ
+    /// Disjoint rectangles that contain all pixels whose linear colour differs from the last frame's, by any bit. Only
+    /// with RenderOptions::report_changes, and empty for overlays. An automatic exposure may differ and so change how
+    /// the other pixels are shown, too.
+    std::vector<PixelRectangle> rectangles;
+};
+
+}   // namespace gnomon
