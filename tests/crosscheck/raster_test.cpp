@@ -72,7 +72,7 @@ Pair render_both(const Scene& scene, int frame, Size size, ShadowTextures shadow
     pair.pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     pair.lights = scene.info().lights.size();
     const auto &a = pair.traced.layers[0].copy(), &m = mirrors.layers[0].copy();
-    const auto &za = layer(pair.traced, "depth").data, &zb = layer(pair.raster, "depth").data;
+    const auto &za = layer(pair.traced, "depth").copy(), &zb = layer(pair.raster, "depth").copy();
     pair.plain.assign(pair.pixels, 0);
     for (std::size_t i = 0; i < pair.pixels; ++i) {
         bool same = std::abs(za[i] - zb[i]) <= k_depth_tolerance * za[i];

@@ -162,7 +162,7 @@ TEST(MedianCut, AcceptsBlackSkiesAndSingleTexels)
 TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
 {
     const test::ScratchFolder scratch;
-    Layer layer{"", {"R", "G", "B"}, std::vector<float>(64 * 32 * 3, 1.0f)};
+    io::ExrLayer layer{"", {"R", "G", "B"}, std::vector<float>(64 * 32 * 3, 1.0f)};
     io::write_exr(scratch / "white.exr", {64, 32}, std::span(&layer, 1));
 
     for (const ShadingModel model : {ShadingModel::whitted, ShadingModel::metallic_roughness}) {
