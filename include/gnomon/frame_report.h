@@ -10,7 +10,7 @@
 
 namespace gnomon {
 
-/// What the last frame shows at one place.
+/// What the last frame shows at the centre of one pixel.
 struct Pick {
     bool hit = false;             // false: nothing, and the rest is undefined
     std::uint32_t object = 0;     // as in the layer "id"; never 0 for a hit

@@ -89,10 +89,10 @@ class Renderer {
     ///         lost
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
 
-    /// What the last frame shows at a place in pixels from the top left corner; {0.5, 0.5} is the first pixel's centre.
-    /// At a pixel's centre, it is what the layer "id" holds there.
+    /// What the last frame shows at a pixel's centre, as the layer "id" has it; costs some thousand rays at most.
+    /// @param x, y  from the top left, from 0
     /// @throws UsageError  outside the image; no frame was rendered yet, or the last one failed or was an overlay
-    Pick pick(double x, double y);
+    Pick pick(int x, int y);
     /// What the last frame changed.
     /// @throws UsageError  no frame was rendered yet, or the last one failed
     FrameReport report() const;

@@ -168,16 +168,16 @@ std::string Renderer::device() const
     return impl().engine.device();
 }
 
-Pick Renderer::pick(double x, double y)
+Pick Renderer::pick(int x, int y)
 {
     frame::FrameEngine& engine = impl().engine;
     if (!engine.has_frame()) throw UsageError("nothing can be picked: no frame was rendered, or the last one failed");
     if (engine.shown() != frame::Shown::light) throw UsageError("nothing can be picked in an overlay");
     const Size size = engine.view().size;
-    if (!(x >= 0 && y >= 0 && x <= size.width && y <= size.height))
+    if (x < 0 || y < 0 || x >= size.width || y >= size.height)
         throw UsageError(
-            fmt::format("{:g} {:g} lies outside the image of {} x {} pixels", x, y, size.width, size.height));
-    const frame::PickedPoint point = engine.hit_at(engine.view(), {static_cast<float>(x), static_cast<float>(y)});
+            fmt::format("no pixel {} {}: the image has {} x {} pixels", x, y, size.width, size.height));
+    const frame::PickedPoint point = engine.hit_at(engine.view(), {x, y});
     Pick pick;
     pick.hit = point.object != scene::none;
     if (!pick.hit) return pick;

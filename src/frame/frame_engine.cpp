@@ -451,11 +451,11 @@ void FrameEngine::make_certificates(const std::function<bool()>& go_on)
     if (certified_) certified_->judge(tasks_, go_on);
 }
 
-PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::vec2& pixel)
+PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::ivec2& pixel)
 {
     GNOMON_CHECK(state_);
     if (!rays_) make_rays();
-    const trace::ViewHit hit = trace::CentreLayers::hit_at(*rays_, *scene_, view, pixel);
+    const trace::ViewHit hit = trace::CentreLayers(*state_, *rays_, view, nullptr).hit_at(pixel);
     PickedPoint picked;
     picked.object = hit.object;
     if (picked.object == scene::none) return picked;

@@ -151,8 +151,9 @@ class FrameEngine {
 
     /// Makes certificates from what the last frames' shadow rays saw, until all are made or `go_on` returns false.
     void make_certificates(const std::function<bool()>& go_on);
-    /// What is seen at a place of the image, in pixels from the top left corner. Builds a ray scene if there is none.
-    PickedPoint hit_at(const scene::View& view, const glm::vec2& pixel);
+    /// What a view shows at a pixel's centre, as the layer of ids has it. Builds a ray scene if there is none.
+    /// @param pixel  within the view's image, from 0
+    PickedPoint hit_at(const scene::View& view, const glm::ivec2& pixel);
     /// The ray scene. There is one unless all frames of the scene were rasterised without the irradiance cache.
     const ray::RayScene& rays() const { return *rays_; }
 

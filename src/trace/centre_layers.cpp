@@ -25,6 +25,11 @@ glm::dvec3 surface_point(const scene::SceneState& state, scene::ObjectId id, std
     return object.skin != scene::none ? point : transform_point(state.world(object.node), point);
 }
 
+scene::MaterialId material_of(const scene::Scene& scene, scene::ObjectId object, std::uint32_t triangle)
+{
+    return scene.meshes[scene.objects[object].mesh].part_of(triangle).material;
+}
+
 // Returns the difference of two places in an image; 0 where one of them does not exist.
 glm::dvec2 between(const std::optional<glm::dvec2>& before, const std::optional<glm::dvec2>& now)
 {
@@ -70,9 +75,9 @@ void CentreLayers::trace(bool ids, bool motion, Tasks& tasks, shading::FrameBuff
                    });
 }
 
-void CentreLayers::trace_block(Block& block, bool ids, bool motion, shading::FrameBuffers& out) const
+// Queues rays through the pixels' centres in Morton order, so that a packet covers neighbours, and traces them.
+void CentreLayers::find_hits(Block& block) const
 {
-    // Queue rays through the pixels' centres in Morton order, so that a packet covers neighbours.
     block.rays.clear();
     block.rays.purpose = ray::RayClass::check;
     block.pixels.clear();
@@ -89,9 +94,12 @@ void CentreLayers::trace_block(Block& block, bool ids, bool motion, shading::Fra
     }
     block.hits.resize(block.rays.size());
     rays_.closest(block.rays, 0, block.rays.size(), block.hits, ray::Sides::front);
+}
 
-    // Store what they hit, and how it moved.
-    const scene::Scene& scene = state_.scene();
+// Stores what the rays of a block hit, and how it moved.
+void CentreLayers::trace_block(Block& block, bool ids, bool motion, shading::FrameBuffers& out) const
+{
+    find_hits(block);
     const ray::Hits& hits = block.hits;
     for (std::size_t i = 0; i < block.pixels.size(); ++i) {
         const glm::ivec2 pixel = block.pixels[i];
@@ -99,8 +107,7 @@ void CentreLayers::trace_block(Block& block, bool ids, bool motion, shading::Fra
         if (ids) {
             std::uint32_t* to = out.ids.pixel(pixel.x, pixel.y);
             to[0] = layer_id(object), to[1] = 0;
-            if (object != scene::none)
-                to[1] = layer_id(scene.meshes[scene.objects[object].mesh].part_of(hits.triangle[i]).material);
+            if (object != scene::none) to[1] = layer_id(material_of(state_.scene(), object, hits.triangle[i]));
         }
         if (motion) {
             glm::dvec2 moved(0);
@@ -129,27 +136,22 @@ glm::dvec2 CentreLayers::background_motion(const glm::vec3& direction) const
     return between(before_->view.project_direction(direction), view_.project_direction(direction));
 }
 
-ViewHit CentreLayers::hit_at(const ray::RayScene& rays, const scene::Scene& scene, const scene::View& view,
-                             const glm::vec2& pixel)
+ViewHit CentreLayers::hit_at(const glm::ivec2& pixel) const
 {
-    ray::RayQueue queue;
-    queue.purpose = ray::RayClass::check;
-    glm::vec3 origin, direction;
-    float tnear = 0, tfar = 0;
-    view.ray(pixel.x, pixel.y, origin, direction, tnear, tfar);
-    queue.push(origin, tnear, direction, tfar);
-    ray::Hits hits;
-    hits.resize(1);
-    rays.closest(queue, 0, 1, hits, ray::Sides::front);
-
+    GNOMON_CHECK(pixel.x >= 0 && pixel.y >= 0 && pixel.x < view_.size.width && pixel.y < view_.size.height);
+    Block block;
+    block.x = pixel.x / k_side * k_side, block.y = pixel.y / k_side * k_side;
+    find_hits(block);
+    const auto i =
+        static_cast<std::size_t>(std::find(block.pixels.begin(), block.pixels.end(), pixel) - block.pixels.begin());
     ViewHit hit;
-    hit.object = hits.object[0];
+    hit.object = block.hits.object[i];
     if (hit.object == scene::none) return hit;
-    hit.triangle = hits.triangle[0];
-    hit.material = scene.meshes[scene.objects[hit.object].mesh].part_of(hit.triangle).material;
-    hit.u = hits.u[0], hit.v = hits.v[0];
-    hit.distance = hits.t[0];
-    hit.direction = direction;
+    hit.triangle = block.hits.triangle[i];
+    hit.material = material_of(state_.scene(), hit.object, hit.triangle);
+    hit.u = block.hits.u[i], hit.v = block.hits.v[i];
+    hit.distance = block.hits.t[i];
+    hit.direction = block.rays.direction(i);
     return hit;
 }
 

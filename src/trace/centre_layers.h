@@ -29,7 +29,7 @@ struct FrameBefore {
     scene::View view;
 };
 
-/// What a ray through one place of an image meets first.
+/// What the ray through a pixel's centre meets first.
 struct ViewHit {
     scene::ObjectId object = scene::none;   // none: nothing; the rest is then undefined
     scene::MaterialId material = scene::none;
@@ -49,13 +49,13 @@ class CentreLayers {
 
     void trace(bool ids, bool motion, Tasks& tasks, shading::FrameBuffers& out) const;
 
-    /// What the view shows at a place in pixels from the top left corner. At a pixel's centre it is what the layer of
-    /// ids shows there.
-    static ViewHit hit_at(const ray::RayScene& rays, const scene::Scene& scene, const scene::View& view,
-                          const glm::vec2& pixel);
+    /// What the layer of ids holds at a pixel, and more. Traces the same rays together, because rays of other packets
+    /// may find another one of two surfaces at the same distance.
+    ViewHit hit_at(const glm::ivec2& pixel) const;
 
  private:
     struct Block;
+    void find_hits(Block& block) const;
     void trace_block(Block& block, bool ids, bool motion, shading::FrameBuffers& out) const;
     glm::dvec2 surface_motion(scene::ObjectId object, std::uint32_t triangle, float u, float v) const;
     glm::dvec2 background_motion(const glm::vec3& direction) const;

@@ -2,6 +2,7 @@
 // Layers as views of shared memory, what is seen at a pixel, and the report of what a frame changed.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <optional>
 
 #include "gnomon/gnomon.h"
@@ -123,7 +124,7 @@ TEST(Pick, IsTheLayerOfIdsAtEveryPixel)
         const Layer& normal = *frame.layer("normal");
         for (int y = 0; y < k_size.height; ++y)
             for (int x = 0; x < k_size.width; ++x) {
-                const Pick pick = renderer.pick(x + 0.5, y + 0.5);
+                const Pick pick = renderer.pick(x, y);
                 ASSERT_EQ(pick.hit, ids.id(x, y) != 0);
                 if (!pick.hit) continue;
                 ASSERT_EQ(pick.object, ids.id(x, y, 0)) << x << " " << y;
@@ -142,10 +143,10 @@ TEST(Pick, NeedsAFrameAndAPlaceInIt)
     EXPECT_THROW(renderer.report(), UsageError);
     renderer.render(scene, 1);
     EXPECT_NO_THROW(renderer.pick(0, 0));
-    EXPECT_NO_THROW(renderer.pick(48, 36));
-    EXPECT_THROW(renderer.pick(-0.1, 1), UsageError);
-    EXPECT_THROW(renderer.pick(1, 36.1), UsageError);
-    EXPECT_THROW(renderer.pick(std::numeric_limits<double>::quiet_NaN(), 1), UsageError);
+    EXPECT_NO_THROW(renderer.pick(47, 35));
+    EXPECT_THROW(renderer.pick(-1, 1), UsageError);
+    EXPECT_THROW(renderer.pick(1, 36), UsageError);
+    EXPECT_THROW(renderer.pick(48, std::numeric_limits<int>::min()), UsageError);
     EXPECT_THROW(renderer.render(scene, 2, [](const ProgressStep&) { return false; }), InterruptedError);
     EXPECT_THROW(renderer.pick(1, 1), UsageError);
     EXPECT_THROW(renderer.report(), UsageError);
@@ -165,7 +166,7 @@ TEST(Pick, BuildsRaysForRasterisedFrames)
         const Frame other = traced.render(scene, frame);
         for (int y = 0; y < k_size.height; y += 3)
             for (int x = 0; x < k_size.width; x += 3)
-                EXPECT_EQ(drawn.pick(x + 0.5, y + 0.5).object, other.layer("id")->id(x, y));
+                EXPECT_EQ(drawn.pick(x, y).object, other.layer("id")->id(x, y));
     }
 }
 #endif
