@@ -101,8 +101,7 @@ Target target_of(const Output& output, Size size, std::ptrdiff_t pixel)
 }
 
 // Writes a row of a layer of floats or ids.
-void write_row(const Output& output, const Source& source, const std::byte* from, std::byte* to,
-               std::ptrdiff_t step)
+void write_row(const Output& output, const Source& source, const std::byte* from, std::byte* to, std::ptrdiff_t step)
 {
     const auto count = static_cast<std::size_t>(source.count);
     const Layer& layer = *source.layer;
@@ -128,7 +127,8 @@ void write_shown_row(const Frame& frame, const Layer& layer, const std::byte* fr
     const auto width = static_cast<std::size_t>(layer.size.width);
     rgb.resize(3 * width);
     shown.resize(3 * width);
-    for (std::size_t x = 0; x < width; ++x, from += layer.pixel_stride) std::memcpy(&rgb[3 * x], from, 3 * sizeof(float));
+    for (std::size_t x = 0; x < width; ++x, from += layer.pixel_stride)
+        std::memcpy(&rgb[3 * x], from, 3 * sizeof(float));
     image::encode_srgb8(rgb, frame.exposure, frame.tonemap, shown);
     for (std::size_t x = 0; x < width; ++x, to += step) {
         std::memcpy(to, &shown[3 * x], 3);

@@ -175,8 +175,7 @@ Pick Renderer::pick(int x, int y)
     if (engine.shown() != frame::Shown::light) throw UsageError("nothing can be picked in an overlay");
     const Size size = engine.view().size;
     if (x < 0 || y < 0 || x >= size.width || y >= size.height)
-        throw UsageError(
-            fmt::format("no pixel {} {}: the image has {} x {} pixels", x, y, size.width, size.height));
+        throw UsageError(fmt::format("no pixel {} {}: the image has {} x {} pixels", x, y, size.width, size.height));
     const frame::PickedPoint point = engine.hit_at(engine.view(), {x, y});
     Pick pick;
     pick.hit = point.object != scene::none;

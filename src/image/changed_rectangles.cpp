@@ -95,9 +95,8 @@ std::vector<PixelRectangle> changed_rectangles(const ImageF& before, const Image
         const Bounds& b = run.bounds;
         rectangles.push_back({b.low_x, b.low_y, b.high_x - b.low_x, b.high_y - b.low_y});
     }
-    std::sort(rectangles.begin(), rectangles.end(), [](const PixelRectangle& a, const PixelRectangle& b) {
-        return a.y != b.y ? a.y < b.y : a.x < b.x;
-    });
+    std::sort(rectangles.begin(), rectangles.end(),
+              [](const PixelRectangle& a, const PixelRectangle& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
     return rectangles;
 }
 

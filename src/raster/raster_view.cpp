@@ -16,7 +16,8 @@ constexpr float k_nearest = 1e-6f;   // scene units: where a perspective view wi
 
 void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6])
 {
-    // In units of the half extent: x is inside where |x - shift * reach| <= reach, and reach grows with distance or is 1.
+    // In units of the half extent: x is inside where |x - shift * reach| <= reach, and reach grows with distance or
+    // is 1.
     const glm::vec3 x = view.right / glm::dot(view.right, view.right), y = view.up / glm::dot(view.up, view.up);
     const glm::vec3 reach = view.orthographic ? glm::vec3(0) : view.forward;
     const float constant = view.orthographic ? 1.0f : 0.0f;

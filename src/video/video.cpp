@@ -28,8 +28,9 @@ constexpr int k_least_video_side = 2;                               // an odd si
 constexpr int k_largest_video_side = 16385;                         // the encoder's limit, and one that is lost
 constexpr int k_sheet_images = 12;
 constexpr int k_sheet_columns = 4;
-constexpr std::size_t k_channels_beside_shadows = 25;   // of all other layers but ids and motion, including those of a reference
-constexpr int k_overlay_warm_up = 8;                    // frames before a single image of the cached state
+constexpr std::size_t k_channels_beside_shadows =
+    25;                                // of all other layers but ids and motion, including those of a reference
+constexpr int k_overlay_warm_up = 8;   // frames before a single image of the cached state
 
 void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
 {

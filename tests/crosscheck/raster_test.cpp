@@ -368,7 +368,8 @@ TEST_F(RasterCrosscheck, HardShadowsOfAlphaTestedObjectsEqualTheTracedFrame)
     const std::size_t lights = a.size() / layer(holes, "depth").values().size();
     std::size_t through = 0;   // lit behind the holes alone, of the same surface
     for (std::size_t i = 0; i < a.size(); ++i)
-        through += layer(holes, "depth").values()[i / lights] == layer(whole, "depth").values()[i / lights] && a[i] > b[i];
+        through +=
+            layer(holes, "depth").values()[i / lights] == layer(whole, "depth").values()[i / lights] && a[i] > b[i];
     EXPECT_GT(through, 200u);
 }
 

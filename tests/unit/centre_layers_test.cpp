@@ -48,8 +48,8 @@ std::shared_ptr<scene::TransformTrack> turning(const dvec3& at, double angle_a_f
 scene::Mesh square(float half)
 {
     scene::Mesh mesh;
-    mesh.positions = {{-half, -half, 0}, {0, -half, 0},    {half, -half, 0},
-                      {-half, half, 0},  {0, half, 0},     {half, half, 0}};
+    mesh.positions = {{-half, -half, 0}, {0, -half, 0}, {half, -half, 0},
+                      {-half, half, 0},  {0, half, 0},  {half, half, 0}};
     mesh.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}};
     mesh.parts = {{0, 0, 2}, {1, 2, 2}};
     return mesh;
@@ -219,7 +219,8 @@ TEST(CentreLayers, TurnedCamerasMoveEverything)
     const auto expected = [](int x, int y) {
         const dvec2 now = slope(x, y);
         // The direction (now.x, now.y, -1) by the camera before, which looked further to the right.
-        const double right = std::cos(angle) * now.x - std::sin(angle), ahead = std::cos(angle) + std::sin(angle) * now.x;
+        const double right = std::cos(angle) * now.x - std::sin(angle),
+                     ahead = std::cos(angle) + std::sin(angle) * now.x;
         const dvec2 before = dvec2(right, now.y) / ahead;
         return k_focal * dvec2(now.x - before.x, -(now.y - before.y));
     };

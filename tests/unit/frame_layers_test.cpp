@@ -165,8 +165,7 @@ TEST(Pick, BuildsRaysForRasterisedFrames)
         drawn.render(scene, frame);
         const Frame other = traced.render(scene, frame);
         for (int y = 0; y < k_size.height; y += 3)
-            for (int x = 0; x < k_size.width; x += 3)
-                EXPECT_EQ(drawn.pick(x, y).object, other.layer("id")->id(x, y));
+            for (int x = 0; x < k_size.width; x += 3) EXPECT_EQ(drawn.pick(x, y).object, other.layer("id")->id(x, y));
     }
 }
 #endif

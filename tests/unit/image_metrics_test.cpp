@@ -168,8 +168,8 @@ TEST(Compare, ChecksLayersAndSizesAndWritesHeatMap)
 {
     const test::ScratchFolder scratch;
     std::vector<io::ExrLayer> layers{{"", {"R", "G", "B"}, std::vector<float>(16 * 8 * 3, 0.5f)},
-                              {"depth", {"Z"}, std::vector<float>(16 * 8, 2.0f)},
-                              {"shadow", {"L0", "L1"}, std::vector<float>(16 * 8 * 2, 1.0f)}};
+                                     {"depth", {"Z"}, std::vector<float>(16 * 8, 2.0f)},
+                                     {"shadow", {"L0", "L1"}, std::vector<float>(16 * 8 * 2, 1.0f)}};
     io::write_exr(scratch / "a.exr", {16, 8}, layers);
     layers[1].data[0] = 6;
     layers[2].data[1] = 0;   // L1 of the first pixel

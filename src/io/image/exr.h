@@ -3,7 +3,8 @@
 // Reads and writes OpenEXR images with named layers, with the OpenEXR library.
 //
 // A layer's channel is called "layer.channel" in the file; channels of the image itself (layer "") have no prefix.
-// Files are written as 32-bit float, and ids as unsigned integers; scan lines from the top, ZIP; the bytes depend on the pixels only.
+// Files are written as 32-bit float, and ids as unsigned integers; scan lines from the top, ZIP; the bytes depend on
+// the pixels only.
 
 #include <cstdint>
 #include <filesystem>
