@@ -170,7 +170,9 @@ TEST(Exr, WiderImagesAllowFewerChannels)
     EXPECT_EQ(room_in_exr({2048, 1}), 16383u);
     EXPECT_EQ(room_in_exr({16384, 5000}), 2047u);
     const test::ScratchFolder scratch;
-    const ExrLayer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before any pixel is read
+    Layer wide;   // refused before any pixel is read
+    wide.name = "shadow";
+    wide.channels.assign(2048, "L");
     EXPECT_THROW(write_exr(scratch / "a.exr", {16384, 1}, std::span(&wide, 1)), UsageError);
 }
 
