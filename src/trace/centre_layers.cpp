@@ -56,7 +56,7 @@ CentreLayers::CentreLayers(const scene::SceneState& state, const ray::RayScene& 
                            const FrameBefore* before)
     : state_(state), rays_(rays), view_(view), before_(before)
 {
-    GNOMON_CHECK(!before || before->state->shared_scene() == state.shared_scene());
+    if (before) GNOMON_CHECK_EQ(before->state->scene().objects.size(), state.scene().objects.size());
 }
 
 void CentreLayers::trace(bool ids, bool motion, Tasks& tasks, shading::FrameBuffers& out) const
