@@ -89,7 +89,7 @@ class Renderer {
     ///         lost
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
 
-    /// What the last frame shows at a pixel's centre, as the layer "id" has it; costs some thousand rays at most.
+    /// What the last frame shows at a pixel's centre, as the layer "id" has it. Costs about a thousand rays.
     /// @param x, y  from the top left, from 0
     /// @throws UsageError  outside the image; no frame was rendered yet, or the last one failed or was an overlay
     Pick pick(int x, int y);

@@ -284,10 +284,13 @@ scene::View FrameEngine::view_in(const scene::SceneState& state, scene::CameraId
 scene::View FrameEngine::move_previous(double time, scene::CameraId camera, Size size, std::optional<double> turn)
 {
     GNOMON_CHECK(advanced_ && options_.motion);
-    if (state_before_)
-        state_before_->advance(time);
+    // Keep the state only if it follows whole.
+    std::unique_ptr<scene::SceneState> state = std::move(state_before_);
+    if (state)
+        state->advance(time);
     else
-        state_before_ = std::make_unique<scene::SceneState>(scene_, time);
+        state = std::make_unique<scene::SceneState>(scene_, time);
+    state_before_ = std::move(state);
     return view_in(*state_before_, camera, size, turn);
 }
 
