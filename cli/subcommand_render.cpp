@@ -55,6 +55,10 @@ RenderOptions render_options(const options::OptionValues& values)
     std::string extension = std::filesystem::path(values.text("out")).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     options.layers = extension == ".exr";
+    options.ids = values.flag("ids");
+    options.motion = values.flag("motion");
+    for (const char* name : {"ids", "motion"})
+        if (values.flag(name) && !options.layers) throw UsageError(fmt::format("--{} needs .exr output", name));
     return options;
 }
 

@@ -57,13 +57,13 @@ inline std::size_t count_of_no_numbers(const Frame& image)
 {
     std::size_t bad = 0;
     for (const Layer& layer : image.layers)
-        for (const float value : layer.data) bad += layer.name != "depth" && !std::isfinite(value);
+        for (const float value : layer.values()) bad += layer.name != "depth" && !std::isfinite(value);
     return bad;
 }
 
 inline float brightest_of(const Frame& image)
 {
-    const std::vector<float>& data = image.layers.front().data;
+    const std::span<const float> data = image.layers.front().values();
     return *std::max_element(data.begin(), data.end());
 }
 

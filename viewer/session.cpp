@@ -307,7 +307,12 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     image->complete = engine_->complete();
     image->bounds = engine_->rays().bounds();
     image->remembered_bytes = engine_->cached_bytes();
-    if (request.pick) image->picked = describe(inside, engine_->hit_at(image->eye, *request.pick));
+    if (request.pick) {
+        const Size size = image->eye.size;
+        const glm::ivec2 pixel = glm::clamp(glm::ivec2(glm::floor(*request.pick)), glm::ivec2(0),
+                                            glm::ivec2(size.width - 1, size.height - 1));
+        image->picked = describe(inside, engine_->hit_at(image->eye, pixel));
+    }
     return image;
 }
 

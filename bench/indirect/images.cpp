@@ -60,15 +60,16 @@ Frame direct_light(const Scene& scene, const IndirectStudy& study)
 
 Image8 lit_image(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance)
 {
-    Frame image = study.direct;
     const Layer* const direct = study.direct.layer("direct");
-    GNOMON_CHECK(direct != nullptr && direct->data.size() == 3 * irradiance.size());
-    std::vector<float>& color = image.layers.front().data;
+    GNOMON_CHECK(direct != nullptr && direct->values().size() == 3 * irradiance.size());
+    std::vector<float> color = direct->copy();
     for (std::size_t i = 0; i < irradiance.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            color[3 * i + static_cast<std::size_t>(c)] =
-                direct->data[3 * i + static_cast<std::size_t>(c)] +
+            color[3 * i + static_cast<std::size_t>(c)] +=
                 study.result.image.diffuse[i][c] * irradiance[i][c] / static_cast<float>(k_pi);
+    Frame image = study.direct;
+    image.layers = {*direct};
+    image.layers.front().data = color.data();
     return image_of(image);
 }
 

@@ -2,25 +2,66 @@
 #pragma once
 // A rendered frame: linear light and layers.
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gnomon/frame_times.h"
+#include "gnomon/output.h"
 #include "gnomon/types.h"
 
 namespace gnomon {
 
-/// One layer of an image, 32-bit float, rows from the top, channels interleaved.
+/// One layer of an image: a view of memory that is shared with the renderer, without a copy. The values stay valid and
+/// unchanged as long as this layer, a copy of it or its Frame exists. Rows are from the top, channels interleaved.
+///
+/// | name | channels | values |
+/// |---|---|---|
+/// | "" | R G B | the image: linear light, Rec. 709 primaries, averaged over samples |
+/// | depth | Z | distance in metres (units of the scene) along the camera's axis; 0: nothing |
+/// | normal | X Y Z | shading normal in world space; 0: nothing |
+/// | albedo, direct, indirect | R G B | reflectance, and direct and indirect light, averaged over samples |
+/// | shadow | L0 L1 ... | by light: 1 lit, 0 in shadow, averaged over samples |
+/// | id | object material | ids (u32), as pick() gives them; 0: nothing |
+/// | motion | X Y | from where the surface point was a frame before to where it is: pixels, right and down |
+///
+/// Depth, normal, id and motion are those at the pixel's centre, whatever the number of samples.
 struct Layer {
-    std::string name;                    // "" (the image itself), "depth", "normal", "albedo", "direct", ...
-    std::vector<std::string> channels;   // {"R", "G", "B"}, {"Z"}, {"X", "Y", "Z"}, {"L0", "L1"}
-    std::vector<float> data;
+    std::string name;
+    std::vector<std::string> channels;
+    PixelFormat format = PixelFormat::f32;   // f32, or u32 for ids
+    Size size;
+    const void* data = nullptr;        // the first channel of the upper left pixel
+    std::ptrdiff_t pixel_stride = 0;   // bytes from one pixel to the next; the channels of a pixel are adjacent
+    std::ptrdiff_t row_stride = 0;     // bytes from one row to the next
+    std::shared_ptr<const void> memory;
+
+    /// The value of one pixel.
+    /// @param x, y  from the top left, from 0
+    /// @throws UsageError  outside the layer, or its values are ids
+    float value(int x, int y, int channel = 0) const;
+    /// The id of one pixel.
+    /// @throws UsageError  outside the layer, or its values are not ids
+    std::uint32_t id(int x, int y, int channel = 0) const;
+    /// All values in the order of rows, pixels and channels; width * height * channels of them.
+    /// @throws UsageError  its values are ids, or are not adjacent in memory; the renderer's own layers are
+    std::span<const float> values() const;
+    /// @throws UsageError  its values are not ids, or are not adjacent in memory
+    std::span<const std::uint32_t> ids() const;
+    /// A copy of values().
+    std::vector<float> copy() const;
 };
 
+/// A frame shares its memory with the renderer, which renders the next frame into the same memory if nothing holds a
+/// layer of it any more, and otherwise into new memory. A caller that drops a frame before it renders the next one
+/// therefore saves an allocation.
 struct Frame {
     Size size;
-    std::vector<Layer> layers;   // the first is the image: linear RGB, Rec. 709 primaries
+    std::vector<Layer> layers;   // the first is the image
     double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
     ToneMap tonemap = ToneMap::neutral;
     FrameCounters counters;

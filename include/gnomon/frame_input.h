@@ -14,6 +14,7 @@
 
 #include "gnomon/ids.h"
 #include "gnomon/math.h"
+#include "gnomon/output.h"
 #include "gnomon/scene_parts.h"
 
 namespace gnomon {
@@ -87,6 +88,10 @@ struct FrameInput {
     /// Limits the rays of indirect light in this frame; the light that is missing comes with later frames of the same
     /// input, until Frame::complete. 0: no limit, every frame is complete.
     std::uint64_t indirect_ray_limit = 0;
+
+    /// Layers to be written into memory of the caller's once the frame is rendered. With another error, nothing is
+    /// written.
+    std::vector<Output> outputs{};
 };
 
 }   // namespace gnomon

@@ -9,6 +9,7 @@
 
 #include "gnomon/frame.h"
 #include "gnomon/frame_input.h"
+#include "gnomon/frame_report.h"
 #include "gnomon/scene.h"
 #include "gnomon/types.h"
 
@@ -61,6 +62,11 @@ struct RenderOptions {
     int threads = 0;   // 0: all
     /// Also output the layers depth, normal, albedo, direct, indirect and shadow, and more for a reference.
     bool layers = false;
+    /// Also output the layer id, or motion: one camera ray per pixel for both, in a pass of its own. Not with overlays
+    /// other than Overlay::redrawn.
+    bool ids = false;
+    bool motion = false;
+    bool report_changes = false;   // list the rectangles of pixels that changed (FrameReport::rectangles)
     /// Shown instead of the rendered scene. The image is then larger than `size` (see image_size) and has no other
     /// layers.
     Overlay overlay = Overlay::none;
@@ -102,6 +108,14 @@ class Renderer {
     /// Other options for the frames that follow. What they do not bear on stays remembered.
     /// @throws UsageError  an option is out of range, or `interactive` differs
     void set_options(RenderOptions options);
+    /// What the last frame shows at a pixel's centre, as the layer "id" has it. Costs about a thousand rays.
+    /// @param x, y  from the top left, from 0
+    /// @throws UsageError  outside the image; no frame was rendered yet, or the last one failed or was an overlay
+    Pick pick(int x, int y);
+    /// What the last frame changed.
+    /// @throws UsageError  no frame was rendered yet, or the last one failed
+    FrameReport report() const;
+
     const RenderOptions& options() const;
 
     // Of the last frame. All throw UsageError before the first, and for parts that its scene does not have.

@@ -18,6 +18,13 @@ struct Size {
     friend bool operator==(const Size&, const Size&) = default;
 };
 
+/// Pixels of an image; x and y from the top left corner, from 0.
+struct PixelRectangle {
+    int x = 0, y = 0;
+    int width = 0, height = 0;
+    friend bool operator==(const PixelRectangle&, const PixelRectangle&) = default;
+};
+
 /// A range of frames, inclusive, numbered from 1.
 struct FrameRange {
     int first = 1;

@@ -35,7 +35,7 @@ Loaded load_exr(std::span<const std::uint8_t> bytes, const std::string& name, co
             if (!other.empty()) there += (there.empty() ? "" : ", ") + other;
         throw UsageError(fmt::format("{}: no layer '{}'; there are: {}", name, layer, there.empty() ? "none" : there));
     }
-    Layer& found = image.layers.front();
+    io::ExrLayer& found = image.layers.front();
     Loaded loaded;
     loaded.image.width = image.size.width, loaded.image.height = image.size.height;
     loaded.image.channels = static_cast<int>(found.channels.size());

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "base/check.h"
 #include "gnomon/error.h"
 #include "image/tone_map.h"
 #include "io/file/output_name.h"
@@ -11,6 +10,62 @@
 #include "io/image/image_file.h"
 
 namespace gnomon {
+
+namespace {
+
+// Returns the bytes of one value.
+template <class T>
+const T* value_at(const Layer& layer, PixelFormat format, int x, int y, int channel)
+{
+    const int channels = static_cast<int>(layer.channels.size());
+    if (layer.format != format)
+        throw UsageError(fmt::format("layer '{}': its values are {}", layer.name,
+                                     layer.format == PixelFormat::u32 ? "ids" : "no ids"));
+    if (x < 0 || y < 0 || channel < 0 || x >= layer.size.width || y >= layer.size.height || channel >= channels)
+        throw UsageError(fmt::format("layer '{}': no channel {} of pixel {} {}: there are {} of {} x {} pixels",
+                                     layer.name, channel, x, y, channels, layer.size.width, layer.size.height));
+    const auto* row = static_cast<const std::byte*>(layer.data) + y * layer.row_stride;
+    return reinterpret_cast<const T*>(row + x * layer.pixel_stride) + channel;
+}
+
+template <class T>
+std::span<const T> all_values(const Layer& layer, PixelFormat format)
+{
+    const auto pixels = static_cast<std::size_t>(layer.size.width) * static_cast<std::size_t>(layer.size.height);
+    if (pixels == 0) return {};
+    const auto pixel = static_cast<std::ptrdiff_t>(layer.channels.size() * sizeof(T));
+    if (layer.pixel_stride != pixel || layer.row_stride != layer.size.width * pixel)
+        throw UsageError(fmt::format("layer '{}': its values are not adjacent in memory", layer.name));
+    return {value_at<T>(layer, format, 0, 0, 0), pixels * layer.channels.size()};
+}
+
+}   // namespace
+
+float Layer::value(int x, int y, int channel) const
+{
+    return *value_at<float>(*this, PixelFormat::f32, x, y, channel);
+}
+
+std::uint32_t Layer::id(int x, int y, int channel) const
+{
+    return *value_at<std::uint32_t>(*this, PixelFormat::u32, x, y, channel);
+}
+
+std::span<const float> Layer::values() const
+{
+    return all_values<float>(*this, PixelFormat::f32);
+}
+
+std::span<const std::uint32_t> Layer::ids() const
+{
+    return all_values<std::uint32_t>(*this, PixelFormat::u32);
+}
+
+std::vector<float> Layer::copy() const
+{
+    const std::span<const float> all = values();
+    return {all.begin(), all.end()};
+}
 
 const Layer* Frame::layer(const std::string& name) const
 {
@@ -21,10 +76,10 @@ const Layer* Frame::layer(const std::string& name) const
 
 std::vector<std::uint8_t> Frame::to_srgb8() const
 {
-    GNOMON_CHECK(!layers.empty());
-    GNOMON_CHECK_EQ(layers.front().data.size(), std::size_t{3} * size.width * size.height);
-    std::vector<std::uint8_t> bytes(layers.front().data.size());
-    image::encode_srgb8(layers.front().data, exposure, tonemap, bytes);
+    if (layers.empty()) throw UsageError("a frame without layers has no image");
+    const std::span<const float> rgb = layers.front().values();
+    std::vector<std::uint8_t> bytes(rgb.size());
+    image::encode_srgb8(rgb, exposure, tonemap, bytes);
     return bytes;
 }
 

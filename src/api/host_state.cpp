@@ -124,6 +124,16 @@ Checked checked(const Scene::Impl& impl, const FrameInput& input)
 
 }   // namespace
 
+bool HostState::follows(const Scene& scene) const
+{
+    if (!scene_) return false;
+    const StampList &before = SceneAccess::impl(*scene_).stamps.nodes, &now = SceneAccess::impl(scene).stamps.nodes;
+    if (&before == &now) return true;
+    for (std::size_t n = 0; n < std::min(before.size(), now.size()); ++n)
+        if (before[n] != 0 && before[n] == now[n]) return true;
+    return false;
+}
+
 void HostState::follow(const Scene& scene)
 {
     const Scene::Impl& to = SceneAccess::impl(scene);
@@ -136,6 +146,7 @@ void HostState::follow(const Scene& scene)
         values_->copy_to(*values, {finder(before.nodes, to.stamps.nodes), finder(before.lights, to.stamps.lights),
                                    finder(before.materials, to.stamps.materials)});
     }
+    values->end_frame();   // these are the values of the frame before
     scene_ = scene;
     values_ = std::move(values);
 }

@@ -18,6 +18,8 @@ class HostState {
 
     /// The scene's values. @pre apply() was called
     frame::HostValues& values() { return *values_; }
+    /// Whether a scene is that of the last apply(), or has a node in common with it.
+    bool follows(const Scene& scene) const;
     /// The scene of the last apply(); none before.
     const Scene* scene() const { return scene_ ? &*scene_ : nullptr; }
 

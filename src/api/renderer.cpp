@@ -8,123 +8,19 @@
 
 #include "api/check_options.h"
 #include "api/convert.h"
+#include "api/frame_layers.h"
 #include "api/host_state.h"
+#include "api/outputs.h"
 #include "api/scene_access.h"
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
-#include "image/tone_map.h"
 #include "scene/view.h"
 
 namespace gnomon {
 
 namespace {
-
 using Clock = std::chrono::steady_clock;
-
-constexpr Size k_default_size{1280, 720};
-
-// Makes an overlay, which is in screen colours, the only layer.
-void set_overlay(const Image8& image, Frame& result)
-{
-    result.size = {image.width, image.height};
-    result.tonemap = ToneMap::none;
-    Layer layer{"", {"R", "G", "B"}, std::vector<float>(image.data.size())};
-    const float* linear = linear_from_srgb8();
-    for (std::size_t i = 0; i < image.data.size(); ++i) layer.data[i] = linear[image.data[i]];
-    result.layers.push_back(std::move(layer));
-}
-
-// Returns the lights that an overlay shows.
-std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options)
-{
-    const int count = static_cast<int>(scene.lights.size());
-    if (count == 0) throw UsageError("an overlay of shadow states needs a light: the scene has none");
-    std::vector<int> lights;
-    if (options.overlay_light) {
-        if (*options.overlay_light < 0 || *options.overlay_light >= count)
-            throw UsageError(
-                fmt::format("no light {}: the scene has {}, numbered from 0", *options.overlay_light, count));
-        return {*options.overlay_light};
-    }
-    for (int l = 0; l < count; ++l) lights.push_back(l);
-    return lights;
-}
-
-std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::vector<int>& lights, int frame)
-{
-    std::vector<std::string> titles;
-    for (const int l : lights) {
-        const std::string& name = scene.lights[static_cast<std::size_t>(l)].name;
-        const std::string number = fmt::format("light {}", l);
-        titles.push_back(fmt::format("{}{}{}{}", frame > 0 ? fmt::format("frame {}  ", frame) : "", number,
-                                     name.empty() || name == number ? "" : ": ", name == number ? "" : name));
-    }
-    return titles;
-}
-
-// Returns the root of the mean variance over all pixels and channels, divided by the image's mean.
-double noise_of(const shading::FrameBuffers& buffers)
-{
-    double mean = 0, square = 0;
-    for (const float value : buffers.color.data) mean += static_cast<double>(value);
-    for (const float variance : buffers.variance.data) square += static_cast<double>(variance);
-    const auto count = static_cast<double>(buffers.color.data.size());
-    return mean > 0 ? std::sqrt(square / count) / (mean / count) : 0;
-}
-
-// Exposes the engine's image, and copies its layers.
-void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options, Frame& result)
-{
-    shading::FrameBuffers& buffers = engine.buffers();
-    if (engine.is_reference()) result.noise = noise_of(buffers);
-    result.tonemap = options.tonemap;
-    result.exposure = options.exposure ? *options.exposure : image::auto_exposure(buffers.color.data);
-    if (engine.shown() == frame::Shown::redrawn) {
-        engine.paint_redrawn(result.exposure);
-        result.tonemap = ToneMap::none;
-        result.exposure = 0;
-    }
-
-    const auto add = [&](const char* name, std::vector<std::string> channels, const ImageF& image) {
-        result.layers.push_back({name, std::move(channels), image.data});
-    };
-    add("", {"R", "G", "B"}, buffers.color);
-    if (!options.layers) return;
-    add("depth", {"Z"}, buffers.depth);
-    add("normal", {"X", "Y", "Z"}, buffers.normal);
-    add("albedo", {"R", "G", "B"}, buffers.albedo);
-    add("direct", {"R", "G", "B"}, buffers.direct);
-    if (engine.has_indirect()) add("indirect", {"R", "G", "B"}, buffers.indirect);
-    if (engine.is_reference()) {
-        add("variance", {"R", "G", "B"}, buffers.variance);
-        add("irradiance", {"R", "G", "B"}, buffers.irradiance);
-        add("irradiance_variance", {"R", "G", "B"}, buffers.irradiance_variance);
-    }
-    std::vector<std::string> lights;
-    for (std::size_t l = 0; l < scene.lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
-    if (!lights.empty()) add("shadow", std::move(lights), buffers.shadow);
-}
-
-Size traced_size(const Scene& scene, const RenderOptions& options)
-{
-    return options.size.width > 0 ? options.size : default_size(scene, options.camera);
-}
-
-// Throws where an overlay cannot be shown.
-void check_overlay(const Scene& scene, const RenderOptions& options)
-{
-    if (options.overlay == Overlay::redrawn && api::scene_of(scene)->lights.empty())
-        throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
-    if (options.overlay != Overlay::shadow_states) return;
-    const Size size = traced_size(scene, options);
-    const std::size_t panels = overlay_lights(*api::scene_of(scene), options).size();
-    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > ranges::k_max_pixels)
-        throw UsageError(
-            fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",
-                        panels, ranges::k_max_pixels / 1'000'000));
-}
-
 }   // namespace
 
 struct Renderer::Impl {
@@ -141,10 +37,18 @@ struct Renderer::Impl {
     RenderOptions options;
     frame::FrameEngine engine;
     api::HostState host;
-    std::optional<Camera> camera;   // of the last frame
+    // Of the last frame, for what is asked about it and for the layer of motion of the next.
+    bool has_frame = false;
+    double last_time = 0;
+    std::optional<Camera> camera, last_host_camera;
 
+    struct Wanted;
     Frame render(const Scene& scene, const FrameInput& input, const Progress& progress);
-    scene::View make_view(const Scene& scene, const FrameInput& input);
+    Wanted check(const Scene& scene, const FrameInput& input) const;
+    std::optional<double> turn_of(const Scene& scene, const FrameInput& input, int frame) const;
+    scene::View make_view(const Wanted& wanted, const FrameInput& input);
+    std::optional<scene::View> view_before(const Scene& scene, const Wanted& wanted, const FrameInput& input,
+                                           bool is_first);
     const Scene::Impl& last_scene() const;
     const scene::SceneState& last_state() const;
 };
@@ -207,7 +111,7 @@ void Renderer::forget()
 {
     impl().engine.forget();
     impl().host = {};
-    impl().camera.reset();
+    impl().has_frame = false;
 }
 
 void Renderer::improve(const std::function<bool()>& go_on)
@@ -238,7 +142,7 @@ bool Renderer::visible(const NodeId& id) const
 
 Camera Renderer::camera() const
 {
-    impl().last_state();
+    if (!impl().camera) throw UsageError("the renderer has no scene yet: render a frame first");
     return *impl().camera;
 }
 
@@ -247,6 +151,45 @@ Box Renderer::bounds() const
     impl().last_state();
     const Box3 box = impl().engine.bounds();
     return box.empty() ? Box{} : Box{api::vec(box.low), api::vec(box.high)};
+}
+
+Pick Renderer::pick(int x, int y)
+{
+    frame::FrameEngine& engine = impl().engine;
+    if (!engine.has_frame()) throw UsageError("nothing can be picked: no frame was rendered, or the last one failed");
+    if (engine.shown() != frame::Shown::light) throw UsageError("nothing can be picked in an overlay");
+    const Size size = engine.view().size;
+    if (x < 0 || y < 0 || x >= size.width || y >= size.height)
+        throw UsageError(fmt::format("no pixel {} {}: the image has {} x {} pixels", x, y, size.width, size.height));
+    const frame::PickedPoint point = engine.hit_at(engine.view(), {x, y});
+    Pick pick;
+    pick.hit = point.object != scene::none;
+    if (!pick.hit) return pick;
+    const api::SceneStamps& stamps = impl().last_scene().stamps;
+    pick.instance = InstanceId(stamps.nodes.id<NodeId>(engine.scene()->objects[point.object].node));
+    pick.material = stamps.materials.id<MaterialId>(point.material);
+    pick.triangle = point.triangle;
+    pick.position = {point.position.x, point.position.y, point.position.z};
+    pick.normal = {point.normal.x, point.normal.y, point.normal.z};
+    pick.depth = point.depth;
+    return pick;
+}
+
+FrameReport Renderer::report() const
+{
+    const frame::FrameEngine& engine = impl().engine;
+    if (!engine.has_frame()) throw UsageError("nothing to report: no frame was rendered, or the last one failed");
+    const frame::EngineReport& last = engine.report();
+    FrameReport report;
+    report.everything = last.everything;
+    const api::SceneStamps& stamps = impl().last_scene().stamps;
+    for (const scene::ObjectId object : last.objects)
+        report.instances.emplace_back(stamps.nodes.id<NodeId>(engine.scene()->objects[object].node));
+    for (const scene::LightId light : last.lights) report.lights.push_back(stamps.lights.id<LightId>(light));
+    for (const scene::MaterialId material : last.materials)
+        report.materials.push_back(stamps.materials.id<MaterialId>(material));
+    report.rectangles = last.rectangles;
+    return report;
 }
 
 Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
@@ -261,58 +204,111 @@ Frame Renderer::render(const Scene& scene, const FrameInput& input, const Progre
     return impl().render(scene, input, progress);
 }
 
-// The host's camera, else the scene's.
-scene::View Renderer::Impl::make_view(const Scene& scene, const FrameInput& input)
-{
-    if (input.camera) {
-        camera = input.camera;
-        Size size = options.size.width > 0 ? options.size : input.camera->resolution;
-        if (size.width <= 0) size = k_default_size;
-        return scene::make_view(api::to_scene(*camera), api::matrix_of(camera->transform, "the camera"), size);
-    }
-    const scene::Scene& inside = *api::scene_of(scene);
-    const scene::CameraId id = scene::find_camera(inside, options.camera);
+// What a frame is rendered of, checked.
+struct Renderer::Impl::Wanted {
+    double time = 0;
+    Size size;
+    std::optional<scene::Camera> camera;   // of the host
+    glm::dmat4 camera_to_world{1};
+    scene::CameraId scene_camera = scene::none;   // otherwise
     std::optional<double> turn;
-    if (input.turn != 0) turn = input.turn;
-    if (options.turntable_seconds > 0 && !input.time)
-        turn = input.turn + 2 * k_pi * ((input.frame - 1) / scene.fps() / options.turntable_seconds);
-    scene::View view = engine.make_view(id, traced_size(scene, options), turn);
-    glm::dmat4 world = engine.state()->world(inside.cameras[id].node);
-    if (turn) world = scene::matrix_of(view);
-    camera = api::from_scene(inside.cameras[id], world);
-    return view;
-}
+};
 
-Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const Progress& progress)
+// Checks everything before anything changes.
+Renderer::Impl::Wanted Renderer::Impl::check(const Scene& scene, const FrameInput& input) const
 {
-    // Check everything before anything changes.
     if (!input.time && (input.frame < 1 || input.frame > scene.frame_count()))
         throw UsageError(fmt::format("no frame {}: the clip has frames 1 to {}", input.frame, scene.frame_count()));
     if (input.time && !std::isfinite(*input.time)) throw UsageError("the time is not finite");
     if (!std::isfinite(input.turn)) throw UsageError("the turn is not finite");
-    for (const std::optional<Camera>* given : {&input.camera, &input.camera_closing})
-        if (*given) api::to_scene(**given), api::matrix_of((*given)->transform, "the camera");
     const scene::Scene& inside = *api::scene_of(scene);
-    if (!input.camera) scene::find_camera(inside, options.camera);
-    check_overlay(scene, options);
+    Wanted wanted;
+    wanted.time = input.time ? *input.time : scene.time_of(input.frame);
+    if (input.camera_closing)
+        api::to_scene(*input.camera_closing), api::matrix_of(input.camera_closing->transform, "the camera");
+    Size of_camera;
+    if (input.camera) {
+        wanted.camera = api::to_scene(*input.camera);
+        wanted.camera_to_world = api::matrix_of(input.camera->transform, "the camera");
+        of_camera = input.camera->resolution;
+    } else {
+        wanted.scene_camera = scene::find_camera(inside, options.camera);
+        of_camera = inside.cameras[wanted.scene_camera].resolution;
+        wanted.turn = turn_of(scene, input, input.frame);
+    }
+    wanted.size = api::rendered_size(options.size, of_camera);
+    api::check_overlay(inside, options, wanted.size);
+    check_outputs(input.outputs, wanted.size);
+    return wanted;
+}
+
+// The radians by which the scene's camera has circled it at a frame.
+std::optional<double> Renderer::Impl::turn_of(const Scene& scene, const FrameInput& input, int frame) const
+{
+    std::optional<double> turn;
+    if (input.turn != 0) turn = input.turn;
+    if (options.turntable_seconds > 0 && !input.time)
+        turn = input.turn + 2 * k_pi * ((frame - 1) / scene.fps() / options.turntable_seconds);
+    return turn;
+}
+
+scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& input)
+{
+    if (wanted.camera) {
+        camera = input.camera;
+        return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
+    }
+    const scene::View view = engine.make_view(wanted.scene_camera, wanted.size, wanted.turn);
+    const scene::Camera& described = host.values().scene()->cameras[wanted.scene_camera];
+    camera = api::from_scene(described,
+                             wanted.turn ? scene::matrix_of(view) : engine.state()->world(described.node));
+    return view;
+}
+
+// The frame before, for the layer of motion: by tracks, the one before in the clip; by a host, the one that was rendered
+// last. Nothing moved before the first.
+std::optional<scene::View> Renderer::Impl::view_before(const Scene& scene, const Wanted& wanted,
+                                                       const FrameInput& input, bool is_first)
+{
+    if (!options.motion) return {};
+    if (is_first) host.values().end_frame();   // the values handed over are those of the frame before, too
+    double time = wanted.time;
+    if (!input.time && input.frame > 1) time = scene.time_of(input.frame - 1);
+    if (input.time && !is_first) time = last_time;
+    const scene::SceneState& before = engine.move_previous(time, &host.values());
+    if (wanted.camera) {
+        const Camera& last = !is_first && last_host_camera ? *last_host_camera : *input.camera;
+        return scene::make_view(api::to_scene(last), api::matrix_of(last.transform, "the camera"), wanted.size);
+    }
+    std::optional<double> turn = wanted.turn;
+    if (!input.time && input.frame > 1) turn = turn_of(scene, input, input.frame - 1);
+    return engine.view_in(before, wanted.scene_camera, wanted.size, turn);
+}
+
+Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const Progress& progress)
+{
+    const Wanted wanted = check(scene, input);
+    const scene::Scene& inside = *api::scene_of(scene);
     const auto start = Clock::now();
 
     Frame result;
     FrameTimes own;   // of the stages outside the engine's render()
     gnomon::Stopwatch watch(own);
     result.frame = input.time ? 0 : input.frame;
-    result.time = input.time ? *input.time : scene.time_of(input.frame);
+    result.time = wanted.time;
+    const bool is_first = !has_frame || !host.follows(scene);
     host.apply(scene, input);
     const bool began_anew = !engine.state() || engine.scene() != host.values().scene();
-    engine.advance(host.values().scene(), result.time, options, {}, &host.values());
-    host.values().forget_changes();
+    engine.advance(host.values().scene(), wanted.time, options, {}, &host.values());
     watch.end(FrameTimes::scene);
 
-    const scene::View view = make_view(scene, input);
+    const scene::View view = make_view(wanted, input);
     frame::RenderRequest request;
+    request.previous_view = view_before(scene, wanted, input, is_first);
     const frame::Shown shown = engine.shown();
-    if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(inside, options);
+    if (shown == frame::Shown::shadow_states) request.overlay_lights = api::overlay_lights(inside, options);
     request.indirect_ray_limit = input.indirect_ray_limit;
+    has_frame = false;
     result.counters = engine.render(view, request, progress);
     result.counters.update = {engine.state()->changes().touched_nodes, engine.touched_instances(), began_anew};
     result.complete = engine.complete();
@@ -320,13 +316,14 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
 
     watch.restart();
     if (shown == frame::Shown::shadow_states || shown == frame::Shown::clusters) {
-        set_overlay(engine.paint_overlay(overlay_titles(inside, request.overlay_lights, result.frame)), result);
+        api::set_overlay(engine.paint_overlay(api::overlay_titles(inside, request.overlay_lights, result.frame)),
+                         result);
         if (shown == frame::Shown::shadow_states) {
             const frame::PanelPlace place = frame::panel_place(view.size, request.overlay_lights.size(), 0);
             result.view_left = place.left, result.view_top = place.top;
         }
     } else {
-        set_layers(engine, inside, options, result);
+        api::set_layers(engine, inside, options, result);
         result.size = view.size;
         watch.end(FrameTimes::image);
         if (options.renderer == RenderMethod::trace) {
@@ -335,24 +332,13 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
             result.times.ms[FrameTimes::image] = own.ms[FrameTimes::image];
         }
     }
+    write_outputs(result, input.outputs, engine.tasks());
+    host.values().end_frame();
+    has_frame = true;
+    last_time = wanted.time;
+    last_host_camera = input.camera;
     result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     return result;
-}
-
-Size default_size(const Scene& scene, const std::string& camera)
-{
-    const scene::Scene& inside = *api::scene_of(scene);
-    const Size own = inside.cameras[scene::find_camera(inside, camera)].resolution;
-    return own.width > 0 ? own : k_default_size;
-}
-
-Size image_size(const Scene& scene, const RenderOptions& options)
-{
-    check_overlay(scene, options);
-    const Size size = traced_size(scene, options);
-    if (options.overlay != Overlay::shadow_states) return size;
-    const std::size_t panels = overlay_lights(*api::scene_of(scene), options).size();
-    return frame::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
 }
 
 }   // namespace gnomon

@@ -11,7 +11,7 @@
 
 namespace gnomon {
 
-/// @tparam T  std::uint8_t (0 to 255) or float (linear unless said)
+/// @tparam T  std::uint8_t (0 to 255), float (linear unless said) or std::uint32_t (ids)
 template <class T>
 struct Image {
     int width = 0;
@@ -29,6 +29,7 @@ struct Image {
 
 using Image8 = Image<std::uint8_t>;
 using ImageF = Image<float>;
+using ImageIds = Image<std::uint32_t>;
 
 /// sRGB encoding of linear light and its inverse (IEC 61966-2-1).
 float srgb_from_linear(float linear);

@@ -6,10 +6,14 @@
 #include <tuple>
 
 #include "base/check.h"
+#include "base/stopwatch.h"
 #include "frame/cluster_overlay.h"
 #include "frame/reference_indirect.h"
 #include "frame/state_overlay.h"
+#include "image/changed_rectangles.h"
 #include "ray/kdtree/kdtree.h"
+#include "shading/surface.h"
+#include "trace/centre_layers.h"
 #include "trace/checked_shadows.h"
 #include "trace/indirect_lights.h"
 #include "trace/shadow_testers.h"
@@ -106,12 +110,14 @@ void FrameEngine::forget()
     discard_caches();
     rays_.reset();
     state_.reset();
+    state_before_.reset();
     scene_.reset();
     overrides_.clear();
     taken_from_.clear();
     turn_centre_.reset();
     first_frame_ = true;
     advanced_ = false;
+    has_frame_ = false;
     plan_ = {};
 }
 
@@ -152,8 +158,8 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     Clock::time_point start = Clock::now();
 
     // Move the scene.
-    const bool needs_rays =
-        options.renderer == RenderMethod::trace || options.indirect == Indirect::visible || settings_.always_has_rays;
+    const bool needs_rays = options.renderer == RenderMethod::trace || options.indirect == Indirect::visible ||
+                            options.ids || options.motion || settings_.always_has_rays;
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
     const bool is_new = scene != scene_ || accelerator != accelerator_;
@@ -163,11 +169,10 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
         accelerator_ = accelerator;
         state_ = std::make_unique<scene::SceneState>(scene, time);
     }
+    follows_frame_ = has_frame_;
+    has_frame_ = false;
+    if (!options.motion) state_before_.reset();
     bool rays_follow = false;   // they saw the state before an advance
-    const auto make_rays = [&] {
-        rays_ = std::make_unique<ray::RayScene>(*state_);
-        if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
-    };
     if (host) is_new ? host->apply_all(*state_) : host->apply_changes(*state_);
     if (override_transforms(overrides) || host || !is_new) {
         state_->advance(time);
@@ -188,6 +193,12 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     times.caches = milliseconds_since(start);
     guard.succeed();
     return times;
+}
+
+void FrameEngine::make_rays()
+{
+    rays_ = std::make_unique<ray::RayScene>(*state_);
+    if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
 }
 
 bool FrameEngine::override_transforms(std::span<const UserOverride> overrides)
@@ -264,11 +275,30 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
 
 scene::View FrameEngine::make_view(scene::CameraId camera, Size size, std::optional<double> turn)
 {
-    const scene::View view = scene::make_view(*state_, camera, size);
+    return view_in(*state_, camera, size, turn);
+}
+
+scene::View FrameEngine::view_in(const scene::SceneState& state, scene::CameraId camera, Size size,
+                                 std::optional<double> turn)
+{
+    const scene::View view = scene::make_view(state, camera, size);
     if (!turn) return view;
     // Turn around one centre for the whole clip, whatever moves.
     if (!turn_centre_) turn_centre_ = scene_->bounds(scene_->timeline.start).centre();
     return scene::turned(view, *turn_centre_, *turn);
+}
+
+const scene::SceneState& FrameEngine::move_previous(double time, const HostValues* host)
+{
+    GNOMON_CHECK(advanced_ && options_.motion);
+    // Keep the state only if it follows whole.
+    std::unique_ptr<scene::SceneState> state = std::move(state_before_);
+    const bool is_new = !state;
+    if (is_new) state = std::make_unique<scene::SceneState>(scene_, time);
+    if (host) host->apply_before(*state, is_new);
+    if (host || !is_new) state->advance(time);
+    state_before_ = std::move(state);
+    return *state_before_;
 }
 
 FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& request, const Progress& progress)
@@ -277,9 +307,17 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     advanced_ = false;
     view_ = view;
     DiscardOnFailure guard(*this);
+    // Keep the last image if it is compared with. Nobody else's image is overwritten.
+    const std::shared_ptr<const shading::FrameBuffers> last =
+        options_.report_changes && follows_frame_ && has_image_ ? buffers_ : nullptr;
+    buffers_.reset();
+    buffers_ = memory_.take();
     try {
         FrameCounters counters =
-            plan_.raster ? raster_->render(*state_, view, buffers_, progress) : render_traced(view, request, progress);
+            plan_.raster ? raster_->render(*state_, view, *buffers_, progress) : render_traced(view, request, progress);
+        trace_centres(request);
+        make_report(last.get());
+        has_frame_ = true;
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
@@ -289,6 +327,37 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         if (!plan_.raster && !cache_) guard.succeed();
         throw;
     }
+}
+
+// Fills the layers of ids and motion.
+void FrameEngine::trace_centres(const RenderRequest& request)
+{
+    const bool has_layers = plan_.shown == Shown::light || plan_.shown == Shown::redrawn;
+    if (!has_layers || !(options_.ids || options_.motion)) return;
+    Stopwatch watch(buffers_->times);
+    std::optional<trace::FrameBefore> before;
+    if (options_.motion && request.previous_view) before.emplace(state_before_.get(), *request.previous_view);
+    const trace::CentreLayers layers(*state_, *rays_, view_, before ? &*before : nullptr);
+    layers.trace(options_.ids, options_.motion, request.tasks ? *request.tasks : tasks_, *buffers_);
+    watch.end(FrameTimes::rays);
+}
+
+// Lists what this frame changed.
+void FrameEngine::make_report(const shading::FrameBuffers* before)
+{
+    report_ = {};
+    report_.everything = !follows_frame_;
+    if (follows_frame_) {
+        const scene::FrameChanges& changes = state_->changes();
+        report_.objects = changes.changed;
+        std::set_union(changes.lights_moved.begin(), changes.lights_moved.end(), changes.lights_relit.begin(),
+                       changes.lights_relit.end(), std::back_inserter(report_.lights));
+        report_.materials = changes.materials_changed;
+    }
+    has_image_ = plan_.shown == Shown::light;
+    if (!options_.report_changes || !has_image_) return;
+    static const ImageF none;
+    report_.rectangles = image::changed_rectangles(before ? before->color : none, buffers_->color, tasks_);
 }
 
 FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request,
@@ -341,7 +410,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.samples = options_.samples;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     FrameCounters counters =
-        trace::trace_frame(*state_, *rays_, view, traced, tasks, buffers_, techniques, request.log, progress);
+        trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log, progress);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
 }
@@ -371,7 +440,7 @@ Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)
 void FrameEngine::paint_redrawn(double exposure)
 {
     GNOMON_CHECK(plan_.shown == Shown::redrawn);
-    raster_->paint_redrawn(exposure, buffers_.color);
+    raster_->paint_redrawn(exposure, buffers_->color);
 }
 
 std::string FrameEngine::device() const
@@ -400,20 +469,22 @@ Box3 FrameEngine::bounds() const
     return rays_ ? rays_->bounds() : scene_->bounds(state_->time());
 }
 
-PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::vec2& pixel) const
+PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::ivec2& pixel)
 {
-    GNOMON_CHECK(rays_);
-    ray::RayQueue queue;
-    glm::vec3 origin, direction;
-    float near = 0, far = 0;
-    view.ray(pixel.x, pixel.y, origin, direction, near, far);
-    queue.push(origin, near, direction, far);
-    ray::Hits hits;
-    hits.resize(1);
-    rays_->closest(queue, 0, 1, hits, ray::Sides::front);
+    GNOMON_CHECK(state_);
+    if (!rays_) make_rays();
+    const trace::ViewHit hit = trace::CentreLayers(*state_, *rays_, view, nullptr).hit_at(pixel);
     PickedPoint picked;
-    picked.object = hits.object[0];
-    if (picked.object != scene::none) picked.position = origin + hits.t[0] * direction;
+    picked.object = hit.object;
+    if (picked.object == scene::none) return picked;
+    shading::SurfacePoint surface;
+    shading::surface_at(*scene_, rays_->geometry(hit.object), hit.triangle, hit.u, hit.v, hit.distance, hit.direction,
+                        {view.pixel_width, view.pixel_spread}, surface);
+    picked.material = hit.material;
+    picked.triangle = hit.triangle;
+    picked.position = surface.position;
+    picked.normal = surface.normal;
+    picked.depth = hit.distance * glm::dot(hit.direction, view.forward);
     return picked;
 }
 

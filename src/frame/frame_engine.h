@@ -24,6 +24,7 @@
 
 #include "base/tasks.h"
 #include "frame/host_values.h"
+#include "frame/frame_memory.h"
 #include "frame/rasterizer.h"
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
@@ -68,6 +69,8 @@ struct AdvanceTimes {
 struct RenderRequest {
     std::vector<int> overlay_lights{};      // of Shown::shadow_states: the lights of its panels
     std::uint64_t indirect_ray_limit = 0;   // IrradianceCache::limit_rays(); 0: none
+    /// From move_previous(): the frame before, for the layer of motion. None: nothing moved.
+    std::optional<scene::View> previous_view{};
     // For measurements, with no technique that keeps a cache.
     Tasks* tasks = nullptr;           // these threads instead of the engine's
     trace::TraceLog* log = nullptr;   // takes the frame's rays; needs a single thread
@@ -75,8 +78,25 @@ struct RenderRequest {
 
 /// What a view's ray meets first.
 struct PickedPoint {
-    scene::ObjectId object = scene::none;
+    scene::ObjectId object = scene::none;   // none: nothing; the rest is then undefined
+    scene::MaterialId material = scene::none;
+    std::uint32_t triangle = 0;   // of the object's mesh
     glm::vec3 position{0};
+    glm::vec3 normal{0};   // shading normal, unit, on the viewer's side
+    float depth = 0;       // along the view's axis
+};
+
+/// What a frame changed against the one before.
+struct EngineReport {
+    /// This frame is the first of its scene, or follows one that failed: the list of rectangles is the whole image, and
+    /// the other lists are empty.
+    bool everything = true;
+    std::vector<scene::ObjectId> objects;   // moved, deformed, appeared or vanished; ascending
+    std::vector<scene::LightId> lights;     // position, direction, visibility or values differ; ascending
+    std::vector<scene::MaterialId> materials;   // values differ; ascending
+    /// Disjoint rectangles that contain all pixels whose linear colour differs in bits. Only with
+    /// RenderOptions::report_changes; otherwise empty.
+    std::vector<PixelRectangle> rectangles;
 };
 
 class FrameEngine {
@@ -105,6 +125,14 @@ class FrameEngine {
     /// @param turn  radians around the scene's centre at the clip's start; none: the camera as it is
     scene::View make_view(scene::CameraId camera, Size size, std::optional<double> turn = {});
 
+    /// The same in another state of the scene.
+    scene::View view_in(const scene::SceneState& state, scene::CameraId camera, Size size, std::optional<double> turn);
+    /// Moves a second state of the scene, which only the layer of motion uses, to the frame before, for
+    /// RenderRequest::previous_view. Call after advance(), if its options ask for motion. User overrides do not apply to
+    /// it.
+    /// @param host  values with those of the frame before; none: the scene's own
+    const scene::SceneState& move_previous(double time, const HostValues* host = nullptr);
+
     /// Renders a view, once after each advance(). The image lies in buffers() where shown() is light or redrawn, else
     /// paint_overlay() makes it.
     /// @throws InterruptedError  progress returned false; the next frame begins without the caches that took notes
@@ -113,7 +141,14 @@ class FrameEngine {
 
     // Of the last frame.
     Shown shown() const { return plan_.shown; }
-    shading::FrameBuffers& buffers() { return buffers_; }
+    shading::FrameBuffers& buffers() { return *buffers_; }
+    /// The same, to be kept: its memory is not used again as long as there is a pointer to it.
+    std::shared_ptr<const shading::FrameBuffers> shared_buffers() const { return buffers_; }
+    /// Valid until the next advance().
+    const EngineReport& report() const { return report_; }
+    /// A frame was rendered, and nothing has failed or advanced since.
+    bool has_frame() const { return has_frame_; }
+    const scene::View& view() const { return view_; }
     /// The layer of indirect light was filled, with layers.
     bool has_indirect() const { return plan_.reference || plan_.cache || plan_.map || plan_.raster_indirect; }
     bool is_reference() const { return plan_.reference; }
@@ -130,8 +165,9 @@ class FrameEngine {
 
     /// Makes certificates from what the last frames' shadow rays saw, until all are made or `go_on` returns false.
     void make_certificates(const std::function<bool()>& go_on);
-    /// What is seen at a place of the image, in pixels from the top left corner. Needs a ray scene.
-    PickedPoint hit_at(const scene::View& view, const glm::vec2& pixel) const;
+    /// What a view shows at a pixel's centre, as the layer of ids has it. Builds a ray scene if there is none.
+    /// @param pixel  within the view's image, from 0
+    PickedPoint hit_at(const scene::View& view, const glm::ivec2& pixel);
     /// The ray scene. There is one unless all frames of the scene were rasterised without the irradiance cache.
     const ray::RayScene& rays() const { return *rays_; }
     /// Bounds of everything visible; with rays, of what they can hit.
@@ -139,6 +175,8 @@ class FrameEngine {
 
     /// Discards the scene and all caches.
     void forget();
+
+    Tasks& tasks() { return tasks_; }
 
  private:
     // The techniques that options come to for a scene.
@@ -149,6 +187,9 @@ class FrameEngine {
         bool cache = false, map = false, reference = false;   // its indirect light
     };
     Plan plan_for(const RenderOptions& options) const;
+    void make_rays();
+    void trace_centres(const RenderRequest& request);
+    void make_report(const shading::FrameBuffers* before);
     bool override_transforms(std::span<const UserOverride> overrides);   // true: they changed
     void discard_caches();
     void fit_caches(const RenderOptions& options);
@@ -178,9 +219,15 @@ class FrameEngine {
     std::unique_ptr<Rasterizer> raster_;
     RenderOptions cache_options_, map_options_, raster_options_;   // that these were made with
 
-    shading::FrameBuffers buffers_;
+    FrameMemory memory_;
+    std::shared_ptr<shading::FrameBuffers> buffers_ = memory_.take();
     trace::StateMap states_;
-    scene::View view_;   // of the last frame
+    scene::View view_;                                  // of the last frame
+    bool has_frame_ = false;                            // see has_frame()
+    bool follows_frame_ = false;                        // the last advance() started from a complete frame
+    bool has_image_ = false;                            // the last frame's image lies in buffers_ as it was rendered
+    EngineReport report_;                               // of the last frame
+    std::unique_ptr<scene::SceneState> state_before_;   // see move_previous()
 };
 
 }   // namespace gnomon::frame

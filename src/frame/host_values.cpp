@@ -8,22 +8,6 @@ namespace gnomon::frame {
 
 namespace {
 
-// Stores a value under a key, or removes what is there.
-// @return whether that changed anything
-template <class Map, class Value, class Same>
-bool store(Map& map, typename Map::key_type key, const Value* value, const Same& same)
-{
-    const auto at = map.find(key);
-    if (!value) {
-        if (at == map.end()) return false;
-        map.erase(at);
-        return true;
-    }
-    if (at != map.end() && same(at->second, *value)) return false;
-    map.insert_or_assign(key, *value);
-    return true;
-}
-
 bool same_vertices(const std::shared_ptr<const scene::DeformedMesh>& a,
                    const std::shared_ptr<const scene::DeformedMesh>& b)
 {
@@ -80,10 +64,9 @@ void HostValues::promote(scene::NodeId node, bool deforms)
 void HostValues::set_transform(scene::NodeId node, const glm::dmat4* local)
 {
     const scene::Node& described = scene_->nodes[node];
-    const bool had_value = transforms_.contains(node);
+    const bool had_value = transforms_.now(node);
     const auto same = [](const glm::dmat4& a, const glm::dmat4& b) { return same_bits(a, b); };
-    if (!store(transforms_, node, local, same)) return;
-    changed_transforms_.insert(node);
+    if (!transforms_.store(node, local, same)) return;
     // A first value that the node has anyway moves nothing.
     const bool moves = !local || had_value || described.transform || !same_bits(described.local, *local);
     if (moves && must_promote_to_move(node)) promote(node, false);
@@ -91,17 +74,15 @@ void HostValues::set_transform(scene::NodeId node, const glm::dmat4* local)
 
 void HostValues::set_visible(scene::NodeId node, const bool* visible)
 {
-    const bool had_value = visible_.contains(node);
-    if (!store(visible_, node, visible, std::equal_to<>())) return;
-    changed_visible_.insert(node);
+    const bool had_value = visible_.now(node);
+    if (!visible_.store(node, visible, std::equal_to<>())) return;
     const bool changes = !visible || had_value || scene_->nodes[node].visibility || !*visible;
     if (changes && must_promote_to_move(node)) promote(node, false);
 }
 
 void HostValues::set_vertices(scene::NodeId node, std::shared_ptr<const scene::DeformedMesh> vertices)
 {
-    if (!store(vertices_, node, vertices ? &vertices : nullptr, same_vertices)) return;
-    changed_vertices_.insert(node);
+    if (!vertices_.store(node, vertices ? &vertices : nullptr, same_vertices)) return;
     const scene::Object& object = scene_->objects[object_at_[node]];
     if (!object.deforming || !object.dynamic) promote(node, true);
 }
@@ -109,23 +90,20 @@ void HostValues::set_vertices(scene::NodeId node, std::shared_ptr<const scene::D
 void HostValues::set_weights(scene::NodeId node, const std::vector<float>* weights)
 {
     const auto same = [](const std::vector<float>& a, const std::vector<float>& b) { return same_bits(a, b); };
-    if (!store(weights_, node, weights, same)) return;
-    changed_weights_.insert(node);
+    if (!weights_.store(node, weights, same)) return;
     const scene::Object& object = scene_->objects[object_at_[node]];
     if (!object.deforming || !object.dynamic) promote(node, true);
 }
 
 void HostValues::set_light(scene::LightId light, const scene::Light* values)
 {
-    if (!store(lights_, light, values, same_light)) return;
-    changed_lights_.insert(light);
+    if (!lights_.store(light, values, same_light)) return;
     if ((values ? *values : given_->lights[light]).type != scene_->lights[light].type) must_remake_ = true;
 }
 
 void HostValues::set_material(scene::MaterialId material, const scene::Material* values)
 {
-    if (!store(materials_, material, values, scene::same_values)) return;
-    changed_materials_.insert(material);
+    if (!materials_.store(material, values, scene::same_values)) return;
     if (!scene::same_to_rays(values ? *values : given_->materials[material], scene_->materials[material]))
         must_remake_ = true;
 }
@@ -139,8 +117,8 @@ void HostValues::settle()
         remade->nodes[node].animated = true;
         remade->nodes[node].deforms = remade->nodes[node].deforms || deforms;
     }
-    for (const auto& [light, values] : lights_) remade->lights[light].type = values.type;
-    for (const auto& [material, values] : materials_) {
+    for (const auto& [light, values] : lights_.all()) remade->lights[light].type = values.type;
+    for (const auto& [material, values] : materials_.all()) {
         std::string name = std::move(remade->materials[material].name);
         remade->materials[material] = values;
         remade->materials[material].name = std::move(name);
@@ -158,91 +136,80 @@ void HostValues::copy_to(HostValues& other, const Mapping& mapping) const
             if (const std::uint32_t index = index_of(key); index != scene::none) copy(index, value);
     };
     each(promoted_, mapping.node, [&](std::uint32_t n, bool deforms) { other.promote(n, deforms); });
-    each(transforms_, mapping.node, [&](std::uint32_t n, const glm::dmat4& m) { other.set_transform(n, &m); });
-    each(visible_, mapping.node, [&](std::uint32_t n, bool visible) { other.set_visible(n, &visible); });
+    each(transforms_.all(), mapping.node, [&](std::uint32_t n, const glm::dmat4& m) { other.set_transform(n, &m); });
+    each(visible_.all(), mapping.node, [&](std::uint32_t n, bool visible) { other.set_visible(n, &visible); });
     // Vertices and weights fit as long as the mesh has as many.
     const auto mesh_at = [&](std::uint32_t n) {
         return other.object_at_[n] == scene::none ? nullptr : &there.meshes[there.nodes[n].mesh];
     };
-    each(vertices_, mapping.node, [&](std::uint32_t n, const auto& shape) {
+    each(vertices_.all(), mapping.node, [&](std::uint32_t n, const auto& shape) {
         const scene::Mesh* mesh = mesh_at(n);
         if (mesh && mesh->positions.size() == shape->positions.size()) other.set_vertices(n, shape);
     });
-    each(weights_, mapping.node, [&](std::uint32_t n, const std::vector<float>& weights) {
+    each(weights_.all(), mapping.node, [&](std::uint32_t n, const std::vector<float>& weights) {
         const scene::Mesh* mesh = mesh_at(n);
         if (mesh && mesh->morph_targets.size() == weights.size()) other.set_weights(n, &weights);
     });
-    each(lights_, mapping.light, [&](std::uint32_t l, const scene::Light& light) { other.set_light(l, &light); });
-    each(materials_, mapping.material,
+    each(lights_.all(), mapping.light, [&](std::uint32_t l, const scene::Light& light) { other.set_light(l, &light); });
+    each(materials_.all(), mapping.material,
          [&](std::uint32_t m, const scene::Material& material) { other.set_material(m, &material); });
 }
 
-const glm::dmat4* HostValues::transform(scene::NodeId node) const
+template <class Act>
+void HostValues::each_kind_of_geometry(scene::SceneState& state, const Act& act) const
 {
-    const auto at = transforms_.find(node);
-    return at == transforms_.end() ? nullptr : &at->second;
+    act([&](scene::NodeId n, const glm::dmat4* local) { state.override_transform(n, local); }, transforms_);
+    act([&](scene::NodeId n, const bool* visible) {
+        state.override_visibility(n, visible ? std::optional<bool>(*visible) : std::nullopt);
+    }, visible_);
+    act([&](scene::NodeId n, const std::shared_ptr<const scene::DeformedMesh>* vertices) {
+        state.override_vertices(object_at_[n], vertices ? *vertices : nullptr);
+    }, vertices_);
+    act([&](scene::NodeId n, const std::vector<float>* weights) {
+        state.override_weights(object_at_[n], weights ? std::optional<std::vector<float>>(*weights) : std::nullopt);
+    }, weights_);
 }
 
-void HostValues::apply_transform(scene::SceneState& state, scene::NodeId node) const
+template <class Act>
+void HostValues::each_kind(scene::SceneState& state, const Act& act) const
 {
-    state.override_transform(node, transform(node));
-}
-
-void HostValues::apply_visible(scene::SceneState& state, scene::NodeId node) const
-{
-    const auto at = visible_.find(node);
-    state.override_visibility(node, at == visible_.end() ? std::optional<bool>() : at->second);
-}
-
-void HostValues::apply_vertices(scene::SceneState& state, scene::NodeId node) const
-{
-    const auto at = vertices_.find(node);
-    state.override_vertices(object_at_[node], at == vertices_.end() ? nullptr : at->second);
-}
-
-void HostValues::apply_weights(scene::SceneState& state, scene::NodeId node) const
-{
-    const auto at = weights_.find(node);
-    state.override_weights(object_at_[node], at == weights_.end() ? std::optional<std::vector<float>>() : at->second);
-}
-
-void HostValues::apply_light(scene::SceneState& state, scene::LightId light) const
-{
-    const auto at = lights_.find(light);
-    state.set_light(light, at == lights_.end() ? given_->lights[light] : at->second);
-}
-
-void HostValues::apply_material(scene::SceneState& state, scene::MaterialId material) const
-{
-    const auto at = materials_.find(material);
-    state.set_material(material, at == materials_.end() ? given_->materials[material] : at->second);
+    each_kind_of_geometry(state, act);
+    act([&](scene::LightId l, const scene::Light* values) { state.set_light(l, values ? *values : given_->lights[l]); },
+        lights_);
+    act([&](scene::MaterialId m, const scene::Material* values) {
+        state.set_material(m, values ? *values : given_->materials[m]);
+    }, materials_);
 }
 
 void HostValues::apply_all(scene::SceneState& state) const
 {
-    for (const auto& [node, value] : transforms_) apply_transform(state, node);
-    for (const auto& [node, value] : visible_) apply_visible(state, node);
-    for (const auto& [node, value] : vertices_) apply_vertices(state, node);
-    for (const auto& [node, value] : weights_) apply_weights(state, node);
-    for (const auto& [light, value] : lights_) apply_light(state, light);
-    for (const auto& [material, value] : materials_) apply_material(state, material);
+    each_kind(state, [](const auto& set, const auto& values) {
+        for (const auto& [key, value] : values.all()) set(key, &value);
+    });
 }
 
 void HostValues::apply_changes(scene::SceneState& state) const
 {
-    for (const std::uint32_t node : changed_transforms_) apply_transform(state, node);
-    for (const std::uint32_t node : changed_visible_) apply_visible(state, node);
-    for (const std::uint32_t node : changed_vertices_) apply_vertices(state, node);
-    for (const std::uint32_t node : changed_weights_) apply_weights(state, node);
-    for (const std::uint32_t light : changed_lights_) apply_light(state, light);
-    for (const std::uint32_t material : changed_materials_) apply_material(state, material);
+    each_kind(state, [](const auto& set, const auto& values) {
+        for (const auto& [key, before] : values.changed()) set(key, values.now(key));
+    });
 }
 
-void HostValues::forget_changes()
+void HostValues::apply_before(scene::SceneState& state, bool is_new) const
 {
-    for (auto* set : {&changed_transforms_, &changed_visible_, &changed_vertices_, &changed_weights_, &changed_lights_,
-                      &changed_materials_})
-        set->clear();
+    each_kind_of_geometry(state, [is_new](const auto& set, const auto& values) {
+        if (is_new)
+            for (const auto& [key, value] : values.all()) set(key, values.before(key));
+        else
+            for (const std::uint32_t key : values.changed_last()) set(key, values.before(key));
+        for (const auto& [key, before] : values.changed()) set(key, values.before(key));
+    });
+}
+
+void HostValues::end_frame()
+{
+    transforms_.settle(), visible_.settle(), vertices_.settle();
+    weights_.settle(), lights_.settle(), materials_.settle();
 }
 
 }   // namespace gnomon::frame

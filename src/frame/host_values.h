@@ -12,12 +12,61 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
+#include <optional>
 #include <vector>
 
 #include "scene/state.h"
 
 namespace gnomon::frame {
+
+/// The values of one kind: those in force, and those before the last changes.
+template <class T>
+class ValueList {
+ public:
+    /// Stores a value under a key, or removes the one that is there.
+    /// @return whether that changed anything
+    template <class Same>
+    bool store(std::uint32_t key, const T* value, const Same& same)
+    {
+        const auto at = now_.find(key);
+        if (!value && at == now_.end()) return false;
+        if (value && at != now_.end() && same(at->second, *value)) return false;
+        changed_.try_emplace(key, at == now_.end() ? std::optional<T>() : std::optional<T>(at->second));
+        if (value)
+            now_.insert_or_assign(key, *value);
+        else
+            now_.erase(at);
+        return true;
+    }
+    /// The value in force; null: the scene's own.
+    const T* now(std::uint32_t key) const
+    {
+        const auto at = now_.find(key);
+        return at == now_.end() ? nullptr : &at->second;
+    }
+    /// The value that was in force before the changes.
+    const T* before(std::uint32_t key) const
+    {
+        const auto at = changed_.find(key);
+        if (at == changed_.end()) return now(key);
+        return at->second ? &*at->second : nullptr;
+    }
+    const std::map<std::uint32_t, T>& all() const { return now_; }
+    const std::map<std::uint32_t, std::optional<T>>& changed() const { return changed_; }
+    const std::vector<std::uint32_t>& changed_last() const { return changed_last_; }
+    /// Makes the values in force those before the changes to come.
+    void settle()
+    {
+        changed_last_.clear();
+        for (const auto& [key, value] : changed_) changed_last_.push_back(key);
+        changed_.clear();
+    }
+
+ private:
+    std::map<std::uint32_t, T> now_;
+    std::map<std::uint32_t, std::optional<T>> changed_;   // the values before
+    std::vector<std::uint32_t> changed_last_;             // the changes before those
+};
 
 class HostValues {
  public:
@@ -43,9 +92,13 @@ class HostValues {
 
     /// Hands all values to a new state of scene(); it takes them at its next advance().
     void apply_all(scene::SceneState& state) const;
-    /// Hands over those that changed since the last call of this or of apply_all().
+    /// Hands over those that changed since end_frame().
     void apply_changes(scene::SceneState& state) const;
-    void forget_changes();
+    /// Call when a frame was rendered.
+    void end_frame();
+    /// Hands the transforms, visibility, vertices and weights of the frame before to a second state: to a new one all of
+    /// them, else those that differ from the frame before that one.
+    void apply_before(scene::SceneState& state, bool is_new) const;
 
     /// Copies the values of parts that another scene has as well; promoted nodes stay promoted.
     /// @param node, light, material  a part's index in the other scene; scene::none: it has none
@@ -54,7 +107,6 @@ class HostValues {
     };
     void copy_to(HostValues& other, const Mapping& mapping) const;
 
-    const glm::dmat4* transform(scene::NodeId node) const;
     /// Nodes that were promoted: they may move, or deform.
     const std::map<scene::NodeId, bool>& promoted() const { return promoted_; }
     scene::ObjectId object_at(scene::NodeId node) const { return object_at_[node]; }
@@ -62,27 +114,24 @@ class HostValues {
  private:
     bool must_promote_to_move(scene::NodeId node) const;
     void find_objects();
-    void apply_transform(scene::SceneState& state, scene::NodeId node) const;
-    void apply_visible(scene::SceneState& state, scene::NodeId node) const;
-    void apply_vertices(scene::SceneState& state, scene::NodeId node) const;
-    void apply_weights(scene::SceneState& state, scene::NodeId node) const;
-    void apply_light(scene::SceneState& state, scene::LightId light) const;
-    void apply_material(scene::SceneState& state, scene::MaterialId material) const;
+    // Both call act(setter of a state, the values of one kind): for transforms, visibility, vertices and weights, and for
+    // lights and materials, too.
+    template <class Act>
+    void each_kind_of_geometry(scene::SceneState& state, const Act& act) const;
+    template <class Act>
+    void each_kind(scene::SceneState& state, const Act& act) const;
 
     std::shared_ptr<const scene::Scene> given_, scene_;
     std::vector<scene::ObjectId> object_at_;   // by node
     std::map<scene::NodeId, bool> promoted_;   // true: deforms, too
     bool must_remake_ = false;
 
-    std::map<scene::NodeId, glm::dmat4> transforms_;
-    std::map<scene::NodeId, bool> visible_;
-    std::map<scene::NodeId, std::shared_ptr<const scene::DeformedMesh>> vertices_;
-    std::map<scene::NodeId, std::vector<float>> weights_;
-    std::map<scene::LightId, scene::Light> lights_;
-    std::map<scene::MaterialId, scene::Material> materials_;
-    // Whose values changed since they were last handed to a state.
-    std::set<std::uint32_t> changed_transforms_, changed_visible_, changed_vertices_, changed_weights_, changed_lights_,
-        changed_materials_;
+    ValueList<glm::dmat4> transforms_;   // by node, as the next three
+    ValueList<bool> visible_;
+    ValueList<std::shared_ptr<const scene::DeformedMesh>> vertices_;
+    ValueList<std::vector<float>> weights_;
+    ValueList<scene::Light> lights_;
+    ValueList<scene::Material> materials_;
 };
 
 }   // namespace gnomon::frame

@@ -47,6 +47,10 @@ constexpr double k_many = 1e9;
 constexpr Option k_options[] = {
     {.name = "out", .letter = 'o', .argument = "OUT", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
      .help = "output file: .png, .exr (linear light, all layers), .mp4, or a numbered set such as name-{frame:04}.png"},
+    {.name = "ids", .subcommands = bit(render), .group = k_output,
+     .help = "also write ids of objects and materials to the .exr, from 1; 0: nothing"},
+    {.name = "motion", .subcommands = bit(render), .group = k_output,
+     .help = "also write motion since the frame before to the .exr, in pixels to the right and down"},
     {.name = "size", .argument = "WxH", .kind = Kind::size, .range = ranges::image_side, .subcommands = k_images, .group = k_output,
      .help = "size of the image in pixels; keeps the vertical field of view (default: that of the file, else 1280x720)"},
     {.name = "size", .argument = "WxH", .kind = Kind::size, .fallback = "512x512", .range = ranges::image_side,

@@ -16,6 +16,7 @@ struct RasterFrame {
     vec3 up;
     uint height;
     vec3 forward;
+    vec2 shift;   // as in View
     float pixel_spread;
     float pixel_width;
     uint background;   // as scene::Background::Kind: color, sky, image
@@ -61,8 +62,8 @@ struct BouncePush {
 };
 
 #ifdef __cplusplus
-GNOMON_MEMBERS(RasterFrame, eye, orthographic, right, width, up, height, forward, pixel_spread, pixel_width, background,
-               stand_in, background_color, zenith, horizon, ground, sun_direction, sun_radiance, ambient,
+GNOMON_MEMBERS(RasterFrame, eye, orthographic, right, width, up, height, forward, shift, pixel_spread, pixel_width,
+               background, stand_in, background_color, zenith, horizon, ground, sun_direction, sun_radiance, ambient,
                environment_width, environment_height, harmonics)
 GNOMON_MEMBERS(DrawPush, clip_from_offset, eye)
 GNOMON_MEMBERS(ResolvePush, sample_offset, weight, first, peeled, last)

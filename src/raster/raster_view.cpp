@@ -16,15 +16,16 @@ constexpr float k_nearest = 1e-6f;   // scene units: where a perspective view wi
 
 void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6])
 {
-    // In units of the half extent: x is inside where |x| <= reach, and reach grows with distance or is 1.
+    // In units of the half extent: x is inside where |x - shift * reach| <= reach, and reach grows with distance or
+    // is 1.
     const glm::vec3 x = view.right / glm::dot(view.right, view.right), y = view.up / glm::dot(view.up, view.up);
     const glm::vec3 reach = view.orthographic ? glm::vec3(0) : view.forward;
     const float constant = view.orthographic ? 1.0f : 0.0f;
     const auto plane = [&](const glm::vec3& n, float at_eye) { return glm::vec4(n, at_eye - glm::dot(n, view.eye)); };
-    planes[0] = plane(reach + x, constant);
-    planes[1] = plane(reach - x, constant);
-    planes[2] = plane(reach + y, constant);
-    planes[3] = plane(reach - y, constant);
+    planes[0] = plane((1.0f - view.shift.x) * reach + x, (1.0f - view.shift.x) * constant);
+    planes[1] = plane((1.0f + view.shift.x) * reach - x, (1.0f + view.shift.x) * constant);
+    planes[2] = plane((1.0f - view.shift.y) * reach + y, (1.0f - view.shift.y) * constant);
+    planes[3] = plane((1.0f + view.shift.y) * reach - y, (1.0f + view.shift.y) * constant);
     planes[4] = plane(view.forward, -view.near);
     planes[5] = std::isfinite(view.far) ? plane(-view.forward, view.far) : glm::vec4(0, 0, 0, 1);
 }
@@ -42,7 +43,9 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
         rows[2] = std::isfinite(view.far) ? near / (view.far - near) * glm::vec4(-view.forward, view.far)
                                           : glm::vec4(0, 0, 0, near);
     }
-    // Move the image against the sample's place in the pixel.
+    // Move the image against the lens shift, and against the sample's place in the pixel.
+    rows[0] -= view.shift.x * rows[3];
+    rows[1] += view.shift.y * rows[3];
     const glm::vec2 move = -2.0f * (sample - 0.5f) / glm::vec2(view.size.width, view.size.height);
     rows[0] += move.x * rows[3];
     rows[1] += move.y * rows[3];
@@ -59,6 +62,7 @@ shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View
     f.eye = view.eye;
     f.orthographic = view.orthographic ? 1 : 0;
     f.right = view.right, f.up = view.up, f.forward = view.forward;
+    f.shift = view.shift;
     f.width = static_cast<std::uint32_t>(view.size.width);
     f.height = static_cast<std::uint32_t>(view.size.height);
     f.pixel_spread = view.pixel_spread;

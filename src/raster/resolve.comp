@@ -100,8 +100,8 @@ void main()
     }
 
     // Make the pixel's ray, as View::ray does.
-    const float sx = 2 * (float(at.x) + push.sample_offset.x) / float(frame.width) - 1;
-    const float sy = 1 - 2 * (float(at.y) + push.sample_offset.y) / float(frame.height);
+    const float sx = 2 * (float(at.x) + push.sample_offset.x) / float(frame.width) - 1 + frame.shift.x;
+    const float sy = 1 - 2 * (float(at.y) + push.sample_offset.y) / float(frame.height) + frame.shift.y;
     vec3 origin = frame.eye, direction = frame.forward;
     if (frame.orthographic != 0)
         origin += sx * frame.right + sy * frame.up;

@@ -17,6 +17,16 @@ glm::dvec3 unit(const glm::dvec3& v, const glm::dvec3& otherwise)
     const double length = glm::length(v);
     return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
+
+// Returns the pixel in which a view shows an offset from its eye, whose distance along the view's axis counts as
+// `ahead`.
+glm::dvec2 pixel_of(const View& view, const glm::dvec3& offset, double ahead)
+{
+    const glm::dvec3 right(view.right), up(view.up);
+    const double sx = glm::dot(offset, right) / (glm::dot(right, right) * ahead) - static_cast<double>(view.shift.x);
+    const double sy = glm::dot(offset, up) / (glm::dot(up, up) * ahead) - static_cast<double>(view.shift.y);
+    return {0.5 * (sx + 1) * view.size.width, 0.5 * (1 - sy) * view.size.height};
+}
 }   // namespace
 
 scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted)
@@ -143,6 +153,20 @@ glm::dmat4 matrix_of(const View& view)
 {
     return {glm::dvec4(glm::normalize(glm::dvec3(view.right)), 0), glm::dvec4(glm::normalize(glm::dvec3(view.up)), 0),
             glm::dvec4(-glm::dvec3(view.forward), 0), glm::dvec4(glm::dvec3(view.eye), 1)};
+}
+
+std::optional<glm::dvec2> View::project(const glm::dvec3& point) const
+{
+    const glm::dvec3 offset = point - glm::dvec3(eye);
+    if (orthographic) return pixel_of(*this, offset, 1);
+    return project_direction(offset);
+}
+
+std::optional<glm::dvec2> View::project_direction(const glm::dvec3& direction) const
+{
+    const double ahead = glm::dot(direction, glm::dvec3(forward));
+    if (orthographic || !(ahead > 0)) return {};
+    return pixel_of(*this, direction, ahead);
 }
 
 View turned(const View& view, const glm::vec3& centre, double angle)

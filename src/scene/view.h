@@ -2,6 +2,7 @@
 #pragma once
 // Generates primary rays for a camera at a time, and the positions of samples within a pixel.
 
+#include <optional>
 #include <string>
 
 #include "base/math.h"
@@ -14,7 +15,9 @@ namespace gnomon::scene {
 struct View {
     glm::vec3 eye{0};
     glm::vec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};   // unit; right and up scaled by half the view's extent
-    glm::vec2 shift{0};   // of the image plane: added to (-1 ... 1) across the image, before `right` and `up`
+    /// Lens shift in units of half the view's extent, right and up: {1, 0} moves the principal axis from the image's
+    /// centre to its left edge, so that the view shows more of what is on the right.
+    glm::vec2 shift{0};
     Size size;
     bool orthographic = false;
     float near = 0;   // along `forward`
@@ -24,6 +27,13 @@ struct View {
 
     /// @param x, y  in pixels from the top left corner; (0.5, 0.5) is the first pixel's centre
     void ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float& tnear, float& tfar) const;
+    /// The inverse of ray(): where the image shows a point, in pixels from the top left corner, possibly outside the
+    /// image. Computed in double precision, because differences between frames are taken.
+    /// @return nothing if the point is not in front of a perspective view's eye
+    std::optional<glm::dvec2> project(const glm::dvec3& point) const;
+    /// Where the image shows what is infinitely far away in a direction, which need not be a unit vector.
+    /// @return nothing for an orthographic view, and if the direction does not point forwards
+    std::optional<glm::dvec2> project_direction(const glm::dvec3& direction) const;
 };
 
 /// @param wanted  as in RenderOptions: a name, an index from 0, or auto: the first

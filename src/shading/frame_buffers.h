@@ -16,6 +16,9 @@ struct FrameBuffers {
     ImageF direct;     // 3: direct light at primary hits; with a reference also from the background
     ImageF indirect;   // 3: indirect light there
     ImageF shadow;     // one channel per light: 1 lit, 0 in shadow or unlit, at primary hits
+    // Filled by trace/centre_layers.h, each only if it is requested.
+    ImageIds ids;    // 2: object + 1, material + 1; 0 where no surface was hit
+    ImageF motion;   // 2: since the frame before, in pixels, right and down
     // Filled only with a reference, whether layers are requested or not; 3 channels each.
     ImageF variance;              // of color
     ImageF irradiance;            // indirect, at primary hits of surfaces that scatter light

@@ -210,6 +210,7 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     print.add(options.renderer), print.add(options.shadow_textures), print.add(options.shadow_filter);
     print.add(options.rsm_samples), print.add(options.indirect_level), print.add(options.indirect_at_every_pixel);
     print.add(options.depth_threshold), print.add(options.normal_threshold);
+    print.add(options.ids), print.add(options.motion);
     print.add(options.overlay), print.add(options.overlay_light.value_or(-1));
     if (options.reference)
         print.add(options.reference->spp), print.add(options.reference->bounces), print.add(options.reference->seed);

@@ -29,8 +29,9 @@ constexpr int k_least_video_side = 2;                               // an odd si
 constexpr int k_largest_video_side = 16385;                         // the encoder's limit, and one that is lost
 constexpr int k_sheet_images = 12;
 constexpr int k_sheet_columns = 4;
-constexpr std::size_t k_channels_beside_shadows = 25;   // channels of all other layers, including those of a reference
-constexpr int k_overlay_warm_up = 8;                    // frames before a single image of the cached state
+constexpr std::size_t k_channels_beside_shadows =
+    25;                                // of all other layers but ids and motion, including those of a reference
+constexpr int k_overlay_warm_up = 8;   // frames before a single image of the cached state
 
 void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
 {
@@ -65,11 +66,12 @@ void check_layers(const Scene& scene, const RenderOptions& options, Size size, c
     const bool layers = options.layers && (options.overlay == Overlay::none || options.overlay == Overlay::redrawn);
     const std::size_t lights = api::scene_of(scene)->lights.size();
     const std::size_t room = io::room_in_exr(size);
-    if (layers && io::is_exr_name(out) && lights + k_channels_beside_shadows > room)
+    const std::size_t beside = k_channels_beside_shadows + (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
+    if (layers && io::is_exr_name(out) && lights + beside > room)
         throw UsageError(fmt::format(
             "{}: {} lights; an .exr of {} x {} pixels has room for the shadows of {}: keep fewer with --lights N, "
             "or write a .png",
-            out.string(), lights, size.width, size.height, room - std::min(room, k_channels_beside_shadows)));
+            out.string(), lights, size.width, size.height, room - std::min(room, beside)));
 }
 
 // Checks the size before rendering, because the encoder would reject it only at the end.

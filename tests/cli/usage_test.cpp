@@ -42,6 +42,8 @@ TEST(Usage, EveryUsageErrorIsOneLineAndExitCode2)
         {{"render", scene, "-o", out, "--size", "8x8x8"}, "WxH"},
         {{"render", scene, "-o", out, "--size", "99999999999x8"}, "WxH"},
         {{"render", scene, "-o", out, "--samples", "0"}, "1 to 4096"},
+        {{"render", scene, "-o", out, "--ids"}, "--ids needs .exr output"},
+        {{"render", scene, "-o", out, "--motion"}, "--motion needs .exr output"},
         {{"render", scene, "-o", out, "--samples", "2.5"}, "whole number"},
         {{"render", scene, "-o", out, "--samples", "1", "--samples", "2"}, "given 2 times"},
         {{"render", scene, "-o", out, "--max-depth", "65"}, "0 to 64"},

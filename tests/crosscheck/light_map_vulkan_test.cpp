@@ -254,8 +254,8 @@ double image_difference(const Scene& scene, int frame, RenderOptions options)
         traced.write(std::filesystem::path(folder) / fmt::format("bounce-{}-traced.png", ++number));
         drawn.write(std::filesystem::path(folder) / fmt::format("bounce-{}-raster.png", number));
     }
-    const auto &za = layer(traced, "depth").data, &zb = layer(drawn, "depth").data;
-    const auto &a = layer(traced, "indirect").data, &b = layer(drawn, "indirect").data;
+    const auto &za = layer(traced, "depth").copy(), &zb = layer(drawn, "depth").copy();
+    const auto &a = layer(traced, "indirect").copy(), &b = layer(drawn, "indirect").copy();
     double difference = 0, sum = 0;
     for (std::size_t i = 0; i < za.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {

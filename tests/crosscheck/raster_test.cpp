@@ -51,11 +51,11 @@ struct Pair {
 
     float traced_lit(std::size_t pixel, std::size_t light) const
     {
-        return layer(traced, "shadow").data[pixel * lights + light];
+        return layer(traced, "shadow").values()[pixel * lights + light];
     }
     float raster_lit(std::size_t pixel, std::size_t light) const
     {
-        return layer(raster, "shadow").data[pixel * lights + light];
+        return layer(raster, "shadow").values()[pixel * lights + light];
     }
 };
 
@@ -71,8 +71,8 @@ Pair render_both(const Scene& scene, int frame, Size size, ShadowTextures shadow
     const Frame mirrors = Renderer(deep).render(scene, frame);
     pair.pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     pair.lights = scene.info().lights.size();
-    const auto &a = pair.traced.layers[0].data, &m = mirrors.layers[0].data;
-    const auto &za = layer(pair.traced, "depth").data, &zb = layer(pair.raster, "depth").data;
+    const auto &a = pair.traced.layers[0].copy(), &m = mirrors.layers[0].copy();
+    const auto &za = layer(pair.traced, "depth").copy(), &zb = layer(pair.raster, "depth").copy();
     pair.plain.assign(pair.pixels, 0);
     for (std::size_t i = 0; i < pair.pixels; ++i) {
         bool same = std::abs(za[i] - zb[i]) <= k_depth_tolerance * za[i];
@@ -92,8 +92,9 @@ void write_differences(const Pair& pair, Size size, const std::vector<char>& dif
     image.size = size;
     image.tonemap = ToneMap::none;
     image.exposure = pair.traced.exposure;
-    image.layers.push_back({"", {"R", "G", "B"}, pair.traced.layers[0].data});
-    std::vector<float>& rgb = image.layers[0].data;
+    image.layers.push_back(pair.traced.layers[0]);
+    std::vector<float> rgb = image.layers[0].copy();
+    image.layers[0].data = rgb.data();
     for (std::size_t i = 0; i < pair.pixels; ++i) {
         const float grey = pair.plain[i] ? 0.2f + 0.2f * (rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2]) : 0.0f;
         for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = differs[i] ? (c == 0 ? 4.0f : 0.0f) : grey;
@@ -114,7 +115,7 @@ void expect_same_light(const Scene& scene, int frame, double least_plain, Shadow
 {
     const Pair pair = render_both(scene, frame, {160, 120}, shadows);
     EXPECT_GE(static_cast<double>(pair.plain_count), least_plain * static_cast<double>(pair.pixels));
-    const auto &a = pair.traced.layers[0].data, &b = pair.raster.layers[0].data;
+    const auto &a = pair.traced.layers[0].copy(), &b = pair.raster.layers[0].copy();
     std::size_t compared = 0, different = 0;
     float worst = 0;
     std::vector<char> differs(pair.pixels, 0);
@@ -307,7 +308,7 @@ TEST_F(RasterCrosscheck, BackdropsAndCourtyardFillLightEqualTheTracedFrame)
         RenderOptions options = options_of(renderer, {96, 64});
         options.indirect = Indirect::visible;
         options.max_depth = 0;
-        seen[renderer == RenderMethod::raster] = Renderer(options).render(lit, 1).layers[0].data;
+        seen[renderer == RenderMethod::raster] = Renderer(options).render(lit, 1).layers[0].copy();
     }
     std::size_t different = 0;
     for (std::size_t i = 0; i < seen[0].size(); ++i) different += std::abs(seen[0][i] - seen[1][i]) > 0.02f;
@@ -363,11 +364,12 @@ TEST_F(RasterCrosscheck, HardShadowsOfAlphaTestedObjectsEqualTheTracedFrame)
     const RenderOptions options = options_of(RenderMethod::raster, size);
     const Frame holes = Renderer(options).render(balls_over_floor(true), 1),
                 whole = Renderer(options).render(balls_over_floor(false), 1);
-    const auto &a = layer(holes, "shadow").data, &b = layer(whole, "shadow").data;
-    const std::size_t lights = a.size() / layer(holes, "depth").data.size();
+    const auto &a = layer(holes, "shadow").copy(), &b = layer(whole, "shadow").copy();
+    const std::size_t lights = a.size() / layer(holes, "depth").values().size();
     std::size_t through = 0;   // lit behind the holes alone, of the same surface
     for (std::size_t i = 0; i < a.size(); ++i)
-        through += layer(holes, "depth").data[i / lights] == layer(whole, "depth").data[i / lights] && a[i] > b[i];
+        through +=
+            layer(holes, "depth").values()[i / lights] == layer(whole, "depth").values()[i / lights] && a[i] > b[i];
     EXPECT_GT(through, 200u);
 }
 
@@ -398,8 +400,8 @@ TEST_F(RasterCrosscheck, SingularTransformsAreHandledAsInTheTracedFrame)
             raster.shadow_textures = method;
             const Frame a = Renderer(options_of(RenderMethod::trace, size)).render(scene, 1),
                         b = Renderer(raster).render(scene, 1);
-            const auto &za = layer(a, "depth").data, &zb = layer(b, "depth").data;
-            const auto &la = layer(a, "shadow").data, &lb = layer(b, "shadow").data;
+            const auto &za = layer(a, "depth").copy(), &zb = layer(b, "depth").copy();
+            const auto &la = layer(a, "shadow").copy(), &lb = layer(b, "shadow").copy();
             std::size_t different = 0;
             for (std::size_t i = 0; i < za.size(); ++i) {
                 different += !(std::abs(za[i] - zb[i]) <= k_depth_tolerance * za[i]) || la[i] != lb[i];
@@ -422,7 +424,7 @@ TEST_F(RasterCrosscheck, FramesOfAVideoEqualFreshRenderers)
         Renderer video(options);
         for (const int frame : {1, 2, 3, 12, 5}) {
             const Frame a = video.render(scene, frame), b = Renderer(options).render(scene, frame);
-            EXPECT_EQ(a.layers[0].data, b.layers[0].data) << frame;
+            EXPECT_EQ(a.layers[0].copy(), b.layers[0].copy()) << frame;
             EXPECT_GT(a.counters.draws, 0u);
         }
     }
@@ -437,7 +439,7 @@ TEST_F(RasterCrosscheck, OverlayShowsRedrawnTexels)
     options.overlay = Overlay::redrawn;
     Renderer renderer(options);
     const auto count = [](const Frame& image, auto&& is) {
-        const std::vector<float>& rgb = image.layers[0].data;
+        const std::span<const float> rgb = image.layers[0].values();
         std::size_t found = 0;
         for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) found += is(rgb[i], rgb[i + 1], rgb[i + 2]);
         return found;
@@ -479,7 +481,7 @@ TEST_F(RasterCrosscheck, LayersBeyondTheStorageBufferLimit)
     const Frame parts = Renderer(options).render(scene, 1);
     ASSERT_EQ(parts.layers.size(), whole.layers.size());
     for (std::size_t l = 0; l < whole.layers.size(); ++l)
-        EXPECT_EQ(parts.layers[l].data, whole.layers[l].data) << whole.layers[l].name;
+        EXPECT_EQ(parts.layers[l].copy(), whole.layers[l].copy()) << whole.layers[l].name;
     options.size = {1200, 900};
     EXPECT_THROW(Renderer(options).render(scene, 1), MissingError);
 }
@@ -504,9 +506,9 @@ TEST_F(RasterCrosscheck, FaultsAreMissingErrorsAndTheNextFrameIsComplete)
             +[](VkQueue, std::uint32_t, const VkSubmitInfo2*, VkFence) -> VkResult { return VK_ERROR_DEVICE_LOST; });
         EXPECT_THROW(renderer.render(scene, 1), MissingError);
     }
-    EXPECT_EQ(renderer.render(scene, 2).layers[0].data, whole.layers[0].data);
+    EXPECT_EQ(renderer.render(scene, 2).layers[0].copy(), whole.layers[0].copy());
     EXPECT_THROW(renderer.render(scene, 1, [](const ProgressStep&) { return false; }), InterruptedError);
-    EXPECT_EQ(renderer.render(scene, 2).layers[0].data, whole.layers[0].data);
+    EXPECT_EQ(renderer.render(scene, 2).layers[0].copy(), whole.layers[0].copy());
 }
 
 }   // namespace

@@ -151,7 +151,7 @@ std::string run_exr(Input bytes)
     return reads([&] {
         if (io::image_format(bytes) != io::ImageFormat::exr) throw InputError("input", "", "no OpenEXR image");
         const io::ExrImage image = io::decode_exr(bytes, "input", {}, k_float_image);
-        for (const Layer& layer : image.layers)
+        for (const io::ExrLayer& layer : image.layers)
             if (layer.data.size() != static_cast<std::size_t>(image.size.width) *
                                          static_cast<std::size_t>(image.size.height) * layer.channels.size())
                 throw std::logic_error("a layer of the wrong size");

@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(Each, FailingAllocations, testing::ValuesIn(targets().b
 // A frame with dynamic objects, certified culling and indirect light, on several threads that wait for each other.
 class Frames {
  public:
-    Frames() : whole_(Renderer(k_options).render(scene_, k_frame).layers[0].data) {}
+    Frames() : whole_(Renderer(k_options).render(scene_, k_frame).layers[0].copy()) {}
 
     /// @return the number of allocations until one failed, or until the frame was complete
     long render_with_allocations(long left, Shared& shared)
@@ -205,7 +205,7 @@ class Frames {
         }
         const long unused = g_allocations_left.exchange(0);
         if (unused <= 0) ++(thrown ? shared.out_of_memory : shared.spared);
-        if (renderer.render(scene_, k_frame).layers[0].data != whole_)
+        if (renderer.render(scene_, k_frame).layers[0].copy() != whole_)
             std::snprintf(shared.fault, sizeof shared.fault, "the next frame is another");
         return left - std::max(unused, 0L);
     }

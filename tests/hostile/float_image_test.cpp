@@ -25,8 +25,8 @@ Bytes exr_file()
     const test::ScratchFolder scratch;
     constexpr Size size{40, 35};   // three chunks
     Random random(1);
-    std::vector<Layer> layers{{"", {"R", "G", "B"}, {}}, {"depth", {"Z"}, {}}};
-    for (Layer& layer : layers)
+    std::vector<ExrLayer> layers{{"", {"R", "G", "B"}, {}}, {"depth", {"Z"}, {}}};
+    for (ExrLayer& layer : layers)
         for (std::size_t i = 0; i < layer.channels.size() * 40 * 35; ++i)
             layer.data.push_back(static_cast<float>(random.below(9)));
     write_exr(scratch / "a.exr", size, layers);

@@ -44,7 +44,7 @@ std::size_t not_finite(const fs::path& exr)
     const std::string bytes = bytes_of(exr);
     const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
     std::size_t count = 0;
-    for (const Layer& layer : io::decode_exr({data, bytes.size()}, exr.string()).layers)
+    for (const io::ExrLayer& layer : io::decode_exr({data, bytes.size()}, exr.string()).layers)
         for (const float value : layer.data) count += !std::isfinite(value);
     return count;
 }

@@ -29,7 +29,7 @@ std::vector<std::uint64_t> frame_hashes(const Scene& scene, FrameRange frames, S
     Renderer renderer(options);
     std::vector<std::uint64_t> hashes;
     for (int frame = frames.first; frame <= frames.last; ++frame)
-        hashes.push_back(hash_span(std::span<const float>(renderer.render(scene, frame).layers[0].data)));
+        hashes.push_back(hash_span(renderer.render(scene, frame).layers[0].values()));
     return hashes;
 }
 

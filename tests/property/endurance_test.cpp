@@ -81,7 +81,7 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
         const Frame fresh = cold.render(scene, frame);
         ASSERT_EQ(image.layers.size(), fresh.layers.size());
         for (std::size_t l = 0; l < fresh.layers.size(); ++l)
-            ASSERT_TRUE(image.layers[l].data == fresh.layers[l].data)
+            ASSERT_TRUE(image.layers[l].copy() == fresh.layers[l].copy())
                 << "layer " << fresh.layers[l].name << " of frame " << frame << " after " << i << " frames";
     }
     std::printf(

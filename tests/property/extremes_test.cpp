@@ -79,7 +79,7 @@ void expect_finite(const Frame& image, const std::string& what)
 {
     for (const Layer& layer : image.layers) {
         std::size_t bad = 0;
-        for (const float value : layer.data) bad += !std::isfinite(value);
+        for (const float value : layer.values()) bad += !std::isfinite(value);
         EXPECT_EQ(bad, 0u) << what << ", layer " << layer.name << ", frame " << image.frame;
     }
 }
@@ -96,7 +96,7 @@ TEST_P(Extremes, CertifiedCullingIsExactAndLayersAreFinite)
     for (std::size_t i = 0; i < remembered.size(); ++i) {
         ASSERT_EQ(remembered[i].layers.size(), traced[i].layers.size());
         for (std::size_t l = 0; l < traced[i].layers.size(); ++l)
-            EXPECT_TRUE(remembered[i].layers[l].data == traced[i].layers[l].data)
+            EXPECT_TRUE(remembered[i].layers[l].copy() == traced[i].layers[l].copy())
                 << "layer " << traced[i].layers[l].name << ", frame " << i + 1;
         expect_finite(remembered[i], "remembered");
         skipped += remembered[i].counters.shadow.rays_skipped;
@@ -109,8 +109,8 @@ TEST_P(Extremes, CertifiedCullingIsExactAndLayersAreFinite)
     // AFF's lights have no distance falloff: at the origin the room looks the same at every size.
     if (GetParam().offset != 0) return;
     folder_.write(folder_.main(), room(1, 0));
-    const std::vector<float> as_it_is = frames_of(load(folder_.main().string()), {})[0].layers[0].data;
-    const std::vector<float>& here = remembered[0].layers[0].data;
+    const std::vector<float> as_it_is = frames_of(load(folder_.main().string()), {})[0].layers[0].copy();
+    const std::vector<float> here = remembered[0].layers[0].copy();
     double difference = 0, mean = 0;
     for (std::size_t i = 0; i < here.size(); ++i) {
         difference += std::abs(static_cast<double>(here[i]) - static_cast<double>(as_it_is[i]));
@@ -132,7 +132,7 @@ TEST_P(Extremes, IndirectLightHasSameBytesForAnyThreadCountColdAndWarm)
         Frame last;
         for (const int frame : frames) last = renderer.render(scene, frame);
         for (const Layer& layer : last.layers)
-            if (layer.name == "indirect") return layer.data;
+            if (layer.name == "indirect") return layer.copy();
         ADD_FAILURE() << "layer not found";
         return std::vector<float>();
     };

@@ -26,7 +26,7 @@ Clip render(const Scene& scene, Accelerator accelerator, ShadowCulling culling, 
     Clip clip;
     for (int frame = 5; frame < 9; ++frame) {
         const Frame image = renderer.render(scene, frame);
-        clip.color.push_back(image.layers[0].data);
+        clip.color.push_back(image.layers[0].copy());
         clip.counters.push_back(image.counters);
     }
     return clip;

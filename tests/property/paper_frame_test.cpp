@@ -26,8 +26,8 @@ Clip render(const Scene& scene, FrameRange frames, RenderOptions options)
     Clip clip;
     for (int frame = frames.first; frame <= frames.last; ++frame) {
         const Frame image = renderer.render(scene, frame);
-        clip.color.push_back(image.layers[0].data);
-        if (const Layer* layer = image.layer("shadow")) clip.shadow.push_back(layer->data);
+        clip.color.push_back(image.layers[0].copy());
+        if (const Layer* layer = image.layer("shadow")) clip.shadow.push_back(layer->copy());
         clip.counters.push_back(image.counters);
     }
     return clip;
@@ -183,7 +183,7 @@ TEST(PaperFrame, InterruptedFrameLeavesNoTrace)
     Renderer stopped(options_of(ShadowCulling::paper)), fresh(options_of(ShadowCulling::paper));
     stopped.render(scene, 40);
     EXPECT_THROW(stopped.render(scene, 41, [](const ProgressStep& step) { return step.done < 0.3; }), InterruptedError);
-    EXPECT_EQ(stopped.render(scene, 42).layers[0].data, fresh.render(scene, 42).layers[0].data);
+    EXPECT_EQ(stopped.render(scene, 42).layers[0].copy(), fresh.render(scene, 42).layers[0].copy());
 }
 
 }   // namespace

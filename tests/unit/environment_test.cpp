@@ -164,7 +164,7 @@ TEST(MedianCut, AcceptsBlackSkiesAndSingleTexels)
 TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
 {
     const test::ScratchFolder scratch;
-    Layer layer{"", {"R", "G", "B"}, std::vector<float>(64 * 32 * 3, 1.0f)};
+    io::ExrLayer layer{"", {"R", "G", "B"}, std::vector<float>(64 * 32 * 3, 1.0f)};
     io::write_exr(scratch / "white.exr", {64, 32}, std::span(&layer, 1));
 
     for (const ShadingModel model : {ShadingModel::whitted, ShadingModel::metallic_roughness}) {
@@ -193,11 +193,11 @@ TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
         Renderer renderer(options);
         const Frame image = renderer.render(scene, 1);
         double sum = 0;
-        for (const float value : image.layers[0].data) {
+        for (const float value : image.layers[0].values()) {
             EXPECT_NEAR(value, 1.0f, 0.06f);
             sum += value;
         }
-        EXPECT_NEAR(sum / static_cast<double>(image.layers[0].data.size()), 1, 0.03);
+        EXPECT_NEAR(sum / static_cast<double>(image.layers[0].values().size()), 1, 0.03);
     }
 }
 

@@ -27,15 +27,15 @@ std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::vector<Layer> some_layers(Size size)
+std::vector<ExrLayer> some_layers(Size size)
 {
     Random random(3);
-    std::vector<Layer> layers{{"", {"R", "G", "B"}, {}}, {"depth", {"Z"}, {}}, {"normal", {"X", "Y", "Z"}, {}}};
-    Layer shadow{"shadow", {}, {}};
+    std::vector<ExrLayer> layers{{"", {"R", "G", "B"}, {}}, {"depth", {"Z"}, {}}, {"normal", {"X", "Y", "Z"}, {}}};
+    ExrLayer shadow{"shadow", {}, {}};
     for (int l = 0; l < 12; ++l) shadow.channels.push_back(fmt::format("L{}", l));
     layers.push_back(shadow);
     const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-    for (Layer& layer : layers)
+    for (ExrLayer& layer : layers)
         for (std::size_t i = 0; i < layer.channels.size() * pixels; ++i) layer.data.push_back(random.uniform(-2, 1000));
     layers[0].data[4] = std::numeric_limits<float>::infinity();
     return layers;
@@ -45,14 +45,14 @@ TEST(Exr, RoundTripKeepsEveryBit)
 {
     const test::ScratchFolder scratch;
     const Size size{37, 21};
-    const std::vector<Layer> layers = some_layers(size);
+    const std::vector<ExrLayer> layers = some_layers(size);
     write_exr(scratch / "a.exr", size, layers);
     const ExrImage back = decode_exr(bytes_of(scratch / "a.exr"), "a.exr");
     EXPECT_EQ(back.size, size);
     ASSERT_EQ(back.layers.size(), layers.size());
-    for (const Layer& layer : layers) {
+    for (const ExrLayer& layer : layers) {
         const auto found = std::find_if(back.layers.begin(), back.layers.end(),
-                                        [&](const Layer& other) { return other.name == layer.name; });
+                                        [&](const ExrLayer& other) { return other.name == layer.name; });
         ASSERT_NE(found, back.layers.end()) << layer.name;
         EXPECT_EQ(found->channels, layer.channels);   // L2 before L10, R before B
         EXPECT_EQ(found->data, layer.data) << layer.name;
@@ -107,7 +107,7 @@ TEST(Exr, BytesDependOnPixelsOnly)
 TEST(Exr, ReadsSingleLayersAndChannels)
 {
     const test::ScratchFolder scratch;
-    const std::vector<Layer> layers = some_layers({37, 21});
+    const std::vector<ExrLayer> layers = some_layers({37, 21});
     write_exr(scratch / "a.exr", {37, 21}, layers);
     const auto bytes = bytes_of(scratch / "a.exr");
     const ExrImage depth = decode_exr(bytes, "a.exr", "depth");
@@ -134,7 +134,7 @@ TEST(Exr, DetectsTruncatedFiles)
     EXPECT_FALSE(is_whole_exr(scratch / "none.exr", {37, 21}));
     // Frames of videos may be larger than the reader's limit.
     const Size wide{FloatImageLimits{}.max_side + 1, 1};
-    const Layer line{"", {"Y"}, std::vector<float>(static_cast<std::size_t>(wide.width))};
+    const ExrLayer line{"", {"Y"}, std::vector<float>(static_cast<std::size_t>(wide.width))};
     write_exr(scratch / "wide.exr", wide, std::span(&line, 1));
     EXPECT_TRUE(is_whole_exr(scratch / "wide.exr", wide));
 }
@@ -143,7 +143,7 @@ TEST(Exr, ReadsAsManyChannelsAsItWrites)
 {
     const test::ScratchFolder scratch;
     const Size size{3, 2};
-    Layer shadow{"shadow", {}, {}};
+    ExrLayer shadow{"shadow", {}, {}};
     for (int l = 0; l < k_max_exr_channels; ++l) {
         shadow.channels.push_back(fmt::format("L{}", l));
         for (int i = 0; i < 6; ++i) shadow.data.push_back(static_cast<float>(shadow.data.size() % 1000));
@@ -170,7 +170,9 @@ TEST(Exr, WiderImagesAllowFewerChannels)
     EXPECT_EQ(room_in_exr({2048, 1}), 16383u);
     EXPECT_EQ(room_in_exr({16384, 5000}), 2047u);
     const test::ScratchFolder scratch;
-    const Layer wide{"shadow", std::vector<std::string>(2048, "L"), {}};   // refused before any pixel is read
+    Layer wide;   // refused before any pixel is read
+    wide.name = "shadow";
+    wide.channels.assign(2048, "L");
     EXPECT_THROW(write_exr(scratch / "a.exr", {16384, 1}, std::span(&wide, 1)), UsageError);
 }
 
@@ -267,10 +269,10 @@ TEST(FloatImage, RecognisesFormatsByContent)
     EXPECT_EQ(image.pixel(1, 1)[2], 1.0f);
     EXPECT_NEAR(image.pixel(2, 0)[0], 0.21586f, 1e-5f);   // sRGB 128
 
-    const std::vector<Layer> layers{{"", {"R", "G", "B", "A"}, {1, 2, 3, 0.5f, 4, 5, 6, 1}}};
+    const std::vector<ExrLayer> layers{{"", {"R", "G", "B", "A"}, {1, 2, 3, 0.5f, 4, 5, 6, 1}}};
     write_exr(scratch / "b.png", {2, 1}, layers);
     EXPECT_EQ(read_float_image(scratch / "b.png").data, (std::vector<float>{1, 2, 3, 4, 5, 6}));
-    const std::vector<Layer> depth{{"depth", {"Z"}, {1, 2}}};
+    const std::vector<ExrLayer> depth{{"depth", {"Z"}, {1, 2}}};
     write_exr(scratch / "c.exr", {2, 1}, depth);
     EXPECT_THROW(read_float_image(scratch / "c.exr"), InputError);
     EXPECT_THROW(read_float_image(scratch.path()), InputError);

@@ -120,7 +120,7 @@ TEST(Footprint, OneSampleApproximatesSupersampling)
                          .indirect = Indirect::off})
             .render(scene, 1)
             .layers[0]
-            .data;
+            .copy();
     };
     const std::vector<float> one = image(1), many = image(256);
     // From just below the horizon to the nearest squares, which are several pixels wide.

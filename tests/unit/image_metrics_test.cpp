@@ -153,7 +153,7 @@ TEST(Compare, ComparesEncodedAndLinearImages)
     EXPECT_EQ(pngs.pixels_different, 1);
 
     // The same radiance as OpenEXR: no difference except rounding.
-    Layer layer{"", {"R", "G", "B"}, std::vector<float>(16 * 16 * 3, linear_from_srgb8()[128])};
+    io::ExrLayer layer{"", {"R", "G", "B"}, std::vector<float>(16 * 16 * 3, linear_from_srgb8()[128])};
     io::write_exr(scratch / "a.exr", {16, 16}, std::span(&layer, 1));
     const CompareResult mixed = compare(scratch / "a.png", scratch / "a.exr");
     EXPECT_LT(mixed.max_abs, 1e-6);
@@ -167,9 +167,9 @@ TEST(Compare, ComparesEncodedAndLinearImages)
 TEST(Compare, ChecksLayersAndSizesAndWritesHeatMap)
 {
     const test::ScratchFolder scratch;
-    std::vector<Layer> layers{{"", {"R", "G", "B"}, std::vector<float>(16 * 8 * 3, 0.5f)},
-                              {"depth", {"Z"}, std::vector<float>(16 * 8, 2.0f)},
-                              {"shadow", {"L0", "L1"}, std::vector<float>(16 * 8 * 2, 1.0f)}};
+    std::vector<io::ExrLayer> layers{{"", {"R", "G", "B"}, std::vector<float>(16 * 8 * 3, 0.5f)},
+                                     {"depth", {"Z"}, std::vector<float>(16 * 8, 2.0f)},
+                                     {"shadow", {"L0", "L1"}, std::vector<float>(16 * 8 * 2, 1.0f)}};
     io::write_exr(scratch / "a.exr", {16, 8}, layers);
     layers[1].data[0] = 6;
     layers[2].data[1] = 0;   // L1 of the first pixel

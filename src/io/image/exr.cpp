@@ -91,7 +91,7 @@ bool before(const std::string& a, const std::string& b)
     return a.size() != b.size() ? a.size() < b.size() : a < b;
 }
 
-std::vector<Layer> layers_of(const std::vector<std::string>& channels, const std::optional<std::string>& only)
+std::vector<ExrLayer> layers_of(const std::vector<std::string>& channels, const std::optional<std::string>& only)
 {
     std::map<std::string, std::vector<std::string>> found;
     for (const std::string& full : channels) {
@@ -103,12 +103,27 @@ std::vector<Layer> layers_of(const std::vector<std::string>& channels, const std
         const ChannelName name = split(*only);
         found[name.layer].push_back(name.channel);
     }
-    std::vector<Layer> layers;
+    std::vector<ExrLayer> layers;
     for (auto& [layer, names] : found) {
         std::sort(names.begin(), names.end(), before);
         layers.push_back({layer, std::move(names), {}});
     }
     return layers;
+}
+
+// Returns a view of a layer, valid as long as the layer is.
+Layer view_of(const ExrLayer& layer, Size size)
+{
+    const std::size_t channels = layer.channels.size();
+    GNOMON_CHECK_EQ(layer.data.size(), channels * static_cast<std::size_t>(size.width) * size.height);
+    Layer view;
+    view.name = layer.name;
+    view.channels = layer.channels;
+    view.size = size;
+    view.data = layer.data.data();
+    view.pixel_stride = static_cast<std::ptrdiff_t>(channels * sizeof(float));
+    view.row_stride = size.width * view.pixel_stride;
+    return view;
 }
 }   // namespace
 
@@ -135,14 +150,17 @@ void write_exr(const std::filesystem::path& file, Size size, std::span<const Lay
         Imf::FrameBuffer frame;
         for (const Layer& layer : layers) {
             const std::size_t count = layer.channels.size();
-            GNOMON_CHECK_EQ(layer.data.size(), count * static_cast<std::size_t>(size.width) * size.height);
+            GNOMON_CHECK(layer.size == size && layer.data);
+            GNOMON_CHECK(layer.format == PixelFormat::f32 || layer.format == PixelFormat::u32);
+            GNOMON_CHECK(layer.pixel_stride > 0 && layer.row_stride > 0);
+            const Imf::PixelType type = layer.format == PixelFormat::u32 ? Imf::UINT : Imf::FLOAT;
             for (std::size_t c = 0; c < count; ++c) {
                 const std::string name = join(layer.name, layer.channels[c]);
-                header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+                header.channels().insert(name, Imf::Channel(type));
                 // The library takes a pointer to writable memory, but does not write to it.
-                char* base = const_cast<char*>(reinterpret_cast<const char*>(layer.data.data() + c));
-                const std::size_t step = count * sizeof(float);
-                frame.insert(name, Imf::Slice(Imf::FLOAT, base, step, step * static_cast<std::size_t>(size.width)));
+                char* base = const_cast<char*>(static_cast<const char*>(layer.data)) + c * sizeof(float);
+                frame.insert(name, Imf::Slice(type, base, static_cast<std::size_t>(layer.pixel_stride),
+                                              static_cast<std::size_t>(layer.row_stride)));
             }
         }
         Imf::OutputFile exr(memory, header, k_threads);
@@ -159,6 +177,13 @@ void write_exr(const std::filesystem::path& file, Size size, std::span<const Lay
     out.commit();
 }
 
+void write_exr(const std::filesystem::path& file, Size size, std::span<const ExrLayer> layers)
+{
+    std::vector<Layer> views;
+    for (const ExrLayer& layer : layers) views.push_back(view_of(layer, size));
+    write_exr(file, size, views);
+}
+
 ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
                     const std::optional<std::string>& only, const FloatImageLimits& limits)
 {
@@ -169,11 +194,11 @@ ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name
 
     // Allocate the requested layers.
     std::size_t values = 0;
-    for (const Layer& layer : image.layers) values += layer.channels.size() * pixels;
+    for (const ExrLayer& layer : image.layers) values += layer.channels.size() * pixels;
     if (values > limits.max_values) throw InputError(name, "", fmt::format("{} values are more than allowed", values));
     if (image.layers.empty()) return image;
     Imf::FrameBuffer frame;
-    for (Layer& layer : image.layers) {
+    for (ExrLayer& layer : image.layers) {
         const std::size_t count = layer.channels.size();
         layer.data.assign(count * pixels, 0.0f);
         for (std::size_t c = 0; c < count; ++c) {
@@ -221,7 +246,7 @@ bool is_whole_exr(const std::filesystem::path& file, Size size)
 std::vector<std::string> exr_layer_names(std::span<const std::uint8_t> bytes, const std::string& name)
 {
     std::vector<std::string> names;
-    for (const Layer& layer : layers_of(check_exr(bytes, name, {}).channels, {})) names.push_back(layer.name);
+    for (const ExrLayer& layer : layers_of(check_exr(bytes, name, {}).channels, {})) names.push_back(layer.name);
     return names;
 }
 

@@ -3,7 +3,8 @@
 // Reads and writes OpenEXR images with named layers, with the OpenEXR library.
 //
 // A layer's channel is called "layer.channel" in the file; channels of the image itself (layer "") have no prefix.
-// Files are written as 32-bit float, scan lines from the top, ZIP; the bytes depend on the pixels only.
+// Files are written as 32-bit float, and ids as unsigned integers; scan lines from the top, ZIP; the bytes depend on
+// the pixels only.
 
 #include <cstdint>
 #include <filesystem>
@@ -26,9 +27,19 @@ std::size_t room_in_exr(Size size);
 /// @throws MissingError  the file cannot be written
 void write_exr(const std::filesystem::path& file, Size size, std::span<const Layer> layers);
 
+/// One layer of a file, with memory of its own.
+struct ExrLayer {
+    std::string name;                    // "" (the image itself), "depth", ...
+    std::vector<std::string> channels;   // {"R", "G", "B"}, {"Z"}, ...
+    std::vector<float> data;             // rows from the top, channels interleaved
+};
+
+/// Writes layers of an image of that size as the other write_exr does.
+void write_exr(const std::filesystem::path& file, Size size, std::span<const ExrLayer> layers);
+
 struct ExrImage {
     Size size;
-    std::vector<Layer> layers;   // the image itself first if present, then by name
+    std::vector<ExrLayer> layers;   // the image itself first if present, then by name
 };
 
 /// Half and integer channels are converted to float. Colour channels are in the order R G B A, others by name.

@@ -19,7 +19,7 @@ namespace {
 ImageF color_of(const ExrImage& file, const std::string& name)
 {
     if (file.layers.empty()) throw InputError(name, "", "no channels R G B or Y");
-    const Layer& layer = file.layers.front();
+    const ExrLayer& layer = file.layers.front();
     const auto find = [&](const char* channel) {
         const auto at = std::find(layer.channels.begin(), layer.channels.end(), channel);
         return at == layer.channels.end() ? -1 : static_cast<int>(at - layer.channels.begin());

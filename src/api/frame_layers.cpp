@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/frame_layers.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "api/scene_access.h"
+#include "base/check.h"
+#include "frame/state_overlay.h"
+#include "gnomon/error.h"
+#include "gnomon/ranges.h"
+#include "image/tone_map.h"
+#include "scene/view.h"
+
+namespace gnomon {
+
+namespace api {
+
+namespace {
+
+constexpr Size k_default_size{1280, 720};
+
+// Returns a view of an image.
+// @param owner  keeps the image's memory
+template <class T>
+Layer layer_of(const char* name, std::vector<std::string> channels, const Image<T>& image,
+               const std::shared_ptr<const void>& owner)
+{
+    GNOMON_CHECK_EQ(channels.size(), static_cast<std::size_t>(image.channels));
+    Layer layer;
+    layer.name = name;
+    layer.channels = std::move(channels);
+    layer.format = std::is_same_v<T, std::uint32_t> ? PixelFormat::u32 : PixelFormat::f32;
+    layer.size = {image.width, image.height};
+    layer.data = image.data.data();
+    layer.pixel_stride = static_cast<std::ptrdiff_t>(sizeof(T)) * image.channels;
+    layer.row_stride = layer.pixel_stride * image.width;
+    layer.memory = owner;
+    return layer;
+}
+
+// Returns the root of the mean variance over all pixels and channels, divided by the image's mean.
+double noise_of(const shading::FrameBuffers& buffers)
+{
+    double mean = 0, square = 0;
+    for (const float value : buffers.color.data) mean += static_cast<double>(value);
+    for (const float variance : buffers.variance.data) square += static_cast<double>(variance);
+    const auto count = static_cast<double>(buffers.color.data.size());
+    return mean > 0 ? std::sqrt(square / count) / (mean / count) : 0;
+}
+
+}   // namespace
+
+void set_overlay(const Image8& image, Frame& result)
+{
+    result.size = {image.width, image.height};
+    result.tonemap = ToneMap::none;
+    const auto shown = std::make_shared<ImageF>(image.width, image.height, 3);
+    const float* linear = linear_from_srgb8();
+    for (std::size_t i = 0; i < image.data.size(); ++i) shown->data[i] = linear[image.data[i]];
+    result.layers.push_back(layer_of("", {"R", "G", "B"}, *shown, shown));
+}
+
+std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options)
+{
+    const int count = static_cast<int>(scene.lights.size());
+    if (count == 0) throw UsageError("an overlay of shadow states needs a light: the scene has none");
+    std::vector<int> lights;
+    if (options.overlay_light) {
+        if (*options.overlay_light < 0 || *options.overlay_light >= count)
+            throw UsageError(
+                fmt::format("no light {}: the scene has {}, numbered from 0", *options.overlay_light, count));
+        return {*options.overlay_light};
+    }
+    for (int l = 0; l < count; ++l) lights.push_back(l);
+    return lights;
+}
+
+std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::vector<int>& lights, int frame)
+{
+    std::vector<std::string> titles;
+    for (const int l : lights) {
+        const std::string& name = scene.lights[static_cast<std::size_t>(l)].name;
+        const std::string number = fmt::format("light {}", l);
+        titles.push_back(fmt::format("{}{}{}{}", frame > 0 ? fmt::format("frame {}  ", frame) : "", number,
+                                     name.empty() || name == number ? "" : ": ", name == number ? "" : name));
+    }
+    return titles;
+}
+
+void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options, Frame& result)
+{
+    shading::FrameBuffers& buffers = engine.buffers();
+    if (engine.is_reference()) result.noise = noise_of(buffers);
+    result.tonemap = options.tonemap;
+    result.exposure = options.exposure ? *options.exposure : image::auto_exposure(buffers.color.data);
+    if (engine.shown() == frame::Shown::redrawn) {
+        engine.paint_redrawn(result.exposure);
+        result.tonemap = ToneMap::none;
+        result.exposure = 0;
+    }
+
+    const std::shared_ptr<const void> owner = engine.shared_buffers();
+    const auto add = [&](const char* name, std::vector<std::string> channels, const auto& image) {
+        result.layers.push_back(layer_of(name, std::move(channels), image, owner));
+    };
+    add("", {"R", "G", "B"}, buffers.color);
+    if (options.ids) add("id", {"object", "material"}, buffers.ids);
+    if (options.motion) add("motion", {"X", "Y"}, buffers.motion);
+    if (!options.layers) return;
+    add("depth", {"Z"}, buffers.depth);
+    add("normal", {"X", "Y", "Z"}, buffers.normal);
+    add("albedo", {"R", "G", "B"}, buffers.albedo);
+    add("direct", {"R", "G", "B"}, buffers.direct);
+    if (engine.has_indirect()) add("indirect", {"R", "G", "B"}, buffers.indirect);
+    if (engine.is_reference()) {
+        add("variance", {"R", "G", "B"}, buffers.variance);
+        add("irradiance", {"R", "G", "B"}, buffers.irradiance);
+        add("irradiance_variance", {"R", "G", "B"}, buffers.irradiance_variance);
+    }
+    std::vector<std::string> lights;
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
+    if (!lights.empty()) add("shadow", std::move(lights), buffers.shadow);
+}
+
+void check_overlay(const scene::Scene& scene, const RenderOptions& options, Size size)
+{
+    if (options.overlay == Overlay::redrawn && scene.lights.empty())
+        throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
+    if (options.overlay != Overlay::shadow_states) return;
+    const std::size_t panels = overlay_lights(scene, options).size();
+    if (static_cast<std::int64_t>(size.width) * size.height * static_cast<std::int64_t>(panels) > ranges::k_max_pixels)
+        throw UsageError(
+            fmt::format("an overlay of {} lights has more than {} million pixels: choose one with --overlay-light",
+                        panels, ranges::k_max_pixels / 1'000'000));
+}
+
+Size rendered_size(Size wanted, Size of_camera)
+{
+    if (wanted.width > 0) return wanted;
+    return of_camera.width > 0 ? of_camera : k_default_size;
+}
+
+}   // namespace api
+
+Size default_size(const Scene& scene, const std::string& camera)
+{
+    const scene::Scene& inside = *api::scene_of(scene);
+    return api::rendered_size({}, inside.cameras[scene::find_camera(inside, camera)].resolution);
+}
+
+Size image_size(const Scene& scene, const RenderOptions& options)
+{
+    const scene::Scene& inside = *api::scene_of(scene);
+    const Size size = options.size.width > 0 ? options.size : default_size(scene, options.camera);
+    api::check_overlay(inside, options, size);
+    if (options.overlay != Overlay::shadow_states) return size;
+    const std::size_t panels = api::overlay_lights(inside, options).size();
+    return frame::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
+}
+
+}   // namespace gnomon

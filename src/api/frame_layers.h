@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What a Frame shows: the layers that the engine rendered, or an overlay in their place.
+
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "frame/frame_engine.h"
+#include "gnomon/frame.h"
+#include "gnomon/renderer.h"
+
+namespace gnomon::api {
+
+/// Exposes the engine's image, and lists its layers.
+void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options, Frame& result);
+
+/// Makes an overlay, which is in screen colours, the only layer.
+void set_overlay(const Image8& image, Frame& result);
+
+/// The lights that an overlay of shadow states shows.
+/// @throws UsageError  there are none; no such light
+std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options);
+
+/// @param frame  0: none
+std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::vector<int>& lights, int frame);
+
+/// @throws UsageError  the overlay cannot be shown
+void check_overlay(const scene::Scene& scene, const RenderOptions& options, Size size);
+
+/// The size that options ask for, else the camera's, else the default.
+Size rendered_size(Size wanted, Size of_camera);
+
+}   // namespace gnomon::api
