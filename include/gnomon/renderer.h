@@ -67,8 +67,14 @@ struct RenderOptions {
 
 /// Renders frames, and keeps the results for static parts of the scene from frame to frame. A frame does not depend on
 /// the number of threads. It does not depend on earlier frames either, except with ShadowCulling::paper, whose results
-/// depend on history, and with an overlay, which shows the cached state. Not thread-safe: use one renderer per thread.
-/// A renderer that was moved from can only be assigned to or destroyed; any other call throws UsageError.
+/// depend on history, and with an overlay, which shows the cached state.
+///
+/// Threads: a renderer is used by one thread at a time; only cancel() may be called while it renders. Any number of
+/// renderers may render at the same time in different threads, of the same scene or of different ones, because a Scene
+/// is immutable. Each renders on RenderOptions::threads threads of its own.
+///
+/// A renderer that was moved from can only be assigned to or destroyed; any other call throws UsageError. A renderer
+/// must not be moved, assigned to or destroyed while it renders.
 class Renderer {
  public:
     /// @throws UsageError  an option is out of range
@@ -77,11 +83,21 @@ class Renderer {
     Renderer(Renderer&&) noexcept;
     Renderer& operator=(Renderer&&) noexcept;
 
-    /// @param frame  1 to scene.frame_count()
-    /// @throws UsageError    the frame or camera does not exist
+    /// @param frame     1 to scene.frame_count()
+    /// @param progress  see Progress; while it runs, this renderer can only be cancelled
+    /// @throws UsageError    the frame or camera does not exist; this renderer is rendering already, in another thread
+    ///         or around the progress callback that calls it
     /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or enough memory, or the device was
-    ///         lost
+    ///         lost; RenderOptions::memory is too little
+    /// @throws InterruptedError  cancel() was called, or progress returned false. The next frame is as if the
+    ///         interrupted one had not been asked for.
+    /// @throws what progress throws, with the same effect
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
+
+    /// Makes the render in progress, and only that, stop and throw InterruptedError: typically within 10 ms while it
+    /// traces, and within 100 ms while it builds. Without a render in progress, and where one is about to end, it has
+    /// no effect. May be called from any thread, and from a progress callback.
+    void cancel();
 
     const RenderOptions& options() const;
     /// Name of the Vulkan device that rendered the last frame; empty if none did.

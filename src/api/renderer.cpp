@@ -5,8 +5,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <mutex>
 
 #include "api/check_options.h"
+#include "base/interruption.h"
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
@@ -114,7 +116,45 @@ struct Renderer::Impl {
 
     RenderOptions options;
     frame::FrameEngine engine;
+    std::mutex mutex;
+    Interruption* rendering = nullptr;   // of the render in progress; under the mutex
 };
+
+namespace {
+
+// Marks a renderer as rendering, so that cancel() finds the render, and a second one is refused.
+class RenderScope {
+ public:
+    RenderScope(std::mutex& mutex, Interruption*& rendering, Interruption& interruption)
+        : mutex_(mutex), rendering_(rendering), current_(&interruption)
+    {
+        const std::lock_guard lock(mutex_);
+        refuse_second(rendering_);
+        rendering_ = &interruption;
+    }
+    ~RenderScope()
+    {
+        const std::lock_guard lock(mutex_);
+        rendering_ = nullptr;
+    }
+    RenderScope(const RenderScope&) = delete;
+    RenderScope& operator=(const RenderScope&) = delete;
+
+    static void refuse_second(const Interruption* rendering)
+    {
+        if (rendering)
+            throw UsageError(
+                "this renderer is rendering already: use it from one thread at a time, and not from its progress "
+                "callback");
+    }
+
+ private:
+    std::mutex& mutex_;
+    Interruption*& rendering_;
+    const InterruptionScope current_;
+};
+
+}   // namespace
 
 Renderer::Renderer(RenderOptions options)
 {
@@ -139,11 +179,21 @@ const RenderOptions& Renderer::options() const
 
 std::string Renderer::device() const
 {
+    const std::lock_guard lock(impl().mutex);
+    RenderScope::refuse_second(impl().rendering);
     return impl().engine.device();
+}
+
+void Renderer::cancel()
+{
+    const std::lock_guard lock(impl().mutex);
+    if (impl().rendering) impl().rendering->request();
 }
 
 Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
 {
+    Interruption interruption(progress);
+    const RenderScope rendering(impl().mutex, impl().rendering, interruption);
     const RenderOptions& options = impl().options;
     frame::FrameEngine& engine = impl().engine;
     if (frame < 1 || frame > scene.frame_count())
@@ -166,7 +216,7 @@ Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
     frame::RenderRequest request;
     const frame::Shown shown = engine.shown();
     if (shown == frame::Shown::shadow_states) request.overlay_lights = overlay_lights(*scene.impl(), options);
-    result.counters = engine.render(view, request, progress);
+    result.counters = engine.render(view, request);
 
     watch.restart();
     if (shown == frame::Shown::shadow_states || shown == frame::Shown::clusters) {

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "frame/cluster_overlay.h"
 #include "frame/reference_indirect.h"
 #include "frame/state_overlay.h"
@@ -171,12 +172,23 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     start = Clock::now();
 
     // Let the rest follow. A cache that did not see the last advance cannot.
-    if (rays_follow) rays_->update(*state_);
+    if (rays_follow) {
+        // Follow whole, unless the static scene is built again: an interruption would discard it.
+        const bool rebuilds = !state_->changes().promoted.empty();
+        const InterruptionScope scope(rebuilds ? Interruption::current() : nullptr);
+        rays_->update(*state_);
+    }
     if (advanced_) discard_caches();
     advanced_ = true;
     options_ = options;
     plan_ = plan_for(options);
-    fit_caches(options);
+    try {
+        fit_caches(options);
+        interruption_point();
+    } catch (const InterruptedError&) {
+        guard.succeed();   // scene and rays are as they should be; the next call replaces the caches
+        throw;
+    }
     first_frame_ = false;
     times.caches = milliseconds_since(start);
     guard.succeed();
@@ -269,23 +281,28 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     GNOMON_CHECK(advanced_);
     advanced_ = false;
     view_ = view;
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
     DiscardOnFailure guard(*this);
     try {
         FrameCounters counters =
-            plan_.raster ? raster_->render(*state_, view, buffers_, progress) : render_traced(view, request, progress);
+            plan_.raster ? raster_->render(*state_, view, buffers_, {}) : render_traced(view, request);
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
-        // Nah's culling has learned from half a frame, the rasteriser has recorded half of one, and the irradiance
-        // cache has points that were claimed and not evaluated.
+        // Nah's culling has learned from half a frame, the rasteriser has recorded half of one, and a light map may
+        // have followed half of the changes. The overlay checks a culling that may not have followed any.
+        if (cache_ && !cache_->abandon_frame()) cache_.reset();
         nah_.reset();
-        if (!plan_.raster && !cache_) guard.succeed();
+        map_.reset();
+        raster_.reset();
+        if (plan_.shown == Shown::shadow_states) discard_caches();
+        guard.succeed();
         throw;
     }
 }
 
-FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request,
-                                         const Progress& progress)
+FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request)
 {
     Tasks& tasks = request.tasks ? *request.tasks : tasks_;
     if (plan_.shown == Shown::clusters) {
@@ -334,7 +351,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.samples = options_.samples;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     FrameCounters counters =
-        trace::trace_frame(*state_, *rays_, view, traced, tasks, buffers_, techniques, request.log, progress);
+        trace::trace_frame(*state_, *rays_, view, traced, tasks, buffers_, techniques, request.log);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
 }

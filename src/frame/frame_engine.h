@@ -88,7 +88,8 @@ class FrameEngine {
     /// Moves to a time of a scene. Another scene or accelerator discards everything, overrides included.
     /// @param options    size, camera, turntable, threads, exposure and tone mapping are not read
     /// @param overrides  all that are in force; nodes that the scene does not have are ignored
-    /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or memory
+    /// @throws MissingError      RenderMethod::raster without a suitable Vulkan device or memory
+    /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
     AdvanceTimes advance(const std::shared_ptr<const scene::Scene>& scene, double time, const RenderOptions& options,
                          std::span<const UserOverride> overrides = {});
 
@@ -97,7 +98,8 @@ class FrameEngine {
 
     /// Renders a view, once after each advance(). The image lies in buffers() where shown() is light or redrawn, else
     /// paint_overlay() makes it.
-    /// @throws InterruptedError  progress returned false; the next frame begins without the caches that took notes
+    /// @param progress  in place of the current Interruption (base/interruption.h)
+    /// @throws InterruptedError  the work was interrupted; the next frame begins without the caches that took notes
     /// @throws MissingError      too little device memory, or the device was lost; everything is discarded
     FrameCounters render(const scene::View& view, const RenderRequest& request = {}, const Progress& progress = {});
 
@@ -141,7 +143,7 @@ class FrameEngine {
     void discard_caches();
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
-    FrameCounters render_traced(const scene::View& view, const RenderRequest& request, const Progress& progress);
+    FrameCounters render_traced(const scene::View& view, const RenderRequest& request);
     void count_kdtree(FrameCounters& counters) const;
 
     EngineSettings settings_;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "base/one_line.h"
 
 namespace gnomon::scene {
@@ -73,6 +74,7 @@ void Scene::finish()
 
     // Check the guarantees of importers.
     for (Mesh& mesh : meshes) {
+        interruption_point();
         check_mesh(mesh);
         for (const MeshPart& part : mesh.parts) GNOMON_CHECK_LT(part.material, materials.size());
         sort_parts(mesh, materials);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 
 namespace gnomon::ray {
@@ -33,9 +34,21 @@ bool EmbreeDevice::count_memory(void* self, ssize_t bytes, bool)
     return true;
 }
 
+// Embree calls this while it builds: false cancels the build.
+bool EmbreeDevice::go_on(void* interruption, double)
+{
+    return !static_cast<Interruption*>(interruption)->requested();
+}
+
 void EmbreeDevice::commit(RTCScene scene) const
 {
+    Interruption* const interruption = Interruption::current();
+    if (interruption) rtcSetSceneProgressMonitorFunction(scene, &go_on, interruption);
     arena_->one_thread.execute([scene] { rtcCommitScene(scene); });
+    if (!interruption) return;
+    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    // A cancelled build is reported as an error of the device.
+    if (interruption->requested()) interruption->raise();
 }
 
 void EmbreeDevice::check() const

@@ -25,12 +25,14 @@ class EmbreeDevice {
     RTCDevice get() const { return device_; }
     std::size_t bytes() const { return bytes_; }
     /// Builds or rebuilds a scene on the caller's thread alone.
+    /// @throws InterruptedError  the current work was interrupted: the scene is unusable
     void commit(RTCScene scene) const;
     /// Throws the error of the last calls, if any: MissingError if memory ran out, else InternalError.
     void check() const;
 
  private:
     static bool count_memory(void* self, ssize_t bytes, bool post);
+    static bool go_on(void* interruption, double done);
     struct Arena;
     std::unique_ptr<Arena> arena_;
     RTCDevice device_ = nullptr;

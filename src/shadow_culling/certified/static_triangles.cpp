@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "visibility/shaft.h"
 
 namespace gnomon::shadow_culling {
@@ -62,6 +63,7 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
     std::vector<scene::ObjectId> space;   // by triangle: none for world space, else the object whose space it is
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         if (state.is_dynamic(o) || !state.object_visible(o) || rays.meeting(o) == ray::Meeting::never) continue;
+        interruption_point();
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {
