@@ -97,7 +97,7 @@ Milliseconds within(double milliseconds)
 void load(benchmark::State& state, const std::string& what)
 {
     const int threads = static_cast<int>(state.range(0));
-    const double whole = milliseconds_of([&] { benchmark::DoNotOptimize(gnomon::load(what, {.threads = threads})); });
+    const double whole = milliseconds_of([&] { benchmark::DoNotOptimize(gnomon::load(what, {.progress = {}, .threads = threads})); });
     Latencies latencies;
     for ([[maybe_unused]] auto _ : state) {
         std::atomic<bool> stopped = false;
@@ -166,8 +166,8 @@ struct Stage {
         const auto sponza = std::filesystem::path(folder) / "sponza" / "sponza.obj";
         if (std::filesystem::exists(sponza)) scenes.emplace_back("sponza", sponza.string());
     }
-    for (const Stage& stage : {Stage{"load", &load, 100}, Stage{"first", &first, 100}, Stage{"second", &second, 50},
-                               Stage{"later", &later, 200}})
+    for (const Stage& stage : {Stage{"load", &load, 50}, Stage{"first", &first, 100}, Stage{"second", &second, 40},
+                               Stage{"later", &later, 100}})
         for (const auto& [name, what] : scenes)
             for (const int threads : {1, 0})
                 benchmark::RegisterBenchmark((std::string(stage.name) + "/" + name).c_str(), stage.run, what)

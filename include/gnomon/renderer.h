@@ -57,6 +57,9 @@ struct RenderOptions {
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;   // 0: all
+    /// MB that the renderer may hold in ray tracing trees, caches and the image's layers; 0: no limit. Beyond it,
+    /// render() throws MissingError, and the renderer stays usable. The scene itself does not count.
+    int memory = 0;
     /// Also output the layers depth, normal, albedo, direct, indirect and shadow, and more for a reference.
     bool layers = false;
     /// Shown instead of the rendered scene. The image is then larger than `size` (see image_size) and has no other

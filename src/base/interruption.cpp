@@ -42,6 +42,7 @@ bool Interruption::requested() noexcept
 void Interruption::report(std::string_view stage, double done) noexcept
 {
     if (outer_) outer_->report(stage, done);
+    if (!progress_) return;
     const std::lock_guard lock(mutex_);
     step_ = {stage, stage == step_.stage ? std::max(done, step_.done) : done};
     if (!requested_.load(std::memory_order_relaxed)) call();
@@ -50,7 +51,6 @@ void Interruption::report(std::string_view stage, double done) noexcept
 // Calls the callback, under the lock. What it does itself is not part of this work.
 void Interruption::call() noexcept
 {
-    if (!progress_) return;
     const InterruptionScope apart(nullptr);
     try {
         if (!progress_(step_)) request();

@@ -81,6 +81,24 @@ auto raster_key(const RenderOptions& o)
                       map_key(o));
 }
 
+std::size_t bytes_of(const shading::FrameBuffers& buffers)
+{
+    std::size_t bytes = 0;
+    for (const ImageF* image :
+         {&buffers.color, &buffers.depth, &buffers.normal, &buffers.albedo, &buffers.direct, &buffers.indirect,
+          &buffers.shadow, &buffers.variance, &buffers.irradiance, &buffers.irradiance_variance})
+        bytes += image->data.size() * sizeof(float);
+    return bytes;
+}
+
+// Bytes of the buffers of a frame.
+std::size_t buffer_bytes(Size size, bool layers, bool estimate, std::size_t lights)
+{
+    const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+    const std::size_t floats = 3 + (estimate ? 9 : 0) + (layers ? 13 + lights : 0);   // color; three; four of 3, depth
+    return pixels * floats * sizeof(float);
+}
+
 }   // namespace
 
 FrameEngine::FrameEngine(const EngineSettings& settings) : settings_(settings), tasks_(settings.threads) {}
@@ -104,6 +122,7 @@ void FrameEngine::forget()
     scene_.reset();
     overrides_.clear();
     taken_from_.clear();
+    buffers_ = {};
     turn_centre_.reset();
     first_frame_ = true;
     advanced_ = false;
@@ -142,6 +161,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
                                   const RenderOptions& options, std::span<const UserOverride> overrides)
 {
     DiscardOnFailure guard(*this);
+    limit_ = MemoryLimit(static_cast<std::size_t>(options.memory) << 20);
     AdvanceTimes times;
     Clock::time_point start = Clock::now();
 
@@ -159,7 +179,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     }
     bool rays_follow = false;   // they saw the state before an advance
     const auto make_rays = [&] {
-        rays_ = std::make_unique<ray::RayScene>(*state_);
+        rays_ = std::make_unique<ray::RayScene>(*state_, limit_);
         if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
     };
     if (is_new && needs_rays) make_rays();
@@ -176,6 +196,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
         // Follow whole, unless the static scene is built again: an interruption would discard it.
         const bool rebuilds = !state_->changes().promoted.empty();
         const InterruptionScope scope(rebuilds ? Interruption::current() : nullptr);
+        rays_->limit_memory(limit_);
         rays_->update(*state_);
     }
     if (advanced_) discard_caches();
@@ -184,6 +205,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     plan_ = plan_for(options);
     try {
         fit_caches(options);
+        check_memory("the caches");
         interruption_point();
     } catch (const InterruptedError&) {
         guard.succeed();   // scene and rays are as they should be; the next call replaces the caches
@@ -236,9 +258,13 @@ void FrameEngine::fit_caches(const RenderOptions& options)
         map_ = std::make_unique<light_quadtree::MapLight>(*state_, *rays_, map_options(options), tasks_);
         map_options_ = options;
     }
-    if (plan_.certified && !certified_)
-        certified_ =
-            std::make_unique<shadow_culling::CertifiedCulling>(*state_, *rays_, shadow_culling::CertifiedOptions{});
+    if (plan_.certified && !certified_) {
+        // Its memory may be small: that changes the cost of frames alone.
+        shadow_culling::CertifiedOptions certified;
+        const std::size_t held = held_bytes();
+        if (limit_.bytes() > held) certified.memory = std::min(certified.memory, (limit_.bytes() - held) / 2);
+        certified_ = std::make_unique<shadow_culling::CertifiedCulling>(*state_, *rays_, certified);
+    }
     if (plan_.cache && !cache_) {
         cache_ = std::make_unique<irradiance_cache::IrradianceCache>(*state_, *rays_, cache_options(options), tasks_);
         cache_options_ = options;
@@ -284,9 +310,15 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     DiscardOnFailure guard(*this);
+    if (limit_.bytes() > 0) {
+        const std::size_t others = held_bytes() - bytes_of(buffers_);
+        limit_.check(others + buffer_bytes(view.size, options_.layers, plan_.reference, scene_->lights.size()),
+                     "the layers of the image");
+    }
     try {
         FrameCounters counters =
             plan_.raster ? raster_->render(*state_, view, buffers_, {}) : render_traced(view, request);
+        check_memory("the caches");
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
@@ -397,6 +429,16 @@ std::size_t FrameEngine::cached_bytes() const
     if (map_) bytes += map_->bytes();
     if (raster_) bytes += raster_->remembered_bytes();
     return bytes;
+}
+
+std::size_t FrameEngine::held_bytes() const
+{
+    return cached_bytes() + bytes_of(buffers_) + (rays_ ? rays_->statistics().bytes : 0);
+}
+
+void FrameEngine::check_memory(std::string_view what) const
+{
+    if (limit_.bytes() > 0) limit_.check(held_bytes(), what);
 }
 
 void FrameEngine::make_certificates(const std::function<bool()>& go_on)

@@ -282,7 +282,9 @@ void IrradianceCache::end_frame(std::span<const std::unique_ptr<Batch>> batches)
 bool IrradianceCache::abandon_frame()
 {
     if (updating_) return false;
+    const glm::vec3 average = frame_.average;
     end_frame({});
+    frame_.average = average;
     return true;
 }
 

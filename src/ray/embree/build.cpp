@@ -111,6 +111,7 @@ void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, cons
     interruption_point();
     vertices.bake(mesh.positions, mesh.normals, mesh.tangents, matrix);
     baked_bytes += vertices.bytes();
+    device.limit().check(device.bytes() + baked_bytes, "the vertices of the ray tracing trees");
 }
 
 // Fills an object's ObjectGeometry.
