@@ -97,14 +97,14 @@ Milliseconds within(double milliseconds)
 void load(benchmark::State& state, const std::string& what)
 {
     const int threads = static_cast<int>(state.range(0));
-    const double whole = milliseconds_of([&] { benchmark::DoNotOptimize(gnomon::load(what, {.progress = {}, .threads = threads})); });
+    const double whole =
+        milliseconds_of([&] { benchmark::DoNotOptimize(gnomon::load(what, {.progress = {}, .threads = threads})); });
     Latencies latencies;
     for ([[maybe_unused]] auto _ : state) {
         std::atomic<bool> stopped = false;
         const gnomon::Progress progress = [&](const gnomon::ProgressStep&) { return !stopped; };
-        latencies.add(latency_of(
-            [&] { gnomon::load(what, {.progress = progress, .threads = threads}); }, [&] { stopped = true; },
-            within(whole)));
+        latencies.add(latency_of([&] { gnomon::load(what, {.progress = progress, .threads = threads}); },
+                                 [&] { stopped = true; }, within(whole)));
     }
     latencies.show(state);
 }

@@ -167,6 +167,7 @@ Box3 Scene::bounds(double time) const
         visible[n] =
             (node.parent == none || visible[node.parent]) && (!node.visibility || node.visibility->evaluate(time));
         if (node.mesh == none || !visible[n]) continue;
+        interruption_point();
         const Mesh& mesh = meshes[node.mesh];
         for (const glm::uvec3& triangle : mesh.triangles)
             for (int i = 0; i < 3; ++i)

@@ -145,7 +145,8 @@ TEST(Interruption, OfALoadAtAnyTime)
     for (int i = 0; i < 20; ++i) {
         const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(whole * random.uniform());
         try {
-            load("builtin:kinetic", {.progress = [&](const ProgressStep&) { return Clock::now() < end; }, .threads = 0});
+            load("builtin:kinetic",
+                 {.progress = [&](const ProgressStep&) { return Clock::now() < end; }, .threads = 0});
         } catch (const InterruptedError&) {
             ++stopped;
         }
@@ -174,8 +175,8 @@ TEST(Renderers, InSeveralThreadsOfOneSceneMakeTheSameBytes)
                 const int frame = 1 + (turn + t) % k_frames;
                 if (turn % 3 == t % 3) renderers[(at + 1) % k_threads].cancel();
                 try {
-                    different += layers_of(renderers[at].render(scene, frame)) !=
-                                 expected[static_cast<std::size_t>(frame - 1)];
+                    different +=
+                        layers_of(renderers[at].render(scene, frame)) != expected[static_cast<std::size_t>(frame - 1)];
                     ++done;
                 } catch (const InterruptedError&) {
                     ++cancelled;
@@ -218,7 +219,8 @@ TEST(Renderers, RefuseASecondRenderAtTheSameTime)
     EXPECT_EQ(from_callback.find('\n'), std::string::npos);
     // The refusal leaves through the callback that does not catch it.
     EXPECT_NE(refusal([&] {
-                  renderer.render(scene, 2, [&](const ProgressStep&) { return renderer.render(scene, 1).size.width > 0; });
+                  renderer.render(scene, 2,
+                                  [&](const ProgressStep&) { return renderer.render(scene, 1).size.width > 0; });
               }),
               "");
     EXPECT_NO_THROW(renderer.render(scene, 3));

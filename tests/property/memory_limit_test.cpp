@@ -34,8 +34,8 @@ TEST(MemoryLimit, IsKeptOrRefusedAtEverySize)
     for (options.memory = 1; rendered < 2 && options.memory <= 1 << 14; options.memory *= 2) {
         try {
             for (const int frame : {1, 2, 3}) {
-                ASSERT_TRUE(same_bits(render(engine, scene, frame, options),
-                                      expected[static_cast<std::size_t>(frame - 1)]))
+                ASSERT_TRUE(
+                    same_bits(render(engine, scene, frame, options), expected[static_cast<std::size_t>(frame - 1)]))
                     << options.memory << " MB, frame " << frame;
                 EXPECT_LE(engine.held_bytes(), static_cast<std::size_t>(options.memory) << 20);
             }
@@ -43,9 +43,9 @@ TEST(MemoryLimit, IsKeptOrRefusedAtEverySize)
         } catch (const MissingError& error) {
             ++refused;
             const std::string message = error.what();
-            EXPECT_EQ(message.find("needs more than the limit of " + std::to_string(options.memory) +
-                                   " MB of memory: the "),
-                      0u)
+            EXPECT_EQ(
+                message.find("needs more than the limit of " + std::to_string(options.memory) + " MB of memory: the "),
+                0u)
                 << message;
             EXPECT_EQ(message.find('\n'), std::string::npos);
         }

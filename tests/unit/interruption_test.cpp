@@ -43,8 +43,7 @@ TEST(Interruption, ARequestOfAnotherThreadStopsABodyAtItsNextPoint)
     Interruption interruption;
     const InterruptionScope scope(&interruption);
     std::thread other([&] { interruption.request(); });
-    EXPECT_THROW(
-        while (true) interruption_point(), InterruptedError);
+    EXPECT_THROW(while (true) interruption_point(), InterruptedError);
     other.join();
 }
 

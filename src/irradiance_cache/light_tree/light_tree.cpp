@@ -26,7 +26,7 @@ std::uint32_t morton(int x, int y)
 }
 
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
-constexpr int k_smallest_side = 2;   // one level
+constexpr int k_smallest_side = 2;               // one level
 constexpr std::uint32_t k_rays_at_once = 4096;   // between interruption points; a multiple of every packet's width
 
 // The nodes of a view's pyramid, from the level of four nodes down.

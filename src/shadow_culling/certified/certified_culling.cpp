@@ -271,6 +271,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
         auto& judge = judges[static_cast<std::size_t>(worker)];
         if (!judge) judge = std::make_unique<Judge>(*state_, *triangles_, *memory_, light_on_, options_);
         judge->allow(share);
+        judge->stop_with(interruption);
         const std::size_t end = std::min(count, (chunk + 1) * k_chunk);
         for (std::size_t i = chunk * k_chunk; i < end && judge->allowed() && !stops(); ++i) {
             const std::size_t r = (i + shift) % count;

@@ -16,6 +16,8 @@ namespace {
 
 constexpr int k_leaf = 4;   // triangles; with fewer, a split does not pay off
 constexpr int k_bins = 16;
+// Between interruption points: triangles or comparisons; and triangles of a node.
+constexpr std::uint32_t k_step = 1 << 16, k_many = 1 << 10;
 
 StaticTriangles::Role role_of(scene::SurfaceClass surface)
 {
@@ -99,6 +101,7 @@ void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
     std::vector<EdgeKey> edges;
     edges.reserve(3 * triangles_.size());
     for (TriangleId t = 0; t < triangles_.size(); ++t) {
+        if (t % k_step == 0) interruption_point();
         if (!leads_on(t)) continue;
         for (int e = 0; e < 3; ++e) {
             auto a = ends(triangles_[t].p[e]), b = ends(triangles_[t].p[(e + 1) % 3]);
@@ -106,7 +109,11 @@ void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
             edges.push_back({{a[0], a[1], a[2], b[0], b[1], b[2]}, 3 * t + static_cast<std::uint32_t>(e)});
         }
     }
-    std::sort(edges.begin(), edges.end());
+    std::uint32_t compared = 0;
+    std::sort(edges.begin(), edges.end(), [&](const EdgeKey& a, const EdgeKey& b) {
+        if (++compared % k_step == 0) interruption_point();
+        return a < b;
+    });
 
     // Connect the triangles at edges that exactly two of them share.
     across_.assign(3 * triangles_.size(), no_triangle);
@@ -144,6 +151,7 @@ void StaticTriangles::build_tree()
 std::uint32_t StaticTriangles::build_range(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
                                            std::vector<Box3>& boxes)
 {
+    if (end - begin > k_many) interruption_point();
     Box3 box, centres;
     for (std::uint32_t i = begin; i < end; ++i) {
         box.add(boxes[order_[i]]);
