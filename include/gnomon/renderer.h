@@ -60,6 +60,9 @@ struct RenderOptions {
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
     int threads = 0;   // 0: all
+    /// MB that the renderer may hold in ray tracing trees, caches and the image's layers; 0: no limit. Beyond it,
+    /// render() throws MissingError, and the renderer stays usable. The scene itself does not count.
+    int memory = 0;
     /// Also output the layers depth, normal, albedo, direct, indirect and shadow, and more for a reference.
     bool layers = false;
     /// Also output the layer id, or motion: one camera ray per pixel for both, in a pass of its own. Not with overlays
@@ -82,8 +85,12 @@ struct RenderOptions {
 /// results depend on history; overlays, which show the cached state; a limit on indirect rays; and an object that was
 /// promoted (see Mobility), which is rounded as one that moves from then on.
 ///
-/// Several renderers can work at once in different threads and share scenes; one renderer serves one thread at a time.
-/// A renderer that was moved from can only be assigned to or destroyed; any other call throws UsageError.
+/// Threads: a renderer is used by one thread at a time; only cancel() may be called while it renders. Any number of
+/// renderers may render at the same time in different threads, of the same scene or of different ones, because a Scene
+/// is immutable. Each renders on RenderOptions::threads threads of its own.
+///
+/// A renderer that was moved from can only be assigned to or destroyed; any other call throws UsageError. A renderer
+/// must not be moved, assigned to or destroyed while it renders.
 class Renderer {
  public:
     /// @throws UsageError  an option is out of range
@@ -93,10 +100,15 @@ class Renderer {
     Renderer& operator=(Renderer&&) noexcept;
 
     /// Renders a frame of the scene's clip. Values that were handed over before stay in force.
-    /// @param frame  1 to scene.frame_count()
-    /// @throws UsageError    the frame or camera does not exist
+    /// @param frame     1 to scene.frame_count()
+    /// @param progress  see Progress; while it runs, this renderer can only be cancelled
+    /// @throws UsageError    the frame or camera does not exist; this renderer is rendering already, in another thread
+    ///         or around the progress callback that calls it
     /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or enough memory, or the device was
-    ///         lost
+    ///         lost; RenderOptions::memory is too little
+    /// @throws InterruptedError  cancel() was called, or progress returned false. The next frame is as if the
+    ///         interrupted one had not been asked for.
+    /// @throws what progress throws, with the same effect
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
     /// Takes over what a host changed, and renders a frame. Another scene begins anew, except for values of parts that
     /// it has in common with the one before.
@@ -115,6 +127,11 @@ class Renderer {
     /// What the last frame changed.
     /// @throws UsageError  no frame was rendered yet, or the last one failed
     FrameReport report() const;
+
+    /// Makes the render in progress, and only that, stop and throw InterruptedError: typically within 10 ms while it
+    /// traces, and within 100 ms while it builds. Without a render in progress, and where one is about to end, it has
+    /// no effect. May be called from any thread, and from a progress callback.
+    void cancel();
 
     const RenderOptions& options() const;
 
@@ -143,6 +160,7 @@ class Renderer {
  private:
     struct Impl;
     Impl& impl() const;
+    Impl& idle() const;
     std::unique_ptr<Impl> impl_;
 };
 

@@ -96,10 +96,12 @@ struct FrameCounters {
     std::uint64_t draws = 0;   // draw calls of the rasteriser
 };
 
-/// Progress of long work. If the callback returns false, the work stops and throws InterruptedError.
+/// Progress of long work. If the callback returns false, the work stops and throws InterruptedError; if it throws, the
+/// work stops and throws the same. It is called every few milliseconds, from any of the threads that work, never from
+/// two at once, and not after the work has ended. It should return at once, because it holds up its thread.
 struct ProgressStep {
-    std::string_view stage;   // "loading", "rendering", "encoding"
-    double done = 0;          // 0 to 1
+    std::string_view stage;   // "loading", "preparing", "tracing", "drawing", "rendering", "encoding", ...
+    double done = 0;          // 0 to 1, within the stage
 };
 using Progress = std::function<bool(const ProgressStep&)>;
 

@@ -62,6 +62,7 @@ void check_options(const RenderOptions& o)
     if (o.exposure) check_range("exposure is", *o.exposure, ranges::exposure, " stops");
     if (o.turntable_seconds != 0)
         check_range("time of a turntable is", o.turntable_seconds, ranges::turntable_seconds, " seconds");
+    check_range("limit of memory is", o.memory, ranges::memory, " MB");
     check_range("threads are", o.threads, ranges::threads);
     check_range("shadow filter is", o.shadow_filter, ranges::shadow_filter);
     if (o.renderer == RenderMethod::raster && (o.overlay == Overlay::shadow_states || o.overlay == Overlay::clusters))

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "api/scene_access.h"
+#include "base/interruption.h"
 #include "gnomon/scene.h"
 #include "io/load.h"
 #include "scene/builtin/builtin.h"
@@ -13,12 +14,16 @@ namespace gnomon {
 
 Scene load(const std::string& what, const LoadOptions& options)
 {
+    Interruption interruption(options.progress);
+    const InterruptionScope scope(&interruption);
+    report_progress("loading", 0);
     constexpr std::string_view builtin = "builtin:";
     scene::Scene loaded = what.starts_with(builtin) ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
-                                                    : io::load_scene(what, options.progress);
+                                                    : io::load_scene(what);
     scene::add_emitter_lights(loaded);
     scene::add_default_light(loaded);
     scene::add_default_camera(loaded);
+    interruption_point();
     return api::public_scene(std::make_shared<const scene::Scene>(std::move(loaded)));
 }
 

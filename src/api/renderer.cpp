@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <mutex>
 
 #include "api/check_options.h"
 #include "api/convert.h"
@@ -12,6 +13,7 @@
 #include "api/host_state.h"
 #include "api/outputs.h"
 #include "api/scene_access.h"
+#include "base/interruption.h"
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
@@ -42,6 +44,11 @@ struct Renderer::Impl {
     double last_time = 0;
     std::optional<Camera> camera, last_host_camera;
 
+    mutable std::mutex mutex;
+    Interruption* rendering = nullptr;   // of the render in progress; under the mutex
+    /// @throws UsageError  this renderer is rendering
+    void refuse_while_rendering() const;
+
     struct Wanted;
     Frame render(const Scene& scene, const FrameInput& input, const Progress& progress);
     Wanted check(const Scene& scene, const FrameInput& input) const;
@@ -66,6 +73,48 @@ const scene::SceneState& Renderer::Impl::last_state() const
     return *engine.state();
 }
 
+namespace {
+
+// Marks a renderer as rendering, so that cancel() finds the render, and a second one is refused.
+class RenderScope {
+ public:
+    RenderScope(std::mutex& mutex, Interruption*& rendering, Interruption& interruption)
+        : mutex_(mutex), rendering_(rendering), current_(&interruption)
+    {
+        const std::lock_guard lock(mutex_);
+        refuse_second(rendering_);
+        rendering_ = &interruption;
+    }
+    ~RenderScope()
+    {
+        const std::lock_guard lock(mutex_);
+        rendering_ = nullptr;
+    }
+    RenderScope(const RenderScope&) = delete;
+    RenderScope& operator=(const RenderScope&) = delete;
+
+    static void refuse_second(const Interruption* rendering)
+    {
+        if (rendering)
+            throw UsageError(
+                "this renderer is rendering already: use it from one thread at a time, and not from its progress "
+                "callback");
+    }
+
+ private:
+    std::mutex& mutex_;
+    Interruption*& rendering_;
+    const InterruptionScope current_;
+};
+
+}   // namespace
+
+void Renderer::Impl::refuse_while_rendering() const
+{
+    const std::lock_guard lock(mutex);
+    RenderScope::refuse_second(rendering);
+}
+
 Renderer::Renderer(RenderOptions options)
 {
     check_options(options);
@@ -82,6 +131,13 @@ Renderer::Impl& Renderer::impl() const
     return *impl_;
 }
 
+// The same for calls that cannot be made while it renders.
+Renderer::Impl& Renderer::idle() const
+{
+    impl().refuse_while_rendering();
+    return *impl_;
+}
+
 const RenderOptions& Renderer::options() const
 {
     return impl().options;
@@ -89,7 +145,7 @@ const RenderOptions& Renderer::options() const
 
 void Renderer::set_options(RenderOptions options)
 {
-    Impl& in = impl();
+    Impl& in = idle();
     check_options(options);
     if (options.interactive != in.options.interactive)
         throw UsageError("a renderer is interactive from the start or not at all");
@@ -99,63 +155,63 @@ void Renderer::set_options(RenderOptions options)
 
 std::string Renderer::device() const
 {
-    return impl().engine.device();
+    return idle().engine.device();
 }
 
 std::size_t Renderer::remembered_bytes() const
 {
-    return impl().engine.cached_bytes();
+    return idle().engine.cached_bytes();
 }
 
 void Renderer::forget()
 {
-    impl().engine.forget();
-    impl().host = {};
-    impl().has_frame = false;
+    idle().engine.forget();
+    idle().host = {};
+    idle().has_frame = false;
 }
 
 void Renderer::improve(const std::function<bool()>& go_on)
 {
-    impl().engine.make_certificates(go_on ? go_on : [] { return true; });
+    idle().engine.make_certificates(go_on ? go_on : [] { return true; });
 }
 
 Transform Renderer::transform(const NodeId& id) const
 {
-    const Impl& in = impl();
+    const Impl& in = idle();
     const scene::SceneState& state = in.last_state();
     return api::transform_of(state.local(api::require(in.last_scene().stamps.nodes, id, "the node")));
 }
 
 Transform Renderer::world_transform(const NodeId& id) const
 {
-    const Impl& in = impl();
+    const Impl& in = idle();
     const scene::SceneState& state = in.last_state();
     return api::transform_of(state.world(api::require(in.last_scene().stamps.nodes, id, "the node")));
 }
 
 bool Renderer::visible(const NodeId& id) const
 {
-    const Impl& in = impl();
+    const Impl& in = idle();
     const scene::SceneState& state = in.last_state();
     return state.visible(api::require(in.last_scene().stamps.nodes, id, "the node"));
 }
 
 Camera Renderer::camera() const
 {
-    if (!impl().camera) throw UsageError("the renderer has no scene yet: render a frame first");
-    return *impl().camera;
+    if (!idle().camera) throw UsageError("the renderer has no scene yet: render a frame first");
+    return *idle().camera;
 }
 
 Box Renderer::bounds() const
 {
-    impl().last_state();
-    const Box3 box = impl().engine.bounds();
+    idle().last_state();
+    const Box3 box = idle().engine.bounds();
     return box.empty() ? Box{} : Box{api::vec(box.low), api::vec(box.high)};
 }
 
 Pick Renderer::pick(int x, int y)
 {
-    frame::FrameEngine& engine = impl().engine;
+    frame::FrameEngine& engine = idle().engine;
     if (!engine.has_frame()) throw UsageError("nothing can be picked: no frame was rendered, or the last one failed");
     if (engine.shown() != frame::Shown::light) throw UsageError("nothing can be picked in an overlay");
     const Size size = engine.view().size;
@@ -165,7 +221,7 @@ Pick Renderer::pick(int x, int y)
     Pick pick;
     pick.hit = point.object != scene::none;
     if (!pick.hit) return pick;
-    const api::SceneStamps& stamps = impl().last_scene().stamps;
+    const api::SceneStamps& stamps = idle().last_scene().stamps;
     pick.instance = InstanceId(stamps.nodes.id<NodeId>(engine.scene()->objects[point.object].node));
     pick.material = stamps.materials.id<MaterialId>(point.material);
     pick.triangle = point.triangle;
@@ -177,12 +233,12 @@ Pick Renderer::pick(int x, int y)
 
 FrameReport Renderer::report() const
 {
-    const frame::FrameEngine& engine = impl().engine;
+    const frame::FrameEngine& engine = idle().engine;
     if (!engine.has_frame()) throw UsageError("nothing to report: no frame was rendered, or the last one failed");
     const frame::EngineReport& last = engine.report();
     FrameReport report;
     report.everything = last.everything;
-    const api::SceneStamps& stamps = impl().last_scene().stamps;
+    const api::SceneStamps& stamps = idle().last_scene().stamps;
     for (const scene::ObjectId object : last.objects)
         report.instances.emplace_back(stamps.nodes.id<NodeId>(engine.scene()->objects[object].node));
     for (const scene::LightId light : last.lights) report.lights.push_back(stamps.lights.id<LightId>(light));
@@ -190,6 +246,12 @@ FrameReport Renderer::report() const
         report.materials.push_back(stamps.materials.id<MaterialId>(material));
     report.rectangles = last.rectangles;
     return report;
+}
+
+void Renderer::cancel()
+{
+    const std::lock_guard lock(impl().mutex);
+    if (impl().rendering) impl().rendering->request();
 }
 
 Frame Renderer::render(const Scene& scene, int frame, const Progress& progress)
@@ -287,6 +349,8 @@ std::optional<scene::View> Renderer::Impl::view_before(const Scene& scene, const
 
 Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const Progress& progress)
 {
+    Interruption interruption(progress);
+    const RenderScope in_progress(mutex, rendering, interruption);
     const Wanted wanted = check(scene, input);
     const scene::Scene& inside = *api::scene_of(scene);
     const auto start = Clock::now();
@@ -309,7 +373,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     if (shown == frame::Shown::shadow_states) request.overlay_lights = api::overlay_lights(inside, options);
     request.indirect_ray_limit = input.indirect_ray_limit;
     has_frame = false;
-    result.counters = engine.render(view, request, progress);
+    result.counters = engine.render(view, request);
     result.counters.update = {engine.state()->changes().touched_nodes, engine.touched_instances(), began_anew};
     result.complete = engine.complete();
     result.view_size = view.size;
@@ -332,11 +396,11 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
             result.times.ms[FrameTimes::image] = own.ms[FrameTimes::image];
         }
     }
-    write_outputs(result, input.outputs, engine.tasks());
     host.values().end_frame();
     has_frame = true;
     last_time = wanted.time;
     last_host_camera = input.camera;
+    write_outputs(result, input.outputs, engine.tasks());
     result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     return result;
 }

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/interruption.h"
+
 #if defined(GNOMON_THREAD_SANITIZER)
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -96,12 +98,18 @@ Tasks::~Tasks() = default;
 void Tasks::for_each(std::size_t count, const std::function<void(std::size_t, int)>& body)
 {
     if (!arena_) {
-        for (std::size_t i = 0; i < count; ++i) body(i, 0);
+        for (std::size_t i = 0; i < count; ++i) {
+            interruption_point();
+            body(i, 0);
+        }
         return;
     }
+    Interruption* const interruption = Interruption::current();
     Loop loop;
     const auto run = [&](std::size_t i, int worker) {
         const Turn turn(loop, arena_->turns[static_cast<std::size_t>(worker)]);
+        const InterruptionScope scope(interruption);
+        interruption_point();
         body(i, worker);
     };
     arena_->arena.execute([&] {

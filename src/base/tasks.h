@@ -25,7 +25,8 @@ class Tasks {
 
     /// Runs body(i, worker) once for every i below count, in any order. worker is in 0 ... threads()-1, and no two
     /// bodies run with the same worker at the same time. With one thread, bodies run on the caller's thread, in order.
-    /// @throws one of the exceptions that bodies threw
+    /// The caller's Interruption is also that of the bodies; once it asks to stop, no further body begins.
+    /// @throws one of the exceptions that bodies threw, or that of an interruption_point() before a body
     void for_each(std::size_t count, const std::function<void(std::size_t index, int worker)>& body);
 
  private:

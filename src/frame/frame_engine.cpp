@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "base/stopwatch.h"
 #include "frame/cluster_overlay.h"
 #include "frame/reference_indirect.h"
@@ -84,6 +85,27 @@ auto raster_key(const RenderOptions& o)
                       map_key(o));
 }
 
+std::size_t bytes_of(const shading::FrameBuffers& buffers)
+{
+    std::size_t bytes = 0;
+    for (const ImageF* image :
+         {&buffers.color, &buffers.depth, &buffers.normal, &buffers.albedo, &buffers.direct, &buffers.indirect,
+          &buffers.shadow, &buffers.variance, &buffers.irradiance, &buffers.irradiance_variance})
+        bytes += image->data.size() * sizeof(float);
+    bytes += buffers.motion.data.size() * sizeof(float) + buffers.ids.data.size() * sizeof(std::uint32_t);
+    return bytes;
+}
+
+// Bytes of the buffers of a frame.
+std::size_t buffer_bytes(Size size, const RenderOptions& options, bool estimate, std::size_t lights)
+{
+    const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+    // Colour; three estimates; four layers of 3, depth and shadows; ids and motion.
+    const std::size_t floats = 3 + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) + (options.ids ? 2 : 0) +
+                               (options.motion ? 2 : 0);
+    return pixels * floats * sizeof(float);
+}
+
 }   // namespace
 
 FrameEngine::FrameEngine(const EngineSettings& settings) : settings_(settings), tasks_(settings.threads) {}
@@ -114,6 +136,9 @@ void FrameEngine::forget()
     scene_.reset();
     overrides_.clear();
     taken_from_.clear();
+    buffers_.reset();
+    memory_ = {};
+    buffers_ = memory_.take();
     turn_centre_.reset();
     first_frame_ = true;
     advanced_ = false;
@@ -154,6 +179,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
                                   const HostValues* host)
 {
     DiscardOnFailure guard(*this);
+    limit_ = MemoryLimit(static_cast<std::size_t>(options.memory) << 20);
     AdvanceTimes times;
     Clock::time_point start = Clock::now();
 
@@ -183,12 +209,25 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     start = Clock::now();
 
     // Let the rest follow. A cache that did not see the last advance cannot.
-    if (rays_follow) rays_->update(*state_);
+    if (rays_follow) {
+        // Follow whole, unless the static scene is built again: an interruption would discard it.
+        const bool rebuilds = !state_->changes().promoted.empty();
+        const InterruptionScope scope(rebuilds ? Interruption::current() : nullptr);
+        rays_->limit_memory(limit_);
+        rays_->update(*state_);
+    }
     if (advanced_) discard_caches();
     advanced_ = true;
     options_ = options;
     plan_ = plan_for(options);
-    fit_caches(options);
+    try {
+        fit_caches(options);
+        check_memory("the caches");
+        interruption_point();
+    } catch (const InterruptedError&) {
+        guard.succeed();   // scene and rays are as they should be; the next call replaces the caches
+        throw;
+    }
     first_frame_ = false;
     times.caches = milliseconds_since(start);
     guard.succeed();
@@ -197,7 +236,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
 
 void FrameEngine::make_rays()
 {
-    rays_ = std::make_unique<ray::RayScene>(*state_);
+    rays_ = std::make_unique<ray::RayScene>(*state_, limit_);
     if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
 }
 
@@ -242,9 +281,13 @@ void FrameEngine::fit_caches(const RenderOptions& options)
         map_ = std::make_unique<light_quadtree::MapLight>(*state_, *rays_, map_options(options), tasks_);
         map_options_ = options;
     }
-    if (plan_.certified && !certified_)
-        certified_ =
-            std::make_unique<shadow_culling::CertifiedCulling>(*state_, *rays_, shadow_culling::CertifiedOptions{});
+    if (plan_.certified && !certified_) {
+        // Its memory may be small: that changes the cost of frames alone.
+        shadow_culling::CertifiedOptions certified;
+        const std::size_t held = held_bytes();
+        if (limit_.bytes() > held) certified.memory = std::min(certified.memory, (limit_.bytes() - held) / 2);
+        certified_ = std::make_unique<shadow_culling::CertifiedCulling>(*state_, *rays_, certified);
+    }
     if (plan_.cache && !cache_) {
         cache_ = std::make_unique<irradiance_cache::IrradianceCache>(*state_, *rays_, cache_options(options), tasks_);
         cache_options_ = options;
@@ -306,25 +349,37 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     GNOMON_CHECK(advanced_);
     advanced_ = false;
     view_ = view;
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
     DiscardOnFailure guard(*this);
     // Keep the last image if it is compared with. Nobody else's image is overwritten.
     const std::shared_ptr<const shading::FrameBuffers> last =
         options_.report_changes && follows_frame_ && has_image_ ? buffers_ : nullptr;
     buffers_.reset();
     buffers_ = memory_.take();
+    if (limit_.bytes() > 0) {
+        const std::size_t others = held_bytes() - bytes_of(*buffers_);
+        limit_.check(others + buffer_bytes(view.size, options_, plan_.reference, scene_->lights.size()),
+                     "the layers of the image");
+    }
     try {
         FrameCounters counters =
-            plan_.raster ? raster_->render(*state_, view, *buffers_, progress) : render_traced(view, request, progress);
+            plan_.raster ? raster_->render(*state_, view, *buffers_, {}) : render_traced(view, request);
         trace_centres(request);
         make_report(last.get());
+        check_memory("the caches");
         has_frame_ = true;
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
-        // Nah's culling has learned from half a frame, the rasteriser has recorded half of one, and the irradiance
-        // cache has points that were claimed and not evaluated.
+        // Nah's culling has learned from half a frame, the rasteriser has recorded half of one, and a light map may
+        // have followed half of the changes. The overlay checks a culling that may not have followed any.
+        if (cache_ && !cache_->abandon_frame()) cache_.reset();
         nah_.reset();
-        if (!plan_.raster && !cache_) guard.succeed();
+        map_.reset();
+        raster_.reset();
+        if (plan_.shown == Shown::shadow_states) discard_caches();
+        guard.succeed();
         throw;
     }
 }
@@ -360,8 +415,7 @@ void FrameEngine::make_report(const shading::FrameBuffers* before)
     report_.rectangles = image::changed_rectangles(before ? before->color : none, buffers_->color, tasks_);
 }
 
-FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request,
-                                         const Progress& progress)
+FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request)
 {
     Tasks& tasks = request.tasks ? *request.tasks : tasks_;
     if (plan_.shown == Shown::clusters) {
@@ -410,7 +464,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.samples = options_.samples;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     FrameCounters counters =
-        trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log, progress);
+        trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
 }
@@ -432,7 +486,7 @@ bool FrameEngine::complete() const
 
 Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)
 {
-    if (plan_.shown == Shown::clusters) return paint_clusters(*scene_, *rays_, view_, *map_, tasks_);
+    if (plan_.shown == Shown::clusters) return paint_clusters(state_->scene(), *rays_, view_, *map_, tasks_);
     GNOMON_CHECK(plan_.shown == Shown::shadow_states);
     return paint_states(states_, titles, options_.shadow_culling == ShadowCulling::paper);
 }
@@ -456,6 +510,16 @@ std::size_t FrameEngine::cached_bytes() const
     if (map_) bytes += map_->bytes();
     if (raster_) bytes += raster_->remembered_bytes();
     return bytes;
+}
+
+std::size_t FrameEngine::held_bytes() const
+{
+    return cached_bytes() + bytes_of(*buffers_) + (rays_ ? rays_->statistics().bytes : 0);
+}
+
+void FrameEngine::check_memory(std::string_view what) const
+{
+    if (limit_.bytes() > 0) limit_.check(held_bytes(), what);
 }
 
 void FrameEngine::make_certificates(const std::function<bool()>& go_on)

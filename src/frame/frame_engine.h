@@ -22,6 +22,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/memory_limit.h"
 #include "base/tasks.h"
 #include "frame/host_values.h"
 #include "frame/frame_memory.h"
@@ -110,7 +111,9 @@ class FrameEngine {
     /// @param options    size, camera, turntable, threads, exposure and tone mapping are not read
     /// @param overrides  all that are in force; nodes that the scene does not have are ignored
     /// @param host       values of the same scene; their changes are taken over, or all of them for another scene
-    /// @throws MissingError  RenderMethod::raster without a suitable Vulkan device or memory
+    /// @throws MissingError      RenderMethod::raster without a suitable Vulkan device or memory; the limit on memory
+    ///         is exceeded
+    /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
     AdvanceTimes advance(const std::shared_ptr<const scene::Scene>& scene, double time, const RenderOptions& options,
                          std::span<const UserOverride> overrides = {}, const HostValues* host = nullptr);
     /// The scene of the last advance().
@@ -135,8 +138,9 @@ class FrameEngine {
 
     /// Renders a view, once after each advance(). The image lies in buffers() where shown() is light or redrawn, else
     /// paint_overlay() makes it.
-    /// @throws InterruptedError  progress returned false; the next frame begins without the caches that took notes
-    /// @throws MissingError      too little device memory, or the device was lost; everything is discarded
+    /// @param progress  in place of the current Interruption (base/interruption.h)
+    /// @throws InterruptedError  the work was interrupted; the next frame begins without the caches that took notes
+    /// @throws MissingError      too little memory, or the device was lost; everything is discarded
     FrameCounters render(const scene::View& view, const RenderRequest& request = {}, const Progress& progress = {});
 
     // Of the last frame.
@@ -162,6 +166,8 @@ class FrameEngine {
     /// The Vulkan device; empty for traced frames.
     std::string device() const;
     std::size_t cached_bytes() const;
+    /// Bytes of the ray scene, the caches and the image's buffers: what RenderOptions::memory limits.
+    std::size_t held_bytes() const;
 
     /// Makes certificates from what the last frames' shadow rays saw, until all are made or `go_on` returns false.
     void make_certificates(const std::function<bool()>& go_on);
@@ -194,7 +200,8 @@ class FrameEngine {
     void discard_caches();
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
-    FrameCounters render_traced(const scene::View& view, const RenderRequest& request, const Progress& progress);
+    FrameCounters render_traced(const scene::View& view, const RenderRequest& request);
+    void check_memory(std::string_view what) const;
     void count_kdtree(FrameCounters& counters) const;
 
     EngineSettings settings_;
@@ -206,6 +213,7 @@ class FrameEngine {
     bool first_frame_ = true;   // of the scene
     bool advanced_ = false;     // and not rendered since
     RenderOptions options_;     // of the last advance()
+    MemoryLimit limit_;         // likewise
     Plan plan_;                 // likewise
     std::optional<glm::vec3> turn_centre_;
 

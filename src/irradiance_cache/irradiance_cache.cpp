@@ -71,6 +71,7 @@ std::unique_ptr<IrradianceCache::Batch> IrradianceCache::make_batch()
 
 void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
 {
+    updating_ = true;
     frame_.state = &state;
     frame_.rays = &rays;
     counters_ = {};
@@ -90,6 +91,7 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
     if (first || !changes.changed.empty()) enclose_dynamic_objects();
     evaluator_->begin_frame(frame_);
+    updating_ = false;
 }
 
 // A static object became dynamic: what points saw past it, and where they lie, is void.
@@ -272,9 +274,18 @@ void IrradianceCache::end_frame(std::span<const std::unique_ptr<Batch>> batches)
         own.light_sum = glm::dvec3(0), own.light_count = 0;
         own.claims.end_frame();
     }
-    if (NearHints* const hints = near_field_.hints()) hints->end_frame();
+    if (NearHints* const hints = near_field_.hints(); hints && !failure_.any()) hints->end_frame();
     frame_.average = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
     table_.drop_unseen(frame_.number, options_.memory, [this](const CachePoint& point) { evaluator_->release(point); });
+}
+
+bool IrradianceCache::abandon_frame()
+{
+    if (updating_) return false;
+    const glm::vec3 average = frame_.average;
+    end_frame({});
+    frame_.average = average;
+    return true;
 }
 
 std::size_t IrradianceCache::bytes() const

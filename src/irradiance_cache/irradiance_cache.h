@@ -63,6 +63,11 @@ class IrradianceCache {
     void for_each(std::size_t count, std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks,
                   const std::function<bool(std::size_t index, int worker)>& body);
 
+    /// Ends a frame that was interrupted, in place of end_frame(). Points that were not evaluated are left to later
+    /// frames.
+    /// @return  false if update() was interrupted: the cache must be discarded
+    bool abandon_frame();
+
     /// Sums the batches' counters, and drops points if they take too much memory. Null batches are skipped.
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
 
@@ -104,6 +109,7 @@ class IrradianceCache {
     PointTable table_;
     std::unique_ptr<PointEvaluator> evaluator_;
     FrameFailure failure_;
+    bool updating_ = false;   // or an update failed
     CacheCounters counters_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "base/bits.h"
 #include "base/check.h"
+#include "base/interruption.h"
 #include "light_quadtree/ball_footprint.h"
 #include "light_views/texel_ray.h"
 #include "lighting/diffuse.h"
@@ -90,6 +91,7 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
 
     // Trace the static layer, tile by tile.
     for (int tile = 0; tile < tiles * tiles; ++tile) {
+        interruption_point();
         Tile texels{};
         Distances& reach = layers.reach[static_cast<std::size_t>(tile)];
         reach.fill(k_infinity);
@@ -236,6 +238,7 @@ void LightMap::repair_view(std::size_t v, std::span<const light_views::Rect> whe
 
     std::vector<std::uint32_t> changed;   // x + side * y
     for (const int tile : dirty) {
+        interruption_point();
         const int left = tile % tiles * k_tile, top = tile / tiles * k_tile;
         const auto texel = [&](int i) -> LightNode& {
             return nodes_[view.node(view.levels, left + i % k_tile, top + i / k_tile)];

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "base/interruption.h"
 
 namespace gnomon::light_quadtree {
 
@@ -117,7 +118,11 @@ void MapLight::shade(Batch& batch, std::span<const MapReceiver> points, glm::vec
     receivers.resize(batch.waiting.size());
     for (std::size_t k = 0; k < batch.waiting.size(); ++k)
         receivers.set(k, points[batch.waiting[k]].position, points[batch.waiting[k]].normal);
-    gather_all(receivers, 0, receivers.x.size(), batch.places);
+    constexpr std::size_t k_part = 8 * k_receiver_step;   // between interruption points
+    for (std::size_t begin = 0; begin < receivers.x.size(); begin += k_part) {
+        interruption_point();
+        gather_all(receivers, begin, std::min(begin + k_part, receivers.x.size()), batch.places);
+    }
     for (std::size_t k = 0; k < batch.waiting.size(); ++k) irradiance[batch.waiting[k]] = receivers.irradiance(k);
     batch.counters.gathered += batch.waiting.size();
 }

@@ -121,6 +121,9 @@ constexpr Option k_options[] = {
 
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::samples,
      .subcommands = k_images, .group = k_quality, .help = "samples per pixel"},
+    {.name = "memory", .argument = "MB", .kind = Kind::integer, .fallback = "0", .range = ranges::memory,
+     .subcommands = k_images, .group = k_quality,
+     .help = "limit of the memory of ray tracing trees, caches and layers, 0: none; exit code 4 beyond it"},
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "10", .range = ranges::max_depth,
      .subcommands = k_images | bit(bench_trace), .group = k_quality, .help = "largest number of reflections and refractions along a path"},
     {.name = "max-depth", .argument = "N", .kind = Kind::integer, .fallback = "0", .range = ranges::max_depth,

@@ -34,6 +34,7 @@ RenderOptions read_render_options(const OptionValues& values)
     options.samples = values.integer("samples");
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = values.choice<ToneMap>("tonemap");
+    options.memory = values.integer("memory");
     options.threads = values.integer("threads");
     return options;
 }

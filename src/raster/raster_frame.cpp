@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/interruption.h"
 #include "raster/raster_formats.h"
 #include "raster/raster_view.h"
 #include "scene/environment.h"
@@ -108,14 +109,15 @@ void RasterFrame::update(const scene::SceneState& state)
 FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::View& view, const RasterOptions& options,
                                   shading::FrameBuffers& out, const Progress& progress)
 {
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
     begin_frame(state, view, options);
     FrameCounters counters;
     for (int sample = 0; sample < options.samples; ++sample) {
         const Drawn drawn = draw_sample(view, options, sample);
         counters.draws += drawn.counts.as<std::uint32_t>()[0];
         store_sample(drawn, options, sample, out);
-        if (progress && !progress({"drawing", static_cast<double>(sample + 1) / options.samples}))
-            throw InterruptedError("interrupted");
+        report_progress("drawing", static_cast<double>(sample + 1) / options.samples);
     }
     if (bounced_) counters.indirect = bounced_->end_frame();
     if (visibility_) counters.draws += visibility_->draws();

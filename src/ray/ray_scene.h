@@ -16,6 +16,7 @@
 #include <memory>
 #include <span>
 
+#include "base/memory_limit.h"
 #include "ray/queue.h"
 #include "scene/state.h"
 
@@ -74,14 +75,21 @@ class RayScene {
  public:
     /// Builds from the present state: objects that are dynamic now become instances. Keeps a reference to the state's
     /// scene, not to the state.
-    explicit RayScene(const scene::SceneState& state);
+    /// @param limit  on RaySceneStatistics::bytes
+    /// @throws MissingError      memory ran out, or the limit is exceeded
+    /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
+    explicit RayScene(const scene::SceneState& state, const MemoryLimit& limit = MemoryLimit{});
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
     /// Follows one advance() of the state it was built from. Cost: the objects that changed, and the TLAS if there are
     /// any; the static scene is committed again after a promotion.
+    /// @throws MissingError, InterruptedError  as the constructor; it is then of no use
     void update(const scene::SceneState& state);
+
+    /// Replaces the constructor's limit for later updates.
+    void limit_memory(const MemoryLimit& limit);
 
     /// Finds the nearest surface along rays[begin, end), transparent ones included; hits must be sized. Thread-safe.
     /// @param against  all but `one_tree`

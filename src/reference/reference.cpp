@@ -2,9 +2,9 @@
 #include "reference/reference.h"
 
 #include <atomic>
-#include <mutex>
 
 #include "base/check.h"
+#include "base/interruption.h"
 
 namespace gnomon::reference {
 
@@ -59,6 +59,8 @@ std::vector<IrradianceEstimate> reference_irradiance(const scene::SceneState& st
                                                      const ReferenceOptions& options, Tasks& tasks,
                                                      ReferenceCounters* counters, const Progress& progress)
 {
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
     const ReferenceLight light(state, rays, options);
     std::vector<IrradianceEstimate> result(points.size());
     std::vector<std::unique_ptr<ReferencePaths>> workers(static_cast<std::size_t>(tasks.threads()));
@@ -66,23 +68,15 @@ std::vector<IrradianceEstimate> reference_irradiance(const scene::SceneState& st
     const std::size_t blocks = (points.size() + block - 1) / block;
 
     std::atomic<std::size_t> done = 0;
-    std::atomic<bool> stopped = false;
-    std::mutex progress_mutex;
     tasks.for_each(blocks, [&](std::size_t index, int worker) {
-        if (stopped) return;
         auto& paths = workers[static_cast<std::size_t>(worker)];
         if (!paths) paths = std::make_unique<ReferencePaths>(light);
         std::vector<ReferencePaths::Request> requests;
         const std::size_t begin = index * block, end = std::min(points.size(), begin + block);
         for (std::size_t i = begin; i < end; ++i) requests.push_back({points[i], options.samples});
         paths->estimate(requests, result.data() + begin);
-        const std::size_t finished = ++done;
-        if (progress) {
-            const std::lock_guard lock(progress_mutex);
-            if (!progress({"reference", static_cast<double>(finished) / static_cast<double>(blocks)})) stopped = true;
-        }
+        report_progress("reference", static_cast<double>(++done) / static_cast<double>(blocks));
     });
-    if (stopped) throw InterruptedError("interrupted");
     for (const auto& paths : workers)
         if (counters && paths) counters->paths += paths->counters().paths, counters->rays += paths->counters().rays;
     return result;

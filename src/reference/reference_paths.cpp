@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "ray/origin.h"
 #include "reference/reference.h"
 
@@ -97,6 +98,7 @@ void ReferencePaths::estimate(std::span<const Request> requests, IrradianceEstim
     std::size_t reading = 0;
     paths_.clear();
     const auto flush = [&] {
+        interruption_point();
         run_paths();
         for (const Path& path : paths_) {
             sums[reading].add(path);

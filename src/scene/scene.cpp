@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "base/one_line.h"
 
 namespace gnomon::scene {
@@ -76,6 +77,7 @@ void Scene::finish()
 
     // Check the guarantees of importers.
     for (std::size_t m = 0; m < meshes.size(); ++m) {
+        interruption_point();
         const Mesh& mesh = meshes[m];
         check_mesh(mesh);
         for (const MeshPart& part : mesh.parts) GNOMON_CHECK_LT(part.material, materials.size());
@@ -169,6 +171,7 @@ Box3 Scene::bounds(double time) const
         visible[n] =
             (node.parent == none || visible[node.parent]) && (!node.visibility || node.visibility->evaluate(time));
         if (node.mesh == none || !visible[n]) continue;
+        interruption_point();
         const Mesh& mesh = meshes[node.mesh];
         for (const glm::uvec3& triangle : mesh.triangles)
             for (int i = 0; i < 3; ++i)

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/interruption.h"
+
 namespace gnomon::scene {
 
 namespace {
@@ -64,6 +66,7 @@ Image8 half(const Image8& fine, bool srgb)
 {
     Image8 coarse(std::max(1, fine.width / 2), std::max(1, fine.height / 2), 4);
     for (int y = 0; y < coarse.height; ++y) {
+        interruption_point();
         const int y0 = y * fine.height / coarse.height;
         const int y1 = std::max(y0 + 1, (y + 1) * fine.height / coarse.height);
         for (int x = 0; x < coarse.width; ++x) {

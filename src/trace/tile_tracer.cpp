@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/interruption.h"
 #include "base/morton.h"
 
 namespace gnomon::trace {
@@ -38,6 +39,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
 {
     begin_tile(tile);
     for (int sample = 0; sample < options_.samples; ++sample) {
+        interruption_point();
         Stopwatch watch(times_);
 
         // Trace the pixels' rays, and shade what they hit.
@@ -54,6 +56,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
 
         // Do the same for mirrored and refracted rays, one depth after the other.
         for (int depth = 0; depth < options_.max_depth; ++depth) {
+            interruption_point();
             queue_continuations();
             if (reflected_.rays.empty() && refracted_.rays.empty()) break;
             counters_.reflection_rays += reflected_.rays.size();
@@ -196,6 +199,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
         if (!at.visible || light.color == glm::vec3(0)) continue;
         if (indirect_light_ && indirect_light_->replaces(light)) continue;
+        interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
         watch.end(FrameTimes::shadows);
@@ -218,6 +222,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
 void TileTracer::add_indirect(const PointBatch& batch)
 {
     if (!indirect_) return;
+    interruption_point();
     indirect_->gather(batch, arrives_);
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
         const TilePoint& point = points_[arrives_.point[k]];

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
-#include <mutex>
+#include <optional>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "base/stopwatch.h"
 #include "trace/indirect_light.h"
 #include "trace/shadow_testers.h"
@@ -55,12 +56,17 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     EveryShadowRay every_ray(log);
     ShadowTester& shadows = techniques.shadows ? *techniques.shadows : every_ray;
     IndirectLight* const indirect = techniques.indirect;
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
 
-    // Bring the techniques up to this frame.
+    // Bring the techniques up to this frame. The shadow test follows whole, so that it outlives an interruption.
     out.times = {};
     Stopwatch watch(out.times);
     const FrameContext frame{state, rays, view, tasks};
-    shadows.begin_frame(frame);
+    {
+        const InterruptionScope whole(nullptr);
+        shadows.begin_frame(frame);
+    }
     if (indirect) indirect->begin_frame(frame);
     watch.end(FrameTimes::light_maps);
     const Size size = view.size;
@@ -72,20 +78,13 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     std::vector<std::unique_ptr<TileTracer>> tracers(static_cast<std::size_t>(tasks.threads()));
     std::atomic<std::size_t> done = 0;
-    std::atomic<bool> stopped = false;
-    std::mutex progress_mutex;
+    report_progress("tracing", 0);
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
-        if (stopped) return;
         auto& tracer = tracers[static_cast<std::size_t>(worker)];
         if (!tracer) tracer = std::make_unique<TileTracer>(frame, options, shadows, indirect, log);
         tracer->trace(tile_at(index, columns, options.tile, size), out);
-        const std::size_t finished = ++done;
-        if (progress) {
-            const std::lock_guard lock(progress_mutex);
-            if (!progress({"tracing", static_cast<double>(finished) / static_cast<double>(tiles)})) stopped = true;
-        }
+        report_progress("tracing", static_cast<double>(++done) / static_cast<double>(tiles));
     });
-    if (stopped) throw InterruptedError("interrupted");
 
     // Sum what the threads counted, and let the techniques learn from what their workers found.
     FrameCounters counters;

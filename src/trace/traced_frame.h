@@ -41,8 +41,10 @@ struct Techniques {
 };
 
 /// @param log  optional; only with one thread, and without a shadow technique
-/// @throws InterruptedError  progress returned false. The techniques' end_frame() was not called: caches that take
-/// notes during a frame (the culling of [Nah 2009], the irradiance cache) must then be discarded.
+/// @param progress  in place of the current Interruption
+/// @throws InterruptedError  the current work was interrupted (base/interruption.h). shadows->begin_frame() was called;
+/// end_frame() may not have been called. The culling of [Nah 2009], which takes notes during a frame, must then be
+/// discarded, and so must a light map.
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                           const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out,
                           const Techniques& techniques = {}, TraceLog* log = nullptr, const Progress& progress = {});

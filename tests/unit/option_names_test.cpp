@@ -103,6 +103,7 @@ TEST(OptionDefaults, AreTheLibrarys)
         EXPECT_EQ(read.indirect_memory, own.indirect_memory);
         EXPECT_EQ(read.indirect_on, own.indirect_on);
         EXPECT_EQ(read.accelerator, own.accelerator);
+        EXPECT_EQ(read.memory, own.memory);
         EXPECT_EQ(read.threads, own.threads);
         EXPECT_EQ(read.overlay, own.overlay);
         EXPECT_EQ(read.overlay_light, own.overlay_light);

@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 #include "io/aff/mesh.h"
 #include "io/file/read_file.h"
@@ -28,7 +29,7 @@ constexpr double k_least_near = 0.0001;   // a `hither` below this is replaced b
 constexpr double k_default_near = 1;
 constexpr double k_least_ior = 0.01;   // an index of refraction below this is replaced by k_default_ior
 constexpr double k_default_ior = 1;
-constexpr int k_statements_a_report = 64;   // between two calls of the progress callback
+constexpr int k_statements_a_report = 64;   // between two reports of progress
 
 struct File {
     AffText text;
@@ -38,7 +39,7 @@ struct File {
 
 class Reader {
  public:
-    Reader(const fs::path& file, const Progress& progress, const AffOptions& options);
+    Reader(const fs::path& file, const AffOptions& options);
     scene::Scene read(AffReport* report);
 
  private:
@@ -87,7 +88,6 @@ class Reader {
     static constexpr std::int64_t k_largest_level = 1'000'000;
 
     fs::path main_file_, folder_, texture_folder_;   // the folders are canonical
-    const Progress& progress_;
     AffOptions options_;
     AffBuilder builder_;
 
@@ -113,8 +113,8 @@ class Reader {
 
 // --- Files
 
-Reader::Reader(const fs::path& file, const Progress& progress, const AffOptions& options)
-    : main_file_(file), progress_(progress), options_(options), builder_(options.scene, options.shapes)
+Reader::Reader(const fs::path& file, const AffOptions& options)
+    : main_file_(file), options_(options), builder_(options.scene, options.shapes)
 {
     std::error_code error;
     folder_ = fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
@@ -166,10 +166,9 @@ scene::TextureId Reader::texture(AffTokens& tokens, const AffToken& name)
 
 void Reader::report_progress()
 {
-    if (!progress_) return;
     const double size = static_cast<double>(std::max<std::size_t>(1, main_tokens_->text().bytes.size()));
     const double left = static_cast<double>(main_tokens_->bytes_left());
-    if (!progress_({"loading", 1 - left / size})) throw InterruptedError("interrupted while loading");
+    gnomon::report_progress("loading", 1 - left / size);
 }
 
 scene::Scene Reader::read(AffReport* report)
@@ -186,7 +185,7 @@ scene::Scene Reader::read(AffReport* report)
         report->tracks = builder_.tracks();
     }
     scene::Scene scene = builder_.finish();
-    if (progress_ && !progress_({"loading", 1.0})) throw InterruptedError("interrupted while loading");
+    gnomon::report_progress("loading", 1);
     return scene;
 }
 
@@ -486,7 +485,9 @@ void Reader::statement_k(AffTokens& tokens)
 
 scene::Scene load_aff(const fs::path& file, const Progress& progress, const AffOptions& options, AffReport* report)
 {
-    return Reader(file, progress, options).read(report);
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
+    return Reader(file, options).read(report);
 }
 
 scene::Scene load_aff(const fs::path& file, const Progress& progress)

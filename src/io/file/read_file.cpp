@@ -10,11 +10,14 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 
 namespace gnomon::io {
 
 namespace {
+constexpr std::size_t k_piece = std::size_t{1} << 24;   // bytes between interruption points
+
 struct Descriptor {
     int fd;
     ~Descriptor()
@@ -40,7 +43,8 @@ std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file, con
     std::vector<std::uint8_t> bytes(size);
     std::size_t done = 0;
     while (done < bytes.size()) {
-        const ssize_t got = read(descriptor.fd, bytes.data() + done, bytes.size() - done);
+        interruption_point();
+        const ssize_t got = read(descriptor.fd, bytes.data() + done, std::min(bytes.size() - done, k_piece));
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) throw InputError(shown_as, "", fmt::format("cannot be read: {}", std::strerror(errno)));
         if (got == 0) break;

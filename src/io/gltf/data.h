@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/interruption.h"
 #include "base/math.h"
 #include "io/gltf/model.h"
 
@@ -89,6 +90,8 @@ double component_value(const std::uint8_t* bytes, Component type);
 /// The value of a normalised integer [glTF 2.0, 3.11].
 double normalized_value(double stored, Component type);
 
+inline constexpr std::uint64_t k_elements_a_step = 1 << 16;   // between interruption points
+
 template <class Visit>
 void Data::for_each(const Accessor& accessor, Visit visit) const
 {
@@ -107,6 +110,7 @@ void Data::for_each(const Accessor& accessor, Visit visit) const
     }
     std::size_t next = 0;
     for (std::uint64_t i = 0; i < accessor.count; ++i) {
+        if (i % k_elements_a_step == 0) interruption_point();
         const std::uint8_t* from = zeros ? nullptr : base + i * stride;
         if (next < overridden.size() && overridden[next] == i) from = values + next++ * accessor.packed_stride();
         for (int c = 0; c < components; ++c)

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 #include "io/file/read_file.h"
 #include "io/gltf/build.h"
@@ -118,6 +119,7 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
         const scene::NodeId id =
             out.add_node(source.name, above == k_absent ? scene::none : ids[above], local_matrix(source));
         ids[index] = id;
+        interruption_point();
         stack.insert(stack.end(), source.children.rbegin(), source.children.rend());
 
         if (source.mesh != k_absent) {
@@ -153,9 +155,9 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
 scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress)
 {
     using namespace gltf;
-    const auto step = [&](double done) {
-        if (progress && !progress({"loading", done})) throw InterruptedError("interrupted");
-    };
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
+    const auto step = [](double done) { report_progress("loading", done); };
     step(0);
     Context context(file.string());
     const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 #include "io/file/read_file.h"
 #include "io/image/image_file.h"
@@ -120,6 +121,7 @@ struct JpegErrors {
     char message[JMSG_LENGTH_MAX];
     jpeg_progress_mgr scans;
     bool file_ended, pixels_lacked;   // missing end marker; missing pixels
+    bool interrupted;
 };
 
 [[noreturn]] void leave_jpeg(j_common_ptr info)
@@ -138,8 +140,17 @@ void note_warning(j_common_ptr info, int level)
     errors->pixels_lacked |= info->err->msg_code == JWRN_HIT_MARKER;
 }
 
+// Leaves the decoder if the work was interrupted. No exception may pass through libjpeg.
+void leave_if_interrupted(JpegErrors& errors)
+{
+    Interruption* const interruption = Interruption::current();
+    errors.interrupted = interruption && interruption->requested();
+    if (errors.interrupted) std::longjmp(errors.jump, 1);
+}
+
 void count_scans(j_common_ptr info)
 {
+    leave_if_interrupted(*reinterpret_cast<JpegErrors*>(info->err));
     if (reinterpret_cast<j_decompress_ptr>(info)->input_scan_number <= k_most_scans) return;
     auto* errors = reinterpret_cast<JpegErrors*>(info->err);
     std::snprintf(errors->message, sizeof errors->message, "more than %d scans", k_most_scans);
@@ -224,6 +235,7 @@ Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name,
     Image8 result;
     bool too_large = false;
     const bool good = decode_jpeg_into(info, errors, bytes, limits, result, too_large);
+    if (errors.interrupted) interruption_point();
     if (too_large) check_size(info.image_width, info.image_height, name, limits);
     if (!good) throw InputError(name, "", fmt::format("invalid JPEG: {}", errors.message));
     return result.channels == 4 ? rgb_from_cmyk(result) : result;

@@ -6,6 +6,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 
 namespace gnomon::io {
@@ -13,7 +14,7 @@ namespace gnomon::io {
 namespace {
 
 constexpr std::size_t k_most_unknown_keywords = 10;      // named in warnings; a binary file may have thousands
-constexpr std::uint32_t k_statements_a_step = 1 << 16;   // between two calls of the progress callback
+constexpr std::uint32_t k_statements_a_step = 1 << 10;   // between two reports of progress
 
 class Parser {
  public:
@@ -23,13 +24,12 @@ class Parser {
         material_ids_.emplace("", 0);
     }
 
-    ObjData run(const Progress& progress)
+    ObjData run()
     {
         std::uint32_t statements = 0;
         for (std::string_view keyword = text_.next_statement(); !keyword.empty(); keyword = text_.next_statement()) {
             statement(keyword);
-            if (++statements % k_statements_a_step == 0 && progress && !progress({"loading", 0.8 * text_.done()}))
-                throw InterruptedError("interrupted");
+            if (++statements % k_statements_a_step == 0) report_progress("loading", 0.8 * text_.done());
         }
         finish();
         return std::move(data_);
@@ -220,9 +220,9 @@ class Parser {
 
 }   // namespace
 
-ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings, const Progress& progress)
+ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings)
 {
-    return Parser(text, warnings).run(progress);
+    return Parser(text, warnings).run();
 }
 
 }   // namespace gnomon::io

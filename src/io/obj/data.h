@@ -45,6 +45,6 @@ inline constexpr float k_largest_coordinate = 1e9f;
 
 /// @param warnings  one for each kind of statement that was ignored
 /// @throws InputError, InterruptedError
-ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings, const Progress& progress);
+ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings);
 
 }   // namespace gnomon::io

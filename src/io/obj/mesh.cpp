@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 #include "io/obj/polygon.h"
 
 namespace gnomon::io {
 
 namespace {
+
+constexpr std::uint32_t k_faces_a_step = 1 << 12;   // between interruption points
 
 // Corners with equal keys become one vertex.
 struct VertexKey {
@@ -73,7 +76,7 @@ std::vector<std::uint32_t> by_material(const ObjData& data, std::vector<std::uin
 }   // namespace
 
 void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<scene::MaterialId>& material_of,
-                    const ObjNormalOptions& options, const Progress& progress)
+                    const ObjNormalOptions& options)
 {
     std::vector<std::vector<std::uint32_t>> faces_of(data.objects.size());
     for (std::size_t f = 0; f < data.faces.size(); ++f)
@@ -84,8 +87,9 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
     std::vector<glm::vec3> points;
     std::vector<std::uint32_t> index;
     PolygonTriangulator triangulator;
+    std::uint32_t faces_done = 0;
     for (std::size_t o = 0; o < data.objects.size(); ++o) {
-        if (o % 1024 == 0 && progress && !progress({"loading", 0.8})) throw InterruptedError("interrupted");
+        interruption_point();
         // Sort the object's faces by material, and compute missing normals.
         const std::vector<std::uint32_t> faces = by_material(data, std::move(faces_of[o]), material_rank);
         const std::vector<glm::vec3> normals = corner_normals(data, faces, options, positions_used);
@@ -97,6 +101,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
         std::size_t corner = 0;
         // Triangulate the faces.
         for (const std::uint32_t f : faces) {
+            if (++faces_done % k_faces_a_step == 0) interruption_point();
             const ObjFace& face = data.faces[f];
             const ObjCorner* const corners = &data.corners[face.first_corner];
             points.clear();

@@ -12,6 +12,6 @@ namespace gnomon::io {
 /// @param material_of  scene material of each of data.materials
 /// @throws InterruptedError
 void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<scene::MaterialId>& material_of,
-                    const ObjNormalOptions& options, const Progress& progress);
+                    const ObjNormalOptions& options);
 
 }   // namespace gnomon::io

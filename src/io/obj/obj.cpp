@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 #include "io/file/scene_folder.h"
 #include "io/load.h"
@@ -83,7 +84,9 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
 
 scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress)
 {
-    if (progress && !progress({"loading", 0.0})) throw InterruptedError("interrupted");
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
+    report_progress("loading", 0);
     scene::Scene scene;
     scene.name = file.stem().string();
     const SceneFolder folder(file);
@@ -93,7 +96,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     {
         const auto bytes = read_whole_file(file, file.string(), k_largest_obj);
         ObjText text(file.string(), text_of(bytes));
-        data = parse_obj(text, scene.warnings, progress);
+        data = parse_obj(text, scene.warnings);
     }
 
     // Create a material for every name that is used. If two have the same name, the first is used.
@@ -134,9 +137,9 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
                                                    shown(first_missing), missing - 1));
 
     // Add meshes and textures.
-    add_obj_meshes(scene, data, material_of, {}, progress);
+    add_obj_meshes(scene, data, material_of, {});
     data = {};
-    add_obj_textures(scene, mtl, folder, progress);
+    add_obj_textures(scene, mtl, folder);
     scene.finish();
     return scene;
 }

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <unordered_set>
 
+#include "base/interruption.h"
 #include "base/tasks.h"
 #include "gnomon/error.h"
 #include "io/image/image_file.h"
@@ -206,8 +207,7 @@ Made make(const Job& job, const SceneFolder& folder)
 
 }   // namespace
 
-void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
-                      const Progress& progress)
+void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder)
 {
     // List the textures to make, each once.
     struct Use {
@@ -251,6 +251,7 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
     std::set<std::filesystem::path> seen;
     std::uint64_t repeated = 0;
     for (std::size_t begin = 0; begin < jobs.size(); begin += k_batch) {
+        report_progress("loading", 0.8 + 0.2 * static_cast<double>(begin) / static_cast<double>(jobs.size()));
         const std::size_t count = std::min(k_batch, jobs.size() - begin);
         tasks.for_each(count, [&](std::size_t i, int) { made[begin + i] = make(jobs[begin + i], folder); });
         for (std::size_t i = begin; i < begin + count; ++i) {
@@ -267,7 +268,7 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
                                              k_most_repeated_texels));
         }
     }
-    if (progress && !progress({"loading", 1.0})) throw InterruptedError("interrupted");
+    report_progress("loading", 1);
 
     // Assign ids in the order of the jobs, which does not depend on threads.
     std::vector<scene::TextureId> ids(jobs.size(), scene::none);

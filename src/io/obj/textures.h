@@ -14,7 +14,6 @@ namespace gnomon::io {
 
 /// Adds the textures of mtl[i] to scene.materials[i].
 /// @throws InterruptedError
-void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
-                      const Progress& progress);
+void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder);
 
 }   // namespace gnomon::io

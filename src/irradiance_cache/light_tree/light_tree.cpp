@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "base/morton.h"
 #include "light_views/texel_ray.h"
 #include "lighting/diffuse.h"
@@ -25,7 +26,8 @@ std::uint32_t morton(int x, int y)
 }
 
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
-constexpr int k_smallest_side = 2;   // one level
+constexpr int k_smallest_side = 2;               // one level
+constexpr std::uint32_t k_rays_at_once = 4096;   // between interruption points; a multiple of every packet's width
 
 // The nodes of a view's pyramid, from the level of four nodes down.
 std::size_t nodes_of(int side)
@@ -209,8 +211,12 @@ void LightTree::make_view(View& view)
     const auto node_of = [&](NodeId id) -> Node& { return nodes[id - view.first]; };
     ray::Hits hits;
     hits.resize(count);
-    rays.closest(queue, 0, count, hits, ray::Sides::both, ray::Against::static_only);
+    for (std::uint32_t i = 0; i < count; i += k_rays_at_once) {
+        interruption_point();
+        rays.closest(queue, i, std::min(i + k_rays_at_once, count), hits, ray::Sides::both, ray::Against::static_only);
+    }
     for (std::uint32_t i = 0; i < count; ++i) {
+        if (i % k_rays_at_once == 0) interruption_point();
         const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
         if (!(leaf.area > 0)) continue;
         Node& node = node_of(leaves + i);
@@ -495,6 +501,7 @@ bool LightTree::follow_lights_and_bounds(Tasks& tasks)
 void LightTree::follow_dynamic(const scene::FrameChanges& changes)
 {
     for (View& view : views_) {
+        interruption_point();
         if (!view.on || changes.light_changed(view.light)) continue;
         std::vector<light_views::Rect> where = view.dynamic_objects;
         find_dynamic(view);

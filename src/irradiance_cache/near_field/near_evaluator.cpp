@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/interruption.h"
+
 namespace gnomon::irradiance_cache {
 
 namespace {
@@ -48,6 +50,7 @@ void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const>
     const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(frame.options.near_rays));
     std::size_t next = 0;
     while (next < claimed.size()) {
+        interruption_point();   // every point is either complete or untouched here
         points_.clear();
         receivers_.clear();
         for (; next < claimed.size() && points_.size() < most; ++next) {

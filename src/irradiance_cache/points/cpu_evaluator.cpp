@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/interruption.h"
+
 namespace gnomon::irradiance_cache {
 
 void CpuEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* const> points, EvaluationScratch& scratch)
@@ -20,6 +22,7 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
     const OcclusionTester tester{frame.rays};
     std::size_t next = 0;
     while (next < points.size()) {
+        interruption_point();   // every point is either complete or untouched here
         // Cut the tree for some points at a time, so that their rays fill packets and stay in the cache.
         constexpr std::size_t k_rays = 4096;
         StaticVisibility& visibility = scratch.visibility;

@@ -2,6 +2,7 @@
 // Constructs a RayScene: distributes the triangles among the static scene and the solids of the dynamic scene.
 #include <algorithm>
 
+#include "base/interruption.h"
 #include "ray/embree/impl.h"
 #include "ray/embree/packets.h"
 
@@ -109,8 +110,10 @@ void RayScene::Impl::measure_still(const scene::SceneState& state)
 
 void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)
 {
+    interruption_point();
     vertices.bake(mesh.positions, mesh.normals, mesh.tangents, matrix);
     baked_bytes += vertices.bytes();
+    device.limit().check(device.bytes() + baked_bytes, "the vertices of the ray tracing trees");
 }
 
 // Fills an object's ObjectGeometry.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include "base/interruption.h"
 #include "gnomon/error.h"
 
 namespace gnomon::ray {
@@ -27,20 +28,40 @@ EmbreeDevice::~EmbreeDevice()
     rtcReleaseDevice(device_);
 }
 
-bool EmbreeDevice::count_memory(void* self, ssize_t bytes, bool)
+// Embree calls this before or after it allocates or frees memory: false, before, makes it fail.
+bool EmbreeDevice::count_memory(void* self, ssize_t bytes, bool post)
 {
-    static_cast<EmbreeDevice*>(self)->bytes_ += static_cast<std::size_t>(bytes);
+    auto& device = *static_cast<EmbreeDevice*>(self);
+    if (bytes > 0 && !post && !device.limit_.allows(device.bytes_ + static_cast<std::size_t>(bytes))) {
+        device.refused_ = true;
+        return false;
+    }
+    device.bytes_ += static_cast<std::size_t>(bytes);
     return true;
+}
+
+// Embree calls this while it builds: false cancels the build.
+bool EmbreeDevice::go_on(void* interruption, double)
+{
+    return !static_cast<Interruption*>(interruption)->requested();
 }
 
 void EmbreeDevice::commit(RTCScene scene) const
 {
+    Interruption* const interruption = Interruption::current();
+    if (interruption) rtcSetSceneProgressMonitorFunction(scene, &go_on, interruption);
     arena_->one_thread.execute([scene] { rtcCommitScene(scene); });
+    if (refused_) check();
+    if (!interruption) return;
+    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    // A cancelled build is an error of the device, and the scene of no use.
+    if (interruption->requested()) interruption->raise();
 }
 
 void EmbreeDevice::check() const
 {
     const RTCError error = rtcGetDeviceError(device_);
+    if (refused_.exchange(false)) limit_.refuse("the ray tracing trees");
     if (error == RTC_ERROR_NONE) return;
     if (error == RTC_ERROR_OUT_OF_MEMORY) throw MissingError("not enough memory for the ray tracing trees");
     throw InternalError(fmt::format("Embree reports error {}", static_cast<int>(error)));

@@ -10,6 +10,8 @@
 #include <memory>
 #include <utility>
 
+#include "base/memory_limit.h"
+
 namespace gnomon::ray {
 
 /// The Embree device of a RayScene. Trees are built by one thread, so that they are reproducible; only `commit` may
@@ -24,17 +26,24 @@ class EmbreeDevice {
 
     RTCDevice get() const { return device_; }
     std::size_t bytes() const { return bytes_; }
+    /// Limits the memory of trees from now on: commit() and check() throw MissingError beyond it.
+    void limit_memory(const MemoryLimit& limit) { limit_ = limit; }
+    const MemoryLimit& limit() const { return limit_; }
     /// Builds or rebuilds a scene on the caller's thread alone.
+    /// @throws InterruptedError  the current work was interrupted: the scene is unusable
     void commit(RTCScene scene) const;
     /// Throws the error of the last calls, if any: MissingError if memory ran out, else InternalError.
     void check() const;
 
  private:
     static bool count_memory(void* self, ssize_t bytes, bool post);
+    static bool go_on(void* interruption, double done);
     struct Arena;
     std::unique_ptr<Arena> arena_;
     RTCDevice device_ = nullptr;
     std::atomic<std::size_t> bytes_ = 0;
+    MemoryLimit limit_;
+    mutable std::atomic<bool> refused_ = false;   // memory, because of the limit
 };
 
 template <class Handle, void (*release)(Handle)>

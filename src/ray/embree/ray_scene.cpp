@@ -27,8 +27,9 @@ RTCRay make_ray(const glm::vec3& origin, float tnear, const glm::vec3& direction
 
 }   // namespace
 
-RayScene::RayScene(const scene::SceneState& state) : impl_(std::make_unique<Impl>())
+RayScene::RayScene(const scene::SceneState& state, const MemoryLimit& limit) : impl_(std::make_unique<Impl>())
 {
+    impl_->device.limit_memory(limit);
     const auto start = std::chrono::steady_clock::now();
     impl_->build(state);
     impl_->statistics.build_ms =
@@ -36,6 +37,11 @@ RayScene::RayScene(const scene::SceneState& state) : impl_(std::make_unique<Impl
 }
 
 RayScene::~RayScene() = default;
+
+void RayScene::limit_memory(const MemoryLimit& limit)
+{
+    impl_->device.limit_memory(limit);
+}
 
 void RayScene::update(const scene::SceneState& state)
 {

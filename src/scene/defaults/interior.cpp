@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/interruption.h"
+
 namespace gnomon::scene {
 
 namespace {
@@ -111,6 +113,7 @@ std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions&
         Census census;
         for (int z = stride / 2; z < count.z; z += stride) {
             for (int y = stride / 2; y < count.y; y += stride) {
+                interruption_point();
                 for (int x = stride / 2; x < count.x; x += stride) {
                     ++census.points;
                     const glm::vec3 p = point(x, y, z);
@@ -136,6 +139,7 @@ std::optional<Interior> find_interior(const Scene& scene, const InteriorOptions&
     float best = 0;
     for (int z = 0; z < count.z; ++z) {
         for (int x = 0; x < count.x; ++x) {
+            interruption_point();
             for (int height = 0; height < 3; ++height) {
                 glm::vec3 eye = point(x, 0, z);
                 eye.y = box.low.y + options.eye_heights[height] * box.size().y;

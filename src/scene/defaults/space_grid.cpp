@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/interruption.h"
+
 namespace gnomon::scene {
 
 namespace {
@@ -16,6 +18,7 @@ void for_each_triangle(const Scene& scene, const std::vector<glm::dmat4>& world,
                        const Body& body)
 {
     for (const Object& object : scene.objects) {
+        interruption_point();
         if (!visible[object.node]) continue;
         const Mesh& mesh = scene.meshes[object.mesh];
         const glm::mat4 matrix(world[object.node]);

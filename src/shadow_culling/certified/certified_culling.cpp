@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "shadow_culling/certified/judge.h"
 
 namespace gnomon::shadow_culling {
@@ -257,17 +258,22 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
     const std::uint64_t share = go_on || chunks == 0 ? k_no_limit : std::max<std::uint64_t>(1, affordable() / chunks);
     std::vector<char> judged(count, 0);
     std::vector<std::unique_ptr<Judge>> judges(static_cast<std::size_t>(tasks.threads()));
+    // Where the work is interrupted, the rest waits as well: what was judged is kept.
+    Interruption* const interruption = Interruption::current();
+    const InterruptionScope whole(nullptr);
     std::atomic<bool> stopped = false;
+    const auto stops = [&] {
+        if (!stopped && ((go_on && !go_on()) || (interruption && interruption->requested()))) stopped = true;
+        return stopped.load();
+    };
     tasks.for_each(chunks, [&](std::size_t chunk, int worker) {
-        if (stopped || (go_on && !go_on())) {
-            stopped = true;
-            return;
-        }
+        if (stops()) return;
         auto& judge = judges[static_cast<std::size_t>(worker)];
         if (!judge) judge = std::make_unique<Judge>(*state_, *triangles_, *memory_, light_on_, options_);
         judge->allow(share);
+        judge->stop_with(interruption);
         const std::size_t end = std::min(count, (chunk + 1) * k_chunk);
-        for (std::size_t i = chunk * k_chunk; i < end && judge->allowed(); ++i) {
+        for (std::size_t i = chunk * k_chunk; i < end && judge->allowed() && !stops(); ++i) {
             const std::size_t r = (i + shift) % count;
             if (memory_->has(news_[r])) judge->judge(news_[r]);   // it may have been dropped meanwhile
             judged[r] = 1;
@@ -291,6 +297,7 @@ bool CertifiedCulling::judge(Tasks& tasks, const std::function<bool()>& go_on)
     judged_once_ = judged_once_ || count > 0;
     news_ = std::move(left);
     if (memory_->full()) memory_->drop_unseen(frame_);
+    if (interruption && interruption->requested()) interruption->raise();
     return news_.empty();
 }
 

@@ -88,6 +88,7 @@ class CertifiedCulling {
     /// judge() judges it while `go_on` returns true (it is called from any thread); without `go_on`, as far as the rays
     /// that the frame saved pay for certificates. The rest waits for a later call. Images do not depend on how much was
     /// judged. @return whether nothing is left
+    /// @throws InterruptedError  the current work was interrupted; the rest waits for a later call
     void note_news(std::span<const std::unique_ptr<Batch>> batches);
     bool judge(Tasks& tasks, const std::function<bool()>& go_on = {});
     /// Sums since begin_frame; valid after end_frame.

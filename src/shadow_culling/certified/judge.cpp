@@ -77,6 +77,7 @@ void Judge::judge_part(const MicroTriangle& part, std::uint32_t at_level, int li
     if (state == ShadowState::none || state == ShadowState::full) return;
 
     if (state == ShadowState::unknown) {
+        if (interruption_ && interruption_->requested()) allowed_ = 0;
         if (allowed_ == 0) return;
         state = saw == (k_saw_free | k_saw_occluded) ? ShadowState::partial
                                                      : certify(part, at_level, light, saw == k_saw_occluded);

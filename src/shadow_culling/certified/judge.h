@@ -6,6 +6,7 @@
 // and free rays is PARTIAL without a proof. For any other part, the certificate that the evidence allows is tried; if
 // it fails, the part is PARTIAL, and its quarters get states of their own and are judged.
 
+#include "base/interruption.h"
 #include "shadow_culling/certified/certified_culling.h"
 
 namespace gnomon::shadow_culling {
@@ -21,6 +22,8 @@ class Judge {
     /// Sets the number of certificates that may still be tried; unlimited unless set.
     void allow(std::uint64_t certificates) { allowed_ = certificates; }
     bool allowed() const { return allowed_ > 0; }
+    /// Allows no more certificates once this asks to stop; null: never.
+    void stop_with(Interruption* interruption) { interruption_ = interruption; }
     const CullingCounters& counters() const { return counters_; }
 
  private:
@@ -36,6 +39,7 @@ class Judge {
     const CertifiedOptions& options_;
     CullingCounters counters_;
     std::uint64_t allowed_ = ~std::uint64_t{0};
+    Interruption* interruption_ = nullptr;
 
     // The present record.
     TriangleId triangle_ = 0;

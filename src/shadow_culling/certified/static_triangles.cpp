@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "visibility/shaft.h"
 
 namespace gnomon::shadow_culling {
@@ -15,6 +16,8 @@ namespace {
 
 constexpr int k_leaf = 4;   // triangles; with fewer, a split does not pay off
 constexpr int k_bins = 16;
+// Between interruption points: triangles or comparisons; and triangles of a node.
+constexpr std::uint32_t k_step = 1 << 16, k_many = 1 << 10;
 
 StaticTriangles::Role role_of(scene::SurfaceClass surface)
 {
@@ -62,6 +65,7 @@ StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayS
     std::vector<scene::ObjectId> space;   // by triangle: none for world space, else the object whose space it is
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         if (state.is_dynamic(o) || !state.object_visible(o) || rays.meeting(o) == ray::Meeting::never) continue;
+        interruption_point();
         const ray::ObjectGeometry& geometry = rays.geometry(o);
         first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {
@@ -97,6 +101,7 @@ void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
     std::vector<EdgeKey> edges;
     edges.reserve(3 * triangles_.size());
     for (TriangleId t = 0; t < triangles_.size(); ++t) {
+        if (t % k_step == 0) interruption_point();
         if (!leads_on(t)) continue;
         for (int e = 0; e < 3; ++e) {
             auto a = ends(triangles_[t].p[e]), b = ends(triangles_[t].p[(e + 1) % 3]);
@@ -104,7 +109,11 @@ void StaticTriangles::match_edges(const std::vector<scene::ObjectId>& space)
             edges.push_back({{a[0], a[1], a[2], b[0], b[1], b[2]}, 3 * t + static_cast<std::uint32_t>(e)});
         }
     }
-    std::sort(edges.begin(), edges.end());
+    std::uint32_t compared = 0;
+    std::sort(edges.begin(), edges.end(), [&](const EdgeKey& a, const EdgeKey& b) {
+        if (++compared % k_step == 0) interruption_point();
+        return a < b;
+    });
 
     // Connect the triangles at edges that exactly two of them share.
     across_.assign(3 * triangles_.size(), no_triangle);
@@ -142,6 +151,7 @@ void StaticTriangles::build_tree()
 std::uint32_t StaticTriangles::build_range(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
                                            std::vector<Box3>& boxes)
 {
+    if (end - begin > k_many) interruption_point();
     Box3 box, centres;
     for (std::uint32_t i = begin; i < end; ++i) {
         box.add(boxes[order_[i]]);
