@@ -157,7 +157,7 @@ TEST(IrradianceCacheDynamic, PromotionRebuildsTheTreeOnce)
     std::uint64_t fresh[4];
     std::uint32_t made[4];
     for (int i = 0; i < 4; ++i) {
-        const glm::dmat4 local = test::translation(0, 0.1 * i, 0);
+        const glm::dmat4 local = test::translation(0, 0, 0.1 * i);   // within the bounds of the room
         if (i > 0) world.state.override_transform(world.scene->objects[k_panel].node, &local);
         world.go(1);
         indirect_of(world, visible);
