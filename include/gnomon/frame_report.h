@@ -13,7 +13,7 @@ namespace gnomon {
 
 /// What the last frame shows at the centre of one pixel.
 struct Pick {
-    bool hit = false;             // false: nothing, and the rest is undefined
+    bool hit = false;   // false: nothing, and the rest is undefined
     InstanceId instance;
     MaterialId material;
     std::uint32_t triangle = 0;   // of the object's mesh, from 0

@@ -63,21 +63,25 @@ void HostValues::promote(scene::NodeId node, bool deforms)
 
 void HostValues::set_transform(scene::NodeId node, const glm::dmat4* local)
 {
-    const scene::Node& described = scene_->nodes[node];
-    const bool had_value = transforms_.now(node);
+    const auto in_force = [&] {
+        const glm::dmat4* value = transforms_.now(node);
+        return value ? *value : scene_->nodes[node].local;   // a node with a track needs no promotion
+    };
+    const glm::dmat4 before = in_force();
     const auto same = [](const glm::dmat4& a, const glm::dmat4& b) { return same_bits(a, b); };
     if (!transforms_.store(node, local, same)) return;
-    // A first value that the node has anyway moves nothing.
-    const bool moves = !local || had_value || described.transform || !same_bits(described.local, *local);
-    if (moves && must_promote_to_move(node)) promote(node, false);
+    if (!same_bits(before, in_force()) && must_promote_to_move(node)) promote(node, false);
 }
 
 void HostValues::set_visible(scene::NodeId node, const bool* visible)
 {
-    const bool had_value = visible_.now(node);
+    const auto in_force = [&] {
+        const bool* value = visible_.now(node);
+        return !value || *value;
+    };
+    const bool before = in_force();
     if (!visible_.store(node, visible, std::equal_to<>())) return;
-    const bool changes = !visible || had_value || scene_->nodes[node].visibility || !*visible;
-    if (changes && must_promote_to_move(node)) promote(node, false);
+    if (before != in_force() && must_promote_to_move(node)) promote(node, false);
 }
 
 void HostValues::set_vertices(scene::NodeId node, std::shared_ptr<const scene::DeformedMesh> vertices)
@@ -159,15 +163,21 @@ template <class Act>
 void HostValues::each_kind_of_geometry(scene::SceneState& state, const Act& act) const
 {
     act([&](scene::NodeId n, const glm::dmat4* local) { state.override_transform(n, local); }, transforms_);
-    act([&](scene::NodeId n, const bool* visible) {
-        state.override_visibility(n, visible ? std::optional<bool>(*visible) : std::nullopt);
-    }, visible_);
-    act([&](scene::NodeId n, const std::shared_ptr<const scene::DeformedMesh>* vertices) {
-        state.override_vertices(object_at_[n], vertices ? *vertices : nullptr);
-    }, vertices_);
-    act([&](scene::NodeId n, const std::vector<float>* weights) {
-        state.override_weights(object_at_[n], weights ? std::optional<std::vector<float>>(*weights) : std::nullopt);
-    }, weights_);
+    act(
+        [&](scene::NodeId n, const bool* visible) {
+            state.override_visibility(n, visible ? std::optional<bool>(*visible) : std::nullopt);
+        },
+        visible_);
+    act(
+        [&](scene::NodeId n, const std::shared_ptr<const scene::DeformedMesh>* vertices) {
+            state.override_vertices(object_at_[n], vertices ? *vertices : nullptr);
+        },
+        vertices_);
+    act(
+        [&](scene::NodeId n, const std::vector<float>* weights) {
+            state.override_weights(object_at_[n], weights ? std::optional<std::vector<float>>(*weights) : std::nullopt);
+        },
+        weights_);
 }
 
 template <class Act>
@@ -176,9 +186,9 @@ void HostValues::each_kind(scene::SceneState& state, const Act& act) const
     each_kind_of_geometry(state, act);
     act([&](scene::LightId l, const scene::Light* values) { state.set_light(l, values ? *values : given_->lights[l]); },
         lights_);
-    act([&](scene::MaterialId m, const scene::Material* values) {
-        state.set_material(m, values ? *values : given_->materials[m]);
-    }, materials_);
+    act([&](scene::MaterialId m,
+            const scene::Material* values) { state.set_material(m, values ? *values : given_->materials[m]); },
+        materials_);
 }
 
 void HostValues::apply_all(scene::SceneState& state) const

@@ -96,8 +96,8 @@ class HostValues {
     void apply_changes(scene::SceneState& state) const;
     /// Call when a frame was rendered.
     void end_frame();
-    /// Hands the transforms, visibility, vertices and weights of the frame before to a second state: to a new one all of
-    /// them, else those that differ from the frame before that one.
+    /// Hands the transforms, visibility, vertices and weights of the frame before to a second state: to a new one all
+    /// of them, else those that differ from the frame before that one.
     void apply_before(scene::SceneState& state, bool is_new) const;
 
     /// Copies the values of parts that another scene has as well; promoted nodes stay promoted.
@@ -114,8 +114,8 @@ class HostValues {
  private:
     bool must_promote_to_move(scene::NodeId node) const;
     void find_objects();
-    // Both call act(setter of a state, the values of one kind): for transforms, visibility, vertices and weights, and for
-    // lights and materials, too.
+    // Both call act(setter of a state, the values of one kind): for transforms, visibility, vertices and weights, and
+    // for lights and materials, too.
     template <class Act>
     void each_kind_of_geometry(scene::SceneState& state, const Act& act) const;
     template <class Act>

@@ -54,7 +54,8 @@ class Host {
         for (int m = 0; m < 4; ++m) materials_.push_back(builder_.material(random_material()));
         const Grid ball = sphere(6, 8, 0.5f), flat = sphere(2, 4, 0.7f);
         vertex_count_ = ball.positions.size();
-        meshes_.push_back(builder_.mesh({.positions = ball.positions, .indices = ball.indices, .normals = ball.normals}));
+        meshes_.push_back(
+            builder_.mesh({.positions = ball.positions, .indices = ball.indices, .normals = ball.normals}));
         meshes_.push_back(builder_.mesh({.positions = flat.positions, .indices = flat.indices}));
         std::vector<Vec3> offsets(ball.positions.size(), Vec3{0.2f, 0.1f, 0});
         const MorphTarget target{.positions = offsets};
@@ -81,6 +82,7 @@ class Host {
         bool built = false;
         for (std::uint32_t n = 1 + random_.below(4); n > 0; --n) built = act_once(input) || built;
         if (built) scene_ = builder_.finish();
+        note_promotions(input);
         input.time = 0.0;
         input.camera = camera_;
         return input;
@@ -152,6 +154,7 @@ class Host {
         const InstanceId id = builder_.instance(mesh, materials_[below(materials_)], random_place(), options);
         instances_.push_back(id);
         parents_[id.index] = options.parent;
+        declared_[id.index] = options.mobility;
         (morphs ? morphing_ : mesh == meshes_[0] ? balls_ : plates_).insert(id.index);
     }
     void add_light()
@@ -165,9 +168,22 @@ class Host {
         return random_.below(static_cast<std::uint32_t>(list.size()));
     }
 
-    // The host's own idea of what it declared fixed and changes all the same.
+    // Finds what is declared fixed and changes all the same.
+    void note_promotions(const FrameInput& input)
+    {
+        for (const NodeTransform& t : input.transforms) promote(t.node, Mobility::may_move);
+        for (const NodeVisibility& v : input.visibility) {
+            bool& before = shown_.try_emplace(v.node.index, true).first->second;
+            if (before != v.visible) promote(v.node, Mobility::may_move);
+            before = v.visible;
+        }
+        for (const NodeId& id : input.released_nodes) shown_.erase(id.index);
+        for (const InstanceVertices& v : input.vertices) promote(v.instance, Mobility::may_deform);
+        for (const MorphWeights& w : input.morph_weights) promote(w.instance, Mobility::may_deform);
+    }
     void promote(const NodeId& id, Mobility mobility)
     {
+        if (declared_.at(id.index) >= mobility) return;
         promoted_[id.index] = id;
         Mobility& now = id_mobility_.try_emplace(id.index, mobility).first->second;
         now = std::max(now, mobility);
@@ -191,14 +207,6 @@ class Host {
                                       : random_place()};
         transforms_.insert_or_assign(id.index, t);
         input.transforms.push_back(t);
-        if (must_promote(id)) promote(id, Mobility::may_move);
-    }
-    // Whether anything at or below the node is carried by no node of the subtree that was declared to move.
-    bool must_promote(const NodeId& id) const { return scene_knows(id) && scene_->mobility(id) == Mobility::fixed; }
-    bool scene_knows(const NodeId& id) const
-    {
-        const auto nodes = scene_->nodes();
-        return std::find(nodes.begin(), nodes.end(), id) != nodes.end();
     }
     void deform(FrameInput& input)
     {
@@ -210,7 +218,6 @@ class Host {
         shapes_.push_back(std::move(shape));
         vertices_.insert_or_assign(id.index, std::pair(id, std::span<const Vec3>(shapes_.back())));
         input.vertices.push_back({id, shapes_.back()});
-        promote(id, Mobility::may_deform);
     }
     InstanceId with_index(const std::set<std::uint32_t>& of)
     {
@@ -237,7 +244,6 @@ class Host {
                 if (instances_.empty()) return false;
                 const InstanceId id = instances_[below(instances_)];
                 const NodeVisibility v{id, random_.below(3) > 0};
-                if (must_promote(id) && (!v.visible || visibility_.contains(id.index))) promote(id, Mobility::may_move);
                 visibility_.insert_or_assign(id.index, v);
                 input.visibility.push_back(v);
                 return false;
@@ -250,7 +256,6 @@ class Host {
                 const MorphWeights w{with_index(morphing_), {unit()}};
                 weights_.insert_or_assign(w.instance.index, w);
                 input.morph_weights.push_back(w);
-                promote(w.instance, Mobility::may_deform);
                 return false;
             }
             case 7: {
@@ -311,7 +316,8 @@ class Host {
         std::erase_if(instances_, is_gone);
         for (const std::uint32_t index : gone) {
             transforms_.erase(index), visibility_.erase(index), vertices_.erase(index), weights_.erase(index);
-            promoted_.erase(index), id_mobility_.erase(index), parents_.erase(index);
+            promoted_.erase(index), id_mobility_.erase(index), parents_.erase(index), declared_.erase(index),
+                shown_.erase(index);
             balls_.erase(index), plates_.erase(index), morphing_.erase(index);
         }
         std::erase_if(input.transforms, [&](const NodeTransform& t) { return is_gone(t.node); });
@@ -345,6 +351,8 @@ class Host {
     std::size_t vertex_count_ = 0;
     std::vector<InstanceId> instances_;
     std::map<std::uint32_t, NodeId> parents_;
+    std::map<std::uint32_t, Mobility> declared_;
+    std::map<std::uint32_t, bool> shown_;
     std::vector<LightId> lights_;
     std::set<std::uint32_t> balls_, plates_, morphing_;   // indices of instances by mesh
     std::map<std::uint32_t, NodeTransform> transforms_;
