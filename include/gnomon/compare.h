@@ -11,7 +11,7 @@
 
 namespace gnomon {
 
-/// What to compare, and how. gnomon/ranges.h has the range of `threads`.
+/// Options of compare(). gnomon/ranges.h has the range of `threads`.
 struct CompareOptions {
     std::string layer;   // layer of OpenEXR files ("depth", "shadow", one channel: "shadow.L0"); "": the image
     bool ssim = true, flip = true;   // the two slow metrics

@@ -33,7 +33,7 @@ enum class RenderMethod { trace, raster };
 /// is compared with; they give the same image at a higher cost.
 enum class ShadowTextures { off, per_caster, depth, coherent };
 
-/// gnomon/ranges.h has the ranges of numbers.
+/// Options of a renderer. gnomon/ranges.h has the ranges of numbers.
 struct RenderOptions {
     Size size{};                    // 0 x 0: the file's own resolution, else 1280 x 720
     std::string camera = "auto";    // a name, an index from 0, or auto: the first

@@ -135,7 +135,7 @@ class Scene {
     std::shared_ptr<const Impl> impl_;
 };
 
-/// How to load.
+/// Options of load().
 struct LoadOptions {
     Progress progress;   // optional
     int threads = 0;     // 0: all

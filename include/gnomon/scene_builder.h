@@ -18,14 +18,14 @@
 
 namespace gnomon {
 
-/// Of a node, and of the node that carries a light or a camera.
+/// Options of a node, or of the node that carries a light or a camera.
 struct NodeOptions {
     Mobility mobility = Mobility::fixed;   // of everything below, too
     NodeId parent{};                       // none: the world
     std::string name{};
 };
 
-/// Of an instance.
+/// Options of an instance.
 struct InstanceOptions {
     Mobility mobility = Mobility::fixed;
     NodeId parent{};
@@ -37,7 +37,7 @@ struct InstanceOptions {
     Box reach{};
 };
 
-/// What finish() adds to the parts.
+/// Options of SceneBuilder::finish(): what it adds to the parts.
 struct FinishOptions {
     /// Add the light that load() adds to files without any, with a warning: lights in place of emissive surfaces; a sky
     /// and a sun, or a light below the ceiling of a room.
