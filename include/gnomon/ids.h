@@ -41,7 +41,8 @@ using NodeId = detail::Id<struct NodeTag>;
 /// A node with a mesh: an object.
 struct InstanceId : NodeId {
     InstanceId() = default;
-    /// The instance that a node is. A node without a mesh gives an id that is rejected wherever an instance is expected.
+    /// The instance that a node is. A node without a mesh gives an id that is rejected wherever an instance is
+    /// expected.
     explicit InstanceId(const NodeId& node) : NodeId(node) {}
 };
 

@@ -23,7 +23,7 @@ struct VideoJob {
     double fps = 24;                    // frames a second of a video, 0.001 to 1000
     /// Renders only the part `chunk` (from 1) of `chunks` contiguous ones; of a video, it leaves frames only.
     int chunk = 1;
-    int chunks = 1;   // the number of parts
+    int chunks = 1;        // the number of parts
     bool resume = false;   // keep frames that are already complete
     /// Number of frames that are rendered and discarded first, to fill the caches: the frames before the first one, or
     /// the clip's first frame repeatedly where there are too few. None: 8 for a single image with an overlay of shadow
