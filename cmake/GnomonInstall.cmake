@@ -43,6 +43,7 @@ if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
     set(GNOMON_PC_PREFIX "${CMAKE_INSTALL_PREFIX}")
 else()
     file(RELATIVE_PATH up "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+    string(REGEX REPLACE "/$" "" up "${up}")
     cmake_path(APPEND GNOMON_PC_PREFIX "\${pcfiledir}" "${up}")
 endif()
 cmake_path(APPEND GNOMON_PC_LIBDIR "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")   # the second alone if it is absolute

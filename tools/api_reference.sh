@@ -13,7 +13,7 @@ command -v doxygen >/dev/null || { echo "api_reference: doxygen is not installed
 version=$(sed -n 's/^project(gnomon VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 rm -rf "$output/html"
 mkdir -p "$output"
-# Doxygen sees neither the marks of the settings' files nor variables, so the values are added to what it reads.
+# Add the settings that depend on the build.
 {
     cat docs/api/Doxyfile
     printf 'PROJECT_NUMBER = "%s"\nOUTPUT_DIRECTORY = "%s"\n' "$version" "$output"
