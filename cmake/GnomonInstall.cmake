@@ -37,8 +37,8 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmak
 install(FILES "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" "${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake"
     DESTINATION "${package}")
 
-# For pkg-config. The prefix is relative to the installed file, so that the installed copy can be moved. Only the library
-# itself is named, because it is shared and its headers need no others.
+# For pkg-config. The prefix is relative to the installed file, so that the installed copy can be moved. Only the
+# library itself is named, because it is shared and its headers need no others.
 if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
     set(GNOMON_PC_PREFIX "${CMAKE_INSTALL_PREFIX}")
 else()

@@ -19,12 +19,14 @@ import re
 import sys
 
 # Code, then a comment with one mark of two slashes. A slash in quotes does not begin a comment.
-k_trailing = re.compile(r'^(?P<indent>\s*)(?P<code>(?:[^/"]|"(?:[^"\\]|\\.)*"|/(?!/))*[^\s/])\s*//(?!/)\s*(?P<text>.*)$')
+k_trailing = re.compile(r'^(?P<indent>\s*)(?P<code>(?:[^/"]|"(?:[^"\\]|\\.)*"|/(?!/))*[^\s/])\s*'
+                        r'//(?!/)\s*(?P<text>.*)$')
 k_comment = re.compile(r"^(?P<indent>\s*)//(?!/)\s?(?P<text>.*)$")
 k_scope = re.compile(r"[{}]\s*$|^\s*(?:public|private|protected|#|namespace\b)")   # lines that declare no member
 k_declaration = re.compile(r"[,;}]$|^\s*\w+(?:\s*=\s*\w+)?$")   # the last enumerator has no comma
 k_member = re.compile(r"^\s+(?!using |friend |return |struct |class |enum )[\w:]+(?:<.*>)? \w+[^()]*;$")
-k_special = re.compile(r"^\s+(?:(\w+)\((?:const \1&|\1&&)\)|(\w+)& operator=\((?:const \2&|\2&&)\))(?: noexcept)?(?: = default)?;$")
+k_special = re.compile(r"^\s+(?:(\w+)\((?:const \1&|\1&&)\)|(\w+)& operator=\((?:const \2&|\2&&)\))"
+                       r"(?: noexcept)?(?: = default)?;$")
 k_of_struct = re.compile(r"^\s*} \w+;$")   # a variable, declared with its type
 k_comparison = re.compile(r"^\s*friend bool operator==\(.*\) = default;$")
 

@@ -57,8 +57,10 @@ class DoxygenFilter(unittest.TestCase):
                 shutil.copytree(k_root / part, copy / part)
             shutil.copy(k_root / "CMakeLists.txt", copy)
             header = copy / "include" / "gnomon" / "version.h"
-            header.write_text(header.read_text().replace("namespace gnomon {\n", "namespace gnomon {\nint unexplained();\n"))
-            result = subprocess.run([copy / "tools" / "api_reference.sh", copy / "made"], capture_output=True, text=True)
+            begin = "namespace gnomon {\n"
+            header.write_text(header.read_text().replace(begin, begin + "int unexplained();\n"))
+            result = subprocess.run([copy / "tools" / "api_reference.sh", copy / "made"], capture_output=True,
+                                    text=True)
             self.assertNotEqual(result.returncode, 0)
             self.assertIn("unexplained", result.stderr + result.stdout)
 
