@@ -58,9 +58,9 @@ gnomon::Scene make_scene(std::vector<Ball>& balls)
     gnomon::SceneBuilder builder;
     builder.instance(add_cube(builder), add_color(builder, {0.6f, 0.6f, 0.6f}), place(0, -0.1, 0, 12, 0.2, 12));
     balls = add_balls(builder);
-    gnomon::Light light;
-    light.color = {150, 140, 120};   // candela
-    builder.light(light, gnomon::Transform::translation(2, 5, 3));
+    builder.light({.color = {70, 65, 55}}, gnomon::Transform::translation(2, 5, 3));    // candela
+    builder.light({.color = {15, 18, 25}}, gnomon::Transform::translation(-5, 4, 2));   // into the shadows
+    builder.background({0.1f, 0.15f, 0.25f});
     gnomon::Camera camera;
     camera.transform = gnomon::Transform::look_at({3.2f, 2.6f, 4.6f}, {0, 0.5f, 0});
     camera.vertical_fov = 0.7;
