@@ -54,7 +54,7 @@ try {
     render(renderer, before, "before.png");
 
     // Stand the chair where the lower left of the image shows a surface.
-    const gnomon::Pick spot = renderer.pick(0.25 * width, 0.96 * width);
+    const gnomon::Pick spot = renderer.pick(width / 4, width * 24 / 25);
     if (!spot.hit) throw gnomon::UsageError("nothing is seen where the chair would stand");
     const double height = 0.2 * static_cast<double>(spot.depth);
     gnomon::SceneBuilder builder(before);
