@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the program, its manual page and completions, and the library as a CMake package.
+# Installs the program, its manual page and completions, and the library as a CMake package and for pkg-config.
 #
 # The library is one shared library, so that its users need only the public headers and none of its dependencies.
 include(GNUInstallDirs)
@@ -36,3 +36,17 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gnomonConfig.cmake.in"
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" "${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake"
     DESTINATION "${package}")
+
+# For pkg-config. The prefix is relative to the installed file, so that the installed copy can be moved. Only the
+# library itself is named, because it is shared and its headers need no others.
+if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
+    set(GNOMON_PC_PREFIX "${CMAKE_INSTALL_PREFIX}")
+else()
+    file(RELATIVE_PATH up "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+    string(REGEX REPLACE "/$" "" up "${up}")
+    cmake_path(APPEND GNOMON_PC_PREFIX "\${pcfiledir}" "${up}")
+endif()
+cmake_path(APPEND GNOMON_PC_LIBDIR "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")   # the second alone if it is absolute
+cmake_path(APPEND GNOMON_PC_INCLUDEDIR "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR}")
+configure_file("${CMAKE_CURRENT_LIST_DIR}/gnomon.pc.in" "${PROJECT_BINARY_DIR}/gnomon.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/gnomon.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

@@ -77,7 +77,8 @@ def fault(file: pathlib.PurePosixPath, included: str) -> str | None:
     if file.parts[0] == "include":
         return f'"{included}": the public headers include each other alone'
     if file.parts[0] == "examples":
-        return f'"{included}": an example uses include/gnomon alone'
+        # A header without a folder is the examples' own.
+        return f'"{included}": an example uses include/gnomon alone' if has_folder else None
     if not has_folder:
         return f'"{included}" lacks its folder: write "folder/{included}"'
     own = room_of(file.as_posix() if file.parts[0] in k_beside_src else "/".join(file.parts[1:]))

@@ -11,11 +11,12 @@
 
 namespace gnomon {
 
+/// Options of compare(). gnomon/ranges.h has the range of `threads`.
 struct CompareOptions {
     std::string layer;   // layer of OpenEXR files ("depth", "shadow", one channel: "shadow.L0"); "": the image
     bool ssim = true, flip = true;   // the two slow metrics
-    std::filesystem::path
-        heatmap;       // writes FLIP's error map here as .png with the magma colour map and turns flip on; "": none
+    /// Writes FLIP's error map here as .png, with the magma colour map, and turns `flip` on; "": none.
+    std::filesystem::path heatmap;
     int threads = 0;   // 0: all; at most 1024
 };
 
@@ -33,6 +34,7 @@ struct CompareResult {
     double pixels_different = 0;   // fraction of pixels of which any channel differs
 };
 
+/// Compares two image files.
 /// @param test, reference  PNG, JPEG, PPM, OpenEXR or Radiance HDR files, recognised by their content
 /// @throws InputError    a file is missing or invalid
 /// @throws UsageError    sizes or channels differ; no such layer; a heat map for channels that FLIP does not support

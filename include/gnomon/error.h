@@ -24,8 +24,11 @@ class InputError : public Error {
     /// @param what   one clause without a full stop: "expected 3 numbers, found '}'"
     InputError(std::string file, std::string place, std::string what);
 
+    /// The path of the file.
     const std::string& file() const noexcept { return file_; }
+    /// The place in the file; empty if the whole file is meant.
     const std::string& place() const noexcept { return place_; }
+    /// What is wrong there.
     const std::string& problem() const noexcept { return problem_; }
 
  private:

@@ -35,10 +35,10 @@ struct Layer {
     std::vector<std::string> channels;
     PixelFormat format = PixelFormat::f32;   // f32, or u32 for ids
     Size size;
-    const void* data = nullptr;        // the first channel of the upper left pixel
-    std::ptrdiff_t pixel_stride = 0;   // bytes from one pixel to the next; the channels of a pixel are adjacent
-    std::ptrdiff_t row_stride = 0;     // bytes from one row to the next
-    std::shared_ptr<const void> memory;
+    const void* data = nullptr;           // the first channel of the upper left pixel
+    std::ptrdiff_t pixel_stride = 0;      // bytes from one pixel to the next; the channels of a pixel are adjacent
+    std::ptrdiff_t row_stride = 0;        // bytes from one row to the next
+    std::shared_ptr<const void> memory;   // keeps the values
 
     /// The value of one pixel.
     /// @param x, y  from the top left, from 0
@@ -50,15 +50,16 @@ struct Layer {
     /// All values in the order of rows, pixels and channels; width * height * channels of them.
     /// @throws UsageError  its values are ids, or are not adjacent in memory; the renderer's own layers are
     std::span<const float> values() const;
+    /// All ids in the same order.
     /// @throws UsageError  its values are not ids, or are not adjacent in memory
     std::span<const std::uint32_t> ids() const;
     /// A copy of values().
     std::vector<float> copy() const;
 };
 
-/// A frame shares its memory with the renderer, which renders the next frame into the same memory if nothing holds a
-/// layer of it any more, and otherwise into new memory. A caller that drops a frame before it renders the next one
-/// therefore saves an allocation.
+/// A rendered frame. It shares its memory with the renderer, which renders the next frame into the same memory if
+/// nothing holds a layer of it any more, and otherwise into new memory. A caller that drops a frame before it renders
+/// the next one therefore saves an allocation.
 struct Frame {
     Size size;
     std::vector<Layer> layers;   // the first is the image
@@ -76,6 +77,7 @@ struct Frame {
     Size view_size{};                  // of the rendered view, which overlays surround with titles
     int view_left = 0, view_top = 0;   // and its place in the image
 
+    /// The layer of that name; null if the frame has none.
     const Layer* layer(const std::string& name) const;
     /// Applies exposure, tone mapping and sRGB encoding. Returns width * height * 3 bytes.
     std::vector<std::uint8_t> to_srgb8() const;

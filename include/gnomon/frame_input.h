@@ -5,6 +5,9 @@
 // Values stay in force until other ones are handed over, or until they are released. A host therefore hands over only
 // what changed; what equals the value in force is found equal and costs no more than the comparison. Values of parts
 // that are no longer in the scene are forgotten.
+//
+// `closing` is the value when the camera's shutter closes; none: it does not change while the shutter is open. Frames
+// are rendered at its opening.
 
 #include <cstdint>
 #include <optional>
@@ -18,9 +21,6 @@
 #include "gnomon/scene_parts.h"
 
 namespace gnomon {
-
-// `closing` is the value when the camera's shutter closes; none: it does not change while the shutter is open. Frames
-// are rendered at its opening.
 
 /// A node's transform to its parent's space, instead of the scene's transform or track. Moves everything below it.
 struct NodeTransform {
@@ -66,6 +66,8 @@ struct MaterialValues {
     std::optional<Material> closing{};
 };
 
+/// What changed since the frame before. An empty input renders the first frame of the scene's clip with the values in
+/// force.
 struct FrameInput {
     std::optional<double> time{};   // seconds; none: that of `frame`
     int frame = 1;                  // of the scene's clip, from 1; ignored with a time

@@ -10,6 +10,7 @@ namespace gnomon {
 /// Milliseconds of a traced frame by stage. Time that several threads spend at once is divided evenly among them, so
 /// the sum is the frame's time minus the time that threads waited for each other. All zero for a rasterised frame.
 struct FrameTimes {
+    /// The stages, in the order of `ms`.
     enum Stage {
         scene,               // changes of the scene, and updates of the ray-tracing acceleration structures
         light_maps,          // light maps and light trees
@@ -22,6 +23,7 @@ struct FrameTimes {
         image,               // exposure, layers
         k_stages
     };
+    /// The names of the stages, as in the JSON of `gnomon render`.
     static constexpr std::array<const char*, k_stages> k_names{
         "scene", "light_maps", "rays", "surfaces", "shadows", "indirect", "indirect_mirrored", "proofs", "picture"};
     std::array<double, k_stages> ms{};

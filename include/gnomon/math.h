@@ -7,6 +7,7 @@
 
 namespace gnomon {
 
+/// Texture coordinates.
 struct Vec2 {
     float x = 0, y = 0;
     friend bool operator==(const Vec2&, const Vec2&) = default;
@@ -18,6 +19,7 @@ struct Vec3 {
     friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
+/// A tangent with its sign, a colour with alpha (linear), or four weights.
 struct Vec4 {
     float x = 0, y = 0, z = 0, w = 0;
     friend bool operator==(const Vec4&, const Vec4&) = default;
@@ -26,6 +28,7 @@ struct Vec4 {
 /// An axis-aligned box; empty if any low coordinate exceeds the high one.
 struct Box {
     Vec3 low{1, 1, 1}, high{-1, -1, -1};
+    /// Whether the box contains no point.
     bool empty() const { return !(low.x <= high.x && low.y <= high.y && low.z <= high.z); }
     friend bool operator==(const Box&, const Box&) = default;
 };
@@ -35,14 +38,19 @@ struct Box {
 struct Transform {
     std::array<double, 16> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
+    /// Moves by x, y and z.
     static Transform translation(double x, double y, double z);
+    /// Scales by x, y and z.
     static Transform scaling(double x, double y, double z);
-    /// @param radians  counter-clockwise, seen against the axis; the axis need not have unit length
+    /// Turns about an axis through the origin.
+    /// @param axis     need not have unit length
+    /// @param radians  counter-clockwise, seen against the axis
     static Transform rotation(const Vec3& axis, double radians);
     /// From the space of a camera or a light, which look along -Z with +Y up, to the world.
     /// @param up  must not be parallel to the direction from `eye` to `target`
     static Transform look_at(const Vec3& eye, const Vec3& target, const Vec3& up = {0, 1, 0});
 
+    /// Applies `inner` first, then `outer`.
     friend Transform operator*(const Transform& outer, const Transform& inner);
     friend bool operator==(const Transform&, const Transform&) = default;
 };

@@ -33,7 +33,7 @@ enum class RenderMethod { trace, raster };
 /// is compared with; they give the same image at a higher cost.
 enum class ShadowTextures { off, per_caster, depth, coherent };
 
-/// gnomon/ranges.h has the ranges of numbers.
+/// Options of a renderer. gnomon/ranges.h has the ranges of numbers.
 struct RenderOptions {
     Size size{};                    // 0 x 0: the file's own resolution, else 1280 x 720
     std::string camera = "auto";    // a name, an index from 0, or auto: the first
@@ -133,17 +133,20 @@ class Renderer {
     /// no effect. May be called from any thread, and from a progress callback.
     void cancel();
 
+    /// The options in force.
     const RenderOptions& options() const;
 
     // Of the last frame. All throw UsageError before the first, and for parts that its scene does not have.
 
-    /// A node's transform to its parent's space, and to the world.
+    /// A node's transform to its parent's space in the last frame.
     Transform transform(const NodeId& node) const;
+    /// A node's transform to the world in the last frame.
     Transform world_transform(const NodeId& node) const;
+    /// Whether a node and all nodes above it were shown in the last frame.
     bool visible(const NodeId& node) const;
-    /// The camera, with its transform to the world.
+    /// The camera of the last frame, with its transform to the world.
     Camera camera() const;
-    /// What is visible now.
+    /// The bounds of the objects that were visible in the last frame, in world space.
     Box bounds() const;
 
     /// Uses time without work: proves results for later frames until all are proven or `go_on` returns false.

@@ -35,7 +35,7 @@ struct SceneInfo {
 };
 
 /// An immutable scene, loaded or made by a SceneBuilder. Copies are cheap because they share its data. It can be used
-/// by several threads at once.
+/// by several threads at once. Functions that take an id throw UsageError for parts that the scene does not have.
 class Scene {
  public:
     // Moves copy as well, so that a moved-from scene remains valid.
@@ -48,6 +48,7 @@ class Scene {
     double time_of(int frame) const;
     /// Video rate in frames a second.
     double fps() const;
+    /// Statistics, names and warnings.
     SceneInfo info() const;
 
     /// Returns the scene sampled at another rate (glTF), or played at it (AFF, whose frames are fixed by the file).
@@ -70,37 +71,60 @@ class Scene {
     Scene with_environment(const std::filesystem::path& file, int lights = 16) const;
 
     // The scene's parts, in the order in which they were added or stand in the file.
+
+    /// All nodes.
     std::vector<NodeId> nodes() const;
-    std::vector<InstanceId> instances() const;   // of meshes with triangles
+    /// All instances of meshes with triangles.
+    std::vector<InstanceId> instances() const;
+    /// All lights.
     std::vector<LightId> lights() const;
+    /// All cameras.
     std::vector<CameraId> cameras() const;
+    /// All materials.
     std::vector<MaterialId> materials() const;
+    /// All meshes.
     std::vector<MeshId> meshes() const;
 
-    // The first part of that name; an id without a part if there is none.
+    /// The first node of that name; an id without a part if there is none.
     NodeId find_node(const std::string& name) const;
+    /// The first instance of that name; an id without a part if there is none.
     InstanceId find_instance(const std::string& name) const;
+    /// The first light of that name; an id without a part if there is none.
     LightId find_light(const std::string& name) const;
+    /// The first camera of that name; an id without a part if there is none.
     CameraId find_camera(const std::string& name) const;
+    /// The first material of that name; an id without a part if there is none.
     MaterialId find_material(const std::string& name) const;
 
-    // What a part is like. All throw UsageError for parts that the scene does not have.
+    // What a part is like.
+
+    /// The node's name; it may be empty, and need not be unique.
     std::string name(const NodeId& id) const;
-    NodeId parent(const NodeId& id) const;   // none: the world
+    /// The node above; an id without a part for the world.
+    NodeId parent(const NodeId& id) const;
+    /// What may change at the node, as declared for it or for a node above, or by its tracks.
     Mobility mobility(const NodeId& id) const;
     /// The farthest node up the hierarchy that moves this one as a rigid body; itself if nothing above may move.
     NodeId mover(const NodeId& id) const;
-    Transform transform(const NodeId& id) const;   // to its parent's space, at the clip's start
+    /// The node's transform to its parent's space, at the clip's start.
+    Transform transform(const NodeId& id) const;
+    /// The mesh that the instance shows.
     MeshId mesh(const InstanceId& id) const;
+    /// The node that carries the light.
     NodeId node(const LightId& id) const;
+    /// The node that carries the camera.
     NodeId node(const CameraId& id) const;
+    /// The light's values.
     Light light(const LightId& id) const;
+    /// The material's values.
     Material material(const MaterialId& id) const;
-    Camera camera(const CameraId& id) const;   // its transform: the node's, at the clip's start
+    /// The camera's values; its transform is the node's, at the clip's start.
+    Camera camera(const CameraId& id) const;
 
-    /// The instance and the material that a value of the layers of ids stands for; an id without a part for 0 and for
-    /// values that stand for nothing.
+    /// The instance that a value of the layer of ids stands for; an id without a part for 0, and for values that stand
+    /// for nothing.
     InstanceId instance_of(std::uint32_t layer_value) const;
+    /// The material that a value of the layer of ids stands for, likewise.
     MaterialId material_of(std::uint32_t layer_value) const;
 
     struct Impl;
@@ -111,6 +135,7 @@ class Scene {
     std::shared_ptr<const Impl> impl_;
 };
 
+/// Options of load().
 struct LoadOptions {
     Progress progress;   // optional
     int threads = 0;     // 0: all

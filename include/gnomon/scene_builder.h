@@ -18,12 +18,14 @@
 
 namespace gnomon {
 
+/// Options of a node, or of the node that carries a light or a camera.
 struct NodeOptions {
     Mobility mobility = Mobility::fixed;   // of everything below, too
     NodeId parent{};                       // none: the world
     std::string name{};
 };
 
+/// Options of an instance.
 struct InstanceOptions {
     Mobility mobility = Mobility::fixed;
     NodeId parent{};
@@ -35,14 +37,21 @@ struct InstanceOptions {
     Box reach{};
 };
 
+/// Options of SceneBuilder::finish(): what it adds to the parts.
 struct FinishOptions {
-    /// Add what load() adds to files that lack it, with a warning each: lights in place of emissive surfaces; a sky and
-    /// a sun, or a light below the ceiling of a room; a camera that shows the whole scene.
-    bool default_light = false, default_camera = false;
+    /// Add the light that load() adds to files without any, with a warning: lights in place of emissive surfaces; a sky
+    /// and a sun, or a light below the ceiling of a room.
+    bool default_light = false;
+    /// Add the camera that load() adds to files without any: it shows the whole scene.
+    bool default_camera = false;
 };
 
+/// Makes scenes of parts. A function that takes ids or values throws UsageError for ids that the builder does not have,
+/// for numbers that are not finite or out of range, for arrays whose lengths disagree, and for sizes beyond the limits
+/// (gnomon/ranges.h). It throws MissingError if memory does not suffice. The builder is then as before.
 class SceneBuilder {
  public:
+    /// Begins with nothing.
     SceneBuilder();
     /// Continues a scene: its parts keep their ids.
     explicit SceneBuilder(const Scene& scene);
@@ -50,18 +59,21 @@ class SceneBuilder {
     SceneBuilder(SceneBuilder&&) noexcept;
     SceneBuilder& operator=(SceneBuilder&&) noexcept;
 
-    // All functions below throw UsageError for ids that the builder does not have, for numbers that are not finite or
-    // out of range, for arrays whose lengths disagree, and for sizes beyond the limits (gnomon/ranges.h); MissingError
-    // if memory does not suffice. The builder is then as before.
-
+    /// Adds a mesh, which instance() places in the scene.
     MeshId mesh(const Mesh& mesh);
+    /// Adds a material.
     MaterialId material(const Material& material);
+    /// Adds a texture of pixels in memory.
     TextureId texture(const Texture& texture);
-    /// Decodes a PNG or JPEG file in memory; size, channels and pixels of `as` are not read.
+    /// Adds a texture: a PNG or JPEG file in memory, which is decoded; size, channels and pixels of `as` are not read.
     /// @throws InputError  the bytes are not such a file
     TextureId texture(std::span<const std::byte> file, const Texture& as = {});
+    /// Adds a skin.
     SkinId skin(const Skin& skin);
+    /// Adds a node without a mesh.
+    /// @param transform  to the parent's space; affine
     NodeId node(const Transform& transform = {}, const NodeOptions& options = {});
+    /// Places a mesh in the scene.
     /// @param material   of the whole mesh; none: the mesh's parts have materials of their own, or a grey one
     /// @param transform  to the parent's space; affine
     InstanceId instance(const MeshId& mesh, const MaterialId& material = {}, const Transform& transform = {},
@@ -70,9 +82,10 @@ class SceneBuilder {
     /// @param options  name and parent are not read
     InstanceId attach(const NodeId& node, const MeshId& mesh, const MaterialId& material = {},
                       const InstanceOptions& options = {});
-    /// @param transform  its node's
+    /// Adds a light and the node that carries it.
+    /// @param transform  of its node to the parent's space
     LightId light(const Light& light, const Transform& transform = {}, const NodeOptions& options = {});
-    /// Camera::transform becomes its node's.
+    /// Adds a camera and the node that carries it. Camera::transform becomes its node's.
     CameraId camera(const Camera& camera, const NodeOptions& options = {});
 
     /// Surrounds the scene with light. It replaces the background.
@@ -85,22 +98,35 @@ class SceneBuilder {
     /// The clip whose frames are numbered from 1. A scene without it has one frame, at time 0.
     void clip(double start, double end, double fps);
 
-    // Changes.
-    void set_mesh(const MeshId& id, const Mesh& mesh);   // of all its instances
+    /// Replaces a mesh in all its instances.
+    void set_mesh(const MeshId& id, const Mesh& mesh);
+    /// Replaces the values of a material wherever it is used.
     void set_material(const MaterialId& id, const Material& material);
+    /// Gives an instance another material, for its whole mesh.
     void set_material(const InstanceId& id, const MaterialId& material);
+    /// Replaces the values of a light; its node stays.
     void set_light(const LightId& id, const Light& light);
+    /// Replaces the values of a camera, and its node's transform by Camera::transform.
     void set_camera(const CameraId& id, const Camera& camera);
-    void set_transform(const NodeId& id, const Transform& transform);   // replaces a track, too
+    /// Replaces a node's transform to its parent's space, and its track if it has one.
+    void set_transform(const NodeId& id, const Transform& transform);
+    /// Declares what may change at a node and at everything below it.
     void set_mobility(const NodeId& id, Mobility mobility);
     /// Removes a node and everything below it: instances, lights and cameras.
     /// @throws UsageError  a skin has a joint there
     void remove(const NodeId& id);
-    void remove(const LightId& id);   // its node stays
+    /// Removes a light; its node stays.
+    void remove(const LightId& id);
+    /// Removes a camera; its node stays.
     void remove(const CameraId& id);
-    /// @throws UsageError  something uses it
+    /// Removes a mesh.
+    /// @throws UsageError  an instance uses it
     void remove(const MeshId& id);
+    /// Removes a material.
+    /// @throws UsageError  an instance or a mesh uses it
     void remove(const MaterialId& id);
+    /// Removes a texture.
+    /// @throws UsageError  a material uses it
     void remove(const TextureId& id);
 
     /// Makes a scene of what there is now. The builder can go on.

@@ -64,7 +64,9 @@ struct Skin {
     std::string name{};
 };
 
+/// What a texture shows outside of 0 to 1.
 enum class Wrap : std::uint8_t { repeat, mirror, clamp };
+/// How a texture is read between its texels.
 enum class Filter : std::uint8_t { nearest, linear };
 
 /// An 8-bit image for materials; copied. Row 0 is the upper edge, where v = 0.
@@ -89,7 +91,9 @@ struct TextureUse {
     friend bool operator==(const TextureUse&, const TextureUse&) = default;
 };
 
+/// How a surface reflects: by glTF's metallic-roughness model, by Whitted's, or not at all (it shows its base colour).
 enum class ShadingModel : std::uint8_t { metallic_roughness, whitted, unlit };
+/// What alpha means: nothing; where the surface is cut out (`mask`); how much it covers of what is behind (`blend`).
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
 /// A surface: glTF 2.0's metallic-roughness model, or the model of Whitted that the scenes of BART have. Colours are
@@ -124,6 +128,7 @@ struct Material {
     friend bool operator==(const Material&, const Material&) = default;
 };
 
+/// Where light comes from: a point, a point within a cone, or one direction, as that of the sun.
 enum class LightType : std::uint8_t { point, spot, directional };
 /// How irradiance depends on distance: by the inverse square, or not at all (BART).
 enum class Falloff : std::uint8_t { inverse_square, constant };

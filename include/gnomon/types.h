@@ -29,6 +29,7 @@ struct PixelRectangle {
 struct FrameRange {
     int first = 1;
     int last = 1;
+    /// The number of frames; 0 if the range is empty.
     int count() const { return last < first ? 0 : last - first + 1; }
     friend bool operator==(const FrameRange&, const FrameRange&) = default;
 };
@@ -56,10 +57,12 @@ enum class Accelerator { embree, kdtree };
 /// again, grey for texels that were kept. `clusters` shows the clusters of Indirect::quadtree.
 enum class Overlay { none, shadow_states, redrawn, clusters };
 
+/// The curve from linear radiance to screen colour: a cut at white, Khronos PBR Neutral, AgX, or ACES.
 enum class ToneMap { none, neutral, agx, aces };
 
 /// Work that was done and work that was avoided in one frame.
 struct FrameCounters {
+    /// Shadow rays.
     struct Shadow {
         std::uint64_t rays = 0;                // shadow queries: (shading point, light) pairs that could be lit
         std::uint64_t rays_skipped = 0;        // of these, answered without any ray
@@ -67,6 +70,7 @@ struct FrameCounters {
         /// Of these, the number that differ from tracing every ray; counted only with an overlay of shadow states.
         std::optional<std::uint64_t> rays_wrong;
     } shadow;
+    /// Indirect light.
     struct Indirect {
         std::uint64_t clusters = 0;
         std::uint64_t rays = 0;
@@ -75,6 +79,7 @@ struct FrameCounters {
     } indirect;
     /// Work of Accelerator::kdtree by kind of ray. Rays that an overlay traces to check results are not counted.
     struct KdTree {
+        /// The work of one kind of ray.
         struct Work {
             std::uint64_t nodes = 0;   // traversed
             std::uint64_t tests = 0;   // ray against triangle
@@ -103,6 +108,7 @@ struct ProgressStep {
     std::string_view stage;   // "loading", "preparing", "tracing", "drawing", "rendering", "encoding", ...
     double done = 0;          // 0 to 1, within the stage
 };
+/// Receives the progress, and returns whether to go on.
 using Progress = std::function<bool(const ProgressStep&)>;
 
 }   // namespace gnomon

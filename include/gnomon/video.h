@@ -16,12 +16,14 @@
 
 namespace gnomon {
 
+/// What to render, and where to.
 struct VideoJob {
     std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png
     std::optional<FrameRange> frames;   // inclusive; none: the whole clip, or frame 1 for a single image
     double fps = 24;                    // frames a second of a video, 0.001 to 1000
-    int chunk = 1,
-        chunks = 1;   // renders only this one (`chunk`) of `chunks` contiguous parts; of a video, it leaves frames only
+    /// Renders only the part `chunk` (from 1) of `chunks` contiguous ones; of a video, it leaves frames only.
+    int chunk = 1;
+    int chunks = 1;        // the number of parts
     bool resume = false;   // keep frames that are already complete
     /// Number of frames that are rendered and discarded first, to fill the caches: the frames before the first one, or
     /// the clip's first frame repeatedly where there are too few. None: 8 for a single image with an overlay of shadow
@@ -30,6 +32,7 @@ struct VideoJob {
     std::filesystem::path contact_sheet;   // .png: also writes a labelled grid of frames, evenly spaced over the range
 };
 
+/// One frame that was written.
 struct FrameRecord {
     int frame = 1;
     double time = 0;
@@ -41,12 +44,14 @@ struct FrameRecord {
     double noise = 0;   // of a reference, see Frame::noise
 };
 
+/// What was written.
 struct VideoResult {
     Size size;
     std::vector<FrameRecord> frames;
     std::vector<std::filesystem::path> files;   // the resulting video or images
 };
 
+/// Renders frames to files, continues interrupted work if asked to, and encodes a video when all frames are there.
 /// @param on_frame  called after each completed frame; optional
 /// @throws UsageError        an invalid pattern, range or rate; a video with a side below 2 or above 16,385 pixels;
 ///         more lights than an .exr has room for layers

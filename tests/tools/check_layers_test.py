@@ -25,6 +25,7 @@ class CheckLayers(unittest.TestCase):
             ("src/trace/a.cpp", "shadow_culling/certified/b.h"), ("cli/subcommand_view.cpp", "viewer/b.h"),
             ("cli/subcommand_render.cpp", "cli/subcommands.h"), ("cli/subcommand_render.cpp", "options/b.h"),
             ("src/irradiance_cache/vulkan/a.cpp", "ray/vulkan/b.h"), ("bench/core/a.cpp", "ray/embree/b.h"), ("examples/a.cpp", "gnomon/gnomon.h"),
+            ("examples/a.cpp", "shapes.h"),
             ("include/gnomon/a.h", "gnomon/b.h"),
         ]:
             with self.subTest(name=name, included=included):
