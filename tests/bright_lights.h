@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "api/scene_access.h"
 #include "gnomon/gnomon.h"
 #include "scene/scene.h"
 
@@ -35,7 +36,7 @@ inline Scene light_at_a_corner()
     camera.node = scene.add_node("camera", scene::none, glm::translate(glm::dmat4(1), glm::dvec3(0.2, 0.6, 2.5)));
     scene.cameras.push_back(camera);
     scene.finish();
-    return Scene(std::make_shared<const scene::Scene>(std::move(scene)));
+    return api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)));
 }
 
 inline std::vector<BrightScene> bright_scenes(std::initializer_list<const char*> strengths)

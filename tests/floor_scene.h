@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 
+#include "api/scene_access.h"
 #include "gnomon/gnomon.h"
 #include "scene/scene.h"
 
@@ -44,7 +45,7 @@ inline Scene floor_to_the_horizon()
     camera.node = scene.add_node("camera", scene::none, glm::translate(glm::dmat4(1), glm::dvec3(0, 1, 20)));
     scene.cameras.push_back(camera);
     scene.finish();
-    return Scene(std::make_shared<const scene::Scene>(std::move(scene)))
+    return api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)))
         .with_light_specs({"point 0 40 0 3000 3000 3000"});
 }
 

@@ -105,7 +105,7 @@ class Scene {
     /// What may change at the node, as declared for it or for a node above, or by its tracks.
     Mobility mobility(const NodeId& id) const;
     /// The farthest node up the hierarchy that moves this one as a rigid body; itself if nothing above may move.
-    NodeId mover(const NodeId& id) const;
+    NodeId moving_node(const NodeId& id) const;
     /// The node's transform to its parent's space, at the clip's start.
     Transform transform(const NodeId& id) const;
     /// The mesh that the instance shows.

@@ -135,7 +135,7 @@ Mobility Scene::mobility(const NodeId& id) const
     return Mobility::fixed;
 }
 
-NodeId Scene::mover(const NodeId& id) const
+NodeId Scene::moving_node(const NodeId& id) const
 {
     const scene::Scene& scene = *impl_->scene;
     const scene::NodeId node = api::require(impl_->stamps.nodes, id, "the node");

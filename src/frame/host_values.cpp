@@ -54,6 +54,14 @@ bool HostValues::must_promote_to_move(scene::NodeId root) const
     return false;
 }
 
+bool HostValues::must_promote_to_deform(scene::NodeId id) const
+{
+    const scene::Node& node = scene_->nodes[id];
+    const bool deforms = node.deforms || node.weights || scene_->meshes[node.mesh].vertex_keys ||
+                         scene_->objects[object_at_[id]].skin != scene::none;
+    return !deforms;
+}
+
 void HostValues::promote(scene::NodeId node, bool deforms)
 {
     bool& before = promoted_.try_emplace(node, false).first->second;
@@ -87,16 +95,14 @@ void HostValues::set_visible(scene::NodeId node, const bool* visible)
 void HostValues::set_vertices(scene::NodeId node, std::shared_ptr<const scene::DeformedMesh> vertices)
 {
     if (!vertices_.store(node, vertices ? &vertices : nullptr, same_vertices)) return;
-    const scene::Object& object = scene_->objects[object_at_[node]];
-    if (!object.deforming || !object.dynamic) promote(node, true);
+    if (must_promote_to_deform(node)) promote(node, true);
 }
 
 void HostValues::set_weights(scene::NodeId node, const std::vector<float>* weights)
 {
     const auto same = [](const std::vector<float>& a, const std::vector<float>& b) { return same_bits(a, b); };
     if (!weights_.store(node, weights, same)) return;
-    const scene::Object& object = scene_->objects[object_at_[node]];
-    if (!object.deforming || !object.dynamic) promote(node, true);
+    if (must_promote_to_deform(node)) promote(node, true);
 }
 
 void HostValues::set_light(scene::LightId light, const scene::Light* values)

@@ -113,6 +113,7 @@ class HostValues {
 
  private:
     bool must_promote_to_move(scene::NodeId node) const;
+    bool must_promote_to_deform(scene::NodeId node) const;
     void find_objects();
     // Both call act(setter of a state, the values of one kind): for transforms, visibility, vertices and weights, and
     // for lights and materials, too.

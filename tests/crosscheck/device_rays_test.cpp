@@ -363,7 +363,7 @@ TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
     const float nan = std::numeric_limits<float>::quiet_NaN();
     scene.meshes.push_back(test::patchwork(3));
     const float strange[] = {nan, k_infinity, -1e30f};
-    for (std::size_t i = 0; i < 9; ++i) scene.meshes[1].positions[9 * i + 5][static_cast<int>(i % 3)] = strange[i / 3];
+    for (std::size_t i = 0; i < 9; ++i) scene.meshes.edit(1).positions[9 * i + 5][static_cast<int>(i % 3)] = strange[i / 3];
     scene.meshes.push_back(test::patchwork(4));
     scene::VertexKeys keys;
     keys.times = {0, 1, 2, 3};
@@ -371,7 +371,7 @@ TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
     for (const std::size_t key : {1u, 2u})
         std::fill(keys.positions[key].begin(), keys.positions[key].end(), glm::vec3(nan));
     for (glm::vec3& p : keys.positions[3]) p *= 1.2f;
-    scene.meshes[2].vertex_keys = std::move(keys);
+    scene.meshes.edit(2).vertex_keys = std::move(keys);
     for (scene::MeshId m = 0; m < 3; ++m) {
         test::add_object(scene, m, scene::none, test::translation(2.5 * m, 0, 0));
         test::add_object(scene, m, scene::none, test::translation(2.5 * m, 1, 3));

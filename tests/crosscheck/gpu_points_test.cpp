@@ -18,6 +18,7 @@ namespace gnomon {
 namespace {
 
 using namespace irradiance_cache;
+using irradiance_cache::NodeId;
 using test::World;
 
 class GpuPointsTest : public test::VulkanTest {};

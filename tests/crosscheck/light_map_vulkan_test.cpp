@@ -42,7 +42,7 @@ std::shared_ptr<const scene::Scene> lit_scene(const std::string& name)
     // Instances, mirrored ones, masked and transparent surfaces, textures; three types of light.
     scene::Scene scene = *test::make_random_scene(std::stoul(name));
     scene::add_default_camera(scene);
-    const Scene lit(std::make_shared<const scene::Scene>(std::move(scene)));
+    const Scene lit = api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)));
     return api::scene_of(lit.with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"}));
 }
 

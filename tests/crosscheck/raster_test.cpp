@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rasterised frame against the traced one, of the same scenes: surfaces, colours where no shadow is in doubt, and
 // hard shadows. Pixels that show mirrors or glass are left out: there the rasterised frame shows something else.
+#include "api/scene_access.h"
 #include "vk_helpers.h"
 
 #ifdef GNOMON_VULKAN
@@ -219,7 +220,7 @@ TEST_F(RasterCrosscheck, ColoursOfRandomScenesEqualTheTracedFrame)
         // So that glass with nothing behind it shows as glass, too, and is left out.
         scene.background = {};
         scene.background.color = glm::vec3(0.1f);
-        const Scene lit = Scene(std::make_shared<const scene::Scene>(std::move(scene)))
+        const Scene lit = api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)))
                               .with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"});
         expect_same_light(lit, 1, 0.5);
     }
@@ -267,7 +268,7 @@ TEST_F(RasterCrosscheck, ColoursOfNormalMapsEqualTheTracedFrame)
     scene.cameras.push_back(camera);
     scene::Scene whole = *test::finished(scene);
     const Scene lit =
-        Scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point -6 6 4 300 280 260"});
+        api::public_scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point -6 6 4 300 280 260"});
     expect_same_light(lit, 1, 0.95);
 }
 
@@ -302,7 +303,7 @@ TEST_F(RasterCrosscheck, BackdropsAndCourtyardFillLightEqualTheTracedFrame)
     whole.background.color = glm::vec3(0.1f);
     scene::add_default_camera(whole);
     const Scene lit =
-        Scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 0 9 4 300 280 260"});
+        api::public_scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 0 9 4 300 280 260"});
     std::vector<float> seen[2];
     for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
         RenderOptions options = options_of(renderer, {96, 64});
@@ -352,7 +353,7 @@ Scene balls_over_floor(bool holes)
         test::add_object(scene, 1, scene::none, test::translation(at.x, at.y, at.z));
     scene::Scene whole = *test::finished(scene);
     scene::add_default_camera(whole);
-    return Scene(std::make_shared<const scene::Scene>(std::move(whole)))
+    return api::public_scene(std::make_shared<const scene::Scene>(std::move(whole)))
         .with_light_specs({"point 0 9 4 300 280 260", "spot 8 8 8 -1 -1 -1 40 200 300 200"});
 }
 
@@ -392,7 +393,7 @@ TEST_F(RasterCrosscheck, SingularTransformsAreHandledAsInTheTracedFrame)
         scene::Scene whole = *test::finished(made);
         scene::add_default_camera(whole);
         const Scene scene =
-            Scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 2 9 1 300 280 260"});
+            api::public_scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 2 9 1 300 280 260"});
         const Size size{120, 90};
         for (const ShadowTextures method :
              {ShadowTextures::coherent, ShadowTextures::depth, ShadowTextures::per_caster}) {

@@ -25,7 +25,7 @@ constexpr int k_frames = 6;   // of a scene that are used
 std::vector<std::vector<float>> layers_of(const Frame& frame)
 {
     std::vector<std::vector<float>> layers;
-    for (const Layer& layer : frame.layers) layers.push_back(layer.data);
+    for (const Layer& layer : frame.layers) layers.push_back(layer.copy());
     return layers;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth, ids and motion at the pixels' centres against closed forms.
+#include "api/scene_access.h"
 #include "trace/centre_layers.h"
 
 #include <gtest/gtest.h>
@@ -88,7 +89,7 @@ RenderOptions centre_options()
 
 Frame rendered(scene::Scene scene, int frame, const RenderOptions& options = centre_options())
 {
-    return Renderer(options).render(Scene(test::finished(scene)), frame);
+    return Renderer(options).render(api::public_scene(test::finished(scene)), frame);
 }
 
 dvec2 motion_at(const Frame& frame, int x, int y)
@@ -250,7 +251,7 @@ TEST(CentreLayers, DeformingAndSkinnedVerticesMove)
     keys.times = {0, 1};
     keys.positions.assign(2, keyed.meshes[0].positions);
     for (glm::vec3& p : keys.positions[1]) p += glm::vec3(2, 1, 0);
-    keyed.meshes[0].vertex_keys = keys;
+    keyed.meshes.edit(0).vertex_keys = keys;
     keyed.nodes[node].transform = moving({0, 0, -5}, {0.1, 0, 0});
     expect_motion(rendered(keyed, 3), true, [](int, int) { return dvec2(0.3, -0.1) * k_focal / 5.0; });
 
@@ -262,7 +263,7 @@ TEST(CentreLayers, DeformingAndSkinnedVerticesMove)
     skinned.nodes[skin.joints[0]].transform = moving({0, 0, -5}, {0.2, 0, 0});
     skinned.skins.push_back(skin);
     skinned.nodes[bound].skin = 0;
-    scene::SkinBinding& binding = skinned.meshes[0].skin.emplace();
+    scene::SkinBinding& binding = skinned.meshes.edit(0).skin.emplace();
     binding.joints[0].assign(6, glm::u16vec4(0));
     binding.weights[0].assign(6, glm::vec4(1, 0, 0, 0));
     expect_motion(rendered(skinned, 3), true, [](int, int) { return dvec2(0.2, 0) * k_focal / 5.0; });
@@ -275,7 +276,7 @@ TEST(CentreLayers, ObjectsThatAppearCountAsResting)
     scene.nodes[node].transform = moving({0, 0, -5}, {0.5, 0, 0});
     scene.nodes[node].visibility = test::visibility({0, 0.15}, {false, true});
     scene.nodes[node].animated = true;
-    const Scene whole(test::finished(scene));
+    const Scene whole = api::public_scene(test::finished(scene));
     Renderer renderer(centre_options());
     EXPECT_EQ(renderer.render(whole, 2).layer("id")->id(40, 24), 0u);
     expect_motion(renderer.render(whole, 3), true, nothing, 0);
@@ -288,7 +289,7 @@ TEST(CentreLayers, SameBytesAfterAnyFrames)
     scene::Scene random = *test::make_random_scene(5);
     random.timeline.frames = 5;
     scene::add_default_camera(random);
-    const Scene scene(std::make_shared<const scene::Scene>(std::move(random)));
+    const Scene scene = api::public_scene(std::make_shared<const scene::Scene>(std::move(random)));
     RenderOptions options = centre_options();
     options.threads = 1;
     Renderer kept(options);

@@ -170,7 +170,7 @@ TEST(Fingerprint, ChangesWithEveryEdit)
         auto edited = std::make_shared<scene::Scene>(everything());
         edit(*edited);
         edited->finish();
-        const auto [place, fresh] = found.emplace(video::fingerprint_of(Scene(edited), {}), name);
+        const auto [place, fresh] = found.emplace(video::fingerprint_of(api::public_scene(edited), {}), name);
         EXPECT_TRUE(fresh) << name << " as " << place->second;
     }
 }
@@ -192,7 +192,7 @@ TEST(Fingerprint, DependsOnTheFrameRateOfATurntableOnly)
     auto made = std::make_shared<scene::Scene>(everything());
     made->timeline.own_frames = true;
     made->finish();
-    const Scene scene(made);
+    const Scene scene = api::public_scene(made);
     for (const double seconds : {0.0, 2.0}) {
         RenderOptions options;
         options.turntable_seconds = seconds;

@@ -127,8 +127,8 @@ TEST(Pick, IsTheLayerOfIdsAtEveryPixel)
                 const Pick pick = renderer.pick(x, y);
                 ASSERT_EQ(pick.hit, ids.id(x, y) != 0);
                 if (!pick.hit) continue;
-                ASSERT_EQ(pick.object, ids.id(x, y, 0)) << x << " " << y;
-                ASSERT_EQ(pick.material, ids.id(x, y, 1)) << x << " " << y;
+                ASSERT_EQ(pick.instance, scene.instance_of(ids.id(x, y, 0))) << x << " " << y;
+                ASSERT_EQ(pick.material, scene.material_of(ids.id(x, y, 1))) << x << " " << y;
                 ASSERT_EQ(pick.depth, depth.value(x, y)) << x << " " << y;
                 ASSERT_EQ(pick.normal, (Vec3{normal.value(x, y, 0), normal.value(x, y, 1), normal.value(x, y, 2)}));
             }
@@ -165,7 +165,8 @@ TEST(Pick, BuildsRaysForRasterisedFrames)
         drawn.render(scene, frame);
         const Frame other = traced.render(scene, frame);
         for (int y = 0; y < k_size.height; y += 3)
-            for (int x = 0; x < k_size.width; x += 3) EXPECT_EQ(drawn.pick(x, y).object, other.layer("id")->id(x, y));
+            for (int x = 0; x < k_size.width; x += 3)
+                EXPECT_EQ(drawn.pick(x, y).instance, scene.instance_of(other.layer("id")->id(x, y)));
     }
 }
 #endif
@@ -181,14 +182,14 @@ TEST(FrameReport, ListsWhatChanged)
     std::optional<Frame> before(renderer.render(scene, 1));
     FrameReport report = renderer.report();
     EXPECT_TRUE(report.everything);
-    EXPECT_TRUE(report.objects.empty());
+    EXPECT_TRUE(report.instances.empty());
     EXPECT_EQ(report.rectangles, std::vector<PixelRectangle>{whole});
 
     for (const int number : {2, 3, 7}) {
         const Frame frame = renderer.render(scene, number);
         report = renderer.report();
         EXPECT_FALSE(report.everything);
-        EXPECT_EQ(report.objects.size(), scene.info().objects_dynamic);
+        EXPECT_EQ(report.instances.size(), scene.info().objects_dynamic);
         // The pixels that differ are those within the rectangles' tight bounds.
         for (int y = 0; y < k_size.height; ++y)
             for (int x = 0; x < k_size.width; ++x) {
@@ -204,7 +205,7 @@ TEST(FrameReport, ListsWhatChanged)
                 }
             }
         // What moved is seen in pixels of a listed object.
-        for (const std::uint32_t object : report.objects) EXPECT_GE(object, 1u);
+        for (const InstanceId& id : report.instances) EXPECT_NE(scene.mobility(id), Mobility::fixed);
         *before = frame;
     }
 
@@ -212,7 +213,7 @@ TEST(FrameReport, ListsWhatChanged)
     renderer.render(scene, 7);
     report = renderer.report();
     EXPECT_FALSE(report.everything);
-    EXPECT_TRUE(report.objects.empty() && report.lights.empty() && report.rectangles.empty());
+    EXPECT_TRUE(report.instances.empty() && report.lights.empty() && report.rectangles.empty());
     EXPECT_THROW(renderer.render(scene, 8, [](const ProgressStep&) { return false; }), InterruptedError);
     renderer.render(scene, 8);
     report = renderer.report();
@@ -226,7 +227,7 @@ TEST(FrameReport, HasRectanglesOnRequestOnly)
     Renderer renderer(with_layers());
     renderer.render(scene, 1);
     renderer.render(scene, 2);
-    EXPECT_FALSE(renderer.report().objects.empty());
+    EXPECT_FALSE(renderer.report().instances.empty());
     EXPECT_TRUE(renderer.report().rectangles.empty());
 }
 
@@ -238,10 +239,7 @@ TEST(FrameReport, ListsMovedLights)
     Renderer renderer(options);
     renderer.render(scene, 1);
     renderer.render(scene, 2);
-    for (const std::uint32_t light : renderer.report().lights) {
-        EXPECT_GE(light, 1u);
-        EXPECT_LE(light, scene.info().lights.size());
-    }
+    for (const LightId& light : renderer.report().lights) EXPECT_NO_THROW(scene.light(light));
 }
 
 }   // namespace

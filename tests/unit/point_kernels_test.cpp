@@ -13,6 +13,7 @@ namespace gnomon {
 namespace {
 
 using namespace irradiance_cache;
+using irradiance_cache::NodeId;
 
 struct World {
     std::shared_ptr<const scene::Scene> scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
