@@ -125,13 +125,12 @@ dvec2 nothing(int, int)
     return {0, 0};
 }
 
-TEST(CentreLayers, DepthIsAlongTheAxisAndIdsCountFromOne)
+TEST(CentreLayers, DepthIsAlongTheAxisAndIdsAreThoseOfNodesFromOne)
 {
     for (const bool orthographic : {false, true}) {
         scene::Scene scene = empty_scene();
         if (orthographic) scene.cameras[0].orthographic_height = 12;
-        add_square(scene, 2.1f, {0, 0, -5});
-        add_square(scene, 5.8f, {0, 0, -7});
+        const scene::NodeId near = add_square(scene, 2.1f, {0, 0, -5}), far = add_square(scene, 5.8f, {0, 0, -7});
         RenderOptions options = centre_options();
         const Frame one = rendered(scene, 1, options);
         options.samples = 5;
@@ -149,7 +148,8 @@ TEST(CentreLayers, DepthIsAlongTheAxisAndIdsCountFromOne)
                 ++seen[object];
                 const std::uint32_t material = object == 0 ? 0 : place.x < 0 ? 1 : 2;
                 for (const Frame* frame : {&one, &five}) {
-                    EXPECT_EQ(frame->layer("id")->id(x, y, 0), object) << x << " " << y;
+                    const std::uint32_t id = object == 0 ? 0 : (object == 1 ? near : far) + 1;
+                    EXPECT_EQ(frame->layer("id")->id(x, y, 0), id) << x << " " << y;
                     if (place.x != 0) {
                         EXPECT_EQ(frame->layer("id")->id(x, y, 1), material) << x << " " << y;
                     }
