@@ -5,11 +5,7 @@
 
 #include "base/machine.h"
 #include "cli/subcommands.h"
-#include "ray/ray_scene.h"
-#ifdef GNOMON_VULKAN
-#include "gnomon/error.h"
-#include "vk/instance.h"
-#endif
+#include "gnomon/devices.h"
 
 namespace gnomon::cli {
 
@@ -17,51 +13,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Prints the Vulkan devices line by line and returns them as JSON. A machine without Vulkan is a result, not an error.
-Json describe_vulkan(Output& output)
+// Prints the Vulkan devices line by line and returns them as JSON.
+Json describe_vulkan(const Devices& devices, Output& output)
 {
     Json list = Json::array();
-#ifdef GNOMON_VULKAN
-    try {
-        const auto instance = vk::Instance::get();
-        for (const vk::DeviceInfo& d : instance->devices()) {
-            const std::string version =
-                fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(d.api_version), VK_API_VERSION_MINOR(d.api_version),
-                            VK_API_VERSION_PATCH(d.api_version));
-            output.say(fmt::format("Vulkan     {} ({}, Vulkan {}, {} MiB, {})", d.name, d.kind, version, d.memory >> 20,
-                                   d.driver));
-            const char* const verdict = d.chosen ? "chosen" : d.suitable ? "suitable" : "not suitable";
-            output.say(fmt::format("           {}: {}", verdict, fmt::join(d.reasons, ", ")));
-            if (d.no_rays.empty())
-                output.say("           supports ray tracing");
-            else
-                output.say(fmt::format("           no ray tracing: the device lacks {}", fmt::join(d.no_rays, ", ")));
-            list.push_back({{"name", d.name},
-                            {"kind", d.kind},
-                            {"driver", d.driver},
-                            {"vulkan", version},
-                            {"memory_bytes", d.memory},
-                            {"suitable", d.suitable},
-                            {"chosen", d.chosen},
-                            {"traces_rays", d.no_rays.empty()},
-                            {"reasons", d.reasons}});
-        }
-        if (list.empty()) output.say("Vulkan     no device; install a Vulkan driver");
-        return {{"built", true}, {"devices", std::move(list)}};
-    } catch (const MissingError& error) {
-        output.say(error.what());
-        return {{"built", true}, {"missing", error.what()}, {"devices", std::move(list)}};
+    if (!devices.vulkan_built) {
+        output.say("Vulkan     this program was built without Vulkan");
+        return {{"built", false}, {"devices", std::move(list)}};
     }
-#else
-    output.say("Vulkan     this program was built without Vulkan");
-    return {{"built", false}, {"devices", std::move(list)}};
-#endif
+    if (!devices.vulkan_missing.empty()) {
+        output.say(devices.vulkan_missing);
+        return {{"built", true}, {"missing", devices.vulkan_missing}, {"devices", std::move(list)}};
+    }
+    for (const VulkanDevice& d : devices.vulkan) {
+        output.say(fmt::format("Vulkan     {} ({}, Vulkan {}, {} MiB, {})", d.name, d.kind, d.version,
+                               d.memory_bytes >> 20, d.driver));
+        const char* const verdict = d.chosen ? "chosen" : d.suitable ? "suitable" : "not suitable";
+        output.say(fmt::format("           {}: {}", verdict, fmt::join(d.reasons, ", ")));
+        if (d.missing_for_rays.empty())
+            output.say("           supports ray tracing");
+        else
+            output.say(
+                fmt::format("           no ray tracing: the device lacks {}", fmt::join(d.missing_for_rays, ", ")));
+        list.push_back({{"name", d.name},
+                        {"kind", d.kind},
+                        {"driver", d.driver},
+                        {"vulkan", d.version},
+                        {"memory_bytes", d.memory_bytes},
+                        {"suitable", d.suitable},
+                        {"chosen", d.chosen},
+                        {"traces_rays", d.missing_for_rays.empty()},
+                        {"reasons", d.reasons}});
+    }
+    if (list.empty()) output.say("Vulkan     no device; install a Vulkan driver");
+    return {{"built", true}, {"devices", std::move(list)}};
 }
 
 }   // namespace
 
 int run_devices(const CommandLine&, Output& output)
 {
+    const Devices devices = gnomon::devices();
     std::string present;
     nlohmann::ordered_json features = nlohmann::ordered_json::object();
     for (const auto& [name, there] : gnomon::processor_features()) {
@@ -71,13 +63,13 @@ int run_devices(const CommandLine&, Output& output)
     output.say(fmt::format("processor  {}", gnomon::processor_name()));
     output.say(fmt::format("threads    {}", gnomon::processor_threads()));
     output.say(fmt::format("features   {}", present));
-    output.say(fmt::format("packets    {} rays", ray::RayScene::packet_width()));
-    Json vulkan = describe_vulkan(output);
+    output.say(fmt::format("packets    {} rays", devices.packet_width));
+    Json vulkan = describe_vulkan(devices, output);
 
     output.finish({{"cpu",
                     {{"name", gnomon::processor_name()},
                      {"threads", gnomon::processor_threads()},
-                     {"packet_width", ray::RayScene::packet_width()},
+                     {"packet_width", devices.packet_width},
                      {"features", std::move(features)}}},
                    {"vulkan", std::move(vulkan)}});
     return 0;

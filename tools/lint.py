@@ -25,8 +25,8 @@ import check_text  # noqa: E402
 k_folders = ("src", "include", "cli", "viewer", "bench", "tests", "microbench", "examples")
 k_include = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 # Words that codespell takes for misspelt: a level of detail, a misspelling that a test is about, a material statement,
-# GLSL, d-dimensional, radiometry, what stands still.
-k_words = "lod,sise,fo,nd,inout,exitance,statics"
+# GLSL, d-dimensional, radiometry, what stands still, a wooden box.
+k_words = "lod,sise,fo,nd,inout,exitance,statics,crate"
 
 
 def run(*command, **more) -> subprocess.CompletedProcess:

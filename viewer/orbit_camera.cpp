@@ -7,20 +7,61 @@
 namespace gnomon::viewer {
 
 namespace {
+
 constexpr float k_steepest = 1.55f;   // radians: just short of straight up
 constexpr float k_nearest = 1e-6f, k_farthest = 1e9f;
+
+bool is_orthographic(const Camera& camera)
+{
+    if (camera.matrix) return camera.matrix->m[15] == 1;
+    return !camera.intrinsics && camera.orthographic_height;
+}
+
+// Half the height of the image plane at distance 1, or of the whole view if orthographic.
+double half_height(const Camera& camera)
+{
+    if (camera.matrix) return 1 / camera.matrix->m[5];
+    if (camera.intrinsics) return camera.intrinsics->size.height / (2 * camera.intrinsics->fy);
+    if (camera.orthographic_height) return *camera.orthographic_height / 2;
+    return std::tan(camera.vertical_fov / 2);
+}
+
+void set_column(Transform& transform, std::size_t column, const glm::vec3& v)
+{
+    for (std::size_t row = 0; row < 3; ++row)
+        transform.m[4 * column + row] = static_cast<double>(v[static_cast<int>(row)]);
+}
+
 }   // namespace
 
-void OrbitCamera::follow(const scene::View& view, float distance)
+glm::vec3 eye_of(const Camera& camera)
 {
+    const auto& m = camera.transform.m;
+    return glm::vec3(glm::dvec3(m[12], m[13], m[14]));
+}
+
+glm::vec3 forward_of(const Camera& camera)
+{
+    const auto& m = camera.transform.m;
+    const glm::dvec3 forward(-m[8], -m[9], -m[10]);
+    const double length = glm::length(forward);
+    return length > 0 && std::isfinite(length) ? glm::vec3(forward / length) : glm::vec3(0, 0, -1);
+}
+
+void OrbitCamera::follow(const Camera& camera, Size size, float distance)
+{
+    lens_ = camera;
+    if (lens_.intrinsics && lens_.intrinsics->size.width == 0) lens_.intrinsics->size = size;
     distance_ = std::clamp(distance, k_nearest, k_farthest);
-    yaw_ = std::atan2(view.forward.x, -view.forward.z);
-    pitch_ = std::clamp(std::asin(std::clamp(view.forward.y, -1.0f, 1.0f)), -k_steepest, k_steepest);
-    pivot_ = view.eye + distance_ * view.forward;
-    orthographic_ = view.orthographic;
-    half_height_ = glm::length(view.up) / (orthographic_ ? distance_ : 1);
-    near_ = view.near;
-    far_ = view.far;
+    const glm::vec3 forward = forward_of(camera);
+    yaw_ = std::atan2(forward.x, -forward.z);
+    pitch_ = std::clamp(std::asin(std::clamp(forward.y, -1.0f, 1.0f)), -k_steepest, k_steepest);
+    pivot_ = eye_of(camera) + distance_ * forward;
+
+    // Zooming changes the height of an orthographic view, so a matrix becomes a height.
+    orthographic_ = is_orthographic(lens_);
+    half_height_ = static_cast<float>(half_height(lens_)) / (orthographic_ ? distance_ : 1);
+    if (orthographic_) lens_.matrix.reset();
 }
 
 glm::vec3 OrbitCamera::forward() const
@@ -75,20 +116,17 @@ void OrbitCamera::aim(const glm::vec3& point)
     pivot_ = eye + distance_ * this->forward();
 }
 
-scene::View OrbitCamera::view(Size size) const
+Camera OrbitCamera::camera() const
 {
-    scene::View view;
-    view.size = size;
-    view.forward = forward();
-    view.eye = pivot_ - distance_ * view.forward;
-    view.orthographic = orthographic_;
-    view.near = near_;
-    view.far = far_;
-    const float half_height = half_height_ * (orthographic_ ? distance_ : 1);
-    view.right = half_height * static_cast<float>(size.width) / static_cast<float>(size.height) * right();
-    view.up = half_height * glm::cross(right(), view.forward);
-    (view.orthographic ? view.pixel_width : view.pixel_spread) = 2 * half_height / static_cast<float>(size.height);
-    return view;
+    Camera camera = lens_;
+    const glm::vec3 ahead = forward();
+    camera.transform = {};
+    set_column(camera.transform, 0, right());
+    set_column(camera.transform, 1, glm::cross(right(), ahead));
+    set_column(camera.transform, 2, -ahead);
+    set_column(camera.transform, 3, pivot_ - distance_ * ahead);
+    if (orthographic_) camera.orthographic_height = 2 * static_cast<double>(half_height_ * distance_);
+    return camera;
 }
 
 }   // namespace gnomon::viewer

@@ -2,14 +2,21 @@
 #pragma once
 // The viewer's interactive camera: it orbits a pivot, pans with it, zooms towards it, or flies. World up is +Y.
 
-#include "scene/view.h"
+#include "base/math.h"
+#include "gnomon/scene_parts.h"
 
 namespace gnomon::viewer {
 
+/// Where a camera stands, and the unit vector along which it looks; both in world space.
+glm::vec3 eye_of(const Camera& camera);
+glm::vec3 forward_of(const Camera& camera);
+
 class OrbitCamera {
  public:
-    /// Starts from a view; the pivot is the point `distance` ahead of it.
-    void follow(const scene::View& view, float distance);
+    /// Starts from a camera, whose projection it keeps; the pivot is the point `distance` ahead of it.
+    /// @param size      of the images that the camera makes
+    /// @param distance  above 0, in scene units
+    void follow(const Camera& camera, Size size, float distance);
 
     /// Turns around the pivot by angles in radians, to the right and upwards, stopping short of straight up and down.
     void orbit(float right, float up);
@@ -24,7 +31,8 @@ class OrbitCamera {
     /// Makes `point` the pivot and turns the view towards it; the eye stays.
     void aim(const glm::vec3& point);
 
-    scene::View view(Size size) const;
+    /// The camera as it stands now, with its transform to the world.
+    Camera camera() const;
     float distance() const { return distance_; }
     const glm::vec3& pivot() const { return pivot_; }
 
@@ -32,13 +40,12 @@ class OrbitCamera {
     glm::vec3 forward() const;
     glm::vec3 right() const;
 
+    Camera lens_;   // its projection
     glm::vec3 pivot_{0};
     float yaw_ = 0, pitch_ = 0;   // radians; at 0 the view is level and towards -Z
     float distance_ = 1;
-    float half_height_ =
-        0.4f;   // tangent of half the vertical field of view; if orthographic, half height per distance
+    float half_height_ = 0.4f;   // of the view at the pivot, as a fraction of the distance to it
     bool orthographic_ = false;
-    float near_ = 0.01f, far_ = k_infinity;
 };
 
 }   // namespace gnomon::viewer

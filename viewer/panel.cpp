@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "viewer/orbit_camera.h"
+
 namespace gnomon::viewer {
 
 namespace {
@@ -123,9 +125,9 @@ double Playback::time(const Scene& scene) const
     return here + (frame - whole) * (scene.time_of(whole + 1) - here);
 }
 
-HandMoved* OverrideList::find(scene::NodeId node)
+UserOverride* OverrideList::find(const NodeId& node)
 {
-    const auto found = std::find_if(list.begin(), list.end(), [&](const HandMoved& h) { return h.node == node; });
+    const auto found = std::find_if(list.begin(), list.end(), [&](const UserOverride& o) { return o.node == node; });
     return found == list.end() ? nullptr : &*found;
 }
 
@@ -215,39 +217,39 @@ void Panel::player(Playback& playback, const Scene& scene) const
 
 void Panel::counters(const ViewImage& image) const
 {
-    const FrameCounters::Shadow& shadow = image.counters.shadow;
+    const FrameCounters& counters = image.frame.counters;
+    const FrameCounters::Shadow& shadow = counters.shadow;
     const auto percent = [](std::uint64_t part, std::uint64_t of) {
         return of ? 100 * static_cast<double>(part) / static_cast<double>(of) : 0.0;
     };
     line(fmt::format("{} shadow rays", shadow.rays));
     line(fmt::format("  {:.1f} % culled", percent(shadow.rays_skipped, shadow.rays)));
     line(fmt::format("  {:.1f} % traced against dynamic objects only", percent(shadow.rays_dynamic_only, shadow.rays)));
-    line(fmt::format("{} rays for indirect light", image.counters.indirect.rays));
+    line(fmt::format("{} rays for indirect light", counters.indirect.rays));
     line(fmt::format("{:.1f} MB of caches", static_cast<double>(image.remembered_bytes) / 1e6));
-    line(fmt::format("{} x {} pixels", image.eye.size.width, image.eye.size.height));
+    line(fmt::format("{} x {} pixels", image.frame.view_size.width, image.frame.view_size.height));
 }
 
 void Panel::object(OverrideList& overrides, const ViewImage& image)
 {
-    if (!picked || picked->object == scene::none) {
+    if (!picked || !picked->instance) {
         line("click on an object to pick it");
         return;
     }
-    line(fmt::format("{} (object {}): {}", picked->name.empty() ? "unnamed" : picked->name, picked->object,
-                     picked->mobility));
-    HandMoved* applied = overrides.find(picked->node);
+    line(fmt::format("{}: {}", picked->name.empty() ? "an object without a name" : picked->name, picked->mobility));
+    UserOverride* applied = overrides.find(picked->node);
     bool held = applied != nullptr;
     if (ImGui::Checkbox("freeze", &held)) {
         if (held) {
-            overrides.list.push_back({picked->node, true, glm::vec3(0)});
+            overrides.list.push_back({picked->node, picked->transform, glm::vec3(0)});
             frozen.insert(picked->name);
         } else
-            std::erase_if(overrides.list, [&](const HandMoved& h) { return h.node == picked->node; });
+            std::erase_if(overrides.list, [&](const UserOverride& o) { return o.node == picked->node; });
     }
     tooltip("keeps the object where it is now and ignores its animation, so that it can be moved");
     applied = overrides.find(picked->node);
     if (!applied) return;
-    const float step = 0.002f * glm::length(image.eye.eye - picked->position);
+    const float step = 0.002f * glm::length(eye_of(image.camera) - picked->position);
     if (ImGui::DragFloat3("move", &applied->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
 }
 

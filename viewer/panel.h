@@ -50,8 +50,8 @@ struct PanelEvents {
 
 /// The user overrides: objects that the user froze or moved.
 struct OverrideList {
-    std::vector<HandMoved> list;
-    HandMoved* find(scene::NodeId node);
+    std::vector<UserOverride> list;
+    UserOverride* find(const NodeId& node);
 };
 
 class Panel {

@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "gnomon/error.h"
-#include "io/image/image_file.h"
-#include "video/encoder.h"
+#include "gnomon/video.h"
 
 namespace gnomon::viewer {
 
@@ -46,16 +45,16 @@ std::string Recorder::free_name(const std::string& extension)
     }
 }
 
-std::string Recorder::save(const Image8& image)
+std::string Recorder::save(const Frame& frame)
 {
     std::string file = free_name(".png");
-    queue([file, image] { io::write_png(file, image); });
+    queue([file, frame] { frame.write(file); });
     return file;
 }
 
 std::string Recorder::start(double fps)
 {
-    if (!video::have_ffmpeg()) return "recording needs ffmpeg; install it so that it is found in PATH";
+    if (!can_encode_video()) return "recording needs ffmpeg; install it so that it is found in PATH";
     const auto path = std::filesystem::temp_directory_path() / fmt::format("gnomon-{}-{}", ::getpid(), taken_.size());
     std::error_code error;
     std::filesystem::create_directories(path, error);
@@ -63,18 +62,18 @@ std::string Recorder::start(double fps)
     folder_ = std::make_shared<const FramesFolder>(path);
     fps_ = fps;
     frames_.clear();
-    width_ = height_ = 0;
+    size_ = {};
     recording_ = true;
     return {};
 }
 
-bool Recorder::add(const Image8& image)
+bool Recorder::add(const Frame& frame)
 {
-    if (frames_.empty()) width_ = image.width, height_ = image.height;
-    if (image.width != width_ || image.height != height_) return false;
+    if (frames_.empty()) size_ = frame.size;
+    if (!(frame.size == size_)) return false;
     const std::filesystem::path file = folder_->path / fmt::format("{:06}.png", frames_.size());
     frames_.push_back(file);
-    queue([file, image, folder = folder_] { io::write_png(file, image); });
+    queue([file, frame, folder = folder_] { frame.write(file); });
     return true;
 }
 
@@ -90,7 +89,7 @@ std::string Recorder::stop()
     const auto folder = std::exchange(folder_, nullptr);
     if (frames_.empty()) return {};
     std::string video = free_name(".mp4");
-    queue([video, frames = frames_, fps = fps_, folder] { video::encode_video(frames, fps, video); });
+    queue([video, frames = frames_, fps = fps_, folder] { encode_video(frames, fps, video); });
     return video;
 }
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/image.h"
+#include "gnomon/frame.h"
 
 namespace gnomon::viewer {
 
@@ -23,13 +23,13 @@ class Recorder {
     ~Recorder();
 
     /// Queues a screenshot. @return the name of the file that will be written
-    std::string save(const Image8& image);
+    std::string save(const Frame& frame);
 
     bool recording() const { return recording_; }
     /// Starts a recording. @return empty, or the reason why recording is not possible
     std::string start(double fps);
     /// Adds a frame to the recording. @return false, without adding it, if its size differs from the first frame's
-    bool add(const Image8& image);
+    bool add(const Frame& frame);
     /// Whether so many images wait to be written that adding more should be delayed, because each occupies memory.
     bool behind() const;
     /// Ends the recording. @return the name of the video that will be written; empty if it has no frames
@@ -46,7 +46,7 @@ class Recorder {
 
     bool recording_ = false;
     double fps_ = 24;
-    int width_ = 0, height_ = 0;
+    Size size_{};
     std::shared_ptr<const FramesFolder> folder_;   // of the current recording
     std::vector<std::filesystem::path> frames_;
     std::vector<std::string> taken_;   // file names in use, including those not written yet

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/session.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
-#include "api/scene_access.h"
-#include "frame/frame_engine.h"
-#include "frame/state_overlay.h"
 #include "gnomon/error.h"
-#include "image/tone_map.h"
 
 namespace gnomon::viewer {
 
@@ -29,57 +25,74 @@ std::filesystem::file_time_type time_of_file(const std::string& what)
     return error ? std::filesystem::file_time_type{} : time;
 }
 
-// The viewer shows images within about 50 ms: certificates are made between frames, and objects can be picked.
-constexpr frame::EngineSettings settings(int threads)
+bool contains(const std::vector<NodeId>& nodes, const NodeId& node)
 {
-    return {.threads = threads,
-            .culls_first_frame = true,
-            .defers_certificates = true,
-            .always_has_rays = true,
-            .redrawn_stays = true};
+    return std::find(nodes.begin(), nodes.end(), node) != nodes.end();
 }
 
-// Encodes the image of a frame for the screen, and finds where the view lies in it.
-void encode(frame::FrameEngine& engine, const RenderOptions& options, int overlay_light, ViewImage& out)
+// Whether the renderer keeps what it remembers if its frame is interrupted: not the rasteriser, nor what depends on
+// history.
+bool survives_interruption(const RenderOptions& options)
 {
-    const frame::Shown shown = engine.shown();
-    if (shown == frame::Shown::clusters || shown == frame::Shown::shadow_states) {
-        out.image = engine.paint_overlay({fmt::format("light {}", overlay_light)});
-        if (shown == frame::Shown::clusters) return;
-        const frame::PanelPlace place = frame::panel_place(out.eye.size, 1, 0);
-        out.corner = {place.left, place.top};
-        return;
-    }
-    const ImageF& color = engine.buffers().color;
-    out.image = Image8(color.width, color.height, 3);
-    const double exposure = options.exposure ? *options.exposure : image::auto_exposure(color.data);
-    if (shown == frame::Shown::redrawn) {
-        engine.paint_redrawn(exposure);
-        image::encode_srgb8(color.data, 0, ToneMap::none, out.image.data);
-    } else {
-        image::encode_srgb8(color.data, exposure, options.tonemap, out.image.data);
-    }
+    return options.renderer == RenderMethod::trace && options.shadow_culling != ShadowCulling::paper &&
+           options.overlay != Overlay::shadow_states;
 }
 
-Picked describe(const scene::Scene& scene, const frame::PickedPoint& point)
+// Makes a request's options those of a window: no layers, no reference, and no overlay that the other options or the
+// scene lack.
+RenderOptions window_options(const ViewRequest& request, const Scene& scene, int threads)
 {
-    Picked picked;
-    picked.object = point.object;
-    if (picked.object == scene::none) return picked;
-    const scene::Object& object = scene.objects[picked.object];
-    // Of objects that move together, take the node that moves them.
-    picked.node = object.group == scene::none ? object.node : scene.groups[object.group].anchor;
-    picked.name = scene.nodes[object.node].name;
-    picked.mobility = object.deforming ? "deforms" : object.dynamic ? "moves" : "stands still";
-    picked.position = point.position;
-    return picked;
+    RenderOptions options = request.options;
+    options.size = request.size;
+    options.camera = request.camera;
+    options.turntable_seconds = 0;
+    options.threads = threads;
+    options.interactive = true;
+    options.layers = false;
+    options.reference.reset();
+
+    const bool traced = options.renderer == RenderMethod::trace;
+    const std::size_t lights = scene.lights().size();
+    const auto is_shown = [&] {
+        switch (options.overlay) {
+            case Overlay::none:
+                return true;
+            case Overlay::shadow_states:
+                return traced && options.shadow_culling != ShadowCulling::off && lights > 0;
+            case Overlay::clusters:
+                return traced && options.indirect == Indirect::quadtree;
+            case Overlay::redrawn:
+                return !traced && options.shadow_textures != ShadowTextures::off && lights > 0;
+        }
+        return false;
+    };
+    if (!is_shown()) options.overlay = Overlay::none;
+    // Show one light, because a panel for each would be too small.
+    if (options.overlay == Overlay::shadow_states)
+        options.overlay_light = std::min(options.overlay_light.value_or(0), static_cast<int>(lights) - 1);
+    return options;
+}
+
+ViewTimes times_of(const Frame& frame, double encoding)
+{
+    const auto sum = [&](std::initializer_list<FrameTimes::Stage> stages) {
+        double total = 0;
+        for (const FrameTimes::Stage stage : stages) total += frame.times.ms[stage];
+        return total;
+    };
+    ViewTimes times;
+    times.ms[ViewTimes::scene] = sum({FrameTimes::scene});
+    times.ms[ViewTimes::direct] = sum({FrameTimes::rays, FrameTimes::surfaces, FrameTimes::shadows});
+    times.ms[ViewTimes::indirect] = sum({FrameTimes::light_maps, FrameTimes::indirect, FrameTimes::indirect_mirrored});
+    times.ms[ViewTimes::rest] = std::max(frame.milliseconds - times.total(), 0.0) + encoding;
+    return times;
 }
 
 }   // namespace
 
 const char* ViewTimes::name(int stage)
 {
-    static constexpr const char* k_names[k_stages] = {"scene", "trees", "light", "picture"};
+    static constexpr const char* k_names[k_stages] = {"scene", "direct light", "indirect light", "rest"};
     return k_names[stage];
 }
 
@@ -91,15 +104,15 @@ double ViewTimes::total() const
 }
 
 ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame)
-    : threads_(threads), rays_a_frame_(rays_a_frame), engine_(std::make_unique<frame::FrameEngine>(settings(threads)))
+    : threads_(threads), rays_a_frame_(rays_a_frame), renderer_({.threads = threads, .interactive = true})
 {
-    loader_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
-    renderer_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
+    load_thread_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
+    render_thread_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
 }
 
 ViewSession::~ViewSession()
 {
-    leaving_ = true;   // interrupts a frame at its next tile
+    leaving_ = true;   // interrupts the frame in progress
 }
 
 void ViewSession::load(const SceneRecipe& recipe)
@@ -132,7 +145,10 @@ std::uint64_t ViewSession::ask(ViewRequest request)
     const std::lock_guard lock(mutex_);
     // Keep the pick of a request that is replaced.
     if (request_ && request_->pick && !request.pick && request_->scene == request.scene) request.pick = request_->pick;
+    // Every pick is answered, and a frame that is to be saved is finished.
+    if (request.pick || request.whole || !survives_interruption(request.options)) request.interruptible = false;
     request.number = ++asked_;
+    interruptible_ = request.interruptible;
     request_ = std::move(request);
     refining_ = false;
     to_render_.notify_one();
@@ -143,6 +159,12 @@ bool ViewSession::busy() const
 {
     const std::lock_guard lock(mutex_);
     return (rendering_ || request_) && !refining_;
+}
+
+bool ViewSession::interruptible() const
+{
+    const std::lock_guard lock(mutex_);
+    return interruptible_;
 }
 
 bool ViewSession::refining() const
@@ -221,6 +243,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
     for (;;) {
         ViewRequest request;
         std::shared_ptr<const Scene> scene;
+        bool refines = false;   // its first image is there
         {
             std::unique_lock lock(mutex_);
             rendering_ = false;
@@ -230,90 +253,136 @@ void ViewSession::render_loop(const std::stop_token& stop)
             request_.reset();
             scene = scene_;
             rendering_ = true;
+            refines = refining_;
         }
         const std::uint64_t number = request.number;
         if (request.scene != scene) {
-            request.eye.reset();
+            request.orbit.reset();
             request.camera = "auto";
-            request.hands.clear();
+            request.overrides.clear();
             request.pick.reset();
         }
         try {
-            auto image = render(scene, request);
-            {
-                const std::lock_guard lock(mutex_);
-                image->number = image_ ? image_->number + 1 : 1;
-                if (!image->picked && image_ && image_->scene == scene) image->picked = image_->picked;
-                const bool lacking = !image->complete;
-                image_ = std::move(image);
-                rendering_ = false;
-                state_.frame_error.clear();
-                state_.failed = 0;
-                if (!request_) refining_ = lacking && scene == scene_;
-                // Render the same frame again for the light that is missing, unless another is requested.
-                if (refining_) {
-                    request.pick.reset();   // answered
-                    request_ = std::move(request);
-                    continue;
-                }
-            }
-            // Make certificates until the next request comes.
-            engine_->make_certificates([&] {
+            if (publish(render(scene, request, refines), request, refines)) continue;
+            // Prove results for later frames until the next request comes.
+            renderer_.improve([&] {
                 const std::lock_guard lock(mutex_);
                 return !request_ && !leaving_;
             });
+        } catch (const InterruptedError&) {   // for a newer request, or to leave
         } catch (const std::exception& e) {
-            engine_->forget();   // the caches may have taken half a frame
             fail(number, e.what());
         }
     }
 }
 
-std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request)
+// Makes an image the newest one, and requests its frame again for the light that is missing. An image that a newer
+// request should have interrupted is dropped.
+// @return whether there is a request
+bool ViewSession::publish(std::shared_ptr<ViewImage> image, ViewRequest& request, bool refines)
 {
-    const scene::Scene& inside = *api::scene_of(*scene);
-    RenderOptions options = request.options;
-    options.layers = false;   // not shown
-    options.reference.reset();
+    const std::lock_guard lock(mutex_);
+    if ((refines || request.interruptible) && asked_ != request.number) return true;
+    image->number = image_ ? image_->number + 1 : 1;
+    const bool lacking = !image->frame.complete && image->scene == scene_;
+    image_ = std::move(image);
+    rendering_ = false;
+    state_.frame_error.clear();
+    state_.failed = 0;
+    if (request_) return true;
+    refining_ = lacking;
+    if (!lacking) return false;
+    request.pick.reset();   // answered
+    request_ = std::move(request);
+    return true;
+}
+
+std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request,
+                                               bool refines)
+{
+    // Begin anew with another scene, even if it shares parts with the one before.
+    if (rendered_ != scene) {
+        renderer_.forget();
+        held_.clear();
+        rendered_ = scene;
+    }
+    renderer_.set_options(window_options(request, *scene, threads_));
+    FrameInput input;
+    input.time = request.time;
+    input.camera = request.orbit;
+    input.turn = request.turn;
+    input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_;
+    hand_over_overrides(*scene, request, input);
+
+    // Render the frame; a newer request interrupts it if it only refines what is shown.
+    const bool yields = request.interruptible || (refines && survives_interruption(request.options));
     auto image = std::make_shared<ViewImage>();
+    Frame& frame = image->frame;
+    frame = renderer_.render(*scene, input,
+                             [&](const ProgressStep&) { return !leaving_ && !(yields && asked_ != request.number); });
+    std::erase_if(held_, [&](const NodeId& node) { return contains(input.released_nodes, node); });
+
+    // Encode it for the screen.
+    const Clock::time_point start = Clock::now();
+    image->image.width = frame.size.width, image->image.height = frame.size.height, image->image.channels = 3;
+    image->image.data = frame.to_srgb8();
+    image->times = times_of(frame, milliseconds_since(start));
+    if (!request.whole) frame.layers.clear();   // the renderer uses their memory again
+
+    // Describe it.
     image->scene = scene;
     image->request = request.number;
-    image->time = request.time;
-
-    // Advance the scene.
-    std::vector<frame::UserOverride> overrides;
-    for (const HandMoved& hand : request.hands) overrides.push_back({hand.node, hand.offset});
-    const frame::AdvanceTimes advanced = engine_->advance(api::scene_of(*scene), request.time, options, overrides);
-    image->times.ms[0] = advanced.scene;
-    image->times.ms[1] = advanced.caches;
-
-    // Render the view.
-    Clock::time_point start = Clock::now();
-    std::optional<double> turn;
-    if (request.turn != 0) turn = request.turn;
-    image->eye =
-        request.eye ? *request.eye : engine_->make_view(scene::find_camera(inside, request.camera), request.size, turn);
-    const int last_light = static_cast<int>(inside.lights.size()) - 1;
-    const int overlay_light = std::min(options.overlay_light.value_or(0), last_light);
-    const frame::RenderRequest what{.overlay_lights = {overlay_light},
-                                    .indirect_ray_limit = request.whole ? 0 : rays_a_frame_};
-    image->counters = engine_->render(image->eye, what, [this](const ProgressStep&) { return !leaving_; });
-    image->times.ms[2] = milliseconds_since(start);
-
-    start = Clock::now();
-    encode(*engine_, options, overlay_light, *image);
-    image->times.ms[3] = milliseconds_since(start);
-
-    image->complete = engine_->complete();
-    image->bounds = engine_->rays().bounds();
-    image->remembered_bytes = engine_->cached_bytes();
-    if (request.pick) {
-        const Size size = image->eye.size;
-        const glm::ivec2 pixel = glm::clamp(glm::ivec2(glm::floor(*request.pick)), glm::ivec2(0),
-                                            glm::ivec2(size.width - 1, size.height - 1));
-        image->picked = describe(inside, engine_->hit_at(image->eye, pixel));
-    }
+    image->camera = renderer_.camera();
+    const Box bounds = renderer_.bounds();
+    if (!bounds.empty())
+        image->bounds = {{bounds.low.x, bounds.low.y, bounds.low.z}, {bounds.high.x, bounds.high.y, bounds.high.z}};
+    image->remembered_bytes = renderer_.remembered_bytes();
+    if (request.pick)
+        image->picked = pick(*scene, frame, *request.pick);
+    else if (const auto last = this->image(0); last && last->scene == scene)
+        image->picked = last->picked;
+    if (image->picked && image->picked->instance) image->picked->transform = renderer_.transform(image->picked->node);
     return image;
+}
+
+void ViewSession::hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input)
+{
+    // Hold the overridden nodes. A node that the scene does not have fails the frame here, before it is noted.
+    for (const UserOverride& o : request.overrides) {
+        if (!contains(held_, o.node)) {
+            scene.name(o.node);
+            held_.push_back(o.node);
+        }
+        Transform transform = o.taken;
+        for (int axis = 0; axis < 3; ++axis)
+            transform.m[static_cast<std::size_t>(12 + axis)] += static_cast<double>(o.offset[axis]);
+        input.transforms.push_back({o.node, transform, {}});
+    }
+    // Release the nodes whose override ended. They stay noted until a frame has done so.
+    for (const NodeId& node : held_)
+        if (std::none_of(request.overrides.begin(), request.overrides.end(),
+                         [&](const UserOverride& o) { return o.node == node; }))
+            input.released_nodes.push_back(node);
+}
+
+Picked ViewSession::pick(const Scene& scene, const Frame& frame, const glm::vec2& place)
+{
+    const auto pixel = [](float fraction, int side) {
+        return std::clamp(static_cast<int>(fraction * static_cast<float>(side)), 0, side - 1);
+    };
+    const Pick seen = renderer_.pick(pixel(place.x, frame.view_size.width), pixel(place.y, frame.view_size.height));
+    Picked picked;
+    if (!seen.hit) return picked;
+    picked.instance = seen.instance;
+    // Of objects that move together, take the node that moves them.
+    picked.node = scene.moving_node(seen.instance);
+    picked.name = scene.name(seen.instance);
+    const Mobility mobility = scene.mobility(seen.instance);
+    picked.mobility = mobility == Mobility::may_deform ? "deforms"
+                      : mobility == Mobility::may_move ? "moves"
+                                                       : "stands still";
+    picked.position = {seen.position.x, seen.position.y, seen.position.z};
+    return picked;
 }
 
 }   // namespace gnomon::viewer

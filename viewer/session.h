@@ -3,8 +3,8 @@
 // Loads scenes and renders frames for the viewer in the background: one thread loads scenes, another renders the latest
 // requested frame. The window's thread posts requests and takes images, and never waits for either.
 //
-// A request describes a frame completely: time, view, options, user overrides. A request that is replaced before its
-// rendering began is never rendered. Frames come from a frame::FrameEngine, so they are those of gnomon::Renderer.
+// A request describes a frame completely: time, camera, options, user overrides. A request that is replaced before its
+// rendering began is never rendered. A newer request interrupts frames that only refine what is shown.
 
 #include <atomic>
 #include <condition_variable>
@@ -18,68 +18,65 @@
 #include <vector>
 
 #include "base/image.h"
+#include "base/math.h"
 #include "gnomon/renderer.h"
-#include "scene/scene.h"
-#include "scene/view.h"
-
-namespace gnomon::frame {
-class FrameEngine;
-}
 
 namespace gnomon::viewer {
 
-/// A user override: a node that is held where it is, or moved from there.
-struct HandMoved {
-    scene::NodeId node = scene::none;
-    bool frozen = false;   // held where it is now
-    glm::vec3 offset{0};   // from where it was taken, in its parent's space
-    friend bool operator==(const HandMoved&, const HandMoved&) = default;
+/// A user override: a node that is held where it was taken, or moved from there. Its track is ignored.
+struct UserOverride {
+    NodeId node;
+    Transform taken;       // where it was taken: to its parent's space (Picked::transform)
+    glm::vec3 offset{0};   // from there, in its parent's space
+    friend bool operator==(const UserOverride&, const UserOverride&) = default;
 };
 
 struct ViewRequest {
-    std::shared_ptr<const Scene>
-        scene;   // that eye, hands and pick refer to; they are ignored once another scene is loaded
+    /// The scene that orbit, overrides and pick refer to; they are ignored once another scene is loaded.
+    std::shared_ptr<const Scene> scene;
     double time = 0;
-    std::optional<scene::View> eye;   // none: the scene's camera
-    std::string camera = "auto";      // then, as on the command line; the frame fails if the scene has no such camera
-    double turn = 0;                  // radians around the scene, of the scene's camera
+    std::optional<Camera> orbit;   // the interactive camera; none: the scene's
+    std::string camera = "auto";   // then, as on the command line; the frame fails if the scene has no such camera
+    double turn = 0;               // radians around the scene, of the scene's camera
     Size size{640, 360};
-    RenderOptions options;   // size, camera, turntable and threads of it are not read
-    std::vector<HandMoved> hands;
-    std::optional<glm::vec2> pick;   // pixels from the top left corner: find the object there
-    bool whole = false;              // all indirect light in the first image, however long that takes
-    std::uint64_t number = 0;        // given by ask()
+    RenderOptions options;                 // size, camera, turntable, threads and layers of it are not read
+    std::vector<UserOverride> overrides;   // the frame fails if the scene does not have a node
+    std::optional<glm::vec2>
+        pick;             // fractions of the view's width and height from the top left: find the object there
+    bool whole = false;   // all indirect light in the first image, however long that takes
+    /// A newer request ends its rendering, because it only shows the last image more sharply. Ignored with a pick, for
+    /// a whole frame, and where the renderer would forget much.
+    bool interruptible = false;
+    std::uint64_t number = 0;   // given by ask()
 };
 
 /// Milliseconds by stage.
 struct ViewTimes {
-    static constexpr int k_stages = 4;
+    enum Stage { scene, direct, indirect, rest, k_stages };
     static const char* name(int stage);
-    double ms[k_stages] = {};   // scene, trees, light, image
+    double ms[k_stages] = {};   // a rasterised frame is `rest` as a whole
     double total() const;
 };
 
 struct Picked {
-    scene::ObjectId object = scene::none;
-    scene::NodeId node = scene::none;
+    InstanceId instance;   // an id without a part: nothing is there
+    NodeId node;           // that moves it
+    Transform transform;   // of that node to its parent's space, in this image
     std::string name;
-    std::string mobility;   // "static", "moves rigidly", "deforms"
+    std::string mobility;   // "stands still", "moves", "deforms"
     glm::vec3 position{0};
 };
 
 struct ViewImage {
     std::shared_ptr<const Scene> scene;
-    Image8 image;           // sRGB
-    scene::View eye;        // as rendered
-    glm::ivec2 corner{0};   // of the view in the image: overlays have titles and legends around it
-    Box3 bounds;            // of the scene
-    double time = 0;
-    bool complete = true;   // all of its indirect light is there; else the next image has more of it
+    Frame frame;     // without layers, unless the request was for a whole frame
+    Image8 image;    // the frame in sRGB
+    Camera camera;   // with which it was rendered
+    Box3 bounds;     // of the scene
     ViewTimes times;
-    FrameCounters counters;
     std::uint64_t number = 0;       // counts up
     std::uint64_t request = 0;      // its request: the number that ask() returned
-    std::optional<Picked> picked;   // result of the last `pick`; object none: nothing there
+    std::optional<Picked> picked;   // result of the last `pick` in this scene
     std::size_t remembered_bytes = 0;
 };
 
@@ -120,11 +117,14 @@ class ViewSession {
     /// The scene that requests refer to; null: none yet.
     std::shared_ptr<const Scene> scene() const;
 
-    /// Requests a frame. Replaces a request whose rendering has not begun, and ends the refining of the one before.
+    /// Requests a frame. Replaces a request whose rendering has not begun. Interrupts one that is interruptible, and
+    /// the refining of the one before; no image of theirs follows.
     /// @return its number, from 1
     std::uint64_t ask(ViewRequest request);
     /// A request waits for its first image.
     bool busy() const;
+    /// A new request would not wait for the one before to get its first image.
+    bool interruptible() const;
     /// The last request has an image, and gets refined ones until it is complete.
     bool refining() const;
     /// The newest image, if there is one newer than that number.
@@ -133,7 +133,11 @@ class ViewSession {
  private:
     void load_loop(const std::stop_token& stop);
     void render_loop(const std::stop_token& stop);
-    std::shared_ptr<ViewImage> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request);
+    std::shared_ptr<ViewImage> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request,
+                                      bool refines);
+    bool publish(std::shared_ptr<ViewImage> image, ViewRequest& request, bool refines);
+    void hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input);
+    Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);
     void fail(std::uint64_t request, const std::string& message);
 
     int threads_;
@@ -142,18 +146,21 @@ class ViewSession {
     std::condition_variable_any to_load_, to_render_;
     std::optional<SceneRecipe> wanted_;
     std::optional<ViewRequest> request_;
-    std::uint64_t asked_ = 0;
-    bool rendering_ = false, refining_ = false;
+    std::atomic<std::uint64_t> asked_ = 0;   // number of the last request; written under the mutex
+    bool rendering_ = false, refining_ = false, interruptible_ = false;
     LoadState state_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const ViewImage> image_;
     std::atomic<bool> leaving_ = false;
-    std::unique_ptr<frame::FrameEngine> engine_;   // of the render thread alone
+    // Of the render thread alone.
+    Renderer renderer_;
+    std::shared_ptr<const Scene> rendered_;   // the renderer's scene
+    std::vector<NodeId> held_;                // nodes whose transforms the renderer was given
     // The last file read, so that other lights or rates do not read it again.
     std::string loaded_file_;
     std::filesystem::file_time_type loaded_time_{};
     std::optional<Scene> loaded_;
-    std::jthread loader_, renderer_;   // last: they use all of the above
+    std::jthread load_thread_, render_thread_;   // last: they use all of the above
 };
 
 }   // namespace gnomon::viewer

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/settings.h"
 
-#include "api/check_options.h"
 #include "gnomon/error.h"
 #include "options/render_options.h"
 
@@ -13,7 +12,7 @@ namespace {
 RenderOptions shown_options(const options::OptionValues& values)
 {
     RenderOptions options = options::read_render_options(values);
-    check_redrawn_overlay(options);
+    if (options.overlay == Overlay::redrawn) check_options(options);
     return options;
 }
 

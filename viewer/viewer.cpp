@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/viewer.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GL/gl.h>
-#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
@@ -12,9 +9,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "gnomon/error.h"
 #include "options/option_table.h"
+#include "viewer/gl_window.h"
 #include "viewer/input_queue.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/panel.h"
@@ -47,88 +46,6 @@ std::filesystem::file_time_type changed_at(const std::string& file)
 }
 
 }   // namespace
-
-// Owns GLFW's window, its OpenGL context and ImGui's context.
-class GlWindow {
- public:
-    GlWindow(Size size, const std::string& title)
-    {
-        if (!glfwInit()) throw MissingError(fmt::format("cannot open a window: {}", error()));
-        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
-        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-        glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-        handle = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
-        if (!handle) {
-            const std::string why = error();
-            glfwTerminate();
-            throw MissingError(fmt::format("cannot open a window: {}", why));
-        }
-        glfwMakeContextCurrent(handle);
-        glfwSwapInterval(1);
-        IMGUI_CHECKVERSION();
-        ImGui::CreateContext();
-        ImGui::GetIO().IniFilename = nullptr;
-        ImGui::StyleColorsDark();
-        ImGui::GetStyle().WindowRounding = 4;
-    }
-    // Starts Dear ImGui without its input callbacks, because InputQueue provides the input.
-    void start_ui()
-    {
-        float scale = 1, unused = 1;
-        glfwGetWindowContentScale(handle, &scale, &unused);
-        ImGui::GetIO().FontGlobalScale = std::max(scale, 1.0f);
-        ImGui_ImplGlfw_InitForOpenGL(handle, false);
-        ImGui_ImplOpenGL3_Init("#version 150");
-        ui_ = true;
-    }
-    ~GlWindow()
-    {
-        if (texture_) glDeleteTextures(1, &texture_);
-        if (ui_) {
-            ImGui_ImplOpenGL3_Shutdown();
-            ImGui_ImplGlfw_Shutdown();
-        }
-        ImGui::DestroyContext();
-        glfwDestroyWindow(handle);
-        glfwTerminate();
-    }
-    GlWindow(const GlWindow&) = delete;
-    GlWindow& operator=(const GlWindow&) = delete;
-
-    void show(const Image8& image)
-    {
-        if (!texture_) {
-            glGenTextures(1, &texture_);
-            glBindTexture(GL_TEXTURE_2D, texture_);
-            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-        }
-        glBindTexture(GL_TEXTURE_2D, texture_);
-        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
-                     image.data.data());
-    }
-    ImTextureID texture() const { return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_)); }
-    Size framebuffer() const
-    {
-        Size size;
-        glfwGetFramebufferSize(handle, &size.width, &size.height);
-        return size;
-    }
-
-    GLFWwindow* handle = nullptr;
-
- private:
-    static std::string error()
-    {
-        const char* text = nullptr;
-        glfwGetError(&text);
-        return text ? text : "no display";
-    }
-    GLuint texture_ = 0;
-    bool ui_ = false;
-};
 
 struct Viewer::Impl {
     Impl(ViewSettings s, std::string w, int threads)
@@ -167,7 +84,7 @@ struct Viewer::Impl {
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
     Size video_size{};                                   // the window's size when the recording began
     bool dirty = true;
-    std::vector<HandMoved> requested_overrides;
+    std::vector<UserOverride> requested_overrides;
 
     glm::vec2 pressed_at{0};
     int pressed = -1;
@@ -240,16 +157,16 @@ void Viewer::Impl::take_image()
     if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
     if (full < k_quick_ms && scale > 1) scale /= 2;
     // Save the image if it is the requested screenshot or the next frame of the recording.
-    const bool finished = image->complete && image->scene == scene;
+    const bool finished = image->frame.complete && image->scene == scene;
     if (wants_screenshot && finished && image->request == shot_request) {
         wants_screenshot = false;
-        const std::string file = recorder.save(image->image);
+        const std::string file = recorder.save(image->frame);
         summary.files.push_back(file);
         panel.message = fmt::format("saved {}", file);
     }
     if (recorder.recording() && finished && image->request == video_request) {
         video_request = 0;
-        if (!recorder.add(image->image)) return end_recording("the size of the image changed");
+        if (!recorder.add(image->frame)) return end_recording("the size of the image changed");
         playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
         dirty = true;
     }
@@ -260,10 +177,10 @@ void Viewer::Impl::take_camera()
 {
     if (own_camera || !image || image->scene != scene) return;
     const Box3& bounds = image->bounds;
-    float distance = glm::dot(bounds.centre() - image->eye.eye, image->eye.forward);
+    float distance = glm::dot(bounds.centre() - eye_of(image->camera), forward_of(image->camera));
     const float extent = glm::length(bounds.high - bounds.low);
     if (!(distance > 0.02f * extent) || !std::isfinite(distance)) distance = std::max(0.25f * extent, 1e-3f);
-    camera.follow(image->eye, distance);
+    camera.follow(image->camera, image->frame.view_size, distance);
     own_camera = true;
 }
 
@@ -361,7 +278,7 @@ void Viewer::Impl::key(int which)
             dirty = true;
             break;
         case GLFW_KEY_F:
-            if (!panel.picked || panel.picked->object == scene::none) break;
+            if (!panel.picked || !panel.picked->instance) break;
             take_camera();
             camera.aim(panel.picked->position);
             dirty = true;
@@ -398,8 +315,9 @@ void Viewer::Impl::ask()
     const bool sharper = !moved && requested_scale > 1;
     const bool whole = recorder.recording() || wants_screenshot;
     if (!moved && !sharper) return;
-    // Send one request at a time and let each finish, because every frame fills caches for the next.
-    if (session.busy()) return;
+    // Send one request at a time and let each finish, because every frame fills caches for the next. A sharper image
+    // of what is shown need not finish, so that a drag never waits for it.
+    if (session.busy() && !(moved && session.interruptible())) return;
     // Delay the recording while images are rendered faster than written, so that they do not fill the memory.
     if (recorder.recording() && recorder.behind()) return;
 
@@ -409,15 +327,15 @@ void Viewer::Impl::ask()
     request.options = settings.render_options();
     request.time = time;
     request.camera = request.options.camera;
-    request.hands = overrides.list;
+    request.overrides = overrides.list;
     if (request.options.turntable_seconds > 0)
-        request.turn = 2 * k_pi * (playback.frame - 1) / playback.fps / request.options.turntable_seconds;
+        request.turn = 2 * k_pi * ((playback.frame - 1) / playback.fps / request.options.turntable_seconds);
     request.whole = whole;
+    request.interruptible = sharper;
     requested_scale = whole ? 1 : sharper ? requested_scale / 2 : scale;
     request.size = {std::max(size.width / requested_scale, 16), std::max(size.height / requested_scale, 16)};
-    if (own_camera) request.eye = camera.view(request.size);
-    if (pick) request.pick = *pick * glm::vec2(request.size.width, request.size.height);
-    pick.reset();
+    if (own_camera) request.orbit = camera.camera();
+    request.pick = std::exchange(pick, std::nullopt);
 
     // Remember the request, and send it.
     requested_time = time;
@@ -444,10 +362,11 @@ Viewer::Impl::Placed Viewer::Impl::placed() const
 std::optional<glm::vec2> Viewer::Impl::image_place(const glm::vec2& at) const
 {
     const Placed place = placed();
-    const glm::vec2 fraction = ((at - place.corner) / place.factor - glm::vec2(image->corner)) /
-                               glm::vec2(image->eye.size.width, image->eye.size.height);
+    const Frame& frame = image->frame;
+    const glm::vec2 fraction = ((at - place.corner) / place.factor - glm::vec2(frame.view_left, frame.view_top)) /
+                               glm::vec2(frame.view_size.width, frame.view_size.height);
     if (!(fraction.x >= 0 && fraction.y >= 0 && fraction.x < 1 && fraction.y < 1)) return std::nullopt;
-    return glm::min(fraction, glm::vec2(0.9999f));
+    return fraction;
 }
 
 void Viewer::Impl::draw_image() const

@@ -3,6 +3,7 @@
 // Includes the whole public interface: load a scene, render images of it.
 
 #include "gnomon/compare.h"
+#include "gnomon/devices.h"
 #include "gnomon/error.h"
 #include "gnomon/frame.h"
 #include "gnomon/frame_input.h"

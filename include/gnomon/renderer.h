@@ -121,8 +121,9 @@ class Renderer {
     /// @throws UsageError  an option is out of range, or `interactive` differs
     void set_options(RenderOptions options);
     /// What the last frame shows at a pixel's centre, as the layer "id" has it. Costs about a thousand rays.
-    /// @param x, y  from the top left, from 0
-    /// @throws UsageError  outside the image; no frame was rendered yet, or the last one failed or was an overlay
+    /// @param x, y  in the rendered view, from its top left corner, from 0. Overlays surround the view with titles, see
+    ///         Frame::view_left and view_size; of shadow states, every panel shows it.
+    /// @throws UsageError  outside the view; no frame was rendered yet, or the last one failed
     Pick pick(int x, int y);
     /// What the last frame changed.
     /// @throws UsageError  no frame was rendered yet, or the last one failed
@@ -166,6 +167,10 @@ class Renderer {
     Impl& idle() const;
     std::unique_ptr<Impl> impl_;
 };
+
+/// Checks options as the constructor of Renderer does, without making one.
+/// @throws UsageError  an option is out of range, or options exclude each other
+void check_options(const RenderOptions& options);
 
 /// The size at which a scene is rendered if none is given.
 Size default_size(const Scene& scene, const std::string& camera = "auto");

@@ -104,7 +104,8 @@ class Scene {
     NodeId parent(const NodeId& id) const;
     /// What may change at the node, as declared for it or for a node above, or by its tracks.
     Mobility mobility(const NodeId& id) const;
-    /// The farthest node up the hierarchy that moves this one as a rigid body; itself if nothing above may move.
+    /// The nearest node that may move, from this one up the hierarchy; it moves all below it as one. Itself if none
+    /// may.
     NodeId moving_node(const NodeId& id) const;
     /// The node's transform to its parent's space, at the clip's start.
     Transform transform(const NodeId& id) const;

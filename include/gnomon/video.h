@@ -60,6 +60,19 @@ struct VideoResult {
 VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress = {},
                          const std::function<void(const FrameRecord&)>& on_frame = {});
 
+/// Whether videos can be encoded: the program ffmpeg is found, and has an encoder for H.264.
+/// @throws InterruptedError  progress returned false
+bool can_encode_video(const Progress& progress = {});
+
+/// Encodes PNG frames of one size to H.264 in MP4, playable everywhere; the bytes depend on the frames and the rate
+/// alone. An odd side loses its last row or column. The file is replaced atomically.
+/// @param fps  frames a second, above 0
+/// @throws UsageError        no frames, or the rate is not above 0
+/// @throws MissingError      a frame cannot be read; ffmpeg is not found, fails, or is killed
+/// @throws InterruptedError  progress returned false
+void encode_video(const std::vector<std::filesystem::path>& pngs, double fps, const std::filesystem::path& out,
+                  const Progress& progress = {});
+
 /// The n-th of `chunks` contiguous parts of a range; parts differ in length by at most one frame and may be empty.
 FrameRange chunk_of(FrameRange range, int chunk, int chunks);
 

@@ -38,13 +38,6 @@ void check_range(std::string_view what, double value, const Range& range, std::s
             fmt::format("{} out of range: {} to {}{}", what, text_of(range.low), text_of(range.high), unit));
 }
 
-void check_redrawn_overlay(const RenderOptions& o)
-{
-    if (o.overlay == Overlay::redrawn &&
-        (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
-        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
-}
-
 void check_options(const RenderOptions& o)
 {
     check_size(o.size);
@@ -70,7 +63,9 @@ void check_options(const RenderOptions& o)
             "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && o.reference)
         throw UsageError("the reference is traced: not with the rasteriser");
-    check_redrawn_overlay(o);
+    if (o.overlay == Overlay::redrawn &&
+        (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
+        throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");
     if (o.overlay == Overlay::shadow_states && o.shadow_culling == ShadowCulling::off)
         throw UsageError("an overlay of shadow states shows a memory: not with shadow culling off");
     if (o.overlay == Overlay::clusters && (o.indirect != Indirect::quadtree || o.reference))

@@ -14,10 +14,4 @@ namespace gnomon {
 /// @throws UsageError  "samples are out of range: 1 to 4096"
 void check_range(std::string_view what, double value, const Range& range, std::string_view unit = {});
 
-/// @throws UsageError for options out of range, or that exclude each other
-void check_options(const RenderOptions& options);
-
-/// @throws UsageError  Overlay::redrawn without the rasteriser's light views
-void check_redrawn_overlay(const RenderOptions& options);
-
 }   // namespace gnomon

@@ -85,8 +85,7 @@ void refuse_id(std::string_view what, bool given)
 glm::dmat4 matrix_of(const Transform& transform, std::string_view what)
 {
     glm::dmat4 matrix;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) matrix[column][row] = transform.m[static_cast<std::size_t>(4 * column + row)];
+    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = transform.m[static_cast<std::size_t>(i)];
     for (const double value : transform.m)
         if (!std::isfinite(value)) throw UsageError(fmt::format("{}: the transform is not finite", what));
     if (matrix[0][3] != 0 || matrix[1][3] != 0 || matrix[2][3] != 0 || matrix[3][3] != 1)
@@ -97,8 +96,7 @@ glm::dmat4 matrix_of(const Transform& transform, std::string_view what)
 Transform transform_of(const glm::dmat4& matrix)
 {
     Transform result;
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) result.m[static_cast<std::size_t>(4 * column + row)] = matrix[column][row];
+    for (int i = 0; i < 16; ++i) result.m[static_cast<std::size_t>(i)] = matrix[i / 4][i % 4];
     return result;
 }
 

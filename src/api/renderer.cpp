@@ -213,7 +213,6 @@ Pick Renderer::pick(int x, int y)
 {
     frame::FrameEngine& engine = idle().engine;
     if (!engine.has_frame()) throw UsageError("nothing can be picked: no frame was rendered, or the last one failed");
-    if (engine.shown() != frame::Shown::light) throw UsageError("nothing can be picked in an overlay");
     const Size size = engine.view().size;
     if (x < 0 || y < 0 || x >= size.width || y >= size.height)
         throw UsageError(fmt::format("no pixel {} {}: the image has {} x {} pixels", x, y, size.width, size.height));
@@ -362,7 +361,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     const bool is_first = !has_frame || !host.follows(scene);
     host.apply(scene, input);
     const bool began_anew = !engine.state() || engine.scene() != host.values().scene();
-    engine.advance(host.values().scene(), wanted.time, options, {}, &host.values());
+    engine.advance(host.values().scene(), wanted.time, options, &host.values());
     watch.end(FrameTimes::scene);
 
     const scene::View view = make_view(wanted, input);

@@ -101,8 +101,8 @@ std::size_t buffer_bytes(Size size, const RenderOptions& options, bool estimate,
 {
     const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     // Colour; three estimates; four layers of 3, depth and shadows; ids and motion.
-    const std::size_t floats = 3 + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) + (options.ids ? 2 : 0) +
-                               (options.motion ? 2 : 0);
+    const std::size_t floats =
+        3 + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) + (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
     return pixels * floats * sizeof(float);
 }
 
@@ -134,8 +134,6 @@ void FrameEngine::forget()
     state_.reset();
     state_before_.reset();
     scene_.reset();
-    overrides_.clear();
-    taken_from_.clear();
     buffers_.reset();
     memory_ = {};
     buffers_ = memory_.take();
@@ -175,8 +173,7 @@ FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
 }
 
 AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& scene, double time,
-                                  const RenderOptions& options, std::span<const UserOverride> overrides,
-                                  const HostValues* host)
+                                  const RenderOptions& options, const HostValues* host)
 {
     DiscardOnFailure guard(*this);
     limit_ = MemoryLimit(static_cast<std::size_t>(options.memory) << 20);
@@ -200,7 +197,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     if (!options.motion) state_before_.reset();
     bool rays_follow = false;   // they saw the state before an advance
     if (host) is_new ? host->apply_all(*state_) : host->apply_changes(*state_);
-    if (override_transforms(overrides) || host || !is_new) {
+    if (host || !is_new) {
         state_->advance(time);
         rays_follow = rays_ != nullptr;
     }
@@ -238,29 +235,6 @@ void FrameEngine::make_rays()
 {
     rays_ = std::make_unique<ray::RayScene>(*state_, limit_);
     if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
-}
-
-bool FrameEngine::override_transforms(std::span<const UserOverride> overrides)
-{
-    std::vector<UserOverride> wanted(overrides.begin(), overrides.end());
-    std::erase_if(wanted, [&](const UserOverride& o) { return o.node >= scene_->nodes.size(); });
-    if (wanted == overrides_) return false;
-    for (const UserOverride& o : overrides_) state_->override_transform(o.node, nullptr);
-    for (const UserOverride& o : wanted) {
-        // Take the node's transform from its track, not from its world matrix: its parent's may be singular.
-        if (!taken_from_.contains(o.node)) {
-            const scene::Node& node = scene_->nodes[o.node];
-            taken_from_[o.node] = node.transform ? node.transform->evaluate(state_->time()) : node.local;
-        }
-        glm::dmat4 local = taken_from_[o.node];
-        local[3] += glm::dvec4(o.offset, 0);
-        state_->override_transform(o.node, &local);
-    }
-    std::erase_if(taken_from_, [&](const auto& entry) {
-        return std::none_of(wanted.begin(), wanted.end(), [&](const UserOverride& o) { return o.node == entry.first; });
-    });
-    overrides_ = std::move(wanted);
-    return true;
 }
 
 void FrameEngine::fit_caches(const RenderOptions& options)

@@ -9,23 +9,20 @@
 //
 // A frame is two calls: advance() moves scene, ray scene and caches to a time; render() makes the image of a view.
 //
-// Invariant: the image depends on the scene, the time, the options and the overrides alone, not on earlier frames.
-// Exceptions: ShadowCulling::paper, overlays that show a cache, a limit on indirect rays, and an object that was once
-// overridden, which stays dynamic and is rounded as such.
+// Invariant: the image depends on the scene, the time, the options and the host's values alone, not on earlier frames.
+// Exceptions: ShadowCulling::paper, overlays that show a cache, and a limit on indirect rays.
 // Cost: that of the techniques; advance() itself compares a few options.
 
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "base/memory_limit.h"
 #include "base/tasks.h"
-#include "frame/host_values.h"
 #include "frame/frame_memory.h"
+#include "frame/host_values.h"
 #include "frame/rasterizer.h"
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
@@ -49,13 +46,6 @@ struct EngineSettings {
     /// There is a ray scene for rasterised frames too: hit_at() and bounds() will be called.
     bool always_has_rays = false;
     bool redrawn_stays = false;   // RasterSettings::redrawn_stays
-};
-
-/// A node that the user has taken from its track.
-struct UserOverride {
-    scene::NodeId node = scene::none;
-    glm::vec3 offset{0};   // from where it was when it was taken, in its parent's space
-    friend bool operator==(const UserOverride&, const UserOverride&) = default;
 };
 
 /// The image that options come to for a scene.
@@ -92,8 +82,8 @@ struct EngineReport {
     /// This frame is the first of its scene, or follows one that failed: the list of rectangles is the whole image, and
     /// the other lists are empty.
     bool everything = true;
-    std::vector<scene::ObjectId> objects;   // moved, deformed, appeared or vanished; ascending
-    std::vector<scene::LightId> lights;     // position, direction, visibility or values differ; ascending
+    std::vector<scene::ObjectId> objects;       // moved, deformed, appeared or vanished; ascending
+    std::vector<scene::LightId> lights;         // position, direction, visibility or values differ; ascending
     std::vector<scene::MaterialId> materials;   // values differ; ascending
     /// Disjoint rectangles that contain all pixels whose linear colour differs in bits. Only with
     /// RenderOptions::report_changes; otherwise empty.
@@ -107,15 +97,14 @@ class FrameEngine {
     FrameEngine(const FrameEngine&) = delete;
     FrameEngine& operator=(const FrameEngine&) = delete;
 
-    /// Moves to a time of a scene. Another scene or accelerator discards everything, overrides included.
-    /// @param options    size, camera, turntable, threads, exposure and tone mapping are not read
-    /// @param overrides  all that are in force; nodes that the scene does not have are ignored
-    /// @param host       values of the same scene; their changes are taken over, or all of them for another scene
+    /// Moves to a time of a scene. Another scene or accelerator discards everything.
+    /// @param options  size, camera, turntable, threads, exposure and tone mapping are not read
+    /// @param host     values of the same scene; their changes are taken over, or all of them for another scene
     /// @throws MissingError      RenderMethod::raster without a suitable Vulkan device or memory; the limit on memory
     ///         is exceeded
     /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
     AdvanceTimes advance(const std::shared_ptr<const scene::Scene>& scene, double time, const RenderOptions& options,
-                         std::span<const UserOverride> overrides = {}, const HostValues* host = nullptr);
+                         const HostValues* host = nullptr);
     /// The scene of the last advance().
     const std::shared_ptr<const scene::Scene>& scene() const { return scene_; }
     /// Objects of the ray scene that the last advance() placed or refitted.
@@ -131,8 +120,7 @@ class FrameEngine {
     /// The same in another state of the scene.
     scene::View view_in(const scene::SceneState& state, scene::CameraId camera, Size size, std::optional<double> turn);
     /// Moves a second state of the scene, which only the layer of motion uses, to the frame before, for
-    /// RenderRequest::previous_view. Call after advance(), if its options ask for motion. User overrides do not apply to
-    /// it.
+    /// RenderRequest::previous_view. Call after advance(), if its options ask for motion.
     /// @param host  values with those of the frame before; none: the scene's own
     const scene::SceneState& move_previous(double time, const HostValues* host = nullptr);
 
@@ -196,7 +184,6 @@ class FrameEngine {
     void make_rays();
     void trace_centres(const RenderRequest& request);
     void make_report(const shading::FrameBuffers* before);
-    bool override_transforms(std::span<const UserOverride> overrides);   // true: they changed
     void discard_caches();
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
@@ -216,9 +203,6 @@ class FrameEngine {
     MemoryLimit limit_;         // likewise
     Plan plan_;                 // likewise
     std::optional<glm::vec3> turn_centre_;
-
-    std::vector<UserOverride> overrides_;
-    std::unordered_map<scene::NodeId, glm::dmat4> taken_from_;   // by overridden node: its local transform then
 
     std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
     std::unique_ptr<shadow_culling::PaperCulling> nah_;

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "gnomon/error.h"
+#include "gnomon/video.h"
 #include "io/file/atomic_file.h"
 #include "video/process.h"
 
@@ -177,3 +178,18 @@ bool have_ffmpeg(const Progress& progress)
 }
 
 }   // namespace gnomon::video
+
+namespace gnomon {
+
+bool can_encode_video(const Progress& progress)
+{
+    return video::have_ffmpeg(progress);
+}
+
+void encode_video(const std::vector<std::filesystem::path>& pngs, double fps, const std::filesystem::path& out,
+                  const Progress& progress)
+{
+    video::encode_video(pngs, fps, out, progress);
+}
+
+}   // namespace gnomon

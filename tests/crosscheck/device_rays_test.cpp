@@ -363,7 +363,8 @@ TEST_F(DeviceRaysVulkan, SkipsTrianglesWithNonFiniteCorners)
     const float nan = std::numeric_limits<float>::quiet_NaN();
     scene.meshes.push_back(test::patchwork(3));
     const float strange[] = {nan, k_infinity, -1e30f};
-    for (std::size_t i = 0; i < 9; ++i) scene.meshes.edit(1).positions[9 * i + 5][static_cast<int>(i % 3)] = strange[i / 3];
+    for (std::size_t i = 0; i < 9; ++i)
+        scene.meshes.edit(1).positions[9 * i + 5][static_cast<int>(i % 3)] = strange[i / 3];
     scene.meshes.push_back(test::patchwork(4));
     scene::VertexKeys keys;
     keys.times = {0, 1, 2, 3};

@@ -267,8 +267,8 @@ TEST_F(RasterCrosscheck, ColoursOfNormalMapsEqualTheTracedFrame)
     camera.node = scene.add_node("camera", scene::none, test::translation(0, 0, 7));
     scene.cameras.push_back(camera);
     scene::Scene whole = *test::finished(scene);
-    const Scene lit =
-        api::public_scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point -6 6 4 300 280 260"});
+    const Scene lit = api::public_scene(std::make_shared<const scene::Scene>(std::move(whole)))
+                          .with_light_specs({"point -6 6 4 300 280 260"});
     expect_same_light(lit, 1, 0.95);
 }
 
@@ -302,8 +302,8 @@ TEST_F(RasterCrosscheck, BackdropsAndCourtyardFillLightEqualTheTracedFrame)
     whole.background.kind = scene::Background::Kind::sky;
     whole.background.color = glm::vec3(0.1f);
     scene::add_default_camera(whole);
-    const Scene lit =
-        api::public_scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 0 9 4 300 280 260"});
+    const Scene lit = api::public_scene(std::make_shared<const scene::Scene>(std::move(whole)))
+                          .with_light_specs({"point 0 9 4 300 280 260"});
     std::vector<float> seen[2];
     for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
         RenderOptions options = options_of(renderer, {96, 64});
@@ -392,8 +392,8 @@ TEST_F(RasterCrosscheck, SingularTransformsAreHandledAsInTheTracedFrame)
                 std::make_shared<test::JumpTrack>(1, flat, flat * test::translation(0.1, 0, 0));
         scene::Scene whole = *test::finished(made);
         scene::add_default_camera(whole);
-        const Scene scene =
-            api::public_scene(std::make_shared<const scene::Scene>(std::move(whole))).with_light_specs({"point 2 9 1 300 280 260"});
+        const Scene scene = api::public_scene(std::make_shared<const scene::Scene>(std::move(whole)))
+                                .with_light_specs({"point 2 9 1 300 280 260"});
         const Size size{120, 90};
         for (const ShadowTextures method :
              {ShadowTextures::coherent, ShadowTextures::depth, ShadowTextures::per_caster}) {

@@ -3,8 +3,8 @@
 // Memory settles, and at random frames the image equals that of a new renderer.
 #include <gtest/gtest.h>
 
-#include "api/scene_access.h"
 #include <unistd.h>
+#include "api/scene_access.h"
 
 #include <fstream>
 

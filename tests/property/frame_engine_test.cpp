@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A long-lived frame engine whose options, times and overrides change makes the same images as a new engine each time.
+// A long-lived frame engine whose options, times and values of a host change makes the same images as a new engine each
+// time.
 #include "frame/frame_engine.h"
 
 #include <gtest/gtest.h>
@@ -12,8 +13,8 @@ namespace gnomon {
 namespace {
 
 using frame::FrameEngine;
+using frame::HostValues;
 using frame::Shown;
-using frame::UserOverride;
 
 constexpr Size k_size{40, 32};
 
@@ -57,10 +58,11 @@ struct Rendered {
 };
 
 Rendered render(FrameEngine& engine, const std::shared_ptr<const scene::Scene>& scene, double time,
-                const RenderOptions& options, std::span<const UserOverride> overrides)
+                const RenderOptions& options, HostValues* host = nullptr)
 {
-    engine.advance(scene, time, options, overrides);
+    engine.advance(scene, time, options, host);
     engine.render(engine.make_view(0, k_size), {.overlay_lights = {0}});
+    if (host) host->end_frame();
     Rendered result;
     if (engine.shown() == Shown::shadow_states || engine.shown() == Shown::clusters) {
         result.overlay = engine.paint_overlay({"light 0"}).data;
@@ -83,10 +85,10 @@ void compare_with_new_engines(const std::vector<Case>& cases, int steps, std::ui
             static_cast<std::uint32_t>(step) < count ? static_cast<std::size_t>(step) : random.below(count);
         const Case& c = cases[which];
         const double time = scene->timeline.time_of(1 + static_cast<int>(random.below(12)));
-        const Rendered now = render(kept, scene, time, c.options, {});
+        const Rendered now = render(kept, scene, time, c.options);
         if (!c.compared) continue;
         FrameEngine fresh({.threads = 1});
-        const Rendered expected = render(fresh, scene, time, c.options, {});
+        const Rendered expected = render(fresh, scene, time, c.options);
         EXPECT_TRUE(same_bits(now.color, expected.color)) << "step " << step << ", case " << which;
         EXPECT_TRUE(same_bits(now.indirect, expected.indirect)) << "step " << step << ", case " << which;
         EXPECT_EQ(now.overlay, expected.overlay) << "step " << step << ", case " << which;
@@ -127,7 +129,7 @@ int different(const std::vector<float>& a, const std::vector<float>& b)
     return count;
 }
 
-TEST(FrameEngine, UserOverridesTakeEffectAndAreReleased)
+TEST(FrameEngine, TransformsOfAHostTakeEffectAndAreReleased)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     RenderOptions options;
@@ -137,14 +139,24 @@ TEST(FrameEngine, UserOverridesTakeEffectAndAreReleased)
         if (!object.dynamic) node = object.node;
     ASSERT_NE(node, scene::none);
     FrameEngine engine({.threads = 1});
-    const Rendered before = render(engine, scene, 0, options, {});
-    const std::vector<UserOverride> taken = {{node, {0, 0.3f, 0}}};
-    EXPECT_GT(different(render(engine, scene, 0, options, taken).color, before.color), 100);
+    const Rendered before = render(engine, scene, 0, options);
+
+    // Raise a static object. The values then declare it dynamic, in a scene of their own.
+    HostValues host(scene);
+    glm::dmat4 raised = scene->nodes[node].local;
+    raised[3] += glm::dvec4(0, 0.3, 0, 0);
+    host.set_transform(node, &raised);
+    host.settle();
+    ASSERT_NE(host.scene(), scene);
+    const Rendered moved = render(engine, host.scene(), 0, options, &host);
+    EXPECT_GT(different(moved.color, before.color), 100);
+    FrameEngine fresh({.threads = 1});
+    EXPECT_TRUE(same_bits(render(fresh, host.scene(), 0, options, &host).color, moved.color));
+
     // A promoted object keeps an instance of its own, so that its vertices are rounded differently.
-    const Rendered released = render(engine, scene, 0, options, {});
-    EXPECT_LT(different(released.color, before.color), 20);
-    const std::vector<UserOverride> missing = {{static_cast<scene::NodeId>(scene->nodes.size()), {0, 1, 0}}};
-    EXPECT_TRUE(same_bits(render(engine, scene, 0, options, missing).color, released.color));
+    host.set_transform(node, nullptr);
+    host.settle();
+    EXPECT_LT(different(render(engine, host.scene(), 0, options, &host).color, before.color), 20);
 }
 
 TEST(FrameEngine, RendersAfterAnInterruptedFrame)
@@ -158,8 +170,7 @@ TEST(FrameEngine, RendersAfterAnInterruptedFrame)
         EXPECT_THROW(engine.render(engine.make_view(0, k_size), {}, [](const ProgressStep&) { return false; }),
                      InterruptedError);
         const double later = scene->timeline.time_of(3);
-        EXPECT_TRUE(
-            same_bits(render(engine, scene, later, options, {}).color, render(fresh, scene, later, options, {}).color));
+        EXPECT_TRUE(same_bits(render(engine, scene, later, options).color, render(fresh, scene, later, options).color));
     }
 }
 
@@ -168,11 +179,10 @@ TEST(FrameEngine, FollowsAnAdvanceThatWasNotRendered)
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     const RenderOptions options;
     FrameEngine engine({.threads = 1, .culls_first_frame = true}), fresh({.threads = 1});
-    for (const int frame : {1, 2, 3}) render(engine, scene, scene->timeline.time_of(frame), options, {});
+    for (const int frame : {1, 2, 3}) render(engine, scene, scene->timeline.time_of(frame), options);
     engine.advance(scene, scene->timeline.time_of(20), options);
     const double time = scene->timeline.time_of(4);
-    EXPECT_TRUE(
-        same_bits(render(engine, scene, time, options, {}).color, render(fresh, scene, time, options, {}).color));
+    EXPECT_TRUE(same_bits(render(engine, scene, time, options).color, render(fresh, scene, time, options).color));
 }
 
 }   // namespace

@@ -83,7 +83,7 @@ TEST(Host, SameBytesAndShadowRaysAsABendingTube)
 // A tetrahedron that grows, and one whose morph never changes.
 std::filesystem::path morphing_file(const test::ScratchFolder& folder)
 {
-    const std::vector<float> floats = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1,            // positions
+    const std::vector<float> floats = {0, 0, 0, 1,    0, 0, 0, 1, 0,    0, 0,    1,   // positions
                                        0, 0, 0, 0.5f, 0, 0, 0, 1, 0.3f, 0, 0.2f, 1,   // offsets of the target
                                        0, 1,                                          // times
                                        0, 1};                                         // weights
@@ -91,7 +91,8 @@ std::filesystem::path morphing_file(const test::ScratchFolder& folder)
     std::ofstream(folder / "morph.bin", std::ios::binary)
         .write(reinterpret_cast<const char*>(floats.data()), std::ssize(floats) * 4)
         .write(reinterpret_cast<const char*>(indices.data()), std::ssize(indices) * 2);
-    std::ofstream(folder / "morph.gltf") << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":136,"uri":"morph.bin"}],
+    std::ofstream(folder / "morph.gltf")
+        << R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":136,"uri":"morph.bin"}],
         "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":48},
             {"buffer":0,"byteOffset":96,"byteLength":8},{"buffer":0,"byteOffset":104,"byteLength":8},
             {"buffer":0,"byteOffset":112,"byteLength":24}],

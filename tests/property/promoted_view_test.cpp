@@ -6,10 +6,8 @@
 #include <chrono>
 #include <thread>
 
-#include "api/scene_access.h"
 #include "gnomon/scene.h"
 #include "sanitized.h"
-#include "scene/scene.h"
 #include "viewer/session.h"
 #include "vk_helpers.h"
 
@@ -26,16 +24,26 @@ void wait_for(const Done& done)
     }
 }
 
+// What somebody asks for: where the block is, from where it stands.
+struct Asked {
+    ViewRequest request;
+    std::optional<glm::vec3> offset{};
+};
+
 // The last image of these requests, each shown whole before the next.
-Image8 last_of(std::vector<ViewRequest> requests)
+Image8 last_of(std::vector<Asked> all)
 {
     ViewSession session(2);
     SceneRecipe recipe;
     recipe.what = "builtin:cornell";
     session.load(recipe);
     wait_for([&] { return session.scene() || !session.load_state().error.empty(); });
-    for (ViewRequest& request : requests) {
+    for (auto& [request, offset] : all) {
         request.scene = session.scene();
+        if (offset) {
+            const NodeId block = session.scene()->find_node("short block");
+            request.overrides = {{block, session.scene()->transform(block), *offset}};
+        }
         session.ask(request);
         wait_for([&] { return !session.busy() && !session.refining(); });
     }
@@ -47,18 +55,13 @@ Image8 last_of(std::vector<ViewRequest> requests)
 
 void expect_warm_is_cold(const RenderOptions& options)
 {
-    const std::shared_ptr<const scene::Scene> scene = api::scene_of(load("builtin:cornell"));
-    scene::NodeId block = scene::none;
-    for (scene::NodeId n = 0; n < scene->nodes.size(); ++n)
-        if (scene->nodes[n].name == "short block") block = n;
-    ASSERT_NE(block, scene::none);
-    ViewRequest before;
-    before.size = {96, 96};
-    before.options = options;
-    before.options.exposure = 0;
-    ViewRequest promoted = before, higher = before;
-    promoted.hands = {{block, true, {0, 0.3f, 0.2f}}};
-    higher.hands = {{block, true, {-0.1f, 0.6f, 0.3f}}};
+    Asked before;
+    before.request.size = {96, 96};
+    before.request.options = options;
+    before.request.options.exposure = 0;
+    Asked promoted = before, higher = before;
+    promoted.offset = {0, 0.3f, 0.2f};
+    higher.offset = {-0.1f, 0.6f, 0.3f};
     const Image8 cold = last_of({higher});
     EXPECT_TRUE(cold.data == last_of({before, promoted, higher}).data) << static_cast<int>(options.indirect);
     EXPECT_FALSE(cold.data == last_of({before}).data);

@@ -26,7 +26,10 @@ class CheckLayers(unittest.TestCase):
             ("cli/subcommand_render.cpp", "cli/subcommands.h"), ("cli/subcommand_render.cpp", "options/b.h"),
             ("src/irradiance_cache/vulkan/a.cpp", "ray/vulkan/b.h"), ("bench/core/a.cpp", "ray/embree/b.h"), ("examples/a.cpp", "gnomon/gnomon.h"),
             ("examples/a.cpp", "shapes.h"),
-            ("include/gnomon/a.h", "gnomon/b.h"),
+            ("include/gnomon/a.h", "gnomon/b.h"), ("viewer/a.cpp", "viewer/b.h"), ("viewer/a.cpp", "base/b.h"),
+            ("viewer/a.cpp", "options/b.h"), ("viewer/a.cpp", "io/file/b.h"), ("viewer/a.cpp", "gnomon/b.h"),
+            ("cli/output.cpp", "io/file/b.h"), ("cli/subcommand_bench_trace.cpp", "scene/b.h"),
+            ("cli/subcommand_bench_trace.cpp", "bench/core/b.h"),
         ]:
             with self.subTest(name=name, included=included):
                 result = check({name: included})
@@ -48,6 +51,21 @@ class CheckLayers(unittest.TestCase):
                 self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
                 self.assertIn(f"{name}:2: ", result.stdout)
 
+    # The viewer and the subcommands other than benches use the public interface: what they lack is missing from it.
+    def test_viewer_and_subcommands_use_the_public_interface(self):
+        users = ["viewer/session.cpp", "viewer/session.h", "viewer/deep/a.cpp", "cli/subcommand_view.cpp",
+                 "cli/subcommand_devices.cpp", "cli/subcommand_render.cpp", "cli/signals.h", "cli/new.cpp"]
+        for name in users:
+            for included in ["frame/frame_engine.h", "scene/scene.h", "api/scene_access.h", "video/encoder.h",
+                             "vk/instance.h", "io/image/image_file.h", "image/tone_map.h", "bench/core/a.h"]:
+                with self.subTest(name=name, included=included):
+                    result = check({name: included})
+                    self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+                    self.assertIn(f"{name}:2: ", result.stdout)
+                    self.assertIn("include/gnomon", result.stdout)
+        result = check({"cli/subcommand_render.cpp": "viewer/viewer.h"})
+        self.assertEqual(result.returncode, 1, "the viewer belongs to its subcommand")
+
     def test_the_table_names_what_is_there(self):
         root = k_tool.parents[1]
         sys.dont_write_bytecode = True
@@ -58,8 +76,15 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual({name for name in named if "/" not in name}, folders)
         for name in named | set().union(*check_layers.k_may_include.values()):
             self.assertTrue((root / "src" / name).is_dir() or name in check_layers.k_beside_src, name)
-        files = [path.relative_to(root).as_posix() for path in (root / "cli").iterdir()]
-        self.assertTrue([name for name in files if check_layers.k_public_only.fullmatch(name)])
+        self.assertTrue((root / check_layers.k_opens_viewer).is_file())
+        for top, public in [("viewer", "session.cpp"), ("cli", "subcommand_render.cpp")]:
+            files = {path.relative_to(root).as_posix() for path in (root / top).iterdir()}
+            self.assertIn(f"{top}/{public}", files)
+            self.assertTrue(check_layers.k_public_only.fullmatch(f"{top}/{public}"))
+        benches = [path for path in (root / "cli").glob("subcommand_bench_*.cpp")]
+        self.assertTrue(benches)
+        for path in benches:
+            self.assertFalse(check_layers.k_public_only.fullmatch(path.relative_to(root).as_posix()))
 
     def test_empty_tree_is_a_fault(self):
         self.assertEqual(check({}).returncode, 1)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth, ids and motion at the pixels' centres against closed forms.
-#include "api/scene_access.h"
 #include "trace/centre_layers.h"
+#include "api/scene_access.h"
 
 #include <gtest/gtest.h>
 

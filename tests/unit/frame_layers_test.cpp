@@ -147,6 +147,13 @@ TEST(Pick, NeedsAFrameAndAPlaceInIt)
     EXPECT_THROW(renderer.pick(-1, 1), UsageError);
     EXPECT_THROW(renderer.pick(1, 36), UsageError);
     EXPECT_THROW(renderer.pick(48, std::numeric_limits<int>::min()), UsageError);
+    const Pick plain = renderer.pick(24, 18);
+    RenderOptions overlay = with_layers();
+    overlay.overlay = Overlay::shadow_states;
+    Renderer titled(overlay);
+    EXPECT_EQ(titled.render(scene, 1).view_size, (Size{48, 36}));
+    EXPECT_EQ(titled.pick(24, 18).position, plain.position) << "the view's pixels, not the image's";
+    EXPECT_THROW(titled.pick(48, 0), UsageError);
     EXPECT_THROW(renderer.render(scene, 2, [](const ProgressStep&) { return false; }), InterruptedError);
     EXPECT_THROW(renderer.pick(1, 1), UsageError);
     EXPECT_THROW(renderer.report(), UsageError);

@@ -4,16 +4,31 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/builtin/builtin.h"
+#include "gnomon/scene.h"
 
 namespace gnomon::viewer {
 namespace {
 
-scene::View some_view()
+constexpr Size k_size{64, 48};
+
+Camera some_camera()
 {
-    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
-    const scene::SceneState state(scene, 0);
-    return scene::make_view(state, 0, {64, 48});
+    const Scene scene = load("builtin:cornell");
+    return scene.camera(scene.cameras().front());
+}
+
+glm::vec3 axis_of(const Camera& camera, std::size_t column)
+{
+    const auto& m = camera.transform.m;
+    return glm::vec3(glm::dvec3(m[4 * column], m[4 * column + 1], m[4 * column + 2]));
+}
+glm::vec3 right_of(const Camera& camera)
+{
+    return axis_of(camera, 0);
+}
+glm::vec3 up_of(const Camera& camera)
+{
+    return axis_of(camera, 1);
 }
 
 void expect_near(const glm::vec3& a, const glm::vec3& b, float room)
@@ -23,62 +38,90 @@ void expect_near(const glm::vec3& a, const glm::vec3& b, float room)
 
 TEST(OrbitCamera, StartsAtTheSceneCamera)
 {
-    const scene::View view = some_view();
-    OrbitCamera camera;
-    camera.follow(view, 2);
-    const scene::View own = camera.view(view.size);
-    expect_near(own.eye, view.eye, 1e-5f);
-    expect_near(own.forward, view.forward, 1e-5f);
-    expect_near(own.right, view.right, 1e-5f);
-    expect_near(own.up, view.up, 1e-5f);
-    EXPECT_FLOAT_EQ(own.pixel_spread, view.pixel_spread);
+    const Camera given = some_camera();
+    OrbitCamera orbit;
+    orbit.follow(given, k_size, 2);
+    const Camera own = orbit.camera();
+    for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(own.transform.m[i], given.transform.m[i], 1e-5) << "element " << i;
+    Camera expected = given;
+    expected.transform = own.transform;
+    EXPECT_EQ(own, expected) << "the projection is kept";
 }
 
 TEST(OrbitCamera, OrbitsItsPivotAndStaysUpright)
 {
-    OrbitCamera camera;
-    camera.follow(some_view(), 2);
-    const glm::vec3 pivot = camera.pivot();
+    OrbitCamera orbit;
+    orbit.follow(some_camera(), k_size, 2);
+    const glm::vec3 pivot = orbit.pivot();
     for (int i = 0; i < 20; ++i) {
-        camera.orbit(0.3f, 0.2f);
-        const scene::View view = camera.view({64, 48});
-        EXPECT_NEAR(glm::length(view.eye - pivot), 2, 1e-4f);
-        expect_near(view.eye + 2.0f * view.forward, pivot, 1e-4f);
-        EXPECT_GT(view.up.y, 0) << "the camera stays upright";
+        orbit.orbit(0.3f, 0.2f);
+        const Camera camera = orbit.camera();
+        EXPECT_NEAR(glm::length(eye_of(camera) - pivot), 2, 1e-4f);
+        expect_near(eye_of(camera) + 2.0f * forward_of(camera), pivot, 1e-4f);
+        EXPECT_GT(up_of(camera).y, 0) << "the camera stays upright";
+        EXPECT_NEAR(glm::length(glm::cross(right_of(camera), up_of(camera)) + forward_of(camera)), 0, 1e-5f);
     }
-    camera.zoom(0.5f);
-    EXPECT_NEAR(glm::length(camera.view({64, 48}).eye - pivot), 1, 1e-4f);
+    orbit.zoom(0.5f);
+    EXPECT_NEAR(glm::length(eye_of(orbit.camera()) - pivot), 1, 1e-4f);
 }
 
 TEST(OrbitCamera, LooksAndFliesFromTheEye)
 {
-    OrbitCamera camera;
-    camera.follow(some_view(), 2);
-    const scene::View before = camera.view({64, 48});
-    camera.look(0.4f, 0.1f);
-    const scene::View after = camera.view({64, 48});
-    expect_near(after.eye, before.eye, 1e-4f);
-    EXPECT_GT(glm::dot(after.forward, before.right), 0) << "to the right";
-    EXPECT_GT(after.forward.y, before.forward.y);
-    camera.fly(1, 0, 0);
-    expect_near(camera.view({64, 48}).eye, after.eye + after.forward, 1e-4f);
+    OrbitCamera orbit;
+    orbit.follow(some_camera(), k_size, 2);
+    const Camera before = orbit.camera();
+    orbit.look(0.4f, 0.1f);
+    const Camera after = orbit.camera();
+    expect_near(eye_of(after), eye_of(before), 1e-4f);
+    EXPECT_GT(glm::dot(forward_of(after), right_of(before)), 0) << "to the right";
+    EXPECT_GT(forward_of(after).y, forward_of(before).y);
+    orbit.fly(1, 0, 0);
+    expect_near(eye_of(orbit.camera()), eye_of(after) + forward_of(after), 1e-4f);
     const glm::vec3 target(0.3f, 0.2f, -0.1f);
-    camera.aim(target);
-    const scene::View aimed = camera.view({64, 48});
-    expect_near(aimed.eye + camera.distance() * aimed.forward, target, 1e-4f);
+    orbit.aim(target);
+    const Camera aimed = orbit.camera();
+    expect_near(eye_of(aimed) + orbit.distance() * forward_of(aimed), target, 1e-4f);
 }
 
+// The same camera as field of view, intrinsics and matrix: half the height of the view, which the pointer crosses, is
+// the same fraction of the distance.
 TEST(OrbitCamera, PansByTheSameFractionOfTheViewAtAnyDistance)
 {
-    for (const float distance : {0.5f, 5.0f}) {
-        OrbitCamera camera;
-        camera.follow(some_view(), distance);
-        const glm::vec3 before = camera.pivot();
-        const scene::View view = camera.view({64, 48});
-        camera.pan(0.5f, 0);   // half the height to the right: the scene follows the pointer, the eye moves left
-        const glm::vec3 went = camera.pivot() - before;
-        EXPECT_LT(glm::dot(went, view.right), 0);
-        EXPECT_NEAR(glm::length(went), glm::length(view.up) * distance, 1e-3f * distance);
+    Camera by_angle = some_camera();
+    by_angle.vertical_fov = 2 * std::atan(0.5);
+    Camera by_pixels = by_angle, by_matrix = by_angle;
+    by_pixels.intrinsics = Intrinsics{48, 48, 32, 24, {}};   // of 64 x 48 pixels
+    by_matrix.matrix = Transform{};
+    by_matrix.matrix->m = {1.5, 0, 0, 0, 0, 2, 0, 0, 0, 0, -1, -1, 0, 0, -0.02, 0};
+    for (const Camera& given : {by_angle, by_pixels, by_matrix})
+        for (const float distance : {0.5f, 5.0f}) {
+            OrbitCamera orbit;
+            orbit.follow(given, k_size, distance);
+            const glm::vec3 before = orbit.pivot();
+            orbit.pan(0.5f, 0);   // half the height to the right: the scene follows the pointer, the eye moves left
+            const glm::vec3 went = orbit.pivot() - before;
+            EXPECT_LT(glm::dot(went, right_of(orbit.camera())), 0);
+            EXPECT_NEAR(glm::length(went), 0.5f * distance, 1e-4f * distance);
+        }
+    OrbitCamera orbit;
+    orbit.follow(by_pixels, k_size, 1);
+    EXPECT_EQ(orbit.camera().intrinsics->size, k_size) << "they belong to the size that was followed";
+}
+
+TEST(OrbitCamera, ZoomsAnOrthographicCameraByItsHeight)
+{
+    Camera by_height = some_camera();
+    by_height.orthographic_height = 3;
+    Camera by_matrix = some_camera();
+    by_matrix.matrix = Transform{};
+    by_matrix.matrix->m[5] = 2.0 / 3;
+    for (const Camera& given : {by_height, by_matrix}) {
+        OrbitCamera orbit;
+        orbit.follow(given, k_size, 4);
+        EXPECT_NEAR(orbit.camera().orthographic_height.value(), 3, 1e-5);
+        orbit.zoom(0.5f);
+        EXPECT_NEAR(orbit.camera().orthographic_height.value(), 1.5, 1e-5);
+        EXPECT_FALSE(orbit.camera().matrix);
     }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer's window asks for and gets.
 #ifdef GNOMON_VIEWER
-#include "api/scene_access.h"
 #include "viewer/session.h"
 
 #include <gtest/gtest.h>
@@ -55,19 +54,12 @@ ViewRequest at(double time)
     return request;
 }
 
-// A user override that raises a node a little above where it is now.
-HandMoved promoted(scene::NodeId node)
+// A user override that raises a node a little above where it is when the clip begins.
+UserOverride raised(const Scene& scene, const std::string& name)
 {
-    return {node, true, glm::vec3(0, 0.3f, 0)};
-}
-
-scene::NodeId node_called(const Scene& scene, const std::string& name)
-{
-    const auto& nodes = api::scene_of(scene)->nodes;
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-        if (nodes[n].name == name) return static_cast<scene::NodeId>(n);
-    ADD_FAILURE() << "no node " << name;
-    return 0;
+    const NodeId node = scene.find_node(name);
+    EXPECT_TRUE(node) << "no node " << name;
+    return {node, scene.transform(node), glm::vec3(0, 0.3f, 0)};
 }
 
 bool same(const std::shared_ptr<const ViewImage>& a, const std::shared_ptr<const ViewImage>& b)
@@ -75,18 +67,56 @@ bool same(const std::shared_ptr<const ViewImage>& a, const std::shared_ptr<const
     return a && b && a->image.data == b->image.data;
 }
 
-TEST(ViewSession, IgnoresUserOverridesOfMissingNodes)
+TEST(ViewSession, UserOverrideOfAMissingNodeFailsItsFrameOnly)
 {
     ViewSession session(1);
     load(session);
     const auto plain = finished(session, at(0));
     ViewRequest request = at(0);
     request.scene = session.scene();
-    const auto nodes = static_cast<scene::NodeId>(api::scene_of(*session.scene())->nodes.size());
-    request.hands = {promoted(nodes), promoted(nodes + 100)};
-    for (int i = 0; i < 2; ++i) EXPECT_TRUE(same(finished(session, request), plain));
-    request.hands.push_back(promoted(node_called(*session.scene(), "ball")));
+    request.overrides = {raised(gnomon::load("builtin:cornell"), "ball")};   // the ids of another scene
+    const std::uint64_t bad = session.ask(request);
+    ASSERT_TRUE(comes([&] { return !session.busy(); }));
+    EXPECT_EQ(session.load_state().failed, bad);
+    EXPECT_NE(session.load_state().frame_error, "");
+    request.overrides = {raised(*session.scene(), "ball")};
     EXPECT_FALSE(same(finished(session, request), plain));
+    EXPECT_EQ(session.load_state().frame_error, "");
+    EXPECT_TRUE(same(finished(session, at(0)), plain)) << "an override is released when it ends";
+}
+
+// The picked object is held where the image shows it, and stays there while the clip goes on.
+TEST(ViewSession, UserOverrideHoldsThePickedObject)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0.4);
+    request.scene = session.scene();
+    std::optional<Picked> ball;
+    for (int step = 1; step < 32 && !ball; ++step)
+        for (int row = 1; row < 24 && !ball; ++row) {
+            request.pick = glm::vec2(static_cast<float>(step) / 32, static_cast<float>(row) / 24);
+            const auto image = finished(session, request);
+            ASSERT_TRUE(image && image->picked);
+            if (image->picked->name == "ball") ball = image->picked;
+        }
+    ASSERT_TRUE(ball) << "the ball is in the image";
+    EXPECT_EQ(ball->mobility, "moves");
+    request.pick.reset();
+    const auto before = finished(session, request);
+    ASSERT_TRUE(before && before->picked) << "later images still say what was picked";
+    EXPECT_EQ(before->picked->instance, ball->instance);
+    EXPECT_EQ(before->picked->transform, ball->transform);
+
+    // Only the ball moves in this clip.
+    request.overrides = {{ball->node, ball->transform, glm::vec3(0)}};
+    request.time = 1.1;
+    const auto held = finished(session, request);
+    EXPECT_TRUE(same(held, before));
+    request.overrides.clear();
+    const auto moved = finished(session, request);
+    EXPECT_FALSE(same(moved, before));
+    EXPECT_NE(moved->picked->transform, ball->transform) << "it follows the image";
 }
 
 // Hidden by its parent's scale of 0 when it was taken.
@@ -114,7 +144,7 @@ TEST(ViewSession, UserOverrideOfASingularTransformHoldsTheObject)
     const auto with_hand = [&](ViewSession& s, double time) {
         ViewRequest request = at(time);
         request.scene = s.scene();
-        request.hands = {promoted(node_called(*s.scene(), "triangle"))};
+        request.overrides = {raised(*s.scene(), "triangle")};
         return finished(s, request);
     };
     ASSERT_TRUE(with_hand(session, 0));
@@ -130,13 +160,13 @@ TEST(ViewSession, IgnoresRequestsMadeForAnotherScene)
     load(session);
     ViewRequest request = at(0);
     request.scene = session.scene();
-    request.hands = {promoted(node_called(*session.scene(), "ball"))};
-    request.pick = {24, 18};
+    request.overrides = {raised(*session.scene(), "ball")};
+    request.pick = {0.5f, 0.5f};
     const auto before = finished(session, request);
     ASSERT_TRUE(before && before->picked);
     EXPECT_EQ(before->scene, request.scene);
-    request.eye = before->eye;
-    request.eye->eye.x += 0.2f;
+    request.orbit = before->camera;
+    request.orbit->transform.m[12] += 0.2;
     load(session, 12);
     const auto after = finished(session, request);
     ASSERT_TRUE(after);
@@ -166,8 +196,8 @@ TEST(ViewSession, OverlayDoesNotWaitForIndirectLight)
     overlay.options.overlay = Overlay::shadow_states;
     const auto shown = finished(session, overlay);
     ASSERT_TRUE(shown);
-    EXPECT_TRUE(shown->complete);
-    EXPECT_TRUE(finished(session, at(0))->complete);
+    EXPECT_TRUE(shown->frame.complete);
+    EXPECT_TRUE(finished(session, at(0))->frame.complete);
 }
 
 TEST(ViewSession, OverlaysReportTheirViewRectangle)
@@ -176,13 +206,16 @@ TEST(ViewSession, OverlaysReportTheirViewRectangle)
     load(session);
     const auto plain = finished(session, at(0));
     ASSERT_TRUE(plain);
-    EXPECT_EQ(plain->corner, glm::ivec2(0));
+    EXPECT_EQ(glm::ivec2(plain->frame.view_left, plain->frame.view_top), glm::ivec2(0));
     ViewRequest overlay = at(0);
     overlay.options.overlay = Overlay::shadow_states;
     const auto shown = finished(session, overlay);
     ASSERT_TRUE(shown);
     const auto tone = [&](int x, int y) { return *shown->image.pixel(x, y); };
-    const glm::ivec2 first = shown->corner, end = first + glm::ivec2(shown->eye.size.width, shown->eye.size.height);
+    const Size size = shown->frame.view_size;
+    EXPECT_EQ(size, overlay.size);
+    const glm::ivec2 first(shown->frame.view_left, shown->frame.view_top),
+        end = first + glm::ivec2(size.width, size.height);
     ASSERT_TRUE(first.x > 0 && first.y > 0 && end.x < shown->image.width && end.y < shown->image.height);
     const auto paper = tone(0, 0);
     const int x = (first.x + end.x) / 2, y = (first.y + end.y) / 2;
@@ -200,7 +233,7 @@ TEST(ViewSession, NewRequestInterruptsRefinement)
     load(session);
     ViewRequest first = at(0);
     first.scene = session.scene();
-    first.pick = {80, 60};
+    first.pick = {0.5f, 0.5f};
     first.size = {160, 120};   // hundreds of images
     session.ask(first);
     ASSERT_TRUE(comes([&] { return session.refining(); }));
@@ -208,14 +241,76 @@ TEST(ViewSession, NewRequestInterruptsRefinement)
     ViewRequest second = at(0.8);
     second.whole = true;
     const std::uint64_t wanted = session.ask(second);
-    const std::uint64_t shown = session.image(0)->number;
+    const std::uint64_t shown = session.image(0)->number;   // no image of the first request follows this one
     std::shared_ptr<const ViewImage> next;
     ASSERT_TRUE(comes([&] {
         next = session.image(shown - 1);
         return next->request == wanted;
     }));
-    EXPECT_LE(next->number, shown + 2) << "only the one under way comes before it";
+    EXPECT_LE(next->number, shown + 1) << "the refined one under way is interrupted";
     EXPECT_TRUE(next->picked) << "the answer came with an image that nobody may have taken";
+}
+
+// A frame of seconds ends within a fraction of one when a newer request comes, and what it remembered stays true.
+TEST(ViewSession, NewRequestInterruptsTheFrameInProgress)
+{
+    using Clock = std::chrono::steady_clock;
+    const auto seconds_since = [](Clock::time_point start) {
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    };
+    const auto slow = [](double time) {
+        ViewRequest request = at(time);
+        request.size = {320, 240};
+        request.options.samples = 64;
+        return request;
+    };
+    // A refining frame, and a first image that only sharpens what is shown.
+    double whole = 0;   // seconds of such a frame
+    for (const bool refines : {true, false}) {
+        ViewSession session(1, refines ? k_few_rays : ViewSession::k_rays_a_frame), fresh(1);
+        load(session), load(fresh);
+        ViewRequest first = slow(0.8);
+        first.interruptible = !refines;
+        if (!refines) finished(session, at(0));
+        const Clock::time_point start = Clock::now();
+        session.ask(first);
+        if (refines) {
+            ASSERT_TRUE(comes([&] { return session.refining(); }));
+            whole = seconds_since(start);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));   // the frame is in progress
+        EXPECT_EQ(session.interruptible(), !refines);
+        const std::uint64_t shown = session.image(0)->number;
+        const Clock::time_point asked = Clock::now();
+        const std::uint64_t wanted = session.ask(at(0.2));
+        ASSERT_TRUE(comes([&] { return session.image(0)->request == wanted; }));
+        const double reaction = seconds_since(asked);
+        EXPECT_LT(reaction, 0.5 * whole);
+        EXPECT_EQ(session.image(shown)->number, shown + 1) << "nothing of the first request was shown meanwhile";
+        ASSERT_TRUE(comes([&] { return !session.busy() && !session.refining(); }));
+        EXPECT_TRUE(same(session.image(0), finished(fresh, at(0.2))));
+        EXPECT_EQ(session.load_state().frame_error, "");
+    }
+}
+
+// A frame that nobody has seen yet is finished: it is what the window shows next.
+TEST(ViewSession, NewRequestWaitsForTheFirstImage)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest first = at(0);
+    first.size = {160, 120};
+    first.interruptible = true;
+    first.whole = true;   // it is to be saved, which counts for more
+    const std::uint64_t saved = session.ask(first);
+    ASSERT_TRUE(comes([&] { return session.busy(); }));
+    EXPECT_FALSE(session.interruptible());
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    session.ask(at(0.2));
+    std::shared_ptr<const ViewImage> image;
+    ASSERT_TRUE(comes([&] { return (image = session.image(0)) != nullptr; }));
+    EXPECT_EQ(image->request, saved);
+    EXPECT_FALSE(image->frame.layers.empty()) << "it can be saved";
 }
 
 TEST(ViewSession, WholeFrameEqualsTheRefinedOne)
@@ -225,7 +320,7 @@ TEST(ViewSession, WholeFrameEqualsTheRefinedOne)
     ViewRequest request = at(0.8);
     const auto refined = finished(session, request);
     ASSERT_TRUE(refined);
-    EXPECT_TRUE(refined->complete);
+    EXPECT_TRUE(refined->frame.complete);
     EXPECT_GT(refined->number, 2u);
     request.whole = true;
     const auto whole = finished(other, request);
@@ -259,7 +354,7 @@ TEST(ViewSession, GathersIndirectLightOnTheDeviceIfRequested)
         request.options.indirect_on = on;
         const auto image = finished(session, request);
         ASSERT_TRUE(image);
-        EXPECT_EQ(image->counters.indirect.gathered_by_vulkan, on == IndirectOn::vulkan);
+        EXPECT_EQ(image->frame.counters.indirect.gathered_by_vulkan, on == IndirectOn::vulkan);
     }
 }
 #endif
