@@ -2,6 +2,7 @@
 #include "irradiance_cache/irradiance_cache.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "base/check.h"
 #include "irradiance_cache/near_field/near_evaluator.h"
@@ -89,7 +90,7 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
     const bool promoted = !changes.promoted.empty();
     if (promoted) drop_static_results();
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
-    if (first || !changes.changed.empty()) enclose_dynamic_objects();
+    if (first || !changes.changed.empty()) follow_dynamic_objects(first);
     evaluator_->begin_frame(frame_);
     updating_ = false;
 }
@@ -107,40 +108,56 @@ void IrradianceCache::find_dynamic_groups()
 {
     const scene::SceneState& state = *frame_.state;
     dynamic_groups_.clear();
+    std::unordered_map<std::uint32_t, std::size_t> group_of_owner;
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
         if (!state.is_dynamic(o) || !casters_.casts(o)) continue;
         const std::uint32_t owner = lights_.owner_of(o);
-        const auto at = std::find_if(dynamic_groups_.begin(), dynamic_groups_.end(),
-                                     [&](const DynamicGroup& group) { return group.owner == owner; });
-        if (at == dynamic_groups_.end())
-            dynamic_groups_.push_back({owner, {o}});
-        else
-            at->objects.push_back(o);
+        const auto [at, first] = group_of_owner.try_emplace(owner, dynamic_groups_.size());
+        if (first) dynamic_groups_.emplace_back();
+        dynamic_groups_[at->second].push_back(o);
     }
+}
+
+Sphere IrradianceCache::sphere_around(scene::ObjectId object) const
+{
+    const Box3& box = casters_.box(object);
+    const glm::mat4 m = frame_.state->object_matrix(object);
+    Box3 world;
+    for (int corner = 0; corner < 8; ++corner)
+        world.add(transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                               corner & 4 ? box.high.z : box.low.z)));
+    return {world.centre(), 0.5f * world.diagonal() * k_grown};
 }
 
 // Encloses the visible dynamic objects in spheres.
 void IrradianceCache::enclose_dynamic_objects()
 {
     const scene::SceneState& state = *frame_.state;
-    ++frame_.dynamic_version;
     dynamic_bounds_.clear();
-    for (const DynamicGroup& group : dynamic_groups_) {
+    sphere_of_.assign(state.scene().objects.size(), scene::none);
+    for (const std::vector<scene::ObjectId>& group : dynamic_groups_) {
         std::vector<Sphere> spheres;
-        for (const scene::ObjectId o : group.objects) {
-            if (!state.object_visible(o)) continue;
-            const Box3& box = casters_.box(o);
-            if (box.empty()) continue;
-            const glm::mat4 m = state.object_matrix(o);
-            Box3 world;
-            for (int corner = 0; corner < 8; ++corner)
-                world.add(transform_point(
-                    m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                 corner & 4 ? box.high.z : box.low.z)));
-            spheres.push_back({world.centre(), 0.5f * world.diagonal() * k_grown});
-        }
+        for (const scene::ObjectId o : group)
+            if (state.object_visible(o) && !casters_.box(o).empty()) spheres.push_back(sphere_around(o));
+        if (group.size() == 1 && !spheres.empty())
+            sphere_of_[group.front()] = static_cast<std::uint32_t>(dynamic_bounds_.nodes().size());
         dynamic_bounds_.add(std::move(spheres));
     }
+}
+
+// Moves the spheres of objects that moved alone. Encloses all objects anew where the hierarchy may differ.
+void IrradianceCache::follow_dynamic_objects(bool first)
+{
+    ++frame_.dynamic_version;
+    const scene::FrameChanges& changes = frame_.state->changes();
+    const bool only_moved = !first && changes.promoted.empty() && changes.separated.empty() &&
+                            changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
+    const bool alone = std::all_of(changes.moved.begin(), changes.moved.end(), [&](scene::ObjectId o) {
+        return !casters_.casts(o) || (only_moved && sphere_of_[o] != scene::none);
+    });
+    if (!only_moved || !alone) return enclose_dynamic_objects();
+    for (const scene::ObjectId o : changes.moved)
+        if (casters_.casts(o)) dynamic_bounds_.move(sphere_of_[o], sphere_around(o));
 }
 
 bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)

@@ -83,12 +83,10 @@ class IrradianceCache {
     std::size_t points() const { return table_.size(); }
 
  private:
-    struct DynamicGroup {   // dynamic objects that move together
-        std::uint32_t owner;
-        std::vector<scene::ObjectId> objects;
-    };
     void find_dynamic_groups();
+    Sphere sphere_around(scene::ObjectId object) const;
     void enclose_dynamic_objects();
+    void follow_dynamic_objects(bool first);
     void drop_static_results();
     bool shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     void evaluate_claimed(Batch::Scratch& own);
@@ -103,8 +101,9 @@ class IrradianceCache {
     TriangleClusters clusters_;
     NearField near_field_;
     RayBudget budget_;
-    std::vector<DynamicGroup> dynamic_groups_;
+    std::vector<std::vector<scene::ObjectId>> dynamic_groups_;   // dynamic objects that move together
     MovingSpheres dynamic_bounds_;
+    std::vector<std::uint32_t> sphere_of_;   // by object: its node there if it moves alone, else none
     CacheFrame frame_;
     PointTable table_;
     std::unique_ptr<PointEvaluator> evaluator_;

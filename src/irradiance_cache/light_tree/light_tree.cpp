@@ -27,6 +27,7 @@ std::uint32_t morton(int x, int y)
 
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
 constexpr int k_smallest_side = 2;               // one level
+constexpr std::uint32_t k_block = 64;            // leaves that are counted together (DynamicFootprints)
 constexpr std::uint32_t k_rays_at_once = 4096;   // between interruption points; a multiple of every packet's width
 
 // The nodes of a view's pyramid, from the level of four nodes down.
@@ -187,7 +188,8 @@ void LightTree::make_view(View& view)
     }
     std::fill(view.occluded.begin(), view.occluded.end(), 0);
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
-    view.dynamic_objects.clear();
+    view.dynamic_objects.clear(count);
+    view.stray = 0;
     if (!view.on) return;
     const auto projections = light_views::project(light, at, bounds_, view.side, light_views::k_projection);
     view.projection = projections[static_cast<std::size_t>(view.face)];
@@ -228,6 +230,7 @@ void LightTree::make_view(View& view)
         node.flux = luminance(leaf.flux);
         static_flux_.set(leaves + i, leaf.flux);
         flux_.set(leaves + i, leaf.flux);
+        view.stray = std::max(view.stray, stray_of(view, leaf.sample, i));
     }
 
     // Pull up: means weighted by flux, over the four children in a fixed order.
@@ -267,8 +270,9 @@ void LightTree::make_view(View& view)
         quad.radius[lane] = node.radius, quad.area[lane] = node.area, quad.flux[lane] = node.flux;
         samples_.places[id] = glm::vec4(node.sample, samples_.places[id].w);   // see mark_changes()
     }
-    find_dynamic(view);
-    occlude_leaves(view, view.dynamic_objects);
+    std::vector<light_views::Rect> where;
+    find_dynamic(view, where);
+    occlude_leaves(view, where);
 }
 
 // Sums the four children in a fixed order.
@@ -279,18 +283,68 @@ void LightTree::sum_children(Flux& flux, NodeId id) const
     flux.set(id, sum);
 }
 
-void LightTree::find_dynamic(View& view) const
+void LightTree::DynamicFootprints::clear(std::size_t leaves)
 {
-    view.dynamic_objects.clear();
-    if (!view.on) return;
+    rects.clear();
+    covers.assign(leaves, 0);
+    in_block.assign((leaves + k_block - 1) / k_block, 0);
+    area = 0;
+}
+
+void LightTree::DynamicFootprints::count(const light_views::Rect& rect, bool add)
+{
+    const std::uint32_t by = add ? 1 : ~0u;
+    for (int y = rect.y0; y < rect.y1; ++y)
+        for (int x = rect.x0; x < rect.x1; ++x) {
+            const std::uint32_t i = morton(x, y);
+            covers[i] += by, in_block[i / k_block] += by;
+        }
+    const auto of_rect = static_cast<std::size_t>(rect.area());
+    area = add ? area + of_rect : area - of_rect;
+}
+
+light_views::Rect LightTree::DynamicFootprints::set(scene::ObjectId object, const light_views::Rect& rect)
+{
+    light_views::Rect before;
+    if (const auto at = rects.find(object); at != rects.end()) {
+        before = at->second;
+        rects.erase(at);
+    }
+    if (before == rect && rect.empty()) return before;
+    count(before, false);
+    count(rect, true);
+    if (!rect.empty()) rects.emplace(object, rect);
+    return before;
+}
+
+// Finds the footprints of all dynamic objects in a view that has none yet.
+void LightTree::find_dynamic(View& view, std::vector<light_views::Rect>& where) const
+{
     for (const scene::ObjectId o : dynamics_) {
         const light_views::Rect rect = casters_.footprint(view.projection, *state_, o);
-        if (!rect.empty()) view.dynamic_objects.push_back(rect);
+        if (rect.empty()) continue;
+        view.dynamic_objects.set(o, rect);
+        where.push_back(rect);
     }
 }
 
+// By how many texels a leaf's sample, which lies above the surface, may lie outside of a footprint that covers the
+// leaf: footprints are one texel wider than what they cover.
+int LightTree::stray_of(const View& view, const glm::vec3& sample, std::uint32_t leaf)
+{
+    const glm::dvec4 clip = glm::dmat4(view.projection.clip_from_world) * glm::dvec4(glm::dvec3(sample), 1);
+    if (!(clip.w > 0)) return view.side;
+    const glm::dvec2 at = (0.5 * glm::dvec2(clip) / clip.w + 0.5) * static_cast<double>(view.side);
+    const double off =
+        std::max(std::abs(at.x - (even_bits(leaf) + 0.5)), std::abs(at.y - (even_bits(leaf >> 1) + 0.5)));
+    constexpr double k_inside = 0.99;
+    if (off < k_inside) return 0;
+    return off < view.side ? static_cast<int>(std::ceil(off)) : view.side;
+}
+
 // Tests again whether dynamic objects occlude the leaves in some rectangles, and updates the flux of those that changed
-// and of the nodes above them.
+// and of the nodes above them. A leaf that no footprint covers is not occluded, so that the result depends on the
+// present state alone.
 void LightTree::occlude_leaves(View& view, const std::vector<light_views::Rect>& where)
 {
     if (where.empty()) return;
@@ -298,8 +352,8 @@ void LightTree::occlude_leaves(View& view, const std::vector<light_views::Rect>&
     // Select the lit leaves in the rectangles.
     std::vector<std::uint32_t> tested;
     for (const light_views::Rect& rect : where)
-        for (int y = rect.y0; y < rect.y1; ++y)
-            for (int x = rect.x0; x < rect.x1; ++x) {
+        for (int y = std::max(rect.y0 - view.stray, 0); y < std::min(rect.y1 + view.stray, view.side); ++y)
+            for (int x = std::max(rect.x0 - view.stray, 0); x < std::min(rect.x1 + view.stray, view.side); ++x) {
                 const std::uint32_t i = morton(x, y);
                 if (quads_[(leaves + i) / 4].flux[i % 4] > 0) tested.push_back(i);
             }
@@ -318,6 +372,8 @@ void LightTree::occlude_leaves(View& view, const std::vector<light_views::Rect>&
     }
     std::vector<std::uint8_t> occluded(tested.size() + ray::k_packet_pad);
     rays_->occluded(queue, 0, tested.size(), occluded.data(), ray::Against::dynamic_only);
+    for (std::size_t k = 0; k < tested.size(); ++k)
+        if (view.dynamic_objects.covers[tested[k]] == 0) occluded[k] = 0;
 
     // Set the flux of those that changed.
     std::vector<std::uint32_t> dirty;
@@ -375,19 +431,25 @@ void LightTree::gather_dynamic()
     std::vector<double> measure;
     std::vector<std::uint32_t> texels;
     for (const View& view : views_) {
-        // Select the texels of dynamic objects; of large objects only every few.
-        std::size_t area = 0;
-        for (const light_views::Rect& rect : view.dynamic_objects)
-            area += static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
+        // Select the texels of dynamic objects, in tree order; of large objects only every few.
+        if (!view.on || view.dynamic_objects.rects.empty()) continue;
+        const std::vector<std::uint32_t>& covers = view.dynamic_objects.covers;
         int step = 1;
-        while (area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) > options_.dynamic_rays)
+        while (view.dynamic_objects.area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) >
+               options_.dynamic_rays)
             step *= 2;
         texels.clear();
-        for (const light_views::Rect& rect : view.dynamic_objects)
-            for (int y = rect.y0 / step * step; y < rect.y1; y += step)
-                for (int x = rect.x0 / step * step; x < rect.x1; x += step) texels.push_back(morton(x, y));
-        std::sort(texels.begin(), texels.end());
-        texels.erase(std::unique(texels.begin(), texels.end()), texels.end());
+        const std::size_t cell = static_cast<std::size_t>(step) * static_cast<std::size_t>(step);
+        for (std::size_t i = 0; i < covers.size(); i += cell) {
+            if (i % k_block == 0 && view.dynamic_objects.in_block[i / k_block] == 0 && cell < k_block) {
+                i += k_block - cell;
+                continue;
+            }
+            const auto begin = covers.begin() + static_cast<std::ptrdiff_t>(i);
+            const auto end = covers.begin() + static_cast<std::ptrdiff_t>(std::min(i + cell, covers.size()));
+            if (std::any_of(begin, end, [](std::uint32_t count) { return count > 0; }))
+                texels.push_back(static_cast<std::uint32_t>(i));
+        }
         if (texels.empty()) continue;
         // Cast a ray through each.
         queue.clear();
@@ -503,9 +565,14 @@ void LightTree::follow_dynamic(const scene::FrameChanges& changes)
     for (View& view : views_) {
         interruption_point();
         if (!view.on || changes.light_changed(view.light)) continue;
-        std::vector<light_views::Rect> where = view.dynamic_objects;
-        find_dynamic(view);
-        where.insert(where.end(), view.dynamic_objects.begin(), view.dynamic_objects.end());
+        std::vector<light_views::Rect> where;
+        for (const scene::ObjectId o : changes.changed) {
+            if (!casters_.casts(o)) continue;
+            const light_views::Rect now = casters_.footprint(view.projection, *state_, o);
+            where.push_back(view.dynamic_objects.set(o, now));
+            where.push_back(now);
+        }
+        std::erase_if(where, [](const light_views::Rect& rect) { return rect.empty(); });
         const std::uint64_t before = dirty_leaves_;
         occlude_leaves(view, where);
         if (dirty_leaves_ != before) ++flux_version_;

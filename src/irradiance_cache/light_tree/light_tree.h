@@ -7,12 +7,14 @@
 // changes the current flux of the leaf and of the nodes above it, and nothing else, so it pays to remember which nodes
 // a surface point sees past static geometry.
 //
-// Cost: construction casts one ray per leaf. A frame casts rays against dynamic objects in the tiles that they left or
-// entered, and updates the nodes above changed leaves (`dirty_leaves`, `dirty_nodes`).
+// Cost: construction casts one ray per leaf. A frame casts rays against dynamic objects from the leaves in the
+// footprints of those that changed, and updates the nodes above changed leaves (`dirty_leaves`, `dirty_nodes`). If
+// anything changed, it also casts at most LightTreeOptions::dynamic_rays per view to find lit dynamic objects.
 // Invariant: the flux of an updated tree equals that of a new one, bit for bit.
 
 #include <atomic>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "base/tasks.h"
@@ -114,6 +116,18 @@ class LightTree {
     std::size_t bytes() const;
 
  private:
+    // The footprints of dynamic objects in a view. Cost of a change: its area.
+    struct DynamicFootprints {
+        std::unordered_map<scene::ObjectId, light_views::Rect> rects;   // not empty
+        std::vector<std::uint32_t> covers;                              // by leaf, in tree order: how many rects
+        std::vector<std::uint32_t> in_block;                            // by 64 leaves: the sum of these
+        std::size_t area = 0;                                           // of all rects
+
+        void clear(std::size_t leaves);
+        /// Replaces an object's footprint, which may be empty, and returns the one before.
+        light_views::Rect set(scene::ObjectId object, const light_views::Rect& rect);
+        void count(const light_views::Rect& rect, bool add);
+    };
     struct View {
         scene::LightId light = scene::none;
         int face = 0;
@@ -121,10 +135,11 @@ class LightTree {
         NodeId first = 0;           // its first node, a multiple of 4: level 1, level 2, ... in Morton order
         bool on = false;
         light_views::ViewProjection projection;
-        std::vector<light_views::Rect> dynamic_objects;   // footprints now
-        glm::mat4 near_clip{1};                           // of the same light's first view
-        std::vector<std::uint8_t> occluded;               // by leaf, in tree order
-        std::vector<NodeId> dirty;                        // flux changed in this frame
+        glm::mat4 near_clip{1};   // of the same light's first view
+        int stray = 0;            // texels by which leaves' samples lie beyond the margins of footprints
+        DynamicFootprints dynamic_objects;
+        std::vector<std::uint8_t> occluded;   // by leaf, in tree order
+        std::vector<NodeId> dirty;            // flux changed in this frame
     };
     struct Leaf {
         scene::ObjectId object = scene::none;
@@ -138,7 +153,8 @@ class LightTree {
     Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
                  double measure) const;
     void follow_dynamic(const scene::FrameChanges& changes);
-    void find_dynamic(View& view) const;
+    void find_dynamic(View& view, std::vector<light_views::Rect>& where) const;
+    static int stray_of(const View& view, const glm::vec3& sample, std::uint32_t leaf);
     void occlude_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
     void gather_dynamic();

@@ -32,6 +32,8 @@ class MovingSpheres {
     bool empty() const { return nodes_.empty(); }
     /// Adds the spheres of objects that move together. Cost: O(n log n).
     void add(std::vector<Sphere> together) { enclose(together); }
+    /// Replaces the sphere of an object that was added alone.
+    void move(std::uint32_t node, const Sphere& sphere) { nodes_[node].sphere = sphere; }
     const std::vector<Node>& nodes() const { return nodes_; }
 
     /// Calls single(sphere) for every object for whose sphere, and those around it, meets(sphere) is true. Stops if it

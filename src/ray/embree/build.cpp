@@ -73,6 +73,7 @@ void RayScene::Impl::build(const scene::SceneState& state)
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
     for (const scene::ObjectId o : state.taken_objects()) add_alone(state, o);
+    note_all_reaches();
 
     // Add flattened objects first, because their geometry ids are the indices of the records.
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)

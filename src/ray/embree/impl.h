@@ -61,6 +61,13 @@ Meeting meeting_by(const glm::mat4& m);
 float reach_of(const Box3& box, const glm::mat4& to_world);
 /// The margin of an instance's box, in its own space, in a scene with coordinates up to `reach`.
 float margin_of(float reach, const glm::mat4& to_world);
+/// Values of `reach` for which margin_of() certainly gives the same; all others must be tried.
+struct ReachRange {
+    float low = 0, high = k_infinity;
+    bool contains(float reach) const { return low <= reach && reach <= high; }
+};
+/// @param margin  margin_of(reach, to_world)
+ReachRange range_of(float margin, float reach, const glm::mat4& to_world);
 /// Bounds of all triangles that rays can hit.
 Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh);
 /// Whether a triangle is a single point. Embree aborts when it refits a tree with a branch that is a single point; a
@@ -82,6 +89,18 @@ struct Placed {
 struct Met {
     scene::ObjectId object;
     std::uint32_t triangle;
+};
+
+/// The largest of many values that change one at a time, in O(log n).
+class Largest {
+ public:
+    /// All values are 0.
+    void resize(std::size_t count);
+    void set(std::size_t index, float value);
+    float value() const { return tree_.empty() ? 0 : tree_[1]; }
+
+ private:
+    std::vector<float> tree_;   // the larger of each two; leaves in the second half
 };
 
 struct RayScene::Impl {
@@ -106,6 +125,9 @@ struct RayScene::Impl {
     SceneHandle moving;
     std::deque<Solid> solids;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
+    std::vector<std::uint32_t> touched;   // by this update
+    Largest reaches;                      // by solid: of those that rays can hit
+    ReachRange same_margins{1, 0};        // reaches that change no solid's margin; empty: not known
 
     SceneHandle one;   // static and dynamic, for comparison; usually absent
 
@@ -145,11 +167,15 @@ struct RayScene::Impl {
 
     // margin.cpp
     float present_reach() const;
+    void note_reach(std::uint32_t solid);
+    void note_all_reaches();
     float reach_of_shared() const;
     float shared_margin(const Solid& shared) const;
     void follow_shared_margins();
     /// Call before the dynamic scene is committed again. Commits the static scene if shared meshes need other margins.
-    void follow_margins();
+    /// @param all  solids were added, or objects left their group; otherwise, only those in `touched` changed
+    void follow_margins(bool all);
+    void follow_margin(Solid& solid, float reach);
 
     // ray_scene.cpp
     Met met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const;

@@ -47,15 +47,37 @@ float reach_of(const Box3& box, const glm::mat4& to_world)
     return reach;
 }
 
-float margin_of(float reach, const glm::mat4& to_world)
+namespace {
+
+// A margin without steps, in a scene with coordinates up to `reach`.
+float wanted_margin(float reach, const glm::mat4& to_world)
 {
     // An upper bound of the scale of the inverse matrix.
     const glm::mat3 inverse = glm::inverse(glm::mat3(to_world));
     const float stretch = std::sqrt(glm::dot(inverse[0], inverse[0]) + glm::dot(inverse[1], inverse[1]) +
                                     glm::dot(inverse[2], inverse[2]));
-    const float wanted = k_margin_per_coordinate * reach * stretch;
+    return k_margin_per_coordinate * reach * stretch;
+}
+
+}   // namespace
+
+float margin_of(float reach, const glm::mat4& to_world)
+{
+    const float wanted = wanted_margin(reach, to_world);
     if (!(wanted > 0 && wanted < k_largest_met)) return 0;
     return std::exp2(std::ceil(std::log2(wanted)));   // in steps, so that trees are rarely rebuilt
+}
+
+ReachRange range_of(float margin, float reach, const glm::mat4& to_world)
+{
+    constexpr float k_rounding = 1e-4f;
+    const ReachRange alone{reach, reach};
+    if (!(margin > 0)) return alone;
+    // The margin without steps is in proportion to the reach, and the step ends where that is half the margin, or all.
+    const float wanted = wanted_margin(reach, to_world);
+    const ReachRange range{reach * (0.5f * margin / wanted) * (1 + k_rounding),
+                           reach * (margin / wanted) * (1 - k_rounding)};
+    return range.contains(reach) ? range : alone;
 }
 
 Box3 box_of(const std::vector<glm::vec3>& positions, const scene::Mesh& mesh)
@@ -103,14 +125,37 @@ void Solid::set_margin(float wanted)
     rtcCommitGeometry(margin_geometry.get());
 }
 
+void Largest::resize(std::size_t count)
+{
+    std::size_t leaves = 1;
+    while (leaves < count) leaves *= 2;
+    tree_.assign(2 * leaves, 0.0f);
+}
+
+void Largest::set(std::size_t index, float value)
+{
+    std::size_t at = tree_.size() / 2 + index;
+    tree_[at] = value;
+    for (at /= 2; at > 0; at /= 2) tree_[at] = std::max(tree_[2 * at], tree_[2 * at + 1]);
+}
+
 // Largest coordinate of everything that rays can hit.
 float RayScene::Impl::present_reach() const
 {
-    float reach = still_reach;
-    for (const Solid& solid : solids)
-        if (solid.visible && solid.has_volume && solid.reach <= k_largest_coordinate)
-            reach = std::max(reach, solid.reach);
-    return reach;
+    return std::max(still_reach, reaches.value());
+}
+
+void RayScene::Impl::note_reach(std::uint32_t s)
+{
+    const Solid& solid = solids[s];
+    const bool counts = solid.visible && solid.has_volume && solid.reach <= k_largest_coordinate;
+    reaches.set(s, counts ? solid.reach : 0);
+}
+
+void RayScene::Impl::note_all_reaches()
+{
+    reaches.resize(solids.size());
+    for (std::uint32_t s = 0; s < solids.size(); ++s) note_reach(s);
 }
 
 // The reach that the margins of shared meshes are made for: that of the static scene times k_room, doubled until it
@@ -155,17 +200,31 @@ void RayScene::Impl::follow_shared_margins()
     if (changed) device.commit(still.get());
 }
 
-// Margins depend on the present state only, so that an updated scene has the same trees as a new one.
-void RayScene::Impl::follow_margins()
+void RayScene::Impl::follow_margin(Solid& solid, float reach)
 {
+    if (!solid.has_volume) return;
+    const float margin = margin_of(reach, solid.to_world);
+    const ReachRange range = range_of(margin, reach, solid.to_world);
+    same_margins = {std::max(same_margins.low, range.low), std::min(same_margins.high, range.high)};
+    if (margin == solid.margin) return;
+    solid.set_margin(margin);
+    device.commit(solid.tree.get());
+    rtcCommitGeometry(solid.instance.get());
+}
+
+// Margins depend on the present state only, so that an updated scene has the same trees as a new one.
+void RayScene::Impl::follow_margins(bool all)
+{
+    if (all)
+        note_all_reaches();
+    else
+        for (const std::uint32_t s : touched) note_reach(s);
     const float reach = present_reach();
-    for (Solid& solid : solids) {
-        if (!solid.has_volume) continue;
-        const float margin = margin_of(reach, solid.to_world);
-        if (margin == solid.margin) continue;
-        solid.set_margin(margin);
-        device.commit(solid.tree.get());
-        rtcCommitGeometry(solid.instance.get());
+    if (all || !same_margins.contains(reach)) {
+        same_margins = {};
+        for (Solid& solid : solids) follow_margin(solid, reach);
+    } else {
+        for (const std::uint32_t s : touched) follow_margin(solids[s], reach);
     }
     follow_shared_margins();
 }

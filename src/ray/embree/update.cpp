@@ -12,10 +12,10 @@ void RayScene::Impl::update(const scene::SceneState& state)
 {
     const scene::FrameChanges& changes = state.changes();
     ++updates;
-    statistics.touched = 0;
+    touched.clear();
     const auto touch = [&](std::uint32_t s) -> Solid& {
         Solid& solid = solids[s];
-        statistics.touched += solid.touched_at != updates;
+        if (solid.touched_at != updates) touched.push_back(s);
         solid.touched_at = updates;
         return solid;
     };
@@ -38,7 +38,8 @@ void RayScene::Impl::update(const scene::SceneState& state)
         if (const std::uint32_t s = solid_of(o); s != scene::none) show(touch(s), true);
 
     // Rebuild the TLAS of the dynamic scene, and nothing else.
-    if (statistics.touched > 0 || regrouped) follow_margins();
+    statistics.touched = touched.size();
+    if (statistics.touched > 0 || regrouped) follow_margins(regrouped);
     if (statistics.touched > 0) device.commit(moving.get());
     if (one.get() && regrouped)
         build_one_tree();
