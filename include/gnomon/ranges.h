@@ -12,10 +12,12 @@ struct Range {
 };
 
 namespace ranges {
-inline constexpr Range image_side{1, 32768};                // pixels
-inline constexpr std::int64_t k_max_pixels = 256'000'000;   // of one image: 3 GB of colour alone
-inline constexpr std::int64_t k_most_vertices = 1 << 28;    // of one mesh: 3 GB of positions
-inline constexpr std::int64_t k_most_triangles = 1 << 28;   // likewise
+inline constexpr Range image_side{1, 32768};                    // pixels
+inline constexpr std::int64_t k_max_pixels = 256'000'000;       // of one image: 3 GB of colour alone
+inline constexpr std::int64_t k_most_vertices = 1 << 28;        // of one mesh: 3 GB of positions
+inline constexpr std::int64_t k_most_triangles = 1 << 28;       // likewise
+inline constexpr std::int64_t k_most_mesh_parts = 1 << 24;      // of one mesh
+inline constexpr std::int64_t k_most_morph_targets = 1 << 16;   // of one mesh
 inline constexpr Range turntable_seconds{0.001, 1e6};
 inline constexpr Range max_depth{0, 64};
 inline constexpr Range samples{1, 4096};

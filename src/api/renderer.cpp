@@ -168,6 +168,8 @@ void Renderer::forget()
     idle().engine.forget();
     idle().host = {};
     idle().has_frame = false;
+    idle().camera.reset();
+    idle().last_host_camera.reset();
 }
 
 void Renderer::improve(const std::function<bool()>& go_on)
@@ -322,13 +324,12 @@ scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& in
     }
     const scene::View view = engine.make_view(wanted.scene_camera, wanted.size, wanted.turn);
     const scene::Camera& described = host.values().scene()->cameras[wanted.scene_camera];
-    camera = api::from_scene(described,
-                             wanted.turn ? scene::matrix_of(view) : engine.state()->world(described.node));
+    camera = api::from_scene(described, wanted.turn ? scene::matrix_of(view) : engine.state()->world(described.node));
     return view;
 }
 
-// The frame before, for the layer of motion: by tracks, the one before in the clip; by a host, the one that was rendered
-// last. Nothing moved before the first.
+// The frame before, for the layer of motion: by tracks, the one before in the clip; by a host, the one that was
+// rendered last. Nothing moved before the first.
 std::optional<scene::View> Renderer::Impl::view_before(const Scene& scene, const Wanted& wanted,
                                                        const FrameInput& input, bool is_first)
 {

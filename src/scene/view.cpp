@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "base/check.h"
+#include "base/one_line.h"
 #include "gnomon/error.h"
 
 namespace gnomon::scene {
@@ -38,7 +39,8 @@ scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted
     unsigned number = 0;
     const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
     if (error == std::errc() && end == wanted.data() + wanted.size() && number < scene.cameras.size()) return number;
-    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
+    throw UsageError(
+        fmt::format("no camera '{}': the scene has {}, numbered from 0", shown_name(wanted), scene.cameras.size()));
 }
 
 bool is_projection(const glm::dmat4& p)
