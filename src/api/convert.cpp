@@ -259,8 +259,10 @@ scene::Camera to_scene(const Camera& camera)
         for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = camera.matrix->m[static_cast<std::size_t>(i)];
         result.projection = matrix;
         if (!scene::is_projection(matrix))
-            throw UsageError(
-                fmt::format("{}: the projection matrix is skewed, or neither a perspective nor orthographic", owner));
+            throw UsageError(fmt::format(
+                "{}: the projection matrix is skewed, sees nothing in front of the camera, or is neither a perspective "
+                "nor orthographic",
+                owner));
     }
     return result;
 }

@@ -51,7 +51,7 @@ scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3&
         const char* end = words[i].data() + words[i].size();
         const auto [stop, error] = std::from_chars(words[i].data(), end, value);
         if (error != std::errc() || stop != end || !std::isfinite(static_cast<float>(value)))
-            refuse(fmt::format("'{}' is no number", shown_name(words[i])));
+            refuse(fmt::format("number {} is none, or not finite", i));
         v.push_back(value);
     }
 

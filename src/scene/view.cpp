@@ -43,18 +43,6 @@ scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted
         fmt::format("no camera '{}': the scene has {}, numbered from 0", shown_name(wanted), scene.cameras.size()));
 }
 
-bool is_projection(const glm::dmat4& p)
-{
-    const auto zero = [&](std::initializer_list<std::pair<int, int>> places) {   // rows and columns
-        return std::all_of(places.begin(), places.end(), [&](const auto& at) { return p[at.second][at.first] == 0; });
-    };
-    if (!(p[0][0] > 0 && p[1][1] > 0) || p[2][2] == 0) return false;
-    if (!zero({{0, 1}, {1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}})) return false;
-    const bool perspective = p[2][3] == -1 && p[3][3] == 0 && zero({{0, 3}, {1, 3}});
-    const bool orthographic = p[2][3] == 0 && p[3][3] == 1 && zero({{0, 2}, {1, 2}});
-    return perspective || orthographic;
-}
-
 namespace {
 
 // Half the extent of the image plane at distance 1 (perspective) or anywhere (orthographic), its shift in these units,
@@ -81,6 +69,26 @@ Lens lens_of(const glm::dmat4& p)
     }
     return lens;
 }
+
+}   // namespace
+
+bool is_projection(const glm::dmat4& p)
+{
+    const auto zero = [&](std::initializer_list<std::pair<int, int>> places) {   // rows and columns
+        return std::all_of(places.begin(), places.end(), [&](const auto& at) { return p[at.second][at.first] == 0; });
+    };
+    if (!(p[0][0] > 0 && p[1][1] > 0) || p[2][2] == 0) return false;
+    if (!zero({{0, 1}, {1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}})) return false;
+    const bool perspective = p[2][3] == -1 && p[3][3] == 0 && zero({{0, 3}, {1, 3}});
+    const bool orthographic = p[2][3] == 0 && p[3][3] == 1 && zero({{0, 2}, {1, 2}});
+    if (!perspective && !orthographic) return false;
+    // What is seen begins at the camera or before it, and ends farther away.
+    const Lens lens = lens_of(p);
+    const bool infinite = perspective && p[2][2] == -1;
+    return lens.near >= 0 && (infinite || lens.far > lens.near);
+}
+
+namespace {
 
 Lens lens_of(const scene::Camera& camera, Size size)
 {
