@@ -707,6 +707,27 @@ TEST(Unusual, SingularAndHugeTransformsAreRendered)
     }
 }
 
+TEST(Unusual, SeveralObjectsAtOnePointAreRendered)
+{
+    // A float's step at the last of these places is larger than the objects.
+    for (const float place : {0.0f, 1e-30f, 1e6f, 2e9f}) {
+        SceneBuilder builder;
+        test::Shape point = test::square(0);
+        for (Vec3& p : point.positions) p = {place, place, -place};
+        const MeshId mesh = builder.mesh(point.mesh());
+        for (const Mobility mobility : {Mobility::may_move, Mobility::may_deform})
+            for (int i = 0; i < 4; ++i) builder.instance(mesh, {}, {}, {.mobility = mobility});
+        Renderer renderer(Host::options());
+        const Scene scene = builder.finish();
+        EXPECT_NO_THROW(renderer.render(scene, {.camera = Camera()})) << place;
+        FrameInput moved;
+        moved.camera = Camera();
+        for (const InstanceId& id : scene.instances())
+            moved.transforms.push_back({id, Transform::translation(place, 0, 0)});
+        EXPECT_NO_THROW(renderer.render(scene, moved)) << place;
+    }
+}
+
 TEST(Unusual, DeepHierarchiesNeedNoStack)
 {
     const auto start = std::chrono::steady_clock::now();

@@ -23,6 +23,8 @@ constexpr float k_margin_per_coordinate = 3e-6f;
 // Embree treats numbers below 1.2e-38 as zero.
 constexpr float k_least_size = 1e-36f;
 
+constexpr float k_least_box = 1e-6f;   // half the width of the box of an object that is a point
+
 constexpr unsigned k_corners[2][3] = {{0, 0, 0}, {1, 1, 1}};
 
 // Embree ignores triangles with larger coordinates (above 1.8e18), and makes no boxes for them.
@@ -99,6 +101,13 @@ void Solid::set_margin(float wanted)
     margin = wanted;
     margin_corners[0] = box.empty() ? glm::vec3(0) : box.low - margin;
     margin_corners[1] = box.empty() ? glm::vec3(0) : box.high + margin;
+    // Embree asserts that boxes of instances are not all the same point, which those of a point, or of anything that is
+    // small and far away, can be in float.
+    if (margin_corners[0] == margin_corners[1]) {
+        const float wide = std::max(k_least_box, k_margin_per_coordinate * largest(margin_corners[0]));
+        margin_corners[0] -= wide;
+        margin_corners[1] += wide;
+    }
     rtcUpdateGeometryBuffer(margin_geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(margin_geometry.get());
 }
@@ -161,7 +170,7 @@ void RayScene::Impl::follow_margins()
     const float reach = present_reach();
     for (Solid& solid : solids) {
         if (!solid.has_volume) continue;
-        const float margin = margin_of(reach, solid.to_world);
+        const float margin = margin_of(std::max(reach, solid.reach), solid.to_world);
         if (margin == solid.margin) continue;
         solid.set_margin(margin);
         device.commit(solid.tree.get());
