@@ -4,8 +4,9 @@
 //
 // A builder can be finished as often as needed. The scenes share what they have in common, so that adding an object to
 // a finished scene and finishing again copies no geometry. Ids stay valid from scene to scene until their part is
-// removed. Values that change from frame to frame (transforms, vertices, visibility, lights, materials, cameras) need
-// no builder: hand them to Renderer::render().
+// removed; a part that is added later may take its place in memory, but has another id. Values that change from frame
+// to frame (transforms, vertices, visibility, lights, materials, cameras) need no builder: hand them to
+// Renderer::render().
 //
 // Nothing is added by default: a scene without lights is dark, and one without cameras needs one in FrameInput.
 // Cost: adding copies what is passed; finish() visits each node, not its geometry.
@@ -91,7 +92,7 @@ class SceneBuilder {
     /// Surrounds the scene with light. It replaces the background.
     /// @param lights  number of directional lights that approximate it, a power of two from 1 to 1024
     void environment(const EnvironmentImage& image, int lights = 16);
-    /// The colour where rays leave the scene; it gives no light.
+    /// The colour where rays leave the scene; it gives no light. It replaces an environment and its light.
     void background(const Vec3& color);
     /// Uniform light without shadows, used only without indirect light.
     void ambient(const Vec3& color);
@@ -122,6 +123,9 @@ class SceneBuilder {
     /// Removes a mesh.
     /// @throws UsageError  an instance uses it
     void remove(const MeshId& id);
+    /// Removes a skin.
+    /// @throws UsageError  an instance uses it
+    void remove(const SkinId& id);
     /// Removes a material.
     /// @throws UsageError  an instance or a mesh uses it
     void remove(const MaterialId& id);

@@ -29,6 +29,15 @@ void check_size(const Size& size)
                                      ranges::k_max_pixels / 1'000'000));
 }
 
+// Rejects values that an enum does not have, as casts and memory that was never written can give.
+template <class Enum>
+void check_known(std::string_view what, Enum value, Enum last)
+{
+    const auto number = static_cast<int>(value);
+    if (number < 0 || number > static_cast<int>(last))
+        throw UsageError(fmt::format("{} is {}, which its type does not have", what, number));
+}
+
 }   // namespace
 
 void check_range(std::string_view what, double value, const Range& range, std::string_view unit)
@@ -41,6 +50,14 @@ void check_range(std::string_view what, double value, const Range& range, std::s
 void check_options(const RenderOptions& o)
 {
     check_size(o.size);
+    check_known("the renderer", o.renderer, RenderMethod::raster);
+    check_known("the tone mapping", o.tonemap, ToneMap::aces);
+    check_known("the shadow culling", o.shadow_culling, ShadowCulling::certified);
+    check_known("the indirect light", o.indirect, Indirect::visible);
+    check_known("the device of indirect light", o.indirect_on, IndirectOn::vulkan);
+    check_known("the shadow textures", o.shadow_textures, ShadowTextures::coherent);
+    check_known("the accelerator", o.accelerator, Accelerator::kdtree);
+    check_known("the overlay", o.overlay, Overlay::clusters);
     check_range("max depth is", o.max_depth, ranges::max_depth);
     check_range("samples are", o.samples, ranges::samples);
     if (o.reference) {

@@ -5,7 +5,9 @@
 
 #include <cmath>
 
+#include "base/one_line.h"
 #include "gnomon/error.h"
+#include "gnomon/ranges.h"
 
 namespace gnomon::api {
 
@@ -28,11 +30,6 @@ void require_color(const Vec3& c, std::string_view owner, std::string_view what)
     for (const float value : {c.x, c.y, c.z})
         if (!(value >= 0) || !std::isfinite(value))
             throw UsageError(fmt::format("{}: {} ({} {} {}) is negative or not finite", owner, what, c.x, c.y, c.z));
-}
-
-std::string titled(std::string_view kind, const std::string& name)
-{
-    return name.empty() ? std::string(kind) : fmt::format("{} '{}'", kind, name);
 }
 
 scene::TextureUse to_scene(const TextureUse& use, const SceneStamps& stamps, std::string_view owner)
@@ -76,6 +73,16 @@ constexpr double k_any = 1e9;   // upper limit of numbers that have none by thei
 
 }   // namespace
 
+std::string titled(std::string_view kind, const std::string& name)
+{
+    return name.empty() ? std::string(kind) : fmt::format("{} '{}'", kind, shown_name(name));
+}
+
+void refuse_value(int value, std::string_view owner, std::string_view what)
+{
+    throw UsageError(fmt::format("{}: {} is {}, which its type does not have", owner, what, value));
+}
+
 void refuse_id(std::string_view what, bool given)
 {
     throw UsageError(given ? fmt::format("{} is not in this scene: it was removed, or belongs to another one", what)
@@ -103,6 +110,8 @@ Transform transform_of(const glm::dmat4& matrix)
 scene::Material to_scene(const Material& m, const SceneStamps& stamps)
 {
     const std::string owner = titled("material", m.name);
+    require_known(m.model, ShadingModel::unlit, owner, "the shading model");
+    require_known(m.alpha_mode, AlphaMode::blend, owner, "the alpha mode");
     require_color(m.base_color, owner, "the base colour");
     require_color(m.emissive, owner, "the emission");
     require_color(m.ambient, owner, "the ambient colour");
@@ -169,6 +178,9 @@ Material from_scene(const scene::Material& m, const SceneStamps& stamps)
 scene::Light to_scene(const Light& light)
 {
     const std::string owner = titled("light", light.name);
+    require_known(light.type, LightType::directional, owner, "the type");
+    require_known(light.falloff, Falloff::constant, owner, "the falloff");
+    require_known(light.profile, SpotProfile::cosine, owner, "the profile");
     require_color(light.color, owner, "the colour");
     require_range(light.inner_angle, 0, k_pi / 2, owner, "the inner angle");
     require_range(light.outer_angle, light.inner_angle, k_pi / 2 + 1e-6, owner, "the outer angle");
@@ -204,6 +216,11 @@ scene::Camera to_scene(const Camera& camera)
     const std::string owner = titled("camera", camera.name);
     require_range(camera.near, 0, k_any, owner, "the near distance");
     require_finite(camera.far, owner, "the far distance");
+    const auto [width, height] = camera.resolution;
+    const bool fits = ranges::image_side.contains(width) && ranges::image_side.contains(height) &&
+                      std::int64_t{width} * height <= ranges::k_max_pixels;
+    if (!fits && !(width == 0 && height == 0))
+        throw UsageError(fmt::format("{}: the resolution {} x {} is out of range", owner, width, height));
     if (camera.far != 0 && !(camera.far > camera.near))
         throw UsageError(
             fmt::format("{}: far is {}: expected more than near, {}, or 0", owner, camera.far, camera.near));
@@ -240,8 +257,10 @@ scene::Camera to_scene(const Camera& camera)
         for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = camera.matrix->m[static_cast<std::size_t>(i)];
         result.projection = matrix;
         if (!scene::is_projection(matrix))
-            throw UsageError(
-                fmt::format("{}: the projection matrix is skewed, or neither a perspective nor orthographic", owner));
+            throw UsageError(fmt::format(
+                "{}: the projection matrix is skewed, sees nothing in front of the camera, or is neither a perspective "
+                "nor orthographic",
+                owner));
     }
     return result;
 }

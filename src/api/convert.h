@@ -5,6 +5,7 @@
 // All functions that convert to the scene's types throw UsageError with the name of what is wrong; those that convert
 // back cannot fail.
 
+#include <string>
 #include <string_view>
 
 #include "api/stamps.h"
@@ -23,6 +24,9 @@ inline Vec3 vec(const glm::vec3& v)
     return {v.x, v.y, v.z};
 }
 
+/// A part in a message: "KIND 'NAME'", in one line; without a name, "KIND".
+std::string titled(std::string_view kind, const std::string& name);
+
 /// @throws UsageError  "WHAT: ..." unless all elements are finite and the last row is 0 0 0 1
 glm::dmat4 matrix_of(const Transform& transform, std::string_view what);
 Transform transform_of(const glm::dmat4& matrix);
@@ -38,14 +42,29 @@ Light from_scene(const scene::Light& light);
 scene::Camera to_scene(const Camera& camera);
 Camera from_scene(const scene::Camera& camera, const glm::dmat4& transform);
 
-/// Its parts have the material `material` where they have none of their own. Normals become unit vectors.
+/// Its parts have the material `material` where they have none of their own; it is not checked. Normals become unit
+/// vectors.
 scene::Mesh to_scene(const Mesh& mesh, const SceneStamps& stamps, scene::MaterialId material);
 
 /// @throws UsageError  "WHAT is not in this scene", for an id of another scene or of a part that was removed
 template <class Id>
 std::uint32_t require(const StampList& list, const Id& id, std::string_view what);
 
+/// Rejects a value that its enum does not have.
+/// @param last  the enum's last value
+template <class Enum>
+void require_known(Enum value, Enum last, std::string_view owner, std::string_view what);
+
 [[noreturn]] void refuse_id(std::string_view what, bool given);
+
+[[noreturn]] void refuse_value(int value, std::string_view owner, std::string_view what);
+
+template <class Enum>
+void require_known(Enum value, Enum last, std::string_view owner, std::string_view what)
+{
+    const auto number = static_cast<int>(value);
+    if (number < 0 || number > static_cast<int>(last)) refuse_value(number, owner, what);
+}
 
 template <class Id>
 std::uint32_t require(const StampList& list, const Id& id, std::string_view what)

@@ -14,13 +14,57 @@ namespace {
 
 constexpr float k_unit = 1e-3f;   // squares of lengths within this of 1 are left as they are
 
-// Copies an array of a mesh that is empty or as long as its positions, and checks that all numbers are finite.
+// Rejects an array of a mesh that is neither empty nor as long as its positions.
+void require_length(std::size_t length, std::size_t count, const std::string& owner, const char* what)
+{
+    if (length != 0 && length != count)
+        throw UsageError(fmt::format("{}: {} {} for {} vertices", owner, length, what, count));
+}
+
+void require_at_most(std::size_t length, std::int64_t most, const std::string& owner, const char* what)
+{
+    if (length > static_cast<std::size_t>(most))
+        throw UsageError(fmt::format("{}: {} {}: expected at most {}", owner, length, what, most));
+}
+
+// Checks the lengths of all arrays before any element is read or memory is allocated.
+void check_lengths(const Mesh& mesh, const std::string& owner)
+{
+    const std::size_t count = mesh.positions.size();
+    const std::size_t corners = mesh.indices.empty() ? count : mesh.indices.size();
+    require_at_most(count, ranges::k_most_vertices, owner, "vertices");
+    if (corners % 3 != 0) throw UsageError(fmt::format("{}: {} indices are not three per triangle", owner, corners));
+    require_at_most(corners / 3, ranges::k_most_triangles, owner, "triangles");
+    require_length(mesh.normals.size(), count, owner, "normals");
+    require_length(mesh.tangents.size(), count, owner, "tangents");
+    for (const auto& set : mesh.texcoords) require_length(set.size(), count, owner, "texture coordinates");
+    require_length(mesh.colors.size(), count, owner, "colours");
+    require_at_most(mesh.parts.size(), ranges::k_most_mesh_parts, owner, "parts");
+    require_at_most(mesh.morph_targets.size(), ranges::k_most_morph_targets, owner, "morph targets");
+    for (const MorphTarget& target : mesh.morph_targets) {
+        require_length(target.positions.size(), count, owner, "positions of a morph target");
+        require_length(target.normals.size(), count, owner, "normals of a morph target");
+        require_length(target.tangents.size(), count, owner, "tangents of a morph target");
+    }
+    if (!mesh.morph_weights.empty() && mesh.morph_weights.size() != mesh.morph_targets.size())
+        throw UsageError(fmt::format("{}: {} morph weights for {} targets", owner, mesh.morph_weights.size(),
+                                     mesh.morph_targets.size()));
+    const bool has_skin =
+        !mesh.joints[0].empty() || !mesh.weights[0].empty() || !mesh.joints[1].empty() || !mesh.weights[1].empty();
+    for (std::size_t group = 0; group < 2 && has_skin; ++group) {
+        const std::size_t joints = mesh.joints[group].size(), weights = mesh.weights[group].size();
+        const bool needed = group == 0 || joints > 0 || weights > 0;
+        if (needed && (joints != count || weights != count))
+            throw UsageError(
+                fmt::format("{}: {} joints and {} weights for {} vertices", owner, joints, weights, count));
+    }
+}
+
+// Copies an array of a mesh, and checks that all numbers are finite.
 template <class To, class From>
-std::vector<To> copied(std::span<const From> from, std::size_t count, const std::string& owner, const char* what)
+std::vector<To> copied(std::span<const From> from, const std::string& owner, const char* what)
 {
     static_assert(sizeof(To) == sizeof(From) && std::is_trivially_copyable_v<To>);
-    if (!from.empty() && from.size() != count)
-        throw UsageError(fmt::format("{}: {} {} for {} vertices", owner, from.size(), what, count));
     std::vector<To> to(from.size());
     if (!from.empty()) std::memcpy(to.data(), from.data(), from.size_bytes());
     constexpr std::size_t floats = sizeof(To) / sizeof(float);
@@ -40,10 +84,6 @@ void make_unit(glm::vec3& v)
 std::vector<glm::uvec3> triangles_of(const Mesh& mesh, const std::string& owner)
 {
     const std::size_t corners = mesh.indices.empty() ? mesh.positions.size() : mesh.indices.size();
-    if (corners % 3 != 0) throw UsageError(fmt::format("{}: {} indices are not three per triangle", owner, corners));
-    if (corners / 3 > static_cast<std::size_t>(ranges::k_most_triangles))
-        throw UsageError(
-            fmt::format("{}: {} triangles: expected at most {}", owner, corners / 3, ranges::k_most_triangles));
     std::vector<glm::uvec3> triangles(corners / 3);
     for (std::size_t i = 0; i < corners; ++i) {
         const std::uint32_t index = mesh.indices.empty() ? static_cast<std::uint32_t>(i) : mesh.indices[i];
@@ -79,16 +119,12 @@ std::vector<scene::MeshPart> parts_of(const Mesh& mesh, std::size_t triangles, c
 
 void add_morph_targets(const Mesh& mesh, const std::string& owner, scene::Mesh& result)
 {
-    const std::size_t count = mesh.positions.size();
     for (const MorphTarget& target : mesh.morph_targets) {
         scene::MorphTarget& own = result.morph_targets.emplace_back();
-        own.positions = copied<glm::vec3>(target.positions, count, owner, "positions of a morph target");
-        own.normals = copied<glm::vec3>(target.normals, count, owner, "normals of a morph target");
-        own.tangents = copied<glm::vec3>(target.tangents, count, owner, "tangents of a morph target");
+        own.positions = copied<glm::vec3>(target.positions, owner, "positions of a morph target");
+        own.normals = copied<glm::vec3>(target.normals, owner, "normals of a morph target");
+        own.tangents = copied<glm::vec3>(target.tangents, owner, "tangents of a morph target");
     }
-    if (!mesh.morph_weights.empty() && mesh.morph_weights.size() != mesh.morph_targets.size())
-        throw UsageError(fmt::format("{}: {} morph weights for {} targets", owner, mesh.morph_weights.size(),
-                                     mesh.morph_targets.size()));
     result.morph_weights.assign(mesh.morph_weights.begin(), mesh.morph_weights.end());
     result.morph_weights.resize(mesh.morph_targets.size());
     for (const float weight : result.morph_weights)
@@ -97,18 +133,12 @@ void add_morph_targets(const Mesh& mesh, const std::string& owner, scene::Mesh& 
 
 void add_skin(const Mesh& mesh, const std::string& owner, scene::Mesh& result)
 {
-    const std::size_t count = mesh.positions.size();
-    if (mesh.joints[0].empty() && mesh.weights[0].empty() && mesh.joints[1].empty() && mesh.weights[1].empty()) return;
+    if (mesh.joints[0].empty()) return;
     result.skin.emplace();
     for (std::size_t group = 0; group < 2; ++group) {
-        const auto& joints = mesh.joints[group];
-        const bool needed = group == 0 || !joints.empty() || !mesh.weights[group].empty();
-        if (needed && (joints.size() != count || mesh.weights[group].size() != count))
-            throw UsageError(fmt::format("{}: {} joints and {} weights for {} vertices", owner, joints.size(),
-                                         mesh.weights[group].size(), count));
-        for (const Joints& j : joints)
+        for (const Joints& j : mesh.joints[group])
             result.skin->joints[group].emplace_back(j.joint[0], j.joint[1], j.joint[2], j.joint[3]);
-        result.skin->weights[group] = copied<glm::vec4>(mesh.weights[group], count, owner, "weights");
+        result.skin->weights[group] = copied<glm::vec4>(mesh.weights[group], owner, "weights");
     }
 }
 
@@ -116,23 +146,20 @@ void add_skin(const Mesh& mesh, const std::string& owner, scene::Mesh& result)
 
 scene::Mesh to_scene(const Mesh& mesh, const SceneStamps& stamps, scene::MaterialId material)
 {
-    const std::string owner = mesh.name.empty() ? "mesh" : fmt::format("mesh '{}'", mesh.name);
-    // Check sizes before anything is read or allocated.
-    const std::size_t count = mesh.positions.size();
-    if (count > static_cast<std::size_t>(ranges::k_most_vertices))
-        throw UsageError(fmt::format("{}: {} vertices: expected at most {}", owner, count, ranges::k_most_vertices));
+    const std::string owner = titled("mesh", mesh.name);
+    check_lengths(mesh, owner);
 
     scene::Mesh result;
     result.name = mesh.name;
     result.triangles = triangles_of(mesh, owner);
     result.parts = parts_of(mesh, result.triangles.size(), stamps, material, owner);
-    result.positions = copied<glm::vec3>(mesh.positions, count, owner, "positions");
-    result.normals = copied<glm::vec3>(mesh.normals, count, owner, "normals");
+    result.positions = copied<glm::vec3>(mesh.positions, owner, "positions");
+    result.normals = copied<glm::vec3>(mesh.normals, owner, "normals");
     for (glm::vec3& normal : result.normals) make_unit(normal);
-    result.tangents = copied<glm::vec4>(mesh.tangents, count, owner, "tangents");
+    result.tangents = copied<glm::vec4>(mesh.tangents, owner, "tangents");
     for (std::size_t set = 0; set < 2; ++set)
-        result.texcoords[set] = copied<glm::vec2>(mesh.texcoords[set], count, owner, "texture coordinates");
-    result.colors = copied<glm::vec4>(mesh.colors, count, owner, "colours");
+        result.texcoords[set] = copied<glm::vec2>(mesh.texcoords[set], owner, "texture coordinates");
+    result.colors = copied<glm::vec4>(mesh.colors, owner, "colours");
     add_morph_targets(mesh, owner, result);
     add_skin(mesh, owner, result);
     return result;

@@ -16,7 +16,7 @@ void check_environment_lights(int lights)
 }
 
 void set_environment(scene::Scene& scene, SceneStamps& stamps, std::shared_ptr<const scene::Environment> environment,
-                     int lights)
+                     int lights, const AddNode& add_node)
 {
     for (std::size_t l = scene.lights.size(); l-- > 0;) {
         if (!scene.lights[l].by_default && !scene.lights[l].of_environment) continue;
@@ -31,7 +31,7 @@ void set_environment(scene::Scene& scene, SceneStamps& stamps, std::shared_ptr<c
         light.type = scene::LightType::directional;
         light.color = part.irradiance;
         light.of_environment = true;
-        light.node = add_looking_node(scene, light.name, glm::dvec3(0), -glm::dvec3(part.to_light));
+        light.node = add_node(light.name, looking_matrix(glm::dvec3(0), -glm::dvec3(part.to_light)));
         scene.lights.push_back(std::move(light));
         stamps.lights.renew(stamps.lights.size());
     }
@@ -41,12 +41,15 @@ void set_environment(scene::Scene& scene, SceneStamps& stamps, std::shared_ptr<c
     scene.background.environment = std::move(environment);
 }
 
-scene::NodeId add_looking_node(scene::Scene& scene, const std::string& name, const glm::dvec3& position,
-                               const glm::dvec3& direction)
+glm::dmat4 looking_matrix(const glm::dvec3& position, const glm::dvec3& direction)
 {
     const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
-    const scene::NodeId node =
-        scene.add_node(name, scene::none, glm::inverse(glm::lookAt(position, position + direction, up)));
+    return glm::inverse(glm::lookAt(position, position + direction, up));
+}
+
+scene::NodeId add_root(scene::Scene& scene, const std::string& name, const glm::dmat4& local)
+{
+    const scene::NodeId node = scene.add_node(name, scene::none, local);
     if (!scene.child_begin.empty()) scene.child_begin.push_back(scene.child_begin.back());   // no children
     return node;
 }

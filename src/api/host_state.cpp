@@ -26,7 +26,7 @@ struct Checked {
 
 std::string titled(const char* kind, const std::string& name, std::uint32_t index)
 {
-    return name.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} '{}'", kind, name);
+    return name.empty() ? fmt::format("{} {}", kind, index) : api::titled(kind, name);
 }
 
 std::vector<glm::vec3> copied(std::span<const Vec3> from, std::size_t expected, const std::string& owner,

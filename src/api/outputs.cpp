@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/half.h"
+#include "base/one_line.h"
 #include "gnomon/error.h"
 #include "image/tone_map.h"
 
@@ -49,7 +50,7 @@ Source find_source(const Frame& frame, const std::string& name)
     std::string there;
     for (const Layer& layer : frame.layers)
         if (!layer.name.empty()) there += (there.empty() ? "" : ", ") + layer.name;
-    throw UsageError(fmt::format("output '{}': no such layer; beside the image there are: {}", name,
+    throw UsageError(fmt::format("output '{}': no such layer; beside the image there are: {}", shown_name(name),
                                  there.empty() ? "none" : there));
 }
 
@@ -57,11 +58,12 @@ void check_format(const Output& output, const Source& source)
 {
     const bool ids = source.layer->format == PixelFormat::u32;
     if (ids != (output.format == PixelFormat::u32))
-        throw UsageError(ids ? fmt::format("output '{}': ids need the format u32", output.layer)
-                             : fmt::format("output '{}': the format u32 is for ids alone", output.layer));
+        throw UsageError(ids ? fmt::format("output '{}': ids need the format u32", shown_name(output.layer))
+                             : fmt::format("output '{}': the format u32 is for ids alone", shown_name(output.layer)));
     const std::vector<std::string> color{"R", "G", "B"};
     if (output.format == PixelFormat::rgba8 && !(source.count == 3 && source.layer->channels == color))
-        throw UsageError(fmt::format("output '{}': the format rgba8 needs the channels R, G and B", output.layer));
+        throw UsageError(
+            fmt::format("output '{}': the format rgba8 needs the channels R, G and B", shown_name(output.layer)));
 }
 
 // The caller's memory with its strides filled in.
@@ -73,17 +75,17 @@ struct Target {
 // Checks that the pixels, of so many bytes each, do not overlap and lie within the memory.
 Target target_of(const Output& output, Size size, std::ptrdiff_t pixel)
 {
-    if (!output.data) throw UsageError(fmt::format("output '{}': no memory was given", output.layer));
+    if (!output.data) throw UsageError(fmt::format("output '{}': no memory was given", shown_name(output.layer)));
     const std::ptrdiff_t width = size.width, height = size.height;
     const std::ptrdiff_t step = output.pixel_stride == 0 ? pixel : output.pixel_stride;
     if (step < pixel)
-        throw UsageError(fmt::format("output '{}': pixels of {} bytes overlap at a pixel stride of {}", output.layer,
-                                     pixel, output.pixel_stride));
+        throw UsageError(fmt::format("output '{}': pixels of {} bytes overlap at a pixel stride of {}",
+                                     shown_name(output.layer), pixel, output.pixel_stride));
     // Divide instead of multiplying, because products of the caller's numbers may overflow.
     const auto bytes = static_cast<std::ptrdiff_t>(std::min<std::size_t>(output.bytes, PTRDIFF_MAX));
     const auto too_small = [&] {
         return UsageError(fmt::format("output '{}': {} bytes are too few for {} x {} pixels at these strides",
-                                      output.layer, output.bytes, size.width, size.height));
+                                      shown_name(output.layer), output.bytes, size.width, size.height));
     };
     if (bytes < pixel || (width > 1 && step > (bytes - pixel) / (width - 1))) throw too_small();
     if (step > PTRDIFF_MAX / std::max<std::ptrdiff_t>(width, 1)) throw too_small();
@@ -92,8 +94,8 @@ Target target_of(const Output& output, Size size, std::ptrdiff_t pixel)
     const bool upwards = stride < 0;
     if (upwards) stride = stride == PTRDIFF_MIN ? PTRDIFF_MAX : -stride;
     if (height > 1 && stride < row)
-        throw UsageError(fmt::format("output '{}': rows of {} bytes overlap at a row stride of {}", output.layer, row,
-                                     output.row_stride));
+        throw UsageError(fmt::format("output '{}': rows of {} bytes overlap at a row stride of {}",
+                                     shown_name(output.layer), row, output.row_stride));
     if (height > 1 && stride > (bytes - row) / (height - 1)) throw too_small();
     auto* const data = static_cast<std::byte*>(output.data);
     if (upwards) return {data + (height - 1) * stride, step, -stride};

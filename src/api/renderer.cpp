@@ -42,7 +42,14 @@ struct Renderer::Impl {
     // Of the last frame, for what is asked about it and for the layer of motion of the next.
     bool has_frame = false;
     double last_time = 0;
-    std::optional<Camera> camera, last_host_camera;
+    std::optional<Camera> camera;
+    /// A camera in the world, as a frame was rendered with it.
+    struct PlacedCamera {
+        scene::Camera camera;
+        glm::dmat4 to_world{1};
+        bool of_host = false;
+    };
+    std::optional<PlacedCamera> last_camera;
 
     mutable std::mutex mutex;
     Interruption* rendering = nullptr;   // of the render in progress; under the mutex
@@ -53,7 +60,7 @@ struct Renderer::Impl {
     Frame render(const Scene& scene, const FrameInput& input, const Progress& progress);
     Wanted check(const Scene& scene, const FrameInput& input) const;
     std::optional<double> turn_of(const Scene& scene, const FrameInput& input, int frame) const;
-    scene::View make_view(const Wanted& wanted, const FrameInput& input);
+    scene::View make_view(const Wanted& wanted, const FrameInput& input, PlacedCamera& placed);
     std::optional<scene::View> view_before(const Scene& scene, const Wanted& wanted, const FrameInput& input,
                                            bool is_first);
     const Scene::Impl& last_scene() const;
@@ -168,6 +175,8 @@ void Renderer::forget()
     idle().engine.forget();
     idle().host = {};
     idle().has_frame = false;
+    idle().camera.reset();
+    idle().last_camera.reset();
 }
 
 void Renderer::improve(const std::function<bool()>& go_on)
@@ -313,15 +322,17 @@ std::optional<double> Renderer::Impl::turn_of(const Scene& scene, const FrameInp
     return turn;
 }
 
-scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& input)
+scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& input, PlacedCamera& placed)
 {
     if (wanted.camera) {
         camera = input.camera;
+        placed = {*wanted.camera, wanted.camera_to_world, true};
         return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
     }
     const scene::View view = engine.make_view(wanted.scene_camera, wanted.size, wanted.turn);
     const scene::Camera& described = host.values().scene()->cameras[wanted.scene_camera];
-    camera = api::from_scene(described, wanted.turn ? scene::matrix_of(view) : engine.state()->world(described.node));
+    placed = {described, wanted.turn ? scene::matrix_of(view) : engine.state()->world(described.node)};
+    camera = api::from_scene(described, placed.to_world);
     return view;
 }
 
@@ -336,10 +347,10 @@ std::optional<scene::View> Renderer::Impl::view_before(const Scene& scene, const
     if (!input.time && input.frame > 1) time = scene.time_of(input.frame - 1);
     if (input.time && !is_first) time = last_time;
     const scene::SceneState& before = engine.move_previous(time, &host.values());
-    if (wanted.camera) {
-        const Camera& last = !is_first && last_host_camera ? *last_host_camera : *input.camera;
-        return scene::make_view(api::to_scene(last), api::matrix_of(last.transform, "the camera"), wanted.size);
-    }
+    // A host's camera comes from where the last one was, and so does the scene's after a host's.
+    if (!is_first && last_camera && (wanted.camera || (last_camera->of_host && input.time)))
+        return scene::make_view(last_camera->camera, last_camera->to_world, wanted.size);
+    if (wanted.camera) return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
     std::optional<double> turn = wanted.turn;
     if (!input.time && input.frame > 1) turn = turn_of(scene, input, input.frame - 1);
     return engine.view_in(before, wanted.scene_camera, wanted.size, turn);
@@ -364,7 +375,8 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     engine.advance(host.values().scene(), wanted.time, options, &host.values());
     watch.end(FrameTimes::scene);
 
-    const scene::View view = make_view(wanted, input);
+    PlacedCamera placed;
+    const scene::View view = make_view(wanted, input, placed);
     frame::RenderRequest request;
     request.previous_view = view_before(scene, wanted, input, is_first);
     const frame::Shown shown = engine.shown();
@@ -397,7 +409,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     host.values().end_frame();
     has_frame = true;
     last_time = wanted.time;
-    last_host_camera = input.camera;
+    last_camera = std::move(placed);
     write_outputs(result, input.outputs, engine.tasks());
     result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     return result;

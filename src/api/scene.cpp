@@ -7,6 +7,7 @@
 #include "api/environment.h"
 #include "api/scene_access.h"
 #include "base/check.h"
+#include "base/one_line.h"
 #include "gnomon/scene.h"
 #include "io/image/float_image.h"
 #include "scene/environment.h"
@@ -37,7 +38,7 @@ scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3&
         throw UsageError(
             fmt::format("light '{}': {}; expected \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y "
                         "Z R G B\"",
-                        spec, why));
+                        shown_name(spec), why));
     };
     const std::vector<std::string> words = words_of(spec);
     if (words.empty() || (words[0] != "spot" && words[0] != "point")) refuse("unknown kind");
@@ -50,7 +51,7 @@ scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3&
         const char* end = words[i].data() + words[i].size();
         const auto [stop, error] = std::from_chars(words[i].data(), end, value);
         if (error != std::errc() || stop != end || !std::isfinite(static_cast<float>(value)))
-            refuse(fmt::format("'{}' is no number", words[i]));
+            refuse(fmt::format("number {} is none, or not finite", i));
         v.push_back(value);
     }
 
@@ -172,7 +173,7 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
         glm::dvec3 position, direction;
         scene::Light light = light_of(spec, position, direction);
         light.name = fmt::format("light {}", changed->lights.size());
-        light.node = api::add_looking_node(*changed.scene, light.name, position, direction);
+        light.node = api::add_root(*changed.scene, light.name, api::looking_matrix(position, direction));
         changed->lights.push_back(std::move(light));
     }
     changed.stamps.lights = api::StampList(changed->lights.size());
@@ -184,7 +185,9 @@ Scene Scene::with_environment(const std::filesystem::path& file, int lights) con
     api::check_environment_lights(lights);
     auto environment = std::make_shared<const scene::Environment>(io::read_float_image(file));
     Changed changed(*impl_);
-    api::set_environment(*changed.scene, changed.stamps, std::move(environment), lights);
+    api::set_environment(
+        *changed.scene, changed.stamps, std::move(environment), lights,
+        [&](const std::string& name, const glm::dmat4& local) { return api::add_root(*changed.scene, name, local); });
     return changed.finished();
 }
 

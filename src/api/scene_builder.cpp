@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <new>
 
 #include "api/convert.h"
 #include "api/environment.h"
 #include "api/scene_access.h"
 #include "api/scene_builder_impl.h"
+#include "base/one_line.h"
 #include "gnomon/error.h"
 #include "gnomon/ranges.h"
 #include "io/image/image_file.h"
@@ -19,32 +19,26 @@
 
 namespace gnomon {
 
+using api::with_memory;
+
 namespace {
 
 constexpr double k_highest_fps = 1000;
 
-// Runs a function, and reports a lack of memory as the machine's.
-template <class F>
-auto with_memory(const F& run)
-{
-    try {
-        return run();
-    } catch (const std::bad_alloc&) {
-        throw MissingError("not enough memory for the scene");
-    } catch (const std::length_error&) {
-        throw MissingError("not enough memory for the scene");
-    }
-}
-
 scene::Sampler sampler_of(const Texture& texture)
 {
+    const std::string owner = api::titled("texture", texture.name);
+    for (const Wrap wrap : {texture.wrap_u, texture.wrap_v})
+        api::require_known(wrap, Wrap::clamp, owner, "the wrapping");
+    for (const Filter filter : {texture.magnify, texture.minify})
+        api::require_known(filter, Filter::linear, owner, "the filter");
     return {static_cast<scene::Wrap>(texture.wrap_u), static_cast<scene::Wrap>(texture.wrap_v),
             static_cast<scene::Filter>(texture.magnify), static_cast<scene::Filter>(texture.minify), texture.mipmaps};
 }
 
 Image8 image_of(const Texture& texture)
 {
-    const std::string owner = texture.name.empty() ? "texture" : fmt::format("texture '{}'", texture.name);
+    const std::string owner = api::titled("texture", texture.name);
     if (!ranges::image_side.contains(texture.width) || !ranges::image_side.contains(texture.height) ||
         std::int64_t{texture.width} * texture.height > ranges::k_max_pixels)
         throw UsageError(fmt::format("{}: size {} x {} is out of range", owner, texture.width, texture.height));
@@ -53,9 +47,11 @@ Image8 image_of(const Texture& texture)
     const std::ptrdiff_t row = std::ptrdiff_t{texture.width} * texture.channels;
     const std::ptrdiff_t step = texture.row_bytes == 0 ? row : texture.row_bytes;
     if (step < row) throw UsageError(fmt::format("{}: rows of {} bytes, {} apart, overlap", owner, row, step));
-    if (std::ssize(texture.pixels) < (texture.height - 1) * step + row)
-        throw UsageError(fmt::format("{}: {} bytes of pixels: expected {}", owner, texture.pixels.size(),
-                                     (texture.height - 1) * step + row));
+    // Divide instead of multiplying, because the product may overflow.
+    const std::ptrdiff_t bytes = std::ssize(texture.pixels);
+    if (bytes < row || (texture.height > 1 && step > (bytes - row) / (texture.height - 1)))
+        throw UsageError(fmt::format("{}: {} bytes of pixels are too few for {} x {} pixels in rows {} bytes apart",
+                                     owner, bytes, texture.width, texture.height, step));
     Image8 image(texture.width, texture.height, texture.channels);
     for (int y = 0; y < texture.height; ++y)
         std::memcpy(image.pixel(0, y), texture.pixels.data() + y * step, static_cast<std::size_t>(row));
@@ -71,8 +67,14 @@ SceneBuilder::SceneBuilder(const Scene& scene) : impl_(std::make_unique<Impl>())
     const Scene::Impl& from = api::SceneAccess::impl(scene);
     impl_->scene = *from.scene;
     impl_->stamps = from.stamps;
-    for (std::size_t n = 0; n < from.stamps.nodes.size(); ++n)
-        if (from.stamps.nodes[n] == 0) impl_->free_nodes.insert(static_cast<std::uint32_t>(n));
+    const auto note_free = [](const api::StampList& stamps, std::set<std::uint32_t>& free) {
+        for (std::size_t i = 0; i < stamps.size(); ++i)
+            if (stamps[i] == 0) free.insert(static_cast<std::uint32_t>(i));
+    };
+    note_free(from.stamps.nodes, impl_->free_nodes);
+    note_free(from.stamps.materials, impl_->free_materials);
+    note_free(from.stamps.textures, impl_->free_textures);
+    note_free(from.stamps.skins, impl_->free_skins);
     for (std::size_t m = 0; m < from.stamps.meshes.size(); ++m)
         if (from.stamps.meshes[m] == 0 && !from.stamps.mesh_variants.contains(static_cast<scene::MeshId>(m)))
             impl_->free_meshes.insert(static_cast<std::uint32_t>(m));
@@ -95,26 +97,27 @@ MeshId SceneBuilder::mesh(const Mesh& mesh)
 {
     return with_memory([&] {
         Impl& in = impl();
-        scene::Mesh made = api::to_scene(mesh, in.stamps, in.grey_material());
+        scene::Mesh made = api::to_scene(mesh, in.stamps, scene::none);
+        in.fill_materials(made);
         return in.stamps.meshes.id<MeshId>(in.add_mesh(std::move(made)));
     });
 }
 
 MaterialId SceneBuilder::material(const Material& material)
 {
-    Impl& in = impl();
-    in.scene.materials.push_back(api::to_scene(material, in.stamps));
-    in.stamps.materials.renew(in.scene.materials.size() - 1);
-    return in.stamps.materials.id<MaterialId>(in.scene.materials.size() - 1);
+    return with_memory([&] {
+        Impl& in = impl();
+        return in.stamps.materials.id<MaterialId>(in.add_material(api::to_scene(material, in.stamps)));
+    });
 }
 
 TextureId SceneBuilder::texture(const Texture& texture)
 {
     return with_memory([&] {
         Impl& in = impl();
-        in.scene.textures.push_back(scene::Texture(texture.name, image_of(texture), texture.srgb, sampler_of(texture)));
-        in.stamps.textures.renew(in.scene.textures.size() - 1);
-        return in.stamps.textures.id<TextureId>(in.scene.textures.size() - 1);
+        const scene::Sampler sampler = sampler_of(texture);
+        return in.stamps.textures.id<TextureId>(
+            in.add_texture(scene::Texture(texture.name, image_of(texture), texture.srgb, sampler)));
     });
 }
 
@@ -123,35 +126,36 @@ TextureId SceneBuilder::texture(std::span<const std::byte> file, const Texture& 
     return with_memory([&] {
         Impl& in = impl();
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(file.data());
+        const scene::Sampler sampler = sampler_of(as);
         const Image8 image =
-            io::decode_image({bytes, file.size()}, as.name.empty() ? std::string("texture in memory") : as.name);
-        in.scene.textures.push_back(scene::Texture(as.name, image, as.srgb, sampler_of(as)));
-        in.stamps.textures.renew(in.scene.textures.size() - 1);
-        return in.stamps.textures.id<TextureId>(in.scene.textures.size() - 1);
+            io::decode_image({bytes, file.size()}, as.name.empty() ? "texture in memory" : shown_name(as.name));
+        return in.stamps.textures.id<TextureId>(in.add_texture(scene::Texture(as.name, image, as.srgb, sampler)));
     });
 }
 
 SkinId SceneBuilder::skin(const Skin& skin)
 {
-    Impl& in = impl();
-    const std::string owner = skin.name.empty() ? "skin" : fmt::format("skin '{}'", skin.name);
-    if (skin.joints.size() != skin.inverse_bind.size())
-        throw UsageError(fmt::format("{}: {} joints and {} inverse bind matrices", owner, skin.joints.size(),
-                                     skin.inverse_bind.size()));
-    scene::Skin made;
-    made.name = skin.name;
-    for (const NodeId& joint : skin.joints)
-        made.joints.push_back(api::require(in.stamps.nodes, joint, fmt::format("{}: a joint", owner)));
-    for (const Transform& matrix : skin.inverse_bind) made.inverse_bind.push_back(api::matrix_of(matrix, owner));
-    in.scene.skins.push_back(std::move(made));
-    in.stamps.skins.renew(in.scene.skins.size() - 1);
-    return in.stamps.skins.id<SkinId>(in.scene.skins.size() - 1);
+    return with_memory([&] {
+        Impl& in = impl();
+        const std::string owner = api::titled("skin", skin.name);
+        if (skin.joints.size() != skin.inverse_bind.size())
+            throw UsageError(fmt::format("{}: {} joints and {} inverse bind matrices", owner, skin.joints.size(),
+                                         skin.inverse_bind.size()));
+        scene::Skin made;
+        made.name = skin.name;
+        for (const NodeId& joint : skin.joints)
+            made.joints.push_back(api::require(in.stamps.nodes, joint, fmt::format("{}: a joint", owner)));
+        for (const Transform& matrix : skin.inverse_bind) made.inverse_bind.push_back(api::matrix_of(matrix, owner));
+        return in.stamps.skins.id<SkinId>(in.add_skin(std::move(made)));
+    });
 }
 
 NodeId SceneBuilder::node(const Transform& transform, const NodeOptions& options)
 {
-    Impl& in = impl();
-    return in.stamps.nodes.id<NodeId>(in.add_node(transform, options, "node"));
+    return with_memory([&] {
+        Impl& in = impl();
+        return in.stamps.nodes.id<NodeId>(in.add_node(transform, options, api::titled("node", options.name)));
+    });
 }
 
 InstanceId SceneBuilder::instance(const MeshId& mesh, const MaterialId& material, const Transform& transform,
@@ -159,7 +163,7 @@ InstanceId SceneBuilder::instance(const MeshId& mesh, const MaterialId& material
 {
     return with_memory([&] {
         Impl& in = impl();
-        const std::string owner = options.name.empty() ? "instance" : fmt::format("instance '{}'", options.name);
+        const std::string owner = api::titled("instance", options.name);
         const Impl::Attachment attachment = in.check_attachment(mesh, material, options, owner);
         const scene::NodeId node = in.add_node(transform, {options.mobility, options.parent, options.name}, owner);
         in.attach(node, attachment, options);
@@ -173,7 +177,7 @@ InstanceId SceneBuilder::attach(const NodeId& id, const MeshId& mesh, const Mate
     return with_memory([&] {
         Impl& in = impl();
         const scene::NodeId node = api::require(in.stamps.nodes, id, "the node");
-        const std::string owner = fmt::format("node '{}'", in.scene.nodes[node].name);
+        const std::string owner = api::titled("node", in.scene.nodes[node].name);
         if (in.scene.nodes[node].mesh != scene::none) throw UsageError(fmt::format("{}: it has a mesh already", owner));
         const Impl::Attachment attachment = in.check_attachment(mesh, material, options, owner);
         if (options.mobility != Mobility::fixed) in.declare(node, options.mobility);
@@ -184,22 +188,26 @@ InstanceId SceneBuilder::attach(const NodeId& id, const MeshId& mesh, const Mate
 
 LightId SceneBuilder::light(const Light& light, const Transform& transform, const NodeOptions& options)
 {
-    Impl& in = impl();
-    scene::Light made = api::to_scene(light);
-    made.node = in.add_node(transform, options, light.name.empty() ? "light" : light.name);
-    in.scene.lights.push_back(std::move(made));
-    in.stamps.lights.renew(in.scene.lights.size() - 1);
-    return in.stamps.lights.id<LightId>(in.scene.lights.size() - 1);
+    return with_memory([&] {
+        Impl& in = impl();
+        scene::Light made = api::to_scene(light);
+        made.node = in.add_node(transform, options, api::titled("light", light.name));
+        in.scene.lights.push_back(std::move(made));
+        in.stamps.lights.renew(in.scene.lights.size() - 1);
+        return in.stamps.lights.id<LightId>(in.scene.lights.size() - 1);
+    });
 }
 
 CameraId SceneBuilder::camera(const Camera& camera, const NodeOptions& options)
 {
-    Impl& in = impl();
-    scene::Camera made = api::to_scene(camera);
-    made.node = in.add_node(camera.transform, options, camera.name.empty() ? "camera" : camera.name);
-    in.scene.cameras.push_back(std::move(made));
-    in.stamps.cameras.renew(in.scene.cameras.size() - 1);
-    return in.stamps.cameras.id<CameraId>(in.scene.cameras.size() - 1);
+    return with_memory([&] {
+        Impl& in = impl();
+        scene::Camera made = api::to_scene(camera);
+        made.node = in.add_node(camera.transform, options, api::titled("camera", camera.name));
+        in.scene.cameras.push_back(std::move(made));
+        in.stamps.cameras.renew(in.scene.cameras.size() - 1);
+        return in.stamps.cameras.id<CameraId>(in.scene.cameras.size() - 1);
+    });
 }
 
 void SceneBuilder::environment(const EnvironmentImage& image, int lights)
@@ -217,8 +225,12 @@ void SceneBuilder::environment(const EnvironmentImage& image, int lights)
                 fmt::format("environment: {} numbers for pixels: expected {}", image.pixels.size(), expected));
         ImageF pixels(image.width, image.height, 3);
         std::copy(image.pixels.begin(), image.pixels.end(), pixels.data.begin());
-        api::set_environment(in.scene, in.stamps, std::make_shared<const scene::Environment>(std::move(pixels)),
-                             lights);
+        auto environment = std::make_shared<const scene::Environment>(std::move(pixels));
+        in.remove_environment_lights();
+        api::set_environment(in.scene, in.stamps, std::move(environment), lights,
+                             [&](const std::string& name, const glm::dmat4& local) {
+                                 return in.add_node(api::transform_of(local), {.name = name}, name);
+                             });
     });
 }
 
@@ -226,8 +238,10 @@ void SceneBuilder::background(const Vec3& color)
 {
     if (!is_finite(api::vec(color)) || std::min({color.x, color.y, color.z}) < 0)
         throw UsageError("background: the colour is negative or not finite");
-    impl().scene.background = {};
-    impl().scene.background.color = api::vec(color);
+    Impl& in = impl();
+    in.remove_environment_lights();
+    in.scene.background = {};
+    in.scene.background.color = api::vec(color);
 }
 
 void SceneBuilder::ambient(const Vec3& color)

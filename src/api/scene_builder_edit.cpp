@@ -16,6 +16,7 @@ scene::NodeId SceneBuilder::Impl::add_node(const Transform& transform, const Nod
                                            std::string_view what)
 {
     const glm::dmat4 local = api::matrix_of(transform, what);
+    api::require_known(options.mobility, Mobility::may_deform, what, "the mobility");
     const scene::NodeId parent =
         options.parent ? api::require(stamps.nodes, options.parent, fmt::format("{}: the parent", what)) : scene::none;
     const auto free = parent == scene::none ? free_nodes.begin() : free_nodes.upper_bound(parent);
@@ -50,27 +51,69 @@ scene::MeshId SceneBuilder::Impl::add_mesh(scene::Mesh mesh)
     return id;
 }
 
-scene::MaterialId SceneBuilder::Impl::grey_material()
+scene::MaterialId SceneBuilder::Impl::add_material(scene::Material material)
 {
-    if (grey == scene::none) {
-        scene.materials.emplace_back();
-        grey = static_cast<scene::MaterialId>(scene.materials.size() - 1);
-        stamps.materials.renew(grey);
+    std::uint32_t id = static_cast<std::uint32_t>(scene.materials.size());
+    if (free_materials.empty()) {
+        scene.materials.push_back(std::move(material));
+    } else {
+        id = *free_materials.begin();
+        free_materials.erase(free_materials.begin());
+        scene.materials[id] = std::move(material);
     }
-    return grey;
+    stamps.materials.renew(id);
+    return id;
+}
+
+scene::TextureId SceneBuilder::Impl::add_texture(scene::Texture texture)
+{
+    std::uint32_t id = static_cast<std::uint32_t>(scene.textures.size());
+    if (free_textures.empty()) {
+        scene.textures.push_back(std::move(texture));
+    } else {
+        id = *free_textures.begin();
+        free_textures.erase(free_textures.begin());
+        scene.textures.replace(id, std::move(texture));
+    }
+    stamps.textures.renew(id);
+    return id;
+}
+
+scene::SkinId SceneBuilder::Impl::add_skin(scene::Skin skin)
+{
+    std::uint32_t id = static_cast<std::uint32_t>(scene.skins.size());
+    if (free_skins.empty()) {
+        scene.skins.push_back(std::move(skin));
+    } else {
+        id = *free_skins.begin();
+        free_skins.erase(free_skins.begin());
+        scene.skins[id] = std::move(skin);
+    }
+    stamps.skins.renew(id);
+    return id;
+}
+
+void SceneBuilder::Impl::fill_materials(scene::Mesh& mesh)
+{
+    for (scene::MeshPart& part : mesh.parts) {
+        if (part.material != scene::none) continue;
+        if (stamps.grey == scene::none) stamps.grey = add_material({});
+        part.material = stamps.grey;
+    }
 }
 
 // A mesh with one material throughout: itself, or a copy that all instances with that material share.
 scene::MeshId SceneBuilder::Impl::mesh_with(scene::MeshId mesh, scene::MaterialId material)
 {
     const scene::Mesh& original = scene.meshes[mesh];
-    if (std::all_of(original.parts.begin(), original.parts.end(),
-                    [&](const scene::MeshPart& part) { return part.material == material; }))
+    if (!original.parts.empty() && std::all_of(original.parts.begin(), original.parts.end(),
+                                               [&](const scene::MeshPart& part) { return part.material == material; }))
         return mesh;
     for (const auto& [id, variant] : stamps.mesh_variants)
         if (variant.mesh == mesh && variant.material == material) return id;
     scene::Mesh copy = original;
-    copy.parts = {{material, 0, static_cast<std::uint32_t>(copy.triangles.size())}};
+    copy.parts.clear();
+    if (!copy.triangles.empty()) copy.parts = {{material, 0, static_cast<std::uint32_t>(copy.triangles.size())}};
     const scene::MeshId id = add_mesh(std::move(copy));
     stamps.meshes.clear(id);
     stamps.mesh_variants[id] = {mesh, material};
@@ -85,6 +128,7 @@ SceneBuilder::Impl::Attachment SceneBuilder::Impl::check_attachment(const MeshId
     result.mesh = api::require(stamps.meshes, mesh, fmt::format("{}: the mesh", owner));
     if (material) result.material = api::require(stamps.materials, material, fmt::format("{}: the material", owner));
     const scene::Mesh& shape = scene.meshes[result.mesh];
+    api::require_known(options.mobility, Mobility::may_deform, owner, "the mobility");
     if (options.skin) {
         result.skin = api::require(stamps.skins, options.skin, fmt::format("{}: the skin", owner));
         require_joints(shape, result.skin, owner);
@@ -173,45 +217,60 @@ void SceneBuilder::Impl::require_joints(const scene::Mesh& mesh, scene::SkinId s
 
 void SceneBuilder::set_mesh(const MeshId& id, const Mesh& mesh)
 {
-    Impl& in = impl();
-    const scene::MeshId index = api::require(in.stamps.meshes, id, "the mesh");
-    scene::Mesh made = api::to_scene(mesh, in.stamps, in.grey_material());
-    for (const scene::Node& node : in.scene.nodes) {
-        const bool uses = node.mesh == index || (in.stamps.mesh_variants.contains(node.mesh) &&
-                                                 in.stamps.mesh_variants.at(node.mesh).mesh == index);
-        if (!uses) continue;
-        if (node.skin != scene::none) in.require_joints(made, node.skin, fmt::format("instance '{}'", node.name));
+    api::with_memory([&] {
+        Impl& in = impl();
+        in.set_mesh(api::require(in.stamps.meshes, id, "the mesh"), mesh);
+    });
+}
+
+void SceneBuilder::Impl::set_mesh(scene::MeshId index, const Mesh& mesh)
+{
+    scene::Mesh made = api::to_scene(mesh, stamps, scene::none);
+    // Check that it suits all its instances.
+    for (const scene::Node& node : scene.nodes) {
+        const auto variant = stamps.mesh_variants.find(node.mesh);
+        if ((variant == stamps.mesh_variants.end() ? node.mesh : variant->second.mesh) != index) continue;
+        const std::string owner = api::titled("instance", node.name);
+        if (node.skin != scene::none) require_joints(made, node.skin, owner);
         if (!node.morph_weights.empty() && node.morph_weights.size() != made.morph_targets.size())
-            throw UsageError(fmt::format("instance '{}': {} morph weights for {} targets", node.name,
-                                         node.morph_weights.size(), made.morph_targets.size()));
+            throw UsageError(fmt::format("{}: {} morph weights for {} targets", owner, node.morph_weights.size(),
+                                         made.morph_targets.size()));
     }
-    for (const auto& [copy, variant] : in.stamps.mesh_variants) {
+    // Make the variants first, because that may need more memory than there is.
+    std::vector<std::pair<scene::MeshId, scene::Mesh>> variants;
+    for (const auto& [copy, variant] : stamps.mesh_variants) {
         if (variant.mesh != index) continue;
-        scene::Mesh same = made;
+        scene::Mesh& same = variants.emplace_back(copy, made).second;
         same.parts.clear();
         if (!same.triangles.empty())
             same.parts = {{variant.material, 0, static_cast<std::uint32_t>(same.triangles.size())}};
-        in.scene.meshes.replace(copy, std::move(same));
     }
-    in.scene.meshes.replace(index, std::move(made));
+    fill_materials(made);
+    for (auto& [copy, same] : variants) scene.meshes.replace(copy, std::move(same));
+    scene.meshes.replace(index, std::move(made));
 }
 
 void SceneBuilder::set_material(const MaterialId& id, const Material& material)
 {
-    Impl& in = impl();
-    const scene::MaterialId index = api::require(in.stamps.materials, id, "the material");
-    in.scene.materials[index] = api::to_scene(material, in.stamps);
+    api::with_memory([&] {
+        Impl& in = impl();
+        const scene::MaterialId index = api::require(in.stamps.materials, id, "the material");
+        in.scene.materials[index] = api::to_scene(material, in.stamps);
+        if (index == in.stamps.grey) in.stamps.grey = scene::none;   // it is the host's now
+    });
 }
 
 void SceneBuilder::set_material(const InstanceId& id, const MaterialId& material)
 {
-    Impl& in = impl();
-    const scene::NodeId node = api::require(in.stamps.nodes, id, "the instance");
-    const scene::MaterialId own = api::require(in.stamps.materials, material, "the material");
-    const scene::MeshId used = in.scene.nodes[node].mesh;
-    if (used == scene::none) throw UsageError("the node has no mesh: it takes no material");
-    const auto variant = in.stamps.mesh_variants.find(used);
-    in.use_mesh(node, in.mesh_with(variant == in.stamps.mesh_variants.end() ? used : variant->second.mesh, own));
+    api::with_memory([&] {
+        Impl& in = impl();
+        const scene::NodeId node = api::require(in.stamps.nodes, id, "the instance");
+        const scene::MaterialId own = api::require(in.stamps.materials, material, "the material");
+        const scene::MeshId used = in.scene.nodes[node].mesh;
+        if (used == scene::none) throw UsageError("the node has no mesh: it takes no material");
+        const auto variant = in.stamps.mesh_variants.find(used);
+        in.use_mesh(node, in.mesh_with(variant == in.stamps.mesh_variants.end() ? used : variant->second.mesh, own));
+    });
 }
 
 void SceneBuilder::set_light(const LightId& id, const Light& light)
@@ -247,27 +306,64 @@ void SceneBuilder::set_transform(const NodeId& id, const Transform& transform)
 void SceneBuilder::set_mobility(const NodeId& id, Mobility mobility)
 {
     Impl& in = impl();
-    in.declare(api::require(in.stamps.nodes, id, "the node"), mobility);
+    const scene::NodeId node = api::require(in.stamps.nodes, id, "the node");
+    api::require_known(mobility, Mobility::may_deform, "the node", "the mobility");
+    in.declare(node, mobility);
+}
+
+bool SceneBuilder::Impl::is_joint(scene::NodeId node) const
+{
+    return std::any_of(scene.skins.begin(), scene.skins.end(), [&](const scene::Skin& skin) {
+        return std::find(skin.joints.begin(), skin.joints.end(), node) != skin.joints.end();
+    });
+}
+
+void SceneBuilder::Impl::remove_nodes(const std::vector<scene::NodeId>& nodes)
+{
+    const auto goes = [&](scene::NodeId n) { return std::binary_search(nodes.begin(), nodes.end(), n); };
+    for (std::size_t l = scene.lights.size(); l-- > 0;)
+        if (goes(scene.lights[l].node)) remove_light(l);
+    for (std::size_t c = scene.cameras.size(); c-- > 0;)
+        if (goes(scene.cameras[c].node)) remove_camera(c);
+    for (const scene::NodeId n : nodes) {
+        use_mesh(n, scene::none);
+        scene.nodes[n] = {};
+        stamps.nodes.clear(n);
+        free_nodes.insert(n);
+    }
+}
+
+void SceneBuilder::Impl::remove_environment_lights()
+{
+    std::vector<scene::NodeId> nodes;
+    for (std::size_t l = scene.lights.size(); l-- > 0;) {
+        if (!scene.lights[l].of_environment) continue;
+        nodes.push_back(scene.lights[l].node);
+        remove_light(l);
+    }
+    // Keep nodes that a host has given something else.
+    std::sort(nodes.begin(), nodes.end());
+    std::set<scene::NodeId> used;
+    for (const scene::Node& node : scene.nodes)
+        if (node.parent != scene::none) used.insert(node.parent);
+    for (const scene::Light& light : scene.lights) used.insert(light.node);
+    for (const scene::Camera& camera : scene.cameras) used.insert(camera.node);
+    std::erase_if(
+        nodes, [&](scene::NodeId n) { return scene.nodes[n].mesh != scene::none || used.contains(n) || is_joint(n); });
+    remove_nodes(nodes);
 }
 
 void SceneBuilder::remove(const NodeId& id)
 {
-    Impl& in = impl();
-    const std::vector<scene::NodeId> nodes = in.subtree(api::require(in.stamps.nodes, id, "the node"));
-    const auto goes = [&](scene::NodeId n) { return std::binary_search(nodes.begin(), nodes.end(), n); };
-    for (std::size_t s = 0; s < in.scene.skins.size(); ++s)
-        if (std::any_of(in.scene.skins[s].joints.begin(), in.scene.skins[s].joints.end(), goes))
-            throw UsageError("the node is the joint of a skin, or one is below it: it cannot be removed");
-    for (std::size_t l = in.scene.lights.size(); l-- > 0;)
-        if (goes(in.scene.lights[l].node)) in.remove_light(l);
-    for (std::size_t c = in.scene.cameras.size(); c-- > 0;)
-        if (goes(in.scene.cameras[c].node)) in.remove_camera(c);
-    for (const scene::NodeId n : nodes) {
-        in.use_mesh(n, scene::none);
-        in.scene.nodes[n] = {};
-        in.stamps.nodes.clear(n);
-        in.free_nodes.insert(n);
-    }
+    api::with_memory([&] {
+        Impl& in = impl();
+        const std::vector<scene::NodeId> nodes = in.subtree(api::require(in.stamps.nodes, id, "the node"));
+        const auto goes = [&](scene::NodeId n) { return std::binary_search(nodes.begin(), nodes.end(), n); };
+        for (const scene::Skin& skin : in.scene.skins)
+            if (std::any_of(skin.joints.begin(), skin.joints.end(), goes))
+                throw UsageError("the node is the joint of a skin, or one is below it: it cannot be removed");
+        in.remove_nodes(nodes);
+    });
 }
 
 void SceneBuilder::remove(const LightId& id)
@@ -293,6 +389,20 @@ void SceneBuilder::remove(const MeshId& id)
     in.free_mesh(mesh);
 }
 
+void SceneBuilder::remove(const SkinId& id)
+{
+    Impl& in = impl();
+    const scene::SkinId skin = api::require(in.stamps.skins, id, "the skin");
+    for (const scene::Node& node : in.scene.nodes)
+        if (node.mesh != scene::none && node.skin == skin)
+            throw UsageError("an instance uses the skin: it cannot be removed before the instance");
+    for (scene::Node& node : in.scene.nodes)
+        if (node.skin == skin) node.skin = scene::none;
+    in.scene.skins[skin] = {};
+    in.stamps.skins.clear(skin);
+    in.free_skins.insert(skin);
+}
+
 void SceneBuilder::remove(const MaterialId& id)
 {
     Impl& in = impl();
@@ -301,9 +411,14 @@ void SceneBuilder::remove(const MaterialId& id)
         for (const scene::MeshPart& part : in.scene.meshes[m].parts)
             if (part.material == material)
                 throw UsageError("a mesh uses the material: it cannot be removed before the mesh");
+    // Meshes without triangles have no parts, but a variant keeps its material for later ones.
+    for (const auto& [mesh, variant] : in.stamps.mesh_variants)
+        if (variant.material == material)
+            throw UsageError("an instance uses the material: it cannot be removed before the instance");
     in.scene.materials[material] = {};
     in.stamps.materials.clear(material);
-    if (material == in.grey) in.grey = scene::none;
+    in.free_materials.insert(material);
+    if (material == in.stamps.grey) in.stamps.grey = scene::none;
 }
 
 void SceneBuilder::remove(const TextureId& id)
@@ -317,6 +432,7 @@ void SceneBuilder::remove(const TextureId& id)
                 throw UsageError("a material uses the texture: it cannot be removed before the material");
     in.scene.textures.replace(texture, scene::Texture("", Image8(1, 1, 1), false, {}));
     in.stamps.textures.clear(texture);
+    in.free_textures.insert(texture);
 }
 
 }   // namespace gnomon

@@ -65,6 +65,9 @@ struct SceneStamps {
     };
     std::unordered_map<scene::MeshId, MeshVariant> mesh_variants;
 
+    /// The material of meshes that were given none; scene::none: there is none yet.
+    scene::MaterialId grey = scene::none;
+
     SceneStamps() = default;
     explicit SceneStamps(const scene::Scene& scene);
 };

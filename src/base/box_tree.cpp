@@ -41,8 +41,9 @@ void BoxTree::build(std::span<const Box3> boxes)
     GNOMON_CHECK(boxes.size() < k_none / 2);
     std::vector<std::uint32_t> order(boxes.size());
     std::iota(order.begin(), order.end(), 0u);
-    const auto place = [&](std::uint32_t index) {   // empty boxes are placed at the origin
-        return boxes[index].empty() ? glm::vec3(0) : boxes[index].centre();
+    const auto place = [&](std::uint32_t index) {   // empty and infinite boxes are placed at the origin
+        const glm::vec3 centre = boxes[index].empty() ? glm::vec3(0) : boxes[index].centre();
+        return is_finite(centre) ? centre : glm::vec3(0);
     };
     struct Open {
         std::uint32_t node, begin, end;

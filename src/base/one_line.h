@@ -3,6 +3,7 @@
 // Replaces control characters in text from files, because they could change a terminal's state when printed.
 
 #include <string>
+#include <utility>
 
 namespace gnomon {
 
@@ -17,6 +18,18 @@ inline std::string one_line(std::string text)
             static_cast<unsigned char>(text[at + 1]) < 0xa0)
             text.replace(at, 2, "?");
     return text;
+}
+
+/// A name as a message shows it: in one line, and of 60 bytes at most.
+inline std::string shown_name(std::string name)
+{
+    constexpr std::size_t k_most = 60;
+    if (name.size() > k_most) {
+        std::size_t end = k_most - 3;
+        while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;   // whole characters of UTF-8
+        name = name.substr(0, end) + "...";
+    }
+    return one_line(std::move(name));
 }
 
 }   // namespace gnomon

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "base/check.h"
+#include "base/one_line.h"
 #include "gnomon/error.h"
 
 namespace gnomon::scene {
@@ -38,19 +39,8 @@ scene::CameraId find_camera(const scene::Scene& scene, const std::string& wanted
     unsigned number = 0;
     const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
     if (error == std::errc() && end == wanted.data() + wanted.size() && number < scene.cameras.size()) return number;
-    throw UsageError(fmt::format("no camera '{}': the scene has {}, numbered from 0", wanted, scene.cameras.size()));
-}
-
-bool is_projection(const glm::dmat4& p)
-{
-    const auto zero = [&](std::initializer_list<std::pair<int, int>> places) {   // rows and columns
-        return std::all_of(places.begin(), places.end(), [&](const auto& at) { return p[at.second][at.first] == 0; });
-    };
-    if (!(p[0][0] > 0 && p[1][1] > 0) || p[2][2] == 0) return false;
-    if (!zero({{0, 1}, {1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}})) return false;
-    const bool perspective = p[2][3] == -1 && p[3][3] == 0 && zero({{0, 3}, {1, 3}});
-    const bool orthographic = p[2][3] == 0 && p[3][3] == 1 && zero({{0, 2}, {1, 2}});
-    return perspective || orthographic;
+    throw UsageError(
+        fmt::format("no camera '{}': the scene has {}, numbered from 0", shown_name(wanted), scene.cameras.size()));
 }
 
 namespace {
@@ -79,6 +69,26 @@ Lens lens_of(const glm::dmat4& p)
     }
     return lens;
 }
+
+}   // namespace
+
+bool is_projection(const glm::dmat4& p)
+{
+    const auto zero = [&](std::initializer_list<std::pair<int, int>> places) {   // rows and columns
+        return std::all_of(places.begin(), places.end(), [&](const auto& at) { return p[at.second][at.first] == 0; });
+    };
+    if (!(p[0][0] > 0 && p[1][1] > 0) || p[2][2] == 0) return false;
+    if (!zero({{0, 1}, {1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}})) return false;
+    const bool perspective = p[2][3] == -1 && p[3][3] == 0 && zero({{0, 3}, {1, 3}});
+    const bool orthographic = p[2][3] == 0 && p[3][3] == 1 && zero({{0, 2}, {1, 2}});
+    if (!perspective && !orthographic) return false;
+    // What is seen begins at the camera or before it, and ends farther away.
+    const Lens lens = lens_of(p);
+    const bool infinite = perspective && p[2][2] == -1;
+    return lens.near >= 0 && (infinite || lens.far > lens.near);
+}
+
+namespace {
 
 Lens lens_of(const scene::Camera& camera, Size size)
 {

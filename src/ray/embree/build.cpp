@@ -87,7 +87,7 @@ void RayScene::Impl::build(const scene::SceneState& state)
 
     const float reach = present_reach();
     for (std::uint32_t s = 0; s < solids.size(); ++s) {
-        solids[s].margin = margin_of(reach, solids[s].to_world);
+        solids[s].margin = margin_of(std::max(reach, solids[s].reach), solids[s].to_world);
         finish(s, state);
     }
     device.commit(moving.get());

@@ -23,6 +23,8 @@ constexpr float k_margin_per_coordinate = 3e-6f;
 // Embree treats numbers below 1.2e-38 as zero.
 constexpr float k_least_size = 1e-36f;
 
+constexpr float k_least_box = 1e-6f;   // half the width of the box of an object that is a point
+
 constexpr unsigned k_corners[2][3] = {{0, 0, 0}, {1, 1, 1}};
 
 // Embree ignores triangles with larger coordinates (above 1.8e18), and makes no boxes for them.
@@ -121,6 +123,13 @@ void Solid::set_margin(float wanted)
     margin = wanted;
     margin_corners[0] = box.empty() ? glm::vec3(0) : box.low - margin;
     margin_corners[1] = box.empty() ? glm::vec3(0) : box.high + margin;
+    // Embree asserts that boxes of instances are not all the same point, which those of a point, or of anything that is
+    // small and far away, can be in float.
+    if (margin_corners[0] == margin_corners[1]) {
+        const float wide = std::max(k_least_box, k_margin_per_coordinate * largest(margin_corners[0]));
+        margin_corners[0] -= wide;
+        margin_corners[1] += wide;
+    }
     rtcUpdateGeometryBuffer(margin_geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(margin_geometry.get());
 }
@@ -203,8 +212,11 @@ void RayScene::Impl::follow_shared_margins()
 void RayScene::Impl::follow_margin(Solid& solid, float reach)
 {
     if (!solid.has_volume) return;
-    const float margin = margin_of(reach, solid.to_world);
-    const ReachRange range = range_of(margin, reach, solid.to_world);
+    // Its own reach counts even while it is hidden.
+    const float own = std::max(reach, solid.reach);
+    const float margin = margin_of(own, solid.to_world);
+    ReachRange range = range_of(margin, own, solid.to_world);
+    if (own > reach) range.low = 0;   // the present reach has no part in it
     same_margins = {std::max(same_margins.low, range.low), std::min(same_margins.high, range.high)};
     if (margin == solid.margin) return;
     solid.set_margin(margin);

@@ -168,8 +168,10 @@ std::uint32_t StaticTriangles::build_range(std::uint32_t node, std::uint32_t beg
     std::uint32_t middle = begin;
     if (extent[axis] > 0) {
         const float scale = static_cast<float>(k_bins) / extent[axis];
+        // Put what is too far away for a float into the first bin: no ray hits it.
         const auto bin_of = [&](TriangleId t) {
-            return std::min(k_bins - 1, static_cast<int>((boxes[t].centre()[axis] - centres.low[axis]) * scale));
+            const float at = (boxes[t].centre()[axis] - centres.low[axis]) * scale;
+            return at > 0 ? static_cast<int>(std::min(at, static_cast<float>(k_bins - 1))) : 0;
         };
         std::array<Box3, k_bins> bin_box;
         std::array<std::uint32_t, k_bins> bin_count{};
