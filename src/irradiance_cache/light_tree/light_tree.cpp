@@ -182,14 +182,12 @@ void LightTree::make_view(View& view)
     const NodeId end = leaves + count;
     std::fill(quads_.begin() + view.first / 4, quads_.begin() + end / 4, VirtualLightQuad{});
     for (NodeId id = view.first; id < end; ++id) {
-        flux_.set(id, glm::vec3(0));
-        static_flux_.set(id, glm::vec3(0));
+        flux_.set(id, glm::vec3(0)), static_flux_.set(id, glm::vec3(0));
         view.dirty.push_back(id);
     }
     std::fill(view.occluded.begin(), view.occluded.end(), 0);
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
-    view.dynamic_objects.clear(count);
-    view.stray = 0;
+    view.dynamic_objects.clear(count), view.stray = 0;
     if (!view.on) return;
     const auto projections = light_views::project(light, at, bounds_, view.side, light_views::k_projection);
     view.projection = projections[static_cast<std::size_t>(view.face)];
@@ -228,8 +226,7 @@ void LightTree::make_view(View& view)
         node.area = leaf.area;
         node.radius = std::sqrt(leaf.area * static_cast<float>(1 / k_pi));
         node.flux = luminance(leaf.flux);
-        static_flux_.set(leaves + i, leaf.flux);
-        flux_.set(leaves + i, leaf.flux);
+        static_flux_.set(leaves + i, leaf.flux), flux_.set(leaves + i, leaf.flux);
         view.stray = std::max(view.stray, stray_of(view, leaf.sample, i));
     }
 
