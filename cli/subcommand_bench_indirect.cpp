@@ -95,7 +95,8 @@ int run_bench_indirect(const CommandLine& line, Output& output)
     study.device = device;
     study.options = options_of(values, scene);
     const bench::IndirectBenchOptions& options = study.options;
-    const auto inside = values.flag("moving-lights") ? bench::with_moving_lights(api::scene_of(scene)) : api::scene_of(scene);
+    const auto inside =
+        values.flag("moving-lights") ? bench::with_moving_lights(api::scene_of(scene)) : api::scene_of(scene);
     // Measure all methods.
     const bench::IndirectBenchResult& result = study.result = bench::bench_indirect(
         inside, options, output.progress(), [&](const bench::IndirectRow& row) { say_row(row, output); });

@@ -354,8 +354,10 @@ void ViewSession::hand_over_overrides(const Scene& scene, const ViewRequest& req
             held_.push_back(o.node);
         }
         Transform transform = o.taken;
-        for (int axis = 0; axis < 3; ++axis)
-            transform.m[static_cast<std::size_t>(12 + axis)] += static_cast<double>(o.offset[axis]);
+        for (int axis = 0; axis < 3; ++axis) {
+            const int element = 12 + axis;   // of the translation
+            transform.m[static_cast<std::size_t>(element)] += static_cast<double>(o.offset[axis]);
+        }
         input.transforms.push_back({o.node, transform, {}});
     }
     // Release the nodes whose override ended. They stay noted until a frame has done so.

@@ -17,8 +17,9 @@ namespace gnomon {
 
 namespace {
 constexpr double k_highest_fps = 1000;
-constexpr double k_longest_clip = 1e6;      // frames
-constexpr float k_widest_half_angle = 90;   // degrees
+constexpr double k_longest_clip = 1e6;        // frames
+constexpr float k_widest_half_angle = 90;     // degrees
+constexpr std::size_t k_longest_shown = 20;   // characters of what is no number
 
 std::vector<std::string> words_of(const std::string& text)
 {
@@ -51,7 +52,8 @@ scene::Light light_of(const std::string& spec, glm::dvec3& position, glm::dvec3&
         const char* end = words[i].data() + words[i].size();
         const auto [stop, error] = std::from_chars(words[i].data(), end, value);
         if (error != std::errc() || stop != end || !std::isfinite(static_cast<float>(value)))
-            refuse(fmt::format("number {} is none, or not finite", i));
+            refuse(words[i].size() <= k_longest_shown ? fmt::format("'{}' is no number", shown_name(words[i]))
+                                                      : fmt::format("number {} is none", i));
         v.push_back(value);
     }
 

@@ -407,8 +407,8 @@ void SceneBuilder::remove(const MaterialId& id)
 {
     Impl& in = impl();
     const scene::MaterialId material = api::require(in.stamps.materials, id, "the material");
-    for (std::size_t m = 0; m < in.scene.meshes.size(); ++m)
-        for (const scene::MeshPart& part : in.scene.meshes[m].parts)
+    for (const scene::Mesh& mesh : in.scene.meshes)
+        for (const scene::MeshPart& part : mesh.parts)
             if (part.material == material)
                 throw UsageError("a mesh uses the material: it cannot be removed before the mesh");
     // Meshes without triangles have no parts, but a variant keeps its material for later ones.

@@ -365,7 +365,8 @@ void FrameEngine::trace_centres(const RenderRequest& request)
     if (!has_layers || !(options_.ids || options_.motion)) return;
     Stopwatch watch(buffers_->times);
     std::optional<trace::FrameBefore> before;
-    if (options_.motion && request.previous_view) before.emplace(state_before_.get(), *request.previous_view);
+    if (options_.motion && request.previous_view)
+        before = trace::FrameBefore{state_before_.get(), *request.previous_view};
     const trace::CentreLayers layers(*state_, *rays_, view_, before ? &*before : nullptr);
     layers.trace(options_.ids, options_.motion, request.tasks ? *request.tasks : tasks_, *buffers_);
     watch.end(FrameTimes::rays);

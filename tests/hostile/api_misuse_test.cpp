@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: tables of misuses, one line each.
+//
 // Misuse of the public interface by a host: each call is answered with the documented exception and one short line, and
 // leaves the builder and the renderer usable. Also what is unusual, and allowed.
 #include <gtest/gtest.h>
@@ -145,6 +147,7 @@ void expect_all_refused(const std::vector<Misuse>& all)
 
 TEST(Misuse, IdsOfNothingOfOtherScenesAndOfRemovedParts)
 {
+    // LONG: a table of misuses.
     std::vector<Misuse> all;
     for (int kind = 0; kind < 3; ++kind) {
         const auto pick = [kind](auto removed, auto foreign) {
@@ -184,7 +187,7 @@ TEST(Misuse, IdsOfNothingOfOtherScenesAndOfRemovedParts)
             {"name", [=](Host& h) { h.scene.name(node(h)); }},
             {"parent", [=](Host& h) { h.scene.parent(node(h)); }},
             {"mobility", [=](Host& h) { h.scene.mobility(node(h)); }},
-            {"mover", [=](Host& h) { h.scene.moving_node(node(h)); }},
+            {"moving node", [=](Host& h) { h.scene.moving_node(node(h)); }},
             {"transform", [=](Host& h) { h.scene.transform(node(h)); }},
             {"mesh of", [=](Host& h) { h.scene.mesh(instance(h)); }},
             {"node of a light", [=](Host& h) { h.scene.node(light(h)); }},
@@ -248,6 +251,7 @@ TEST(Misuse, IdsOfNothingOfOtherScenesAndOfRemovedParts)
 
 TEST(Misuse, ValuesThatAreNotFiniteOrOutOfRange)
 {
+    // LONG: a table of misuses.
     std::vector<Misuse> all;
     const auto material = [&](auto member, auto... values) {
         for (const auto value : {values...})
@@ -370,6 +374,7 @@ TEST(Misuse, ValuesThatAreNotFiniteOrOutOfRange)
 
 TEST(Misuse, ArraysOfWrongLengthsAndSizes)
 {
+    // LONG: a table of misuses.
     const std::vector<Vec2> two(4);
     const std::vector<Vec3> three(4), not_finite{{}, {}, {0, k_nan, 0}, {}};
     const std::vector<Vec4> four(4);

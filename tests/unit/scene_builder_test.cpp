@@ -60,7 +60,7 @@ TEST(SceneBuilder, IdsStayValidFromSceneToScene)
     const MaterialId red = b.material({.name = "red", .base_color = {1, 0, 0}});
     const MeshId mesh = b.mesh(square(1).mesh());
     const InstanceId first = b.instance(mesh, red, Transform::translation(1, 2, 3), {.name = "first"});
-    const LightId light = b.light({.name = "lamp"});
+    const LightId light = b.light({.name = "bulb"});
     const CameraId camera = b.camera({.name = "eye"});
     const Scene before = b.finish();
     const InstanceId second = b.instance(mesh, {}, {}, {.parent = first, .name = "second"});
@@ -69,7 +69,7 @@ TEST(SceneBuilder, IdsStayValidFromSceneToScene)
     for (const Scene* scene : {&before, &after}) {
         EXPECT_EQ(scene->find_instance("first"), first);
         EXPECT_EQ(scene->find_node("first"), first);
-        EXPECT_EQ(scene->find_light("lamp"), light);
+        EXPECT_EQ(scene->find_light("bulb"), light);
         EXPECT_EQ(scene->find_camera("eye"), camera);
         EXPECT_EQ(scene->find_material("red"), red);
         EXPECT_EQ(scene->mesh(first), mesh);
