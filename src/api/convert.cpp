@@ -69,6 +69,28 @@ constexpr TexturePair k_textures[] = {
     {&Material::occlusion_texture, &scene::Material::occlusion_texture},
     {&Material::emissive_texture, &scene::Material::emissive_texture}};
 
+// Copies what both sides' materials call by the same name, and mean by it.
+template <class From, class To>
+void copy_values(const From& from, To& to)
+{
+    to.name = from.name;
+    to.base_color = vec(from.base_color);
+    to.emissive = vec(from.emissive);
+    to.ambient = vec(from.ambient);
+    to.specular = vec(from.specular);
+    to.double_sided = from.double_sided;
+    to.alpha = from.alpha;
+    to.alpha_cutoff = from.alpha_cutoff;
+    to.metallic = from.metallic;
+    to.roughness = from.roughness;
+    to.normal_scale = from.normal_scale;
+    to.occlusion_strength = from.occlusion_strength;
+    to.transmission = from.transmission;
+    to.ior = from.ior;
+    to.shine = from.shine;
+    to.transmittance = from.transmittance;
+}
+
 constexpr double k_any = 1e9;   // upper limit of numbers that have none by their meaning
 
 }   // namespace
@@ -128,24 +150,9 @@ scene::Material to_scene(const Material& m, const SceneStamps& stamps)
     require_range(m.normal_scale, -k_any, k_any, owner, "the scale of normals");
 
     scene::Material result;
-    result.name = m.name;
+    copy_values(m, result);
     result.model = static_cast<scene::ShadingModel>(m.model);
-    result.base_color = vec(m.base_color);
-    result.double_sided = m.double_sided;
-    result.alpha = m.alpha;
     result.alpha_mode = static_cast<scene::AlphaMode>(m.alpha_mode);
-    result.alpha_cutoff = m.alpha_cutoff;
-    result.metallic = m.metallic;
-    result.roughness = m.roughness;
-    result.normal_scale = m.normal_scale;
-    result.occlusion_strength = m.occlusion_strength;
-    result.emissive = vec(m.emissive);
-    result.transmission = m.transmission;
-    result.ior = m.ior;
-    result.ambient = vec(m.ambient);
-    result.specular = vec(m.specular);
-    result.shine = m.shine;
-    result.transmittance = m.transmittance;
     for (const auto& [outer, inner] : k_textures) result.*inner = to_scene(m.*outer, stamps, owner);
     return result;
 }
@@ -153,24 +160,9 @@ scene::Material to_scene(const Material& m, const SceneStamps& stamps)
 Material from_scene(const scene::Material& m, const SceneStamps& stamps)
 {
     Material result;
-    result.name = m.name;
+    copy_values(m, result);
     result.model = static_cast<ShadingModel>(m.model);
-    result.base_color = vec(m.base_color);
-    result.double_sided = m.double_sided;
-    result.alpha = m.alpha;
     result.alpha_mode = static_cast<AlphaMode>(m.alpha_mode);
-    result.alpha_cutoff = m.alpha_cutoff;
-    result.metallic = m.metallic;
-    result.roughness = m.roughness;
-    result.normal_scale = m.normal_scale;
-    result.occlusion_strength = m.occlusion_strength;
-    result.emissive = vec(m.emissive);
-    result.transmission = m.transmission;
-    result.ior = m.ior;
-    result.ambient = vec(m.ambient);
-    result.specular = vec(m.specular);
-    result.shine = m.shine;
-    result.transmittance = m.transmittance;
     for (const auto& [outer, inner] : k_textures) result.*outer = from_scene(m.*inner, stamps);
     return result;
 }
