@@ -170,8 +170,8 @@ double lambert(const std::vector<glm::dvec3>& polygon)
     return std::abs(sum) / 2;
 }
 
-// A square lamp of half-width .5 at some height, parallel to the floor y = 0, from x = `from` on.
-double under_lamp(const glm::dvec2& place, double height, double from = -0.5)
+// A square emitter of half-width .5 at some height, parallel to the floor y = 0, from x = `from` on.
+double under_emitter(const glm::dvec2& place, double height, double from = -0.5)
 {
     from = std::clamp(from, -0.5, 0.5);
     if (!(from < 0.5)) return 0;
@@ -181,8 +181,8 @@ double under_lamp(const glm::dvec2& place, double height, double from = -0.5)
                     {from - place.x, height, 0.5 - place.y}});
 }
 
-// The lamp as a scene: material 0 is black, and material 1 emits.
-scene::Scene lamp_scene(double height, bool double_sided)
+// The emitter as a scene: material 0 is black, and material 1 emits.
+scene::Scene emitter_scene(double height, bool double_sided)
 {
     scene::Scene scene;
     scene.materials.resize(2);
@@ -199,10 +199,10 @@ scene::Scene lamp_scene(double height, bool double_sided)
     return scene;
 }
 
-TEST(Reference, SquareLampGivesTheFloorWhatLambertSays)
+TEST(Reference, SquareEmitterGivesTheFloorWhatLambertSays)
 {
     for (const double height : {2.0, 0.5, 0.15, 0.01}) {
-        scene::Scene scene = lamp_scene(height, false);
+        scene::Scene scene = emitter_scene(height, false);
         const World world(test::finished(scene));
         std::vector<IrradiancePoint> points;
         std::vector<glm::dvec2> places{{0, 0}, {0.3, 0.2}, {0.49, 0}, {0.6, -0.3}, {1.5, 0.7}};
@@ -211,7 +211,7 @@ TEST(Reference, SquareLampGivesTheFloorWhatLambertSays)
         options.samples = 1 << 14, options.shining = true, options.bounces = 0;
         const auto estimates = world.irradiance(points, options);
         for (std::size_t i = 0; i < points.size(); ++i) {
-            const double expected = under_lamp(places[i], height);
+            const double expected = under_emitter(places[i], height);
             for (int c = 0; c < 3; ++c) {
                 const double truth = expected * static_cast<double>(world.scene->materials[1].emissive[c]);
                 EXPECT_NEAR(estimates[i].surroundings[c], truth, 4.5f * estimates[i].error[c] + 2e-4 * truth)
@@ -222,11 +222,11 @@ TEST(Reference, SquareLampGivesTheFloorWhatLambertSays)
     }
 }
 
-// A half-plane at y = .5 whose edge lies over x = 0 hides a part of the lamp: the penumbra.
-TEST(Reference, PenumbraOfAStraightEdgeIsTheVisiblePartOfTheLamp)
+// A half-plane at y = .5 whose edge lies over x = 0 hides a part of the emitter: the penumbra.
+TEST(Reference, PenumbraOfAStraightEdgeIsTheVisiblePartOfTheEmitter)
 {
     constexpr double k_height = 1, k_edge = 0.5;
-    scene::Scene scene = lamp_scene(k_height, false);
+    scene::Scene scene = emitter_scene(k_height, false);
     scene.meshes.push_back(rectangle({50, 50}));
     test::add_object(scene, 1, scene::none, test::translation(-50, k_edge, 0));
     const World world(test::finished(scene));
@@ -238,22 +238,22 @@ TEST(Reference, PenumbraOfAStraightEdgeIsTheVisiblePartOfTheLamp)
     const auto estimates = world.irradiance(points, options);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const glm::dvec2 p(points[i].position.x, points[i].position.z);
-        // A ray to the lamp's x passes the edge's height at a place between: it must lie beyond the edge.
+        // A ray to the emitter's x passes the edge's height at a place between: it must lie beyond the edge.
         const double from = p.x - p.x * k_height / k_edge;
-        const double truth = under_lamp(p, k_height, from);
+        const double truth = under_emitter(p, k_height, from);
         EXPECT_NEAR(estimates[i].surroundings.y, truth, 4.5f * estimates[i].error.y + 2e-4) << p.x;
     }
 }
 
-TEST(Reference, LampsEmitOnTheFrontUnlessTheyAreDoubleSided)
+TEST(Reference, SurfacesEmitOnTheFrontUnlessTheyAreDoubleSided)
 {
     ReferenceOptions options;
     options.samples = 1 << 12, options.shining = true, options.bounces = 0;
     for (const bool double_sided : {false, true}) {
-        scene::Scene scene = lamp_scene(1, double_sided);
+        scene::Scene scene = emitter_scene(1, double_sided);
         const World world(test::finished(scene));
         const IrradianceEstimate above = world.irradiance({point_at({0.1f, 2, 0}, {0, -1, 0})}, options)[0];
-        const double truth = double_sided ? under_lamp({0.1, 0}, 1) : 0;
+        const double truth = double_sided ? under_emitter({0.1, 0}, 1) : 0;
         EXPECT_NEAR(above.surroundings.y, truth, 4.5f * above.error.y + 1e-6);
     }
 }
@@ -261,9 +261,9 @@ TEST(Reference, LampsEmitOnTheFrontUnlessTheyAreDoubleSided)
 // Beside other lights, dim, textured, far away, and many: emission always lights, once.
 TEST(Reference, EmissionLightsBesideOtherLightsAndIsCountedOnce)
 {
-    scene::Scene scene = lamp_scene(1, false);
+    scene::Scene scene = emitter_scene(1, false);
     scene.finish();
-    scene::add_emitter_lights(scene);   // approximate the lamp for the other methods
+    scene::add_emitter_lights(scene);   // approximate the emitter for the other methods
     ASSERT_FALSE(scene.lights.empty());
     scene::Light weak;
     weak.color = glm::vec3(1e-3f);
@@ -282,9 +282,9 @@ TEST(Reference, EmissionLightsBesideOtherLightsAndIsCountedOnce)
     ReferenceOptions options;
     options.samples = 1 << 13, options.shining = true, options.bounces = 0;
     const IrradianceEstimate e = world.irradiance({point_at({0.2f, 0, 0}, {0, 1, 0})}, options)[0];
-    const double truth = 0.99 * under_lamp({0.2, 0}, 1);
+    const double truth = 0.99 * under_emitter({0.2, 0}, 1);
     EXPECT_NEAR(e.surroundings.x, truth, 4.5f * e.error.x + 1e-3 * truth);
-    // The lights that stand for the lamp take no part; the weak one does.
+    // The lights that stand for the emitter take no part; the weak one does.
     const reference::ReferenceLight light(world.state, world.rays, options);
     for (const scene::Light& l : world.scene->lights) EXPECT_EQ(light.uses(l), !l.of_surface);
 }
@@ -477,18 +477,19 @@ TEST(Reference, StopsWhenInterrupted)
                  InterruptedError);
 }
 
-// The frame of a renderer: a lamp beside a weak light lights the floor as it does alone, and as Lambert says.
-TEST(ReferenceFrame, ALampBesideAWeakLightLightsTheFloor)
+// The frame of a renderer: an emitter beside a weak light lights the floor as it does alone, and as Lambert says.
+TEST(ReferenceFrame, AnEmitterBesideAWeakLightLightsTheFloor)
 {
     constexpr float k_radiance = 3, k_albedo = 0.5f;
     std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
     const std::vector<std::uint32_t> down{0, 1, 2, 0, 2, 3}, up{0, 2, 1, 0, 3, 2};
     const auto center = [&](bool weak, float& truth) {
         SceneBuilder builder;
-        const MaterialId lamp =
+        const MaterialId emitter =
             builder.material({.base_color = {0, 0, 0}, .emissive = {k_radiance, k_radiance, k_radiance}});
         const MaterialId floor = builder.material({.base_color = {k_albedo, k_albedo, k_albedo}, .roughness = 1});
-        builder.instance(builder.mesh({.positions = square, .indices = down}), lamp, Transform::translation(0, 1, 0));
+        builder.instance(builder.mesh({.positions = square, .indices = down}), emitter,
+                         Transform::translation(0, 1, 0));
         builder.instance(builder.mesh({.positions = square, .indices = up}), floor, Transform::scaling(20, 1, 20));
         if (weak) builder.light({.color = {1e-3f, 1e-3f, 1e-3f}}, Transform::translation(0.2, 0.5, 0));
         Camera camera;
@@ -501,7 +502,7 @@ TEST(ReferenceFrame, ALampBesideAWeakLightLightsTheFloor)
         const Frame frame = Renderer(options).render(builder.finish(), 1);
         double sum = 0;
         for (const float value : frame.layers.front().values()) sum += static_cast<double>(value);
-        truth = static_cast<float>(k_albedo / k_pi * k_radiance * under_lamp({1, 0}, 1));
+        truth = static_cast<float>(k_albedo / k_pi * k_radiance * under_emitter({1, 0}, 1));
         return static_cast<float>(sum / (8 * 8 * 3));
     };
     float truth = 0;
