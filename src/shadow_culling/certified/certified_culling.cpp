@@ -230,7 +230,24 @@ void CertifiedCulling::note_news(std::span<const std::unique_ptr<Batch>> batches
         counters_.add(batch->counters);
         batch->counters = {};
     }
-    std::sort(news_.begin(), news_.end());
+    sort_news();
+}
+
+// Sorts the list and removes what is in it twice, with interruption points: an interruption leaves it in another order.
+void CertifiedCulling::sort_news()
+{
+    constexpr std::size_t k_run = 1u << 14;
+    const std::size_t count = news_.size();
+    const auto at = [&](std::size_t i) { return news_.begin() + static_cast<std::ptrdiff_t>(std::min(i, count)); };
+    for (std::size_t begin = 0; begin < count; begin += k_run) {
+        interruption_point();
+        std::sort(at(begin), at(begin + k_run));
+    }
+    for (std::size_t run = k_run; run < count; run *= 2)
+        for (std::size_t begin = 0; begin + run < count; begin += 2 * run) {
+            interruption_point();
+            std::inplace_merge(at(begin), at(begin + run), at(begin + 2 * run));
+        }
     news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
 }
 
