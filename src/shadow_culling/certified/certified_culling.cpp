@@ -55,6 +55,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
     ++frame_;
     counters_ = {};
     const scene::FrameChanges& changes = state.changes();
+    if (!changes.added.empty()) triangles_->follow(state.scene());
     dynamic_->update(state, rays);
     mask_->begin_frame(state, rays, view);
 
