@@ -464,7 +464,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         // A background of one colour is seen, and lights nothing.
         const bool surroundings = scene_->background.kind != scene::Background::Kind::color;
         techniques.indirect =
-            &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings}, options_.samples);
+            &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
     trace::TracedOptions traced;

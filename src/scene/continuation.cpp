@@ -114,7 +114,9 @@ class Numbering {
         if (before_.lights.size() != wanted_.lights.size()) return false;
         for (std::size_t l = 0; l < wanted_.lights.size(); ++l) {
             const Light &a = before_.lights[l], &b = wanted_.lights[l];
-            if (a.type != b.type || a.of_environment != b.of_environment || a.by_default != b.by_default) return false;
+            if (a.type != b.type || a.of_environment != b.of_environment || a.by_default != b.by_default ||
+                a.of_surface != b.of_surface)
+                return false;
             if (a.node == b.node && stays(b.node)) continue;
             // The node of a default light comes after all others, so it may be another one in the same place.
             if (!rests(before_, a.node) || !rests(wanted_, b.node) ||

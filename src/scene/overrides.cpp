@@ -88,6 +88,7 @@ void SceneState::set_light(LightId light, const Light& values)
     wanted.node = now.node;
     wanted.of_environment = now.of_environment;
     wanted.by_default = now.by_default;
+    wanted.of_surface = now.of_surface;
     if (same_reach(wanted, now) && same_bits(wanted.color, now.color))
         lights_due_.erase(light);
     else

@@ -146,7 +146,8 @@ class SceneState {
     /// space, but in world space if it is skinned. nullptr removes the override. Normals and tangents may be left out:
     /// see complete_vertices(). The mesh must not be written to afterwards.
     void override_vertices(ObjectId object, std::shared_ptr<const DeformedMesh> vertices);
-    /// The values of a light from now on. Its name, node, type, of_environment and by_default stay as they are.
+    /// The values of a light from now on. Its name, node, type, of_environment, by_default and of_surface stay as they
+    /// are.
     void set_light(LightId light, const Light& values);
     /// The values of a material from now on; its name stays. @pre same_to_rays() to the present one
     void set_material(MaterialId material, const Material& values);
