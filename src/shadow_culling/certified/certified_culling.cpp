@@ -128,7 +128,8 @@ std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
     const double pixels = 0.5 * double_area * std::max(cosine, 0.05f) / (pixel * pixel);
     const double parts = pixels / options_.pixels_per_part;
     if (!(parts > 1)) return 0;
-    return std::min(k_max_level, static_cast<std::uint32_t>(std::ceil(0.5 * std::log2(parts))));
+    // The area of a triangle in the billions of units is infinite.
+    return static_cast<std::uint32_t>(std::min<double>(std::ceil(0.5 * std::log2(parts)), k_max_level));
 }
 
 // Computes the bounds of the strip that begins at a point, and prefetches the next strip, because the points of an
