@@ -121,7 +121,6 @@ void HostValues::set_material(scene::MaterialId material, const scene::Material*
 void HostValues::settle()
 {
     if (!must_remake_) return;
-    must_remake_ = false;
     auto remade = std::make_shared<scene::Scene>(*given_);
     for (const auto& [node, deforms] : promoted_) {
         remade->nodes[node].animated = true;
@@ -135,6 +134,7 @@ void HostValues::settle()
     }
     remade->finish();
     scene_ = std::move(remade);
+    must_remake_ = false;
     find_objects();
 }
 
