@@ -12,9 +12,14 @@ namespace gnomon::io::gltf {
 namespace {
 
 // The extensions that the importer supports; a file that requires any other is rejected.
-constexpr std::array k_supported = {
-    "KHR_lights_punctual", "KHR_texture_transform",      "KHR_mesh_quantization",          "KHR_materials_unlit",
-    "KHR_materials_ior",   "KHR_materials_transmission", "KHR_materials_emissive_strength"};
+constexpr std::array k_supported = {"KHR_lights_punctual",
+                                    "KHR_texture_transform",
+                                    "KHR_mesh_quantization",
+                                    "KHR_materials_unlit",
+                                    "KHR_materials_ior",
+                                    "KHR_materials_transmission",
+                                    "KHR_materials_emissive_strength",
+                                    "KHR_draco_mesh_compression"};
 
 bool supported(const std::string& name)
 {

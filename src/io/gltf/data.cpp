@@ -151,6 +151,14 @@ std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std
     return read_file(resource.path, pointer);
 }
 
+Index Data::add_buffer(std::vector<std::uint8_t> bytes)
+{
+    Bytes& buffer = buffers_.emplace_back();
+    buffer.owned = std::move(bytes);
+    buffer.span = buffer.owned;
+    return static_cast<Index>(buffers_.size() - 1);
+}
+
 std::span<const std::uint8_t> Data::view_bytes(Index view) const
 {
     const BufferView& v = model_.views[view];

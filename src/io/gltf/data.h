@@ -55,6 +55,10 @@ class Data {
     std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer,
                                              std::string& mime_type);
 
+    /// Adds a buffer of decoded data, for buffer views that are added to the model.
+    /// @return  its index, after those of the model
+    Index add_buffer(std::vector<std::uint8_t> bytes);
+
     /// Calls visit(element, components) for each element in order, with values as stored and sparse values substituted.
     /// Accessors and views must have passed check_model(); sparse indices are checked again here.
     template <class Visit>

@@ -213,7 +213,7 @@ Attributes read_attributes(const json& j)
 {
     Attributes attributes;
     for (auto item = j.begin(); item != j.end(); ++item)
-        attributes[item.key()] = static_cast<Index>(item.value().get<double>());
+        attributes[item.key()] = static_cast<Index>(std::min<double>(item.value().get<double>(), k_absent));
     return attributes;
 }
 
@@ -225,7 +225,8 @@ Primitive read_primitive(const json& j)
     p.material = index(j, "material");
     p.mode = static_cast<int>(std::min<std::uint64_t>(integer(j, "mode", 4), 7));   // 7: unknown
     each(j, "targets", p.targets, read_attributes);
-    p.draco = extension(j, "KHR_draco_mesh_compression") != nullptr;
+    if (const json* d = extension(j, "KHR_draco_mesh_compression"))
+        p.draco = Primitive::Draco{index(*d, "bufferView"), read_attributes((*d)["attributes"])};
     return p;
 }
 

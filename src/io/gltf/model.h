@@ -110,7 +110,11 @@ struct Primitive {
     Index indices = k_absent, material = k_absent;
     int mode = 4;
     std::vector<Attributes> targets;
-    bool draco = false;
+    struct Draco {
+        Index view = k_absent;
+        Attributes attributes;   // ids of compressed attributes, not accessors
+    };
+    std::optional<Draco> draco;   // KHR_draco_mesh_compression
     bool has(const char* semantic) const { return attributes.contains(semantic); }
     Index find(const std::string& semantic) const;
 };

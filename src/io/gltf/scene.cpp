@@ -10,6 +10,7 @@
 #include "gnomon/error.h"
 #include "io/file/read_file.h"
 #include "io/gltf/build.h"
+#include "io/gltf/draco.h"
 #include "io/gltf/text.h"
 #include "io/load.h"
 
@@ -181,6 +182,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     const std::vector<AccessorUse> uses = check_links(model, bindings, context);
     const std::vector<Index> parent = check_nodes(model, context);
     Data data(model, file, container.bin, container.binary, context);
+    decode_draco(model, data, context);
     step(0.2);
     check_data(model, data, uses, context);
     step(0.4);

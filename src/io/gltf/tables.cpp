@@ -296,7 +296,8 @@ constexpr Rule pointer_rules[] = {need(text("pointer"))};
 constexpr Table animation_pointer{"animation pointer", pointer_rules};
 constexpr Rule texture_source_rules[] = {index("source", "/images")};
 constexpr Table texture_source{"texture source", texture_source_rules};
-constexpr Rule draco_rules[] = {need(index("bufferView", k_buffer_views))};
+constexpr Rule draco_rules[] = {need(index("bufferView", k_buffer_views)),
+                                need({.name = "attributes", .kind = Kind::attributes, .target = nullptr})};
 constexpr Table draco{"compressed primitive", draco_rules};
 constexpr Rule instancing_rules[] = {{.name = "attributes", .kind = Kind::attributes, .target = k_accessors}};
 constexpr Table instancing{"instances", instancing_rules};
