@@ -19,7 +19,8 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
                                     "KHR_materials_ior",
                                     "KHR_materials_transmission",
                                     "KHR_materials_emissive_strength",
-                                    "KHR_draco_mesh_compression"};
+                                    "KHR_draco_mesh_compression",
+                                    "EXT_texture_webp"};
 
 bool supported(const std::string& name)
 {

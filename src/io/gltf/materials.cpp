@@ -12,7 +12,7 @@ namespace gnomon::io::gltf {
 
 namespace {
 
-enum class ImageFormat : std::uint8_t { png, jpeg, other };
+enum class ImageFormat : std::uint8_t { png, jpeg, webp, other };
 
 ImageFormat format_of(std::span<const std::uint8_t> bytes)
 {
@@ -21,6 +21,9 @@ ImageFormat format_of(std::span<const std::uint8_t> bytes)
     const auto begins = [&](std::span<const std::uint8_t> magic) {
         return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
     };
+    constexpr std::uint8_t riff[] = {'R', 'I', 'F', 'F'}, webp[] = {'W', 'E', 'B', 'P'};
+    if (begins(riff) && bytes.size() >= 12 && std::memcmp(bytes.data() + 8, webp, sizeof webp) == 0)
+        return ImageFormat::webp;
     return begins(png) ? ImageFormat::png : begins(jpeg) ? ImageFormat::jpeg : ImageFormat::other;
 }
 
@@ -156,7 +159,7 @@ const Image8& Materials::decoded_image(Index index)
         return image.image;
     }
     if (format_of(bytes) == ImageFormat::other) {
-        context_.warn(here, "is neither PNG nor JPEG: its textures are left out");
+        context_.warn(here, "is neither PNG nor JPEG nor WebP: its textures are left out");
         return image.image;
     }
     // Bound the decoded pixels by the size of the data. Bytes of buffers are already counted.

@@ -405,7 +405,11 @@ Model read_model(const json& document)
         return Sampler{code("magFilter", 0), code("minFilter", 0), code("wrapS", 10497), code("wrapT", 10497)};
     });
     each(document, "textures", m.textures, [](const json& j) {
-        return Texture{index(j, "sampler"), index(j, "source"), text(j, "name")};
+        Texture texture{index(j, "sampler"), index(j, "source"), text(j, "name")};
+        // An image that is there for readers without WebP shows the same.
+        if (const json* webp = extension(j, "EXT_texture_webp"); webp && texture.source == k_absent)
+            texture.source = index(*webp, "source");
+        return texture;
     });
     each(document, "materials", m.materials, read_material);
     each(document, "meshes", m.meshes, [](const json& j) {

@@ -3,6 +3,7 @@
 #include <jerror.h>
 #include <jpeglib.h>
 #include <png.h>
+#include <webp/decode.h>
 
 #include <algorithm>
 #include <csetjmp>
@@ -241,6 +242,31 @@ Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name,
     return result.channels == 4 ? rgb_from_cmyk(result) : result;
 }
 
+// --- WebP, a still image
+
+Image8 decode_webp(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
+{
+    WebPBitstreamFeatures features;
+    if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK)
+        throw InputError(name, "", "invalid WebP: its header cannot be read");
+    if (features.has_animation) throw InputError(name, "", "an animated WebP is not supported");
+    check_size(static_cast<std::uint64_t>(features.width), static_cast<std::uint64_t>(features.height), name, limits);
+    interruption_point();
+    Image8 image(features.width, features.height, features.has_alpha ? 4 : 3);
+    const int stride = features.width * image.channels;
+    const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
+    if (!decode(bytes.data(), bytes.size(), image.data.data(), image.data.size(), stride))
+        throw InputError(name, "", "invalid WebP: its pixels cannot be decoded");
+    return image;
+}
+
+bool is_webp(std::span<const std::uint8_t> bytes)
+{
+    constexpr std::size_t k_head = 12;   // "RIFF", size, "WEBP"
+    return bytes.size() > k_head && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
+           std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
+}
+
 // --- Binary PPM and PGM
 
 class PnmReader {
@@ -314,7 +340,8 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
     if (starts_with(bytes, {0x89, 'P', 'N', 'G'})) return decode_png(bytes, name, limits);
     if (starts_with(bytes, {0xff, 0xd8, 0xff})) return decode_jpeg(bytes, name, limits);
     if (starts_with(bytes, {'P', '6'}) || starts_with(bytes, {'P', '5'})) return decode_pnm(bytes, name, limits);
-    throw InputError(name, "", "unsupported image format; use PNG, JPEG or binary PPM");
+    if (is_webp(bytes)) return decode_webp(bytes, name, limits);
+    throw InputError(name, "", "unsupported image format; use PNG, JPEG, WebP or binary PPM");
 }
 
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits)
