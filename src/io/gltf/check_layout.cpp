@@ -20,7 +20,8 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
                                     "KHR_materials_transmission",
                                     "KHR_materials_emissive_strength",
                                     "KHR_draco_mesh_compression",
-                                    "EXT_texture_webp"};
+                                    "EXT_texture_webp",
+                                    "EXT_meshopt_compression"};
 
 bool supported(const std::string& name)
 {

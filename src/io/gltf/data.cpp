@@ -184,9 +184,9 @@ std::string Data::unreachable(const Accessor& accessor) const
     for (const Index view : views) {
         if (buffers_[model_.views[view].buffer].remote)
             return fmt::format("lies in buffer {}, which is a remote resource", model_.views[view].buffer);
-        if (model_.views[view].compressed && view_bytes(view).empty())
-            return fmt::format(
-                "lies in buffer view {}, which is compressed with EXT_meshopt_compression (not supported)", view);
+        if (const auto& compression = model_.views[view].compression;
+            compression && view_bytes(view).empty() && buffers_[compression->buffer].remote)
+            return fmt::format("is compressed in buffer {}, which is a remote resource", compression->buffer);
     }
     return {};
 }

@@ -47,6 +47,8 @@ class Data {
     bool has_bytes(const Accessor& accessor) const;
     /// The reason why its data cannot be loaded, or empty.
     std::string unreachable(const Accessor& accessor) const;
+    /// Bytes of a buffer; empty if there are none.
+    std::span<const std::uint8_t> buffer_bytes(Index buffer) const { return buffers_[buffer].span; }
     /// Bytes of a buffer view; empty if its buffer has none.
     std::span<const std::uint8_t> view_bytes(Index view) const;
     /// The file that a URI refers to, independent of its spelling. Empty for data URIs and remote resources.

@@ -161,7 +161,14 @@ BufferView read_view(const json& j)
     v.length = integer(j, "byteLength");
     v.stride = integer(j, "byteStride");
     v.target = static_cast<int>(integer(j, "target"));
-    v.compressed = extension(j, "EXT_meshopt_compression") != nullptr;
+    if (const json* e = extension(j, "EXT_meshopt_compression")) {
+        BufferView::Compression& c = v.compression.emplace();
+        c.buffer = index(*e, "buffer");
+        c.offset = integer(*e, "byteOffset", 0), c.length = integer(*e, "byteLength", 0);
+        c.stride = integer(*e, "byteStride", 1), c.count = integer(*e, "count", 0);
+        c.mode = text(*e, "mode");
+        if (member(*e, "filter")) c.filter = text(*e, "filter");
+    }
     return v;
 }
 

@@ -57,7 +57,13 @@ struct BufferView {
     Index buffer = 0;
     std::uint64_t offset = 0, length = 0, stride = 0;   // 0: tightly packed
     int target = 0;
-    bool compressed = false;   // by EXT_meshopt_compression; its uncompressed bytes may be missing
+    /// By EXT_meshopt_compression: where the compressed bytes are. The uncompressed ones may be missing.
+    struct Compression {
+        Index buffer = 0;
+        std::uint64_t offset = 0, length = 0, stride = 1, count = 0;
+        std::string mode, filter = "NONE";
+    };
+    std::optional<Compression> compression;
 };
 
 struct Buffer {

@@ -11,6 +11,7 @@
 #include "io/file/read_file.h"
 #include "io/gltf/build.h"
 #include "io/gltf/draco.h"
+#include "io/gltf/meshopt.h"
 #include "io/gltf/text.h"
 #include "io/load.h"
 
@@ -182,6 +183,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     const std::vector<AccessorUse> uses = check_links(model, bindings, context);
     const std::vector<Index> parent = check_nodes(model, context);
     Data data(model, file, container.bin, container.binary, context);
+    decode_meshopt(model, data, context);
     decode_draco(model, data, context);
     step(0.2);
     check_data(model, data, uses, context);

@@ -301,9 +301,13 @@ constexpr Rule draco_rules[] = {need(index("bufferView", k_buffer_views)),
 constexpr Table draco{"compressed primitive", draco_rules};
 constexpr Rule instancing_rules[] = {{.name = "attributes", .kind = Kind::attributes, .target = k_accessors}};
 constexpr Table instancing{"instances", instancing_rules};
-constexpr Rule meshopt_rules[] = {need(index("buffer", "/buffers")), integer("byteOffset"),
-                                  need(integer("byteLength", 1)), need(integer("byteStride", 1, 256)),
-                                  need(integer("count", 1))};
+constexpr Rule meshopt_rules[] = {need(index("buffer", "/buffers")),
+                                  integer("byteOffset"),
+                                  need(integer("byteLength", 1)),
+                                  need(integer("byteStride", 1, 256)),
+                                  need(integer("count", 1)),
+                                  need(text("mode")),
+                                  text("filter")};
 constexpr Table meshopt{"compressed buffer view", meshopt_rules};
 
 constexpr ExtensionPlace places[] = {
