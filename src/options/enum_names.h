@@ -62,6 +62,7 @@ inline constexpr EnumName<ShadowTextures> k_enum_names<ShadowTextures>[] = {
     {"per-caster", ShadowTextures::per_caster},
     {"depth", ShadowTextures::depth},
     {"coherent", ShadowTextures::coherent},
+    {"items", ShadowTextures::items},
 };
 template <>
 inline constexpr EnumName<Indirect> k_enum_names<Indirect>[] = {

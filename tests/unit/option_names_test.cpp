@@ -65,7 +65,7 @@ TEST(OptionNames, MessagesNameTheChoices)
     } catch (const UsageError& error) {
         EXPECT_STREQ(error.what(), "--shadow-culling best: expected off, paper or certified");
     }
-    EXPECT_EQ(k_choices<ShadowTextures>, "per-caster|depth|coherent");
+    EXPECT_EQ(k_choices<ShadowTextures>, "per-caster|depth|coherent|items");
     EXPECT_THROW(parse_enum<ShadowTextures>("shadow-textures", "off"), UsageError);   // of the library alone
 }
 
