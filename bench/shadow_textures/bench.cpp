@@ -119,10 +119,9 @@ class Runner {
             if (method_ != ShadowTextures::per_caster) textures_.record_views(commands_, views_, casters_);
         });
         // Update the receivers' textures.
-        const double textures =
-            method_ == ShadowTextures::items ? 0 : timed(cpu, [&] {
-                textures_.record_textures(commands_, views_, casters_, state, {}, previous_);
-            });
+        const double textures = method_ == ShadowTextures::items ? 0 : timed(cpu, [&] {
+            textures_.record_textures(commands_, views_, casters_, state, {}, previous_);
+        });
         // Draw the depths that the look-up of a receiver compares, too, outside the method's time.
         if (method_ == ShadowTextures::per_caster) {
             textures_.record_views(commands_, views_, casters_);

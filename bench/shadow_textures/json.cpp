@@ -28,10 +28,15 @@ nlohmann::ordered_json shadow_textures_json(const ShadowTexturesBenchOptions& op
                         {"printed_wrong_percent", row.printed_wrong_percent},
                         {"identical_to_full", row.identical_to_full}});
     for (const auto& [method, exponent] : result.exponents) exponents[std::string(options::name_of(method))] = exponent;
-    return {{"device", result.device},        {"clock", result.clock},
-            {"as_printed", options.as_printed}, {"vertices", options.vertices},   {"size", {options.size.width, options.size.height}},
-            {"view_size", options.view_size}, {"frames", options.frames},
-            {"rows", std::move(rows)},        {"exponents", std::move(exponents)}};
+    return {{"device", result.device},
+            {"clock", result.clock},
+            {"as_printed", options.as_printed},
+            {"vertices", options.vertices},
+            {"size", {options.size.width, options.size.height}},
+            {"view_size", options.view_size},
+            {"frames", options.frames},
+            {"rows", std::move(rows)},
+            {"exponents", std::move(exponents)}};
 }
 
 }   // namespace gnomon::bench

@@ -75,9 +75,10 @@ class Section {
         for (const ShadowTexturesImages& one : result_.images)
             list.push_back({fmt::format("{} spheres", one.objects), one.compared});
         if (options_.objects.size() > 1)
-            page_.gallery(list,
-                          "Figure 6 of the paper, with our spheres: the last frame of each number of objects. The paper "
-                          "shows 100 and 300; it does not state their positions, radii and colours.");
+            page_.gallery(
+                list,
+                "Figure 6 of the paper, with our spheres: the last frame of each number of objects. The paper "
+                "shows 100 and 300; it does not state their positions, radii and colours.");
         const ShadowTexturesImages& last = result_.images.back();
         Tasks tasks(1);
         page_.comparison(compare_images(
@@ -99,7 +100,8 @@ class Section {
     }
 
     template <class Filter, class X>
-    std::vector<std::pair<double, double>> points(ShadowTextures method, Value y, const X& x, const Filter& filter) const
+    std::vector<std::pair<double, double>> points(ShadowTextures method, Value y, const X& x,
+                                                  const Filter& filter) const
     {
         std::vector<std::pair<double, double>> list;
         for (const ShadowTexturesRow& row : result_.rows)
@@ -113,8 +115,8 @@ class Section {
     {
         Chart chart{title, x_label, y_label, {}, {}, {}, {}, {}};
         for (const ShadowTextures method : options_.methods)
-            chart.series.push_back({std::string(options::name_of(method)), points(method, y, x, filter),
-                                    color_of(method), Style::line});
+            chart.series.push_back(
+                {std::string(options::name_of(method)), points(method, y, x, filter), color_of(method), Style::line});
         return chart;
     }
 

@@ -79,11 +79,11 @@ struct FrameCounters {
     struct Indirect {
         std::uint64_t clusters = 0;
         std::uint64_t rays = 0;
+        bool gathered_by_vulkan = false;   // Indirect::visible: the device computes cuts and sums
+        bool traced_by_vulkan = false;     // also traces rays to nodes of a cut, to the sky and past dynamic objects
         // Indirect::rsm, quadtree: what is the same as in the frame before, and was not computed again.
         bool kept_map = false;         // light map, tree and clusters
         bool kept_receivers = false;   // the light of sparse receivers
-        bool gathered_by_vulkan = false;   // Indirect::visible: the device computes cuts and sums
-        bool traced_by_vulkan = false;     // also traces rays to nodes of a cut, to the sky and past dynamic objects
     } indirect;
     /// Work of Accelerator::kdtree by kind of ray. Rays that an overlay traces to check results are not counted.
     struct KdTree {

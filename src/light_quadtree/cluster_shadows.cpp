@@ -2,6 +2,7 @@
 #include "light_quadtree/cluster_shadows.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/interruption.h"
 #include "ray/origin.h"
@@ -33,7 +34,33 @@ glm::vec3 position_of(const Clusters& clusters, std::size_t c)
     return {clusters.x[c], clusters.y[c], clusters.z[c]};
 }
 
+// The ray from a receiver to a cluster.
+struct PathRay {
+    glm::vec3 origin, direction;
+};
+PathRay path_ray(const Clusters& clusters, std::size_t c, const glm::vec3& at, const glm::vec3& facing)
+{
+    const glm::vec3 normal(clusters.nx[c], clusters.ny[c], clusters.nz[c]), size = glm::abs(at);
+    const glm::vec3 goal = position_of(clusters, c) + k_in_front * std::sqrt(clusters.disk[c]) * normal;
+    const glm::vec3 origin = at + k_lift * std::max({size.x, size.y, size.z}) * facing;
+    return {origin, goal - origin};
+}
+
+bool face_each_other(const Clusters& clusters, std::size_t c, const glm::vec3& at, const glm::vec3& facing)
+{
+    const glm::vec3 normal(clusters.nx[c], clusters.ny[c], clusters.nz[c]), way = position_of(clusters, c) - at;
+    return glm::dot(way, facing) > 0 && glm::dot(way, normal) < 0;
+}
+
 }   // namespace
+
+bool cluster_visible(const Clusters& clusters, std::size_t c, const glm::vec3& position, const glm::vec3& normal,
+                     const ray::RayScene& rays)
+{
+    if (!face_each_other(clusters, c, position, normal)) return false;
+    const PathRay ray = path_ray(clusters, c, position, normal);
+    return !rays.occluded_single(ray.origin, 0, ray.direction, ray::k_shadow_ray_end);
+}
 
 void PathModes::follow(const Clusters& clusters, const Receivers& receivers)
 {
@@ -79,24 +106,19 @@ void gather_with_shadows(const Clusters& clusters, Receivers& receivers, std::si
     std::vector<std::uint32_t> dynamic;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
         interruption_point();
-        const glm::vec3 normal(clusters.nx[c], clusters.ny[c], clusters.nz[c]), position = position_of(clusters, c);
-        const glm::vec3 goal = position + k_in_front * std::sqrt(clusters.disk[c]) * normal;
         const auto lit = [&](std::uint32_t i) {
             add_light(clusters, c, position_of(receivers, i), normal_of(receivers, i), sum[i - begin]);
         };
         const auto queue = [&](std::uint32_t i) {
-            const glm::vec3 at = position_of(receivers, i), facing = normal_of(receivers, i);
-            const glm::vec3 size = glm::abs(at);
-            const glm::vec3 origin = at + k_lift * std::max({size.x, size.y, size.z}) * facing;
-            scratch.queue.push(origin, 0, goal - origin, ray::k_shadow_ray_end);
+            const PathRay ray = path_ray(clusters, c, position_of(receivers, i), normal_of(receivers, i));
+            scratch.queue.push(ray.origin, 0, ray.direction, ray::k_shadow_ray_end);
             scratch.receiver.push_back(i);
         };
 
         // Sort the receivers that face the cluster by what is known of their paths.
         dynamic.clear();
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-            const glm::vec3 way = position - position_of(receivers, i);
-            if (!(glm::dot(way, normal_of(receivers, i)) > 0) || !(-glm::dot(way, normal) > 0)) continue;
+            if (!face_each_other(clusters, c, position_of(receivers, i), normal_of(receivers, i))) continue;
             ++scratch.counters.rays;
             const PathMode known = modes ? modes->mode(c, i) : PathMode::unknown;
             if (known == PathMode::full_shadow)

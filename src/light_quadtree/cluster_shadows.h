@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The sum over clusters with shadows: each cluster is a light, occluded by a ray from the receiver to its mean position.
-// The published method ignores visibility [Ki and Oh 2007, 7], which its error against a reference consists of.
+// The sum over clusters with shadows: each cluster is a light, occluded by a ray from the receiver to its mean
+// position. The published method ignores visibility [Ki and Oh 2007, 7], which its error against a reference consists
+// of.
 //
 // Clusters stay where they are while the light and what it shines on rest. For receivers that stay as well (the sparse
 // ones, while the view rests), what static geometry does to the path from receiver to cluster is remembered, as shadow
@@ -20,8 +21,8 @@ namespace gnomon::light_quadtree {
 
 /// Pairs of a receiver and a cluster that face each other.
 struct ShadowCounters {
-    std::uint64_t rays = 0;            // pairs
-    std::uint64_t rays_skipped = 0;    // of these, known to be occluded by static geometry
+    std::uint64_t rays = 0;                // pairs
+    std::uint64_t rays_skipped = 0;        // of these, known to be occluded by static geometry
     std::uint64_t rays_dynamic_only = 0;   // of these, traced against dynamic objects alone
 };
 
@@ -50,6 +51,10 @@ struct ShadowScratch {
     std::vector<std::uint8_t> occluded;
     ShadowCounters counters;
 };
+
+/// Whether a receiver sees a cluster that it faces: the reference of a single pair, and false if they face away.
+bool cluster_visible(const Clusters& clusters, std::size_t cluster, const glm::vec3& position, const glm::vec3& normal,
+                     const ray::RayScene& rays);
 
 /// As gather(), with shadows. @param modes  of these receivers; null: nothing is remembered
 void gather_with_shadows(const Clusters& clusters, Receivers& receivers, std::size_t begin, std::size_t end,

@@ -4,9 +4,9 @@
 //
 // The traversal goes from the start level down to the limit level. A valid node becomes a cluster; an invalid node is
 // replaced by its four children; at the limit level every node becomes a cluster. A node that is valid in part
-// (Validity::margin) becomes a cluster with its share of the light, and its children have the rest. Validity depends on the lights only,
-// so one cut serves all receivers, while the published method finds it again at every receiver, level by level
-// (gather_as_printed).
+// (Validity::margin) becomes a cluster with its share of the light, and its children have the rest. Validity depends on
+// the lights only, so one cut serves all receivers, while the published method finds it again at every receiver, level
+// by level (gather_as_printed).
 //
 // DEVIATION(Ki 2007, 3.2): the cut is computed once per light and frame and stored as a list. The sums are the same,
 // bit for bit.

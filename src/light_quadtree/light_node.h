@@ -81,8 +81,8 @@ inline Share share_of(const LightNode (&four)[4], const LightNode& mean, const V
     for (const LightNode& child : four) {
         if (child.members == 0) return 0;
         most = std::max(most, std::abs(child.depth - mean.depth) / std::max(validity.depth_threshold, k_least));
-        most = std::max(most, (1 - glm::dot(child.normal, mean.normal)) /
-                                  std::max(1 - validity.normal_threshold, k_least));
+        most = std::max(most,
+                        (1 - glm::dot(child.normal, mean.normal)) / std::max(1 - validity.normal_threshold, k_least));
     }
     const float share = std::min(1.0f, std::max(0.0f, (1 + validity.margin - most) / (2 * validity.margin)));
     return static_cast<Share>(share * static_cast<float>(k_whole_share) + 0.5f);

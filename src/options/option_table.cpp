@@ -59,6 +59,9 @@ constexpr Option k_options[] = {
      .help = "also write DIR/index.html: tables and charts with the paper's values, and the data"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
      .help = "folder for index.html: tables and charts with the papers' values, and the data"},
+    {.name = "scenes", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
+     .help = "folder with the papers' scenes, as docs/guide/scenes.md describes it (default: GNOMON_SCENES, else "
+             "../shared/scenes)"},
     {.name = "quick", .subcommands = bit(bench_all), .group = k_output,
      .help = "use smaller images and fewer frames: takes minutes instead of a quarter of an hour"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
@@ -180,9 +183,10 @@ constexpr Option k_options[] = {
     {.name = "moving-lights", .subcommands = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,
      .help = "move every light along a small circle, so that no cached result can be reused"},
 
-    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|rsm", .repeats = true,
-     .subcommands = bit(bench_indirect), .group = k_indirect,
-     .help = "methods to measure: visible, quadtree:LEVEL, rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk in sides "
+    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|printed|shadowed|rsm",
+     .repeats = true, .subcommands = bit(bench_indirect), .group = k_indirect,
+     .help = "methods to measure: visible; quadtree:LEVEL, quadtree:LEVEL:MARGIN (see --validity-margin of render); "
+             "printed:LEVEL, the same by one pass a level; shadowed:LEVEL, with shadows of clusters; rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk in sides "
              "of the light map; 0.3); may be repeated (default: visible; with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
      .subcommands = k_images, .group = k_indirect,
@@ -209,10 +213,10 @@ constexpr Option k_options[] = {
     {.name = "normal-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.9", .range = ranges::normal_threshold,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect, .help = "quadtree: smallest cosine between normals in a cluster"},
     {.name = "validity-margin", .argument = "X", .kind = Kind::number, .fallback = "0", .range = ranges::validity_margin,
-     .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
+     .subcommands = k_images, .group = k_indirect,
      .help = "quadtree: fraction of the thresholds around them within which a cluster and the four below it share the "
              "light, against flicker; 0: as published"},
-    {.name = "cluster-shadows", .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
+    {.name = "cluster-shadows", .subcommands = k_images, .group = k_indirect,
      .help = "quadtree, traced: clusters are occluded, by rays from the receivers; not in the paper"},
     {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full",
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,

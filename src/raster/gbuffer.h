@@ -2,6 +2,8 @@
 #pragma once
 // The G-buffer of the rasterised frame, and the interfaces through which shadows and indirect light enter it.
 
+#include <span>
+
 #include "gnomon/types.h"
 #include "gpu_scene/gpu_scene.h"
 #include "scene/state.h"

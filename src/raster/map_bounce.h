@@ -28,12 +28,13 @@ class MapBounce final : public BouncedLight {
     void fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
               const vk::Image& irradiance) override
     {
-        const light_quadtree::MapSurfaces seen{&surfaces.position, &surfaces.normal, view.size,
-                                               view.eye,           view.pixel_width, view.pixel_spread,
-                                               surfaces.kept};
+        const light_quadtree::MapSurfaces seen{&surfaces.position, &surfaces.normal,  view.size,    view.eye,
+                                               view.pixel_width,   view.pixel_spread, surfaces.kept};
         light_.record_grid(commands, seen);
         light_.record_light(commands, seen, irradiance);
     }
+    /// Computes map and receivers anew in the next frame.
+    void forget() { light_.forget(); }
     FrameCounters::Indirect end_frame() override
     {
         return {.clusters = light_.lights(count_), .kept_map = kept_map_, .kept_receivers = light_.kept_grid()};

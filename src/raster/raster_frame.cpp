@@ -115,8 +115,7 @@ bool RasterFrame::keeps_surfaces(const RasterOptions& options) const
 }
 
 // Finds out whether the G-buffer of the last frame is that of this one.
-bool RasterFrame::find_kept(const scene::View& view, const RasterOptions& options,
-                            const shared::RasterFrame& constants)
+bool RasterFrame::find_kept(const scene::View& view, const RasterOptions& options, const shared::RasterFrame& constants)
 {
     const shared::DrawPush push = draw_push(view, scene::sample_offset(0, options.samples), unlimited_far_);
     std::vector<std::byte> key;

@@ -13,8 +13,8 @@
 // back. Compared with the traced frame, reflection and refraction are left out, as at max depth 0; but surfaces behind
 // a transparent one are seen, straight through it.
 //
-// While neither scene nor view change, the G-buffer is kept, and frames begin with the lights. That needs one sample per
-// pixel and no transparent surfaces, of which a frame makes one layer after the other in the same images.
+// While neither scene nor view change, the G-buffer is kept, and frames begin with the lights. That needs one sample
+// per pixel and no transparent surfaces, of which a frame makes one layer after the other in the same images.
 //
 // CPU cost of a frame: the objects that moved, and a constant number of passes; there is no loop over static objects. A
 // frame depends on the scene, the view and the options alone.
@@ -99,10 +99,10 @@ class RasterFrame {
     GBuffer surfaces_;
     vk::Image opaque_ids_, peeled_ids_, opaque_depth_, peel_depth_[2];
     vk::Image color_, direct_, indirect_, irradiance_, through_, share_, lights_visible_;
-    vk::Image own_;                      // background and emitted light of the surfaces that are kept
-    std::vector<std::byte> kept_key_;    // what surfaces_ and own_ were made for, the scene apart; empty: nothing
-    bool scene_changed_ = true;          // since they were made
-    float unlimited_far_ = 0;   // where an orthographic view without a far plane ends
+    vk::Image own_;                     // background and emitted light of the surfaces that are kept
+    std::vector<std::byte> kept_key_;   // what surfaces_ and own_ were made for, the scene apart; empty: nothing
+    bool scene_changed_ = true;         // since they were made
+    float unlimited_far_ = 0;           // where an orthographic view without a far plane ends
 };
 
 }   // namespace gnomon::raster

@@ -20,11 +20,17 @@ bool meets(const Box3& box, const glm::mat4& to_world, std::span<const glm::vec4
     return std::all_of(planes.begin(), planes.end(), [&](const glm::vec4& plane) {
         const glm::vec3 normal(plane);
         return std::any_of(std::begin(corners), std::end(corners), [&](const glm::vec3& corner) {
-            const float slack =
-                k_sight_slack * (glm::dot(glm::abs(normal), glm::abs(corner)) + std::abs(plane.w));
+            const float slack = k_sight_slack * (glm::dot(glm::abs(normal), glm::abs(corner)) + std::abs(plane.w));
             return glm::dot(normal, corner) + plane.w >= -slack;
         });
     });
+}
+
+light_views::LightViewsOptions view_options(const ShadowOptions& options)
+{
+    light_views::LightViewsOptions result;
+    result.atlas = options.atlas;
+    return shadow_textures::view_options(options.method, result);
 }
 
 }   // namespace
@@ -33,7 +39,7 @@ ShadowVisibility::ShadowVisibility(const std::shared_ptr<vk::Device>& device, co
                                    const ShadowOptions& options)
     : device_(device),
       options_(options),
-      views_(state, shadow_textures::view_options(options.method, {.atlas = options.atlas})),
+      views_(state, view_options(options)),
       casters_(device, state)
 {
     make_buffers();

@@ -31,8 +31,7 @@ class ShadowVisibility final : public LightVisibility {
     ShadowVisibility(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                      const ShadowOptions& options = {});
 
-    void update(vk::Commands& commands, const scene::SceneState& state,
-                std::span<const glm::vec4, 6> planes) override;
+    void update(vk::Commands& commands, const scene::SceneState& state, std::span<const glm::vec4, 6> planes) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
               const vk::Image& visibility) override;
     void end_frame(vk::Commands& commands) override;

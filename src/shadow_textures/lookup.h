@@ -13,8 +13,8 @@
 // slope-dependent bias is needed. Cost: (N + 1)^2 texels for an edge filter of N texels, one for N = 0.
 //
 // With `as_printed`, the texture's colour alone decides, as in the paper: a point is lit by the part of the filter that
-// is white. Where another object, or another part of the same one, lies within a texel, that is wrong; the device counts
-// in how many results.
+// is white. Where another object, or another part of the same one, lies within a texel, that is wrong; the device
+// counts in how many results.
 
 #include "shadow_textures/software_textures.h"
 

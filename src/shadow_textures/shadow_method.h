@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What each method of rasterised shadows does [Oh and Shin 2004]; one meaning for the renderer, the bench and the tests.
+// What each method of rasterised shadows does [Oh and Shin 2004]; one meaning for the renderer, the bench and the
+// tests.
 //
 // | method     | light view                     | textures                                     | look-up reads |
 // |------------|--------------------------------|----------------------------------------------|---------------|

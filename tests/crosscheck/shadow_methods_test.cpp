@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "gnomon/gnomon.h"
-#include "image_bytes.h"
 #include "support.h"
 
 namespace gnomon {
@@ -148,12 +147,11 @@ TEST_F(ShadowMethods, ErrorsAsPrintedAreCounted)
 TEST_F(ShadowMethods, OnlyTheRimOfALoneSurfaceIsWrongAsPrinted)
 {
     SceneBuilder builder;
-    const MeshId mesh = builder.mesh({.positions = std::vector<Vec3>{{-1, 0, 1}, {1, 0, 1}, {0, 0, -1}},
-                                      .indices = std::vector<std::uint32_t>{0, 1, 2}});
-    builder.instance(mesh, builder.material({}));
-    builder.point_light({.position = {0, 3, 0}, .intensity = {5, 5, 5}});
-    builder.camera({.position = {0, 2, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}});
-    const Scene scene = builder.build();
+    const std::vector<Vec3> corners{{-1, 0, 1}, {1, 0, 1}, {0, 0, -1}};
+    const MeshId mesh = builder.mesh({.positions = corners});
+    builder.instance(mesh, builder.material({.double_sided = true}));
+    builder.light({.color = {5, 5, 5}}, Transform::translation(0, 3, 0));
+    const Scene scene = builder.finish({.default_camera = true});
     const Frame printed = Renderer(options_of(ShadowTextures::coherent, {96, 96}, 0, true)).render(scene, 1);
     ASSERT_TRUE(printed.counters.shadow.looked_up.has_value());
     EXPECT_GT(*printed.counters.shadow.looked_up, 1000u);

@@ -42,8 +42,9 @@ vk::Image grid_image(const std::shared_ptr<vk::Device>& device, const char* name
 
 GpuMapLight::GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                          const MapLightOptions& options)
-    : device_(device), options_(options), map_(device, state, options.map, options.levels,
-           options.as_printed && options.method == MapMethod::quadtree)
+    : device_(device),
+      options_(options),
+      map_(device, state, options.map, options.levels, options.as_printed && options.method == MapMethod::quadtree)
 {
     GNOMON_CHECK(options.method != MapMethod::brute);
     const bool samples = options.method == MapMethod::rsm;

@@ -106,8 +106,8 @@ struct GatherPush {
     uint listed;   // 1: points are a list, and position.w is a point's pixel, from 1; 0: they are the image
     float grid_normals, grid_off_plane;
     uint grid_neighbours;
-    uint views, samples;   // samples: per view
-    uint total;            // of the cut: index of the number of clusters
+    uint views, samples;        // samples: per view
+    uint total;                 // of the cut: index of the number of clusters
     uint level, start, limit;   // as printed: the level of this pass, and those of the cut
 };
 

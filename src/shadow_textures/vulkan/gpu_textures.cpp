@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 
 namespace gnomon::shadow_textures {
 
@@ -346,7 +347,7 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
     clear_textures(commands, all);
     // Draw casters and receivers, group by group.
     for (const Group& group : groups) {
-        draw_casters_between(commands, views, group.page, group.receivers, casters, state);
+        draw_casters_between(commands, views, group.page, group.receivers, casters, which);
         draw_receivers(commands, views, scratch_, group.page, group.receivers, casters);
     }
 }

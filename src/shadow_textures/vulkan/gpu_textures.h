@@ -20,9 +20,9 @@
 
 namespace gnomon::shadow_textures {
 
-struct TextureCounts {           // of the last record
-    std::uint64_t updated = 0;   // textures redrawn
-    std::uint64_t draws = 0;     // of receivers, and of casters between them and the light (per_caster)
+struct TextureCounts {                        // of the last record
+    std::uint64_t updated = 0;                // textures redrawn
+    std::uint64_t draws = 0;                  // of receivers, and of casters between them and the light (per_caster)
     std::uint64_t draws_of_all_between = 0;   // per_caster: draws if extents were not tested
     std::uint64_t waiting = 0;   // textures that changed and are not made, because their receivers are out of sight
 };
