@@ -74,16 +74,15 @@ void expect_same_frames(const std::string& name, FrameRange frames, Size size, i
 TEST_F(ShadowMethods, RenderTheSameFrames)
 {
     expect_same_frames("builtin:cornell", {1, 3}, {96, 96}, 1, false, 0.1);
-    expect_same_frames("builtin:cornell", {4, 5}, {96, 96}, 2, false, 0.1);
-    expect_same_frames("builtin:cornell", {6, 6}, {96, 96}, 0, false, 0.1);
-    expect_same_frames("builtin:spheres?objects=60&dynamic=20", {1, 4}, {128, 128}, 1, false, 0.1);
-    expect_same_frames("builtin:kinetic", {40, 42}, {96, 54}, 1, false, 0.1);
+    expect_same_frames("builtin:cornell", {4, 4}, {96, 96}, 2, false, 0.1);
+    expect_same_frames("builtin:cornell", {5, 5}, {96, 96}, 0, false, 0.1);
+    expect_same_frames("builtin:spheres?objects=30&dynamic=20", {1, 3}, {96, 96}, 1, false, 0.1);
 }
 
 TEST_F(ShadowMethods, RenderTheSameFramesAsPrinted)
 {
     expect_same_frames("builtin:cornell", {1, 2}, {96, 96}, 1, true, 0.1);
-    expect_same_frames("builtin:spheres?objects=60&dynamic=20", {1, 3}, {128, 128}, 0, true, 0.1);
+    expect_same_frames("builtin:spheres?objects=30&dynamic=20", {1, 2}, {96, 96}, 0, true, 0.1);
 }
 
 // Hard edges come from triangles: no texture is made for them.
@@ -102,7 +101,7 @@ TEST_F(ShadowMethods, NoTextureIsMadeThatNothingReads)
 
 TEST_F(ShadowMethods, CoherentDrawsLessThanDepthWhileLittleMoves)
 {
-    const Scene scene = load("builtin:spheres?objects=60&dynamic=5");
+    const Scene scene = load("builtin:spheres?objects=30&dynamic=10");
     Renderer coherent(options_of(ShadowTextures::coherent, {64, 64}, 1, false)),
         depth(options_of(ShadowTextures::depth, {64, 64}, 1, false)),
         items(options_of(ShadowTextures::items, {64, 64}, 1, false));
@@ -135,8 +134,8 @@ TEST_F(ShadowMethods, ErrorsAsPrintedAreCounted)
         same += (a[i] >= 0.5f) == (b[i] >= 0.5f);
     }
     ASSERT_TRUE(printed.counters.shadow.looked_up_wrong.has_value());
-    EXPECT_GT(wrong, 20u);
-    EXPECT_GT(same, 4 * wrong);
+    EXPECT_GT(wrong, 3u);
+    EXPECT_GT(same, 20 * wrong);
     EXPECT_GE(*printed.counters.shadow.looked_up_wrong, wrong);
     EXPECT_LE(*printed.counters.shadow.looked_up_wrong, *printed.counters.shadow.looked_up);
     EXPECT_LE(*printed.counters.shadow.looked_up, static_cast<std::uint64_t>(size.width) * size.height);
@@ -165,10 +164,10 @@ TEST_F(ShadowMethods, TexturesWaitUntilTheirReceiversAreInSight)
     const Size size{96, 54};
     RenderOptions with_textures = options_of(ShadowTextures::coherent, size, 1, false),
                   by_items = options_of(ShadowTextures::items, size, 1, false);
-    with_textures.turntable_seconds = by_items.turntable_seconds = 0.5;
+    with_textures.turntable_seconds = by_items.turntable_seconds = 0.25;
     Renderer coherent(with_textures), items(by_items);
     std::uint64_t waited = 0, came = 0, before = 0;
-    for (int frame = 1; frame <= 8; ++frame) {
+    for (int frame = 1; frame <= 4; ++frame) {
         const Frame a = coherent.render(scene, frame), b = items.render(scene, frame);
         EXPECT_EQ(values_different(a, b, ""), 0u) << "frame " << frame;
         waited += a.counters.shadow.textures_waiting;
