@@ -40,6 +40,7 @@ std::string times_text(double kept, double not_kept)
 // What rows of smooth validity and of shadows add to the paper.
 constexpr double k_margin = 0.5;
 constexpr int k_margin_level = 6;
+constexpr int k_shadowed_levels[] = {6, 5};
 
 // The section of one study.
 class Section {
@@ -157,7 +158,9 @@ class Section {
                          "rays per frame"};
         for (const IndirectRow& r : result_.rows) {
             const bool printed = r.method.starts_with("printed"), shadowed = r.method.starts_with("shadowed");
-            const bool plain = r.method == quadtree_name(k_margin_level) && find(r.method) == &r;
+            const bool plain = std::any_of(std::begin(k_shadowed_levels), std::end(k_shadowed_levels), [&](int level) {
+                return r.method == quadtree_name(level) && find(r.method) == &r;
+            });
             if (!printed && !shadowed && !(r.settings.margin > 0) && !plain) continue;
             table.rows.push_back(
                 {{name_with_thresholds(r), fmt::format("{}", r.work.clusters), optional_number(r.nrmse_brute, "{:.3f}"),
@@ -510,8 +513,8 @@ std::vector<IndirectMethodInfo> indirect_methods_of_paper(const IndirectSettings
         methods.push_back(find_indirect_method(fmt::format("quadtree:{}:{}", k_margin_level, k_margin), settings));
         // At every pixel, rays to all clusters would take most of the report's time.
         if (!settings.full) {
-            methods.push_back(find_indirect_method(fmt::format("shadowed:{}", k_margin_level), settings));
-            methods.push_back(find_indirect_method(fmt::format("shadowed:{}:{}", k_margin_level, k_margin), settings));
+            for (const int level : k_shadowed_levels)
+                methods.push_back(find_indirect_method(fmt::format("shadowed:{}", level), settings));
         }
     }
     methods.push_back(find_indirect_method(fmt::format("printed:{}", k_margin_level), settings));

@@ -11,9 +11,9 @@ namespace gnomon::light_quadtree {
 
 namespace {
 
-// A ray ends this far in front of the cluster, as a fraction of its disk's radius, because the mean of positions on a
-// curved surface lies behind it.
-constexpr float k_in_front = 0.1f;
+// A ray ends this far before the cluster's mean position, in radii of its disk, because the mean of positions on
+// several surfaces lies behind some of them; but it has at least this part of the way to go.
+constexpr float k_radii = 1, k_least_way = 0.5f;
 
 // A ray starts this far off the receiver, as a fraction of its largest coordinate: interpolated positions are off their
 // triangles' planes by a few units in the last place.
@@ -37,13 +37,15 @@ glm::vec3 position_of(const Clusters& clusters, std::size_t c)
 // The ray from a receiver to a cluster.
 struct PathRay {
     glm::vec3 origin, direction;
+    float end;   // of the direction
 };
 PathRay path_ray(const Clusters& clusters, std::size_t c, const glm::vec3& at, const glm::vec3& facing)
 {
-    const glm::vec3 normal(clusters.nx[c], clusters.ny[c], clusters.nz[c]), size = glm::abs(at);
-    const glm::vec3 goal = position_of(clusters, c) + k_in_front * std::sqrt(clusters.disk[c]) * normal;
+    const glm::vec3 size = glm::abs(at);
     const glm::vec3 origin = at + k_lift * std::max({size.x, size.y, size.z}) * facing;
-    return {origin, goal - origin};
+    const glm::vec3 way = position_of(clusters, c) - origin;
+    const float before = k_radii * std::sqrt(clusters.disk[c] / std::max(glm::dot(way, way), 1e-30f));
+    return {origin, way, std::max(k_least_way, 1 - before) * ray::k_shadow_ray_end};
 }
 
 bool face_each_other(const Clusters& clusters, std::size_t c, const glm::vec3& at, const glm::vec3& facing)
@@ -59,7 +61,7 @@ bool cluster_visible(const Clusters& clusters, std::size_t c, const glm::vec3& p
 {
     if (!face_each_other(clusters, c, position, normal)) return false;
     const PathRay ray = path_ray(clusters, c, position, normal);
-    return !rays.occluded_single(ray.origin, 0, ray.direction, ray::k_shadow_ray_end);
+    return !rays.occluded_single(ray.origin, 0, ray.direction, ray.end);
 }
 
 void PathModes::follow(const Clusters& clusters, const Receivers& receivers)
@@ -111,7 +113,7 @@ void gather_with_shadows(const Clusters& clusters, Receivers& receivers, std::si
         };
         const auto queue = [&](std::uint32_t i) {
             const PathRay ray = path_ray(clusters, c, position_of(receivers, i), normal_of(receivers, i));
-            scratch.queue.push(ray.origin, 0, ray.direction, ray::k_shadow_ray_end);
+            scratch.queue.push(ray.origin, 0, ray.direction, ray.end);
             scratch.receiver.push_back(i);
         };
 
