@@ -120,7 +120,8 @@ class Section {
     }
     static std::string kept_times(const Row& r)
     {
-        return fmt::format("{:.1f} / {:.1f} / {:.1f}", r.cpu_ms_static, r.cpu_ms_not_kept, r.cpu_ms_moving);
+        return fmt::format("{:.1f} / {} / {:.1f}", r.cpu_ms_static,
+                           r.cpu_ms_not_kept > 0 ? fmt::format("{:.1f}", r.cpu_ms_not_kept) : "-", r.cpu_ms_moving);
     }
     bool is(PaperScene scene) const { return study_.printed == scene; }
 

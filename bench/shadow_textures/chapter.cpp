@@ -88,7 +88,7 @@ class ShadowTexturesChapter : public BenchChapter {
         if (growth.result.exponents.size() == growth.options.methods.size())
             rows.push_back({{"Shadow textures: growth of the shadow pass, as a power of the number of objects",
                              "2 per caster, 1 with one depth buffer",
-                             fmt::format("{:.2f} per caster, {:.2f} with one depth buffer",
+                             fmt::format("{:.2f} per caster with extents, {:.2f} with one depth buffer",
                                          growth.result.exponents[0].second, growth.result.exponents[1].second),
                              ""},
                             false});
