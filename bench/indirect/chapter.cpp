@@ -212,7 +212,7 @@ class IndirectChapter : public BenchChapter {
         study.description =
             "The atrium with its textures, lit by one spot light from above, without sub-sampling, as Figure 10. The "
             "paper states neither the light nor the camera.";
-        plan_options(study, {1, 1}, 64, 8, true);
+        plan_options(study, {1, 1}, 1024, 32, true);
         IndirectSettings settings;
         settings.full = true;
         study.options.methods.push_back(find_indirect_method(quadtree_name(k_headline_level), settings));
