@@ -37,10 +37,7 @@ light_views::LightViewsOptions view_options(const ShadowOptions& options)
 
 ShadowVisibility::ShadowVisibility(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                                    const ShadowOptions& options)
-    : device_(device),
-      options_(options),
-      views_(state, view_options(options)),
-      casters_(device, state)
+    : device_(device), options_(options), views_(state, view_options(options)), casters_(device, state)
 {
     make_buffers();
 }
