@@ -49,7 +49,8 @@ int run_bench_all(const CommandLine& line, Output& output)
     if (!line.values.given("report")) throw UsageError("bench all needs --report DIR, the folder for the page");
     const int threads =
         line.values.integer("threads") > 0 ? line.values.integer("threads") : gnomon::processor_threads();
-    const bench::BenchSettings settings{line.values.flag("quick"), threads, line.command, bench::find_bench_scenes()};
+    const bench::BenchSettings settings{line.values.flag("quick"), threads, line.command,
+                                        bench::find_bench_scenes(line.values.text("scenes"))};
     bench::ReportFile file(
         line.values.text("report"));   // before the work, so that a folder that cannot be written fails at once
     const auto start = Clock::now();
@@ -73,8 +74,14 @@ int run_bench_all(const CommandLine& line, Output& output)
     lead.caption = "The most important results. The sections below say what was measured and how.";
     for (const auto& chapter : chapters)
         for (bench::ReportTable::Row& row : chapter->lead()) lead.rows.push_back(std::move(row));
+    std::vector<std::string> lacking = bench::missing_scenes(settings.scenes);
+    for (const auto& chapter : chapters)
+        for (std::string& sentence : chapter->left_out()) lacking.push_back(std::move(sentence));
+    for (const SkippedPart& part : skipped) lacking.push_back(fmt::format("Skipped: {}: {}.", part.name, part.reason));
+    page.notice("This page is not complete. Where the scenes come from is described in docs/guide/scenes.md.", lacking);
     page.lead(lead, settings.command);
-    nlohmann::ordered_json document{{"machine", bench::machine_line(threads)}, {"quick", settings.quick}};
+    nlohmann::ordered_json document{
+        {"machine", bench::machine_line(threads)}, {"quick", settings.quick}, {"lacking", lacking}};
     for (const auto& chapter : chapters) {
         chapter->write(page);
         document[chapter->name()] = chapter->json();
@@ -84,14 +91,6 @@ int run_bench_all(const CommandLine& line, Output& output)
         page.text(
             "This page was measured with --quick: images are smaller and frames fewer than in the papers. Ratios and "
             "percentages are close to those of a full run; times are not.");
-    for (const auto& [name, scene] :
-         {std::pair{"BART's Kitchen", settings.scenes.kitchen}, {"BART's Robots", settings.scenes.robots}})
-        if (scene.empty())
-            page.text(
-                fmt::format("{} was not found. To include it, set GNOMON_SCENES to the folder that holds bart/. {} is "
-                            "used where no other scene is available.",
-                            name, settings.scenes.stand_in));
-    for (const SkippedPart& part : skipped) page.text(fmt::format("Skipped: {}: {}.", part.name, part.reason));
     page.text(fmt::format("The measurement took {}.",
                           duration_text(std::chrono::duration<double>(Clock::now() - start).count())));
     page.attach("all.json", document);

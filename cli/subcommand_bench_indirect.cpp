@@ -91,6 +91,7 @@ int run_bench_indirect(const CommandLine& line, Output& output)
     if (values.given("report")) report.emplace(values.text("report"));
     bench::IndirectStudy study;
     study.scene = line.positionals[0];
+    study.printed = bench::paper_scene_of(study.scene);
     study.command = line.command;
     study.device = device;
     study.options = options_of(values, scene);

@@ -9,6 +9,7 @@
 #include "bench/shadow_textures/report.h"
 #include "cli/program.h"
 #include "cli/subcommands.h"
+#include "options/enum_names.h"
 
 namespace gnomon::cli {
 
@@ -37,11 +38,13 @@ bench::ShadowTexturesBenchOptions options_of(const options::OptionValues& values
     options.size = *options::parse_size(values.text("size"));
     options.vertices = values.integer("vertices");
     options.frames = values.integer("frames");
+    options.as_printed = values.flag("as-printed");
+    options.images = values.given("report");
     if (const std::vector<std::string> words = values.all("method"); !words.empty()) {
         options.methods.clear();
-        for (const bench::TextureMethod method : {bench::TextureMethod::per_caster, bench::TextureMethod::depth,
-                                                  bench::TextureMethod::coherent, bench::TextureMethod::items})
-            if (std::find(words.begin(), words.end(), bench::name_of(method)) != words.end())
+        for (const ShadowTextures method :
+             {ShadowTextures::per_caster, ShadowTextures::depth, ShadowTextures::coherent, ShadowTextures::items})
+            if (std::find(words.begin(), words.end(), options::name_of(method)) != words.end())
                 options.methods.push_back(method);
     }
     return options;
@@ -64,12 +67,12 @@ int run_bench_shadow_textures(const CommandLine& line, Output& output)
         output.say(
             fmt::format("{:7} {:7} {:>11} {:10.2f}  ({:7.2f} + {:8.2f}) {:11.3f} {:12.2f} {:7.1f} {:7.1f} {:9.1f} "
                         "{:8.1f}  {}",
-                        row.objects, row.dynamic_objects, bench::name_of(row.method), row.shadow_ms, row.buffers_ms,
+                        row.objects, row.dynamic_objects, options::name_of(row.method), row.shadow_ms, row.buffers_ms,
                         row.textures_ms, row.shadow_cpu_ms, row.frame_ms, row.draws, row.copies, row.textures_updated,
                         row.touched, row.identical_to_full ? "yes" : "NO"));
     for (const auto& [method, exponent] : result.exponents)
         output.say(fmt::format("{:10} time grows with the number of objects to the power of {:.2f}",
-                               bench::name_of(method), exponent));
+                               options::name_of(method), exponent));
 
     const nlohmann::ordered_json document = bench::shadow_textures_json(options, result);
     if (report) {

@@ -36,7 +36,7 @@ void refuse_options_of_other_renderer(const options::OptionValues& values)
     if (values.text("renderer") == "raster") {
         refuse({"shadow-culling", "accelerator", "max-depth", "reference"}, "trace");
     } else {
-        refuse({"shadow-textures", "shadow-filter"}, "raster");
+        refuse({"shadow-textures", "shadow-filter", "as-printed"}, "raster");
     }
 }
 
@@ -44,6 +44,7 @@ RenderOptions render_options(const options::OptionValues& values)
 {
     refuse_options_of_other_renderer(values);
     RenderOptions options = options::read_render_options(values);
+    options.as_printed = values.flag("as-printed");
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
                                                   static_cast<std::uint64_t>(values.integer("seed"))};
@@ -125,6 +126,14 @@ Json frame_of(const FrameRecord& record, const RenderOptions& options)
                 {"rays_skipped", counters.shadow.rays_skipped},
                 {"rays_dynamic_only", counters.shadow.rays_dynamic_only}};
     if (counters.shadow.rays_wrong) shadow["rays_wrong"] = *counters.shadow.rays_wrong;
+    if (options.renderer == RenderMethod::raster) {
+        shadow["textures"] = counters.shadow.textures;
+        shadow["textures_waiting"] = counters.shadow.textures_waiting;
+    }
+    if (counters.shadow.looked_up) {
+        shadow["looked_up"] = *counters.shadow.looked_up;
+        shadow["looked_up_wrong"] = *counters.shadow.looked_up_wrong;
+    }
     Json frame{{"frame", record.frame},
                {"time", record.time},
                {"file", record.file.string()},
@@ -219,6 +228,18 @@ std::string wrong_text(const VideoResult& result)
     }
     return fmt::format("{} of {} shadow results differ from tracing every ray", wrong, tested);
 }
+
+// States what the colours of shadow textures decide wrongly.
+std::string printed_textures_text(const VideoResult& result)
+{
+    std::uint64_t wrong = 0, all = 0;
+    for (const FrameRecord& record : result.frames) {
+        wrong += record.counters.shadow.looked_up_wrong.value_or(0);
+        all += record.counters.shadow.looked_up.value_or(0);
+    }
+    return fmt::format("{} of {} shadow results ({:.2f} %) differ from comparing distances", wrong, all,
+                       all > 0 ? 100 * static_cast<double>(wrong) / static_cast<double>(all) : 0.0);
+}
 }   // namespace
 
 int run_render(const CommandLine& line, Output& output)
@@ -243,6 +264,7 @@ int run_render(const CommandLine& line, Output& output)
     warn_about_history(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
     if (renderer.options().overlay == Overlay::shadow_states) output.say(wrong_text(result));
+    if (renderer.options().as_printed) output.say(printed_textures_text(result));
     output.say(summary_of(result, span.count()));
     output.finish(document_of(line, result, renderer.options(), renderer.device()));
     return 0;

@@ -52,8 +52,8 @@ void gather_everywhere(const MapLight& light, Receivers& receivers, Tasks& tasks
     constexpr std::size_t k_part = 4096;
     const std::size_t padded = receivers.x.size();
     tasks.for_each((padded + k_part - 1) / k_part, [&](std::size_t part, int) {
-        RsmPlaces places;
-        light.gather_all(receivers, part * k_part, std::min(padded, (part + 1) * k_part), places);
+        MapLight::Batch batch;
+        light.gather_all(receivers, part * k_part, std::min(padded, (part + 1) * k_part), batch);
     });
 }
 

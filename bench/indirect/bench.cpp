@@ -232,7 +232,7 @@ class Bench {
         if (const IndirectTimes* own = method->own_times()) made = {own->made.wall, own->made.cpu};
         SeenImage image;
         std::vector<glm::vec3> light, before;
-        Times still, moving, repair;
+        Times still, moving, repair, fresh;
         std::vector<double> walls;
         double square = 0, sum = 0, reference_sum = 0, flicker = 0, floor = 0, brute_square = 0, brute_sum = 0;
         std::size_t values = 0, flickering = 0;
@@ -311,12 +311,25 @@ class Bench {
             still += time_of(*method, &IndirectTimes::lit, [&] { method->light(image, tasks_, light.data()); });
             const Times still_ended = time_of([&] { method->end_frame(); });
             if (!method->own_times()) still += still_ended;
+
+            // Time it with nothing kept, as the paper means it: G-buffer, light map, tree and sparse receivers.
+            if (!method->forget()) continue;
+            world.go(frame);
+            if (!method->own_times())
+                fresh += time_of([&] {
+                    see_image(world.state, world.rays, world.view(), method->grid_step(options_.size), tasks_, image);
+                });
+            fresh +=
+                time_of(*method, &IndirectTimes::begun, [&] { method->begin_frame(world.state, world.rays, tasks_); });
+            fresh += time_of(*method, &IndirectTimes::lit, [&] { method->light(image, tasks_, light.data()); });
+            method->end_frame();
         }
 
         // Compute means over the frames, and errors over all points.
         const auto later = static_cast<double>(std::max(1, range.count() - 1));
         row.ms_static = still.wall / later, row.cpu_ms_static = still.cpu / later;
         row.ms_moving = moving.wall / later, row.cpu_ms_moving = moving.cpu / later;
+        row.ms_not_kept = fresh.wall / later, row.cpu_ms_not_kept = fresh.cpu / later;
         row.ms_repair = repair.wall / later, row.cpu_ms_repair = repair.cpu / later;
         const auto a_frame = [&](std::uint64_t n) {
             return static_cast<std::uint64_t>(static_cast<double>(n) / later);

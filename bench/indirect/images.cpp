@@ -58,11 +58,12 @@ Frame direct_light(const Scene& scene, const IndirectStudy& study)
     return Renderer(options).render(scene, study.result.image.frame);
 }
 
-Image8 lit_image(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance)
+Image8 lit_image(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance, bool with_direct)
 {
     const Layer* const direct = study.direct.layer("direct");
     GNOMON_CHECK(direct != nullptr && direct->values().size() == 3 * irradiance.size());
     std::vector<float> color = direct->copy();
+    if (!with_direct) std::fill(color.begin(), color.end(), 0.0f);
     for (std::size_t i = 0; i < irradiance.size(); ++i)
         for (int c = 0; c < 3; ++c)
             color[3 * i + static_cast<std::size_t>(c)] +=

@@ -7,7 +7,8 @@
 namespace gnomon::bench {
 
 /// The frame lit directly and by an irradiance per pixel, without reflections, with the exposure of `study.direct`.
-Image8 lit_image(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance);
+/// @param with_direct  false: by the irradiance alone
+Image8 lit_image(const IndirectStudy& study, const std::vector<glm::vec3>& irradiance, bool with_direct = true);
 
 struct IndirectCrop {
     int x = 0, y = 0, side = 0;

@@ -23,10 +23,12 @@ Json row_json(const IndirectRow& r)
             {"on", r.vulkan ? "vulkan" : "cpu"},
             {"depth_threshold", r.settings.depth_threshold},
             {"normal_threshold", r.settings.normal_threshold},
+            {"validity_margin", r.settings.margin},
             {"receivers", r.settings.full ? "full" : "64"},
             {"clusters", r.work.clusters},
             {"ms_cold", r.ms_cold},
             {"ms_static", r.ms_static},
+            {"ms_not_kept", r.ms_not_kept},
             {"ms_moving", r.ms_moving},
             {"ms_repair", r.ms_repair},
             {"ms_rebuild", r.ms_rebuild},
@@ -34,6 +36,7 @@ Json row_json(const IndirectRow& r)
             {"ms_moving_worst", r.ms_moving_worst},
             {"cpu_ms_cold", r.cpu_ms_cold},
             {"cpu_ms_static", r.cpu_ms_static},
+            {"cpu_ms_not_kept", r.cpu_ms_not_kept},
             {"cpu_ms_moving", r.cpu_ms_moving},
             {"cpu_ms_repair", r.cpu_ms_repair},
             {"cpu_ms_rebuild", r.cpu_ms_rebuild},
@@ -73,6 +76,23 @@ Json indirect_json(const IndirectStudy& study)
                      {"mean_irradiance", result.mean_irradiance},
                      {"reference_noise", result.mean_irradiance > 0 ? Json(result.reference_noise) : Json(nullptr)},
                      {"rows", std::move(rows)}};
+    for (const DeviceFramesResult& of : study.device_frames) {
+        Json frames = Json::array();
+        for (const DeviceFramesRow& r : of.rows)
+            frames.push_back({{"method", r.method},
+                              {"depth_threshold", r.depth_threshold},
+                              {"normal_threshold", r.normal_threshold},
+                              {"clusters", r.lights},
+                              {"ms_kept", r.ms_kept},
+                              {"ms_not_kept", r.ms_not_kept},
+                              {"kept", r.kept},
+                              {"made", r.made},
+                              {"different_from_quadtree", r.different_from_quadtree}});
+        document["device_frames"].push_back({{"device", of.device},
+                                             {"clock", of.clock},
+                                             {"receivers", of.full ? "full" : "64"},
+                                             {"rows", std::move(frames)}});
+    }
     if (study.large)
         document["large_gather"] = {{"width", study.large->size.width},
                                     {"height", study.large->size.height},

@@ -85,6 +85,13 @@ class MapMethod final : public IndirectMethod {
 
     int grid_step(Size size) const override { return map_.grid_step(size.width, size.height); }
 
+    bool forget() override
+    {
+        if (map_.options().shadows) return false;   // not of the paper
+        map_.forget();
+        return true;
+    }
+
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks) override
     {
         map_.begin_frame(state, rays, tasks);
@@ -117,7 +124,9 @@ class MapMethod final : public IndirectMethod {
     {
         map_.end_frame(batches_);
         const light_quadtree::LightMap::Work& work = map_.map().work();
-        return {map_.counters().lights, work.cast, work.dirty_texels, work.dirty_nodes, map_.bytes()};
+        const light_quadtree::ShadowCounters& shadow = map_.counters().shadow;
+        return {map_.counters().lights, work.cast + shadow.rays - shadow.rays_skipped, work.dirty_texels,
+                work.dirty_nodes, map_.bytes()};
     }
 
  private:
@@ -140,7 +149,8 @@ light_quadtree::MapLightOptions map_options(const IndirectMethodInfo& info, ligh
     light_quadtree::MapLightOptions options;
     options.method = method;
     options.map.validity = {static_cast<float>(info.settings.depth_threshold),
-                            static_cast<float>(info.settings.normal_threshold)};
+                            static_cast<float>(info.settings.normal_threshold),
+                            static_cast<float>(info.settings.margin)};
     if (info.settings.full) options.grid = 0;
     return options;
 }
@@ -153,29 +163,42 @@ std::unique_ptr<IndirectMethod> make_map_method(const IndirectMethodInfo& info,
     return std::make_unique<MapMethod>(options, state, rays, tasks);
 }
 
-// The table of methods. A method with a number is named NAME:NUMBER.
+template <bool printed, bool shadowed>
+std::unique_ptr<IndirectMethod> make_quadtree(const IndirectMethodInfo& info, const scene::SceneState& state,
+                                              const ray::RayScene& rays, Tasks& tasks)
+{
+    light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::quadtree);
+    options.levels.limit = info.number;
+    options.as_printed = printed;
+    options.shadows = shadowed;
+    return make_map_method(info, options, state, rays, tasks);
+}
+
+// The table of methods. A method with a number is named NAME:NUMBER; a second number may follow.
 struct Row {
     const char* name;
-    const char* form;    // what follows the name
-    const char* title;   // format string for the number and the radius
-    int least, most;     // range of the number; 0, 0 if there is none
-    bool has_radius, visible, walks;
+    const char* form;                   // what follows the name
+    const char* title;                  // format string for the number, and for the second one
+    int least, most;                    // range of the number; 0, 0 if there is none
+    double IndirectSettings::*second;   // what the second number sets; null if there is none
+    double highest;                     // of the second number
+    bool visible, walks;
     decltype(IndirectMethodInfo::make) make;
 };
 constexpr Row k_methods[] = {
-    {"visible", "", "cached visibility", 0, 0, false, true, true,
+    {"visible", "", "cached visibility", 0, 0, nullptr, 0, true, true,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          return std::make_unique<VisibleMethod>(info.settings, state, rays, tasks);
      }},
-    {"quadtree", ":LEVEL", "quad-tree, limit level {}", 4, 6, false, false, true,
-     [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
-        Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
-         light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::quadtree);
-         options.levels.limit = info.number;
-         return make_map_method(info, options, state, rays, tasks);
-     }},
-    {"rsm", ":SAMPLES[:RADIUS]", "sampling, {} samples within {} of the map's side", 1, 65536, true, false, false,
+    {"quadtree", ":LEVEL[:MARGIN]", "quad-tree, limit level {}, margin of validity {}", 1, 7, &IndirectSettings::margin,
+     1, false, true, make_quadtree<false, false>},
+    {"printed", ":LEVEL", "quad-tree as printed, one pass a level, limit level {}", 1, 7, nullptr, 0, false, false,
+     make_quadtree<true, false>},
+    {"shadowed", ":LEVEL[:MARGIN]", "quad-tree with shadows of clusters, limit level {}, margin of validity {}", 1, 7,
+     &IndirectSettings::margin, 1, true, true, make_quadtree<false, true>},
+    {"rsm", ":SAMPLES[:RADIUS]", "sampling, {} samples within {} of the map's side", 1, 65536,
+     &IndirectSettings::radius, k_widest, false, false,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::rsm);
@@ -188,7 +211,7 @@ constexpr Row k_methods[] = {
 
 IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectSettings& settings)
 {
-    // Find the name in the table, then parse the number and the radius that follow it.
+    // Find the name in the table, then parse the numbers that follow it.
     const std::size_t colon = name.find(':');
     std::string known;
     for (const Row& row : k_methods) {
@@ -201,17 +224,18 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
             const char* const end = name.data() + name.size();
             std::from_chars_result at = std::from_chars(name.data() + colon + 1, end, info.number);
             const bool right = at.ec == std::errc() && info.number >= row.least && info.number <= row.most;
-            if (right && row.has_radius && at.ptr != end && *at.ptr == ':') {
-                double& radius = info.settings.radius;
-                at = std::from_chars(at.ptr + 1, end, radius);
-                if (at.ec != std::errc() || at.ptr != end || !(radius > 0 && radius <= k_widest))
-                    throw UsageError(
-                        fmt::format("method '{}': the radius must be above 0 and at most {}", name, k_widest));
+            if (right && row.second && at.ptr != end && *at.ptr == ':') {
+                double& second = info.settings.*row.second;
+                at = std::from_chars(at.ptr + 1, end, second);
+                if (at.ec != std::errc() || at.ptr != end || !(second > 0 && second <= row.highest))
+                    throw UsageError(fmt::format("method '{}': the {} must be above 0 and at most {}", name,
+                                                 row.second == &IndirectSettings::radius ? "radius" : "margin",
+                                                 row.highest));
             }
             if (!right || at.ptr != end)
                 throw UsageError(fmt::format("method '{}': the number must be {} to {}", name, row.least, row.most));
         }
-        info.title = fmt::format(fmt::runtime(row.title), info.number, info.settings.radius);
+        info.title = fmt::format(fmt::runtime(row.title), info.number, row.second ? info.settings.*row.second : 0.0);
         return info;
     }
     throw UsageError(fmt::format("no method '{}': expected {}", name, known));

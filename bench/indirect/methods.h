@@ -37,6 +37,9 @@ class IndirectMethod {
     /// Spacing in pixels of the sparse receivers that light() needs in the image; 0 if it needs none.
     virtual int grid_step(Size) const { return 0; }
 
+    /// Forgets everything that it keeps from frame to frame, as if something had moved in the paper. Returns false if
+    /// the method has no such state of the paper's.
+    virtual bool forget() { return false; }
     /// Repairs light maps and trees. Call it after the scene state and the ray scene are updated.
     virtual void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks) = 0;
     /// Computes the irradiance of every pixel of an image. Values of pixels without a surface are not read.
@@ -56,10 +59,11 @@ struct IndirectSettings {
     bool vulkan = false;              // rsm, quadtree: run on a Vulkan device
     std::size_t memory = 16u << 20;   // visible: size of the irradiance cache, in bytes
     double radius = 0.3;              // rsm: radius of the disk in sides of the light map, unless the name states one
+    double margin = 0;                // quadtree, shadowed: margin of validity, unless the name states one
 };
 
 struct IndirectMethodInfo {
-    std::string name;    // as given: "visible", "rsm:256", "rsm:256:0.6"
+    std::string name;    // as given: "visible", "rsm:256", "rsm:256:0.6", "quadtree:6:0.5"
     std::string title;   // description for reports
     IndirectSettings settings;
     /// Constructs the method. Cost: all its preparations, without cached data.

@@ -85,6 +85,12 @@ class VulkanMapMethod final : public IndirectMethod {
 
     int grid_step(Size size) const override { return light_.grid_step(size); }
 
+    bool forget() override
+    {
+        light_.forget();
+        return true;
+    }
+
     void begin_frame(const scene::SceneState& state, const ray::RayScene&, Tasks&) override
     {
         scene_.update(commands_, state);
@@ -101,17 +107,12 @@ class VulkanMapMethod final : public IndirectMethod {
         surfaces_of(image, positions_, normals_);
         points_.fit(device_, image.size);
         points_.send(commands_, positions_, normals_);
-        const MapSurfaces surfaces = seen(image, points_);
 
-        // Keep the light of the grid if its receivers and the light map are unchanged.
-        const auto same = [](const light_quadtree::MapReceiver& a, const light_quadtree::MapReceiver& b) {
-            return a.position == b.position && a.normal == b.normal && a.width == b.width;
-        };
-        const std::vector<light_quadtree::MapReceiver>& grid = image.grid.receivers;
-        const bool kept = grid_version_ == light_.map().version() &&
-                          std::equal(grid.begin(), grid.end(), grid_.begin(), grid_.end(), same);
-        if (!kept) light_.record_grid(commands_, surfaces);
-        grid_ = grid, grid_version_ = light_.map().version();
+        // The light of the grid is kept by GpuMapLight, if the surfaces are those of the frame before.
+        MapSurfaces surfaces = seen(image, points_);
+        surfaces.kept = positions_ == last_positions_ && normals_ == last_normals_;
+        last_positions_ = positions_, last_normals_ = normals_;
+        light_.record_grid(commands_, surfaces);
 
         // Compute and read back the irradiance.
         light_.record_light(commands_, surfaces, points_.irradiance);
@@ -176,8 +177,7 @@ class VulkanMapMethod final : public IndirectMethod {
     Points points_, listed_;
     MapSurfaces eye_{};   // the latest image
     std::vector<glm::vec4> positions_, normals_;
-    std::vector<light_quadtree::MapReceiver> grid_;
-    std::uint32_t grid_version_ = 0;
+    std::vector<glm::vec4> last_positions_, last_normals_;   // of the image before
     vk::Buffer count_;
 };
 

@@ -21,10 +21,15 @@ namespace gnomon::bench {
 struct BenchScenes {
     std::string kitchen, robots;   // files; empty if not found
     std::string stand_in;          // a built-in scene, used where those above are not found
+    std::string buddha, sponza;    // of the light quad-tree; their figures are left out where they are not found
+    std::string folder;            // that was searched
 };
 
-/// Searches the folder given by GNOMON_SCENES, by default ../shared/scenes.
-BenchScenes find_bench_scenes();
+/// Searches a folder: `folder`, or if it is empty the one given by GNOMON_SCENES, by default ../shared/scenes.
+BenchScenes find_bench_scenes(const std::string& folder = {});
+
+/// What a page lacks because a scene was not found: a sentence for each.
+std::vector<std::string> missing_scenes(const BenchScenes& scenes);
 
 struct BenchSettings {
     bool quick = false;    // smaller images and fewer frames, for a first impression
@@ -49,6 +54,8 @@ class BenchChapter {
     /// Rows of the table at the top of the page: the quantity, its value printed in the paper, measured here with the
     /// published method, and with Gnomon's method.
     virtual std::vector<ReportTable::Row> lead() const = 0;
+    /// What the chapter leaves out that the paper has, although the scenes are there: a sentence for each.
+    virtual std::vector<std::string> left_out() const { return {}; }
     virtual void write(ReportPage& page) const = 0;
     /// The chapter's key in the JSON document, and everything measured.
     virtual std::string name() const = 0;

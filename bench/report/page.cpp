@@ -128,6 +128,15 @@ static std::string table_html(const ReportTable& table)
     return rows + "</tbody>\n</table>\n";
 }
 
+void ReportPage::notice(const std::string& title, const std::vector<std::string>& sentences)
+{
+    if (sentences.empty()) return;
+    lead_ += fmt::format("<div class=\"notice\">\n<p>{}</p>\n<ul>\n", html_text(title));
+    for (const std::string& sentence : sentences)
+        lead_ += fmt::format("<li class=\"lacking\">{}</li>\n", html_text(sentence));
+    lead_ += "</ul>\n</div>\n";
+}
+
 void ReportPage::lead(const ReportTable& table, const std::string& command)
 {
     lead_ += figure("table", table_html(table), table.caption, command);

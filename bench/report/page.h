@@ -52,6 +52,8 @@ class ReportPage {
     ~ReportPage();
     ReportPage(ReportPage&&) noexcept;
 
+    /// Adds a list above all sections, such as what the page lacks. Nothing if it is empty.
+    void notice(const std::string& title, const std::vector<std::string>& sentences);
     /// Adds a table above all sections. @param command  the command that measured it
     void lead(const ReportTable& table, const std::string& command);
     /// Begins a section, measured by `command`. A page of several sections begins with a list of them.

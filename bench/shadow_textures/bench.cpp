@@ -12,20 +12,15 @@
 #ifdef GNOMON_VULKAN
 #include "scene/builtin/builtin.h"
 #include "scene/view.h"
+#include "shadow_textures/vulkan/method_textures.h"
 #include "shadow_textures/vulkan/plain_frame.h"
 #endif
 
 namespace gnomon::bench {
 
-const char* name_of(TextureMethod method)
+std::vector<ShadowTextures> usual_methods()
 {
-    constexpr const char* k_names[] = {"per-caster", "depth", "coherent", "items"};
-    return k_names[static_cast<int>(method)];
-}
-
-std::vector<TextureMethod> usual_methods()
-{
-    return {TextureMethod::depth, TextureMethod::coherent, TextureMethod::items};
+    return {ShadowTextures::depth, ShadowTextures::coherent, ShadowTextures::items};
 }
 
 double growth_exponent(const std::vector<std::pair<double, double>>& points)
@@ -54,13 +49,11 @@ double median(std::vector<double> values)
     return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, TextureMethod method)
+LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, ShadowTextures method)
 {
     LightViewsOptions result;
     result.atlas.view_size = options.view_size;
-    result.coherence = method == TextureMethod::coherent || method == TextureMethod::items;
-    result.receivers = method != TextureMethod::items;
-    return result;
+    return shadow_textures::view_options(method, result);
 }
 
 glm::mat4 clip_from_world(const scene::View& view)
@@ -78,27 +71,42 @@ constexpr int k_warm_up = 2;
 class Runner {
  public:
     Runner(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-           const ShadowTexturesBenchOptions& options, TextureMethod method)
+           const ShadowTexturesBenchOptions& options, ShadowTextures method)
         : method_(method),
+          previous_(options.as_printed ? shadow_textures::PreviousMethod::all_between
+                                       : shadow_textures::PreviousMethod::by_extents),
           by_timestamps_(device->info().kind != "software"),
           views_(state, view_options(options, method)),
           casters_(device, state),
-          buffers_(device, views_),
-          textures_(device, views_),
+          textures_(device, views_, method),
           image_(device, views_, static_cast<std::uint32_t>(options.size.width),
                  static_cast<std::uint32_t>(options.size.height)),
           commands_(device)
     {
+        look_up_.as_printed = options.as_printed;
     }
 
     /// Draws the image. @return milliseconds
     double draw_image(const scene::SceneState& state, const scene::View& view)
     {
+        return draw_image(state, view, look_up_);
+    }
+    double draw_image(const scene::SceneState& state, const scene::View& view,
+                      const shadow_textures::LookupOptions& look_up)
+    {
         double ignored = 0;
         return timed(ignored, [&] {
-            image_.record(commands_, views_, buffers_, method_ == TextureMethod::items ? nullptr : &textures_, casters_,
-                          state, clip_from_world(view), view.eye);
+            image_.record(commands_, views_, textures_.buffers(), textures_.textures(), casters_, state,
+                          clip_from_world(view), view.eye, look_up);
         });
+    }
+    Image8 image_of(const scene::SceneState& state, const scene::View& view, bool as_printed, float filter)
+    {
+        shadow_textures::LookupOptions look_up;
+        look_up.as_printed = as_printed;
+        look_up.filter = filter;
+        draw_image(state, view, look_up);
+        return image();
     }
 
     void frame(const scene::SceneState& state, const scene::View& view, bool measured, bool with_image)
@@ -108,18 +116,15 @@ class Runner {
         const double buffers = timed(cpu, [&] {
             views_.update(state);
             casters_.update(commands_, state);
-            if (method_ != TextureMethod::per_caster) buffers_.record(commands_, views_, casters_);
+            if (method_ != ShadowTextures::per_caster) textures_.record_views(commands_, views_, casters_);
         });
         // Update the receivers' textures.
-        const double textures = method_ == TextureMethod::items ? 0 : timed(cpu, [&] {
-            if (method_ == TextureMethod::per_caster)
-                textures_.record_per_caster(commands_, views_, casters_, state);
-            else if (method_ != TextureMethod::items)
-                textures_.record(commands_, views_, buffers_, casters_, state);
+        const double textures = method_ == ShadowTextures::items ? 0 : timed(cpu, [&] {
+            textures_.record_textures(commands_, views_, casters_, state, {}, previous_);
         });
         // Draw the depths that the look-up of a receiver compares, too, outside the method's time.
-        if (method_ == TextureMethod::per_caster) {
-            buffers_.record(commands_, views_, casters_);
+        if (method_ == ShadowTextures::per_caster) {
+            textures_.record_views(commands_, views_, casters_);
             commands_.submit();
         }
 
@@ -129,16 +134,18 @@ class Runner {
         buffers_ms_.push_back(buffers), textures_ms_.push_back(textures), shadow_ms_.push_back(buffers + textures);
         frame_ms_.push_back(buffers + textures + image), cpu_ms_.push_back(cpu);
         const light_views::LightViewsCounts& counts = views_.counts();
-        draws_ += static_cast<double>(textures_.counts().draws);
-        if (method_ != TextureMethod::per_caster) {
+        const shadow_textures::TextureCounts made = textures_.counts();
+        draws_ += static_cast<double>(made.draws);
+        all_between_ += static_cast<double>(made.draws_of_all_between + made.updated);
+        if (method_ != ShadowTextures::per_caster) {
             draws_ += static_cast<double>(counts.draws);
             copies_ += static_cast<double>(counts.copies);
         }
-        updated_ += static_cast<double>(textures_.counts().updated);
+        updated_ += static_cast<double>(made.updated);
         touched_ += static_cast<double>(counts.touched);
     }
 
-    bool remembers() const { return method_ != TextureMethod::per_caster; }
+    bool remembers() const { return method_ != ShadowTextures::per_caster; }
 
     ShadowTexturesRow row() const
     {
@@ -149,6 +156,7 @@ class Runner {
         row.shadow_ms = median(shadow_ms_), row.frame_ms = median(frame_ms_), row.shadow_cpu_ms = median(cpu_ms_);
         row.draws = draws_ / n, row.copies = copies_ / n, row.textures_updated = updated_ / n;
         row.touched = touched_ / n;
+        if (method_ == ShadowTextures::per_caster) row.draws_of_all_between = all_between_ / n;
         return row;
     }
 
@@ -160,11 +168,12 @@ class Runner {
     Contents contents()
     {
         Contents c;
-        for (std::uint32_t page = 0; page < buffers_.depth().desc().layers; ++page) {
-            c.layers.push_back(commands_.read_back(buffers_.depth(), page));
-            c.layers.push_back(commands_.read_back(buffers_.item(), page));
+        const light_views::GpuLightViews& buffers = textures_.buffers();
+        for (std::uint32_t page = 0; page < buffers.depth().desc().layers; ++page) {
+            c.layers.push_back(commands_.read_back(buffers.depth(), page));
+            c.layers.push_back(commands_.read_back(buffers.item(), page));
         }
-        if (method_ != TextureMethod::items) c.words = commands_.read_back(textures_.textures());
+        if (textures_.textures()) c.words = commands_.read_back(textures_.textures()->textures());
         commands_.submit();
         return c;
     }
@@ -174,11 +183,11 @@ class Runner {
             const auto a = mine.layers[i].as<std::uint32_t>(), b = others.layers[i].as<std::uint32_t>();
             if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return false;
         }
-        if (method_ == TextureMethod::items) return true;   // has no textures; a test compares items with textures
+        if (!textures_.textures()) return true;   // items: a test compares them with textures
         const auto a = mine.words.as<std::uint32_t>(), b = others.words.as<std::uint32_t>();
         for (std::size_t v = 0; v < views_.views().size(); ++v)
             for (scene::ObjectId o = 0; o < views_.object_count(); ++o) {
-                const auto &p = textures_.place(v, o), &q = other.textures_.place(v, o);
+                const auto &p = textures_.textures()->place(v, o), &q = other.textures_.textures()->place(v, o);
                 if (p.row_words != q.row_words || p.rows != q.rows || p.corner != q.corner) return false;
                 const auto words = static_cast<std::ptrdiff_t>(p.row_words) * p.rows;
                 if (!std::equal(a.begin() + p.first_word, a.begin() + p.first_word + words, b.begin() + q.first_word))
@@ -216,16 +225,17 @@ class Runner {
         return sum;
     }
 
-    TextureMethod method_;
+    ShadowTextures method_;
+    shadow_textures::PreviousMethod previous_;
+    shadow_textures::LookupOptions look_up_;
     bool by_timestamps_;
     LightViews views_;
     light_views::CasterGeometry casters_;
-    light_views::GpuLightViews buffers_;
-    shadow_textures::GpuTextures textures_;
+    shadow_textures::MethodTextures textures_;
     shadow_textures::PlainFrame image_;
     vk::Commands commands_;
     std::vector<double> buffers_ms_, textures_ms_, shadow_ms_, frame_ms_, cpu_ms_;
-    double draws_ = 0, copies_ = 0, updated_ = 0, touched_ = 0;
+    double draws_ = 0, all_between_ = 0, copies_ = 0, updated_ = 0, touched_ = 0;
 };
 
 // All methods in one scene, with the same motion.
@@ -235,7 +245,7 @@ class Setting {
             double dynamic)
         : device_(device), options_(options), scene_(make_scene(options, objects, dynamic)), state_(scene_, 0)
     {
-        for (const TextureMethod method : options.methods)
+        for (const ShadowTextures method : options.methods)
             runners_.push_back(std::make_unique<Runner>(device, state_, options, method));
     }
 
@@ -250,7 +260,7 @@ class Setting {
     /// Adds a row for each method, and compares its buffers and textures with those of a full redraw.
     void finish(ShadowTexturesBenchResult& result)
     {
-        Runner full(device_, state_, options_, TextureMethod::depth);
+        Runner full(device_, state_, options_, ShadowTextures::depth);
         full.frame(state_, view(), false, false);
         const Runner::Contents expected = full.contents();
         for (const auto& runner : runners_) {
@@ -260,12 +270,25 @@ class Setting {
             row.dynamic_percent = 100.0 * row.dynamic_objects / row.objects;
             row.identical_to_full = runner->same(runner->contents(), full, expected);
             if (options_.dynamic_objects) row.frame_ms += runner->draw_image(state_, view());
+            row.printed_wrong_percent = different_percent(runner->image_of(state_, view(), false, 0),
+                                                          runner->image_of(state_, view(), true, 0));
             result.rows.push_back(row);
         }
-        result.image = runners_.back()->image();
+        if (!options_.images) return;
+        Runner& last = *runners_.back();
+        result.images.push_back({result.rows.back().objects, result.rows.back().dynamic_objects,
+                                 last.image_of(state_, view(), false, 1), last.image_of(state_, view(), true, 1)});
     }
 
  private:
+    static double different_percent(const Image8& a, const Image8& b)
+    {
+        std::size_t different = 0;
+        const std::size_t pixels = a.data.size() / 3;
+        for (std::size_t i = 0; i < pixels; ++i)
+            different += !std::equal(&a.data[3 * i], &a.data[3 * i] + 3, &b.data[3 * i]);
+        return 100 * static_cast<double>(different) / static_cast<double>(std::max<std::size_t>(pixels, 1));
+    }
     static std::shared_ptr<const scene::Scene> make_scene(const ShadowTexturesBenchOptions& options, int objects,
                                                           double dynamic)
     {
@@ -322,7 +345,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     }
 
     // Fit the growth with the number of objects.
-    for (const TextureMethod method : options.methods) {
+    for (const ShadowTextures method : options.methods) {
         std::vector<std::pair<double, double>> points;
         for (const ShadowTexturesRow& row : result.rows)
             if (row.method == method && points.size() < options.objects.size())

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Measures the cost of shadow textures by method [Oh and Shin 2004, 4]: per_caster draws, for every receiver, all
-// casters between it and the light; depth draws one depth buffer for all receivers; coherent keeps that buffer and the
-// textures from frame to frame; items does the same with one item buffer in place of all textures, as the renderer
-// does.
+// Measures the cost of shadow textures by method [Oh and Shin 2004, 4], with the renderer's names and code
+// (shadow_textures/shadow_method.h): per_caster draws, for every receiver, the casters between it and the light whose
+// extents meet its own; depth draws one depth buffer for all receivers; coherent keeps that buffer and the textures
+// from frame to frame; items does the same with one item buffer in place of all textures.
 //
 // All methods of a setting follow the same motion, frame by frame in turn. Times are medians over the frames after the
 // first two: the first draws everything, and the second detects the dynamic objects. On a hardware device they are its
@@ -18,15 +18,12 @@
 #include <vector>
 
 #include "base/image.h"
-#include "gnomon/types.h"
+#include "gnomon/renderer.h"
 
 namespace gnomon::bench {
 
-enum class TextureMethod : std::uint8_t { per_caster, depth, coherent, items };
-/// The name used on the command line.
-const char* name_of(TextureMethod method);
 /// All methods except per_caster, which is slow.
-std::vector<TextureMethod> usual_methods();
+std::vector<ShadowTextures> usual_methods();
 
 struct ShadowTexturesBenchOptions {
     std::vector<int> objects{300};
@@ -36,14 +33,23 @@ struct ShadowTexturesBenchOptions {
     Size size{512, 512};    // of the image
     int view_size = 1024;   // texels along a side of the light view
     int frames = 7;
-    std::vector<TextureMethod> methods = usual_methods();
+    std::vector<ShadowTextures> methods = usual_methods();
+    /// The texture's colour decides alone, and per_caster draws all casters nearer than the receiver.
+    bool as_printed = false;
+    bool images = false;   // keep images of every setting, by both look-ups
+};
+
+/// The last frame of a setting.
+struct ShadowTexturesImages {
+    int objects = 0, dynamic_objects = 0;
+    Image8 compared, as_printed;   // distances are compared; the texture's colour decides
 };
 
 struct ShadowTexturesRow {
     int objects = 0;
     double dynamic_percent = 0;
     int dynamic_objects = 0;
-    TextureMethod method = TextureMethod::depth;
+    ShadowTextures method = ShadowTextures::depth;
     double buffers_ms = 0;      // part of shadow_ms: the light view's buffers and the casters' transforms
     double textures_ms = 0;     // part of shadow_ms: the receivers' textures
     double shadow_ms = 0;       // the shadow pass
@@ -51,8 +57,12 @@ struct ShadowTexturesRow {
     double frame_ms = 0;        // shadow pass and image; for a crowd with the one image drawn at the end
     // Means per frame.
     double draws = 0, copies = 0, textures_updated = 0;
-    double touched = 0;   // objects and index entries visited
+    double draws_of_all_between = 0;   // per_caster: of the shadow pass, if extents were not tested
+    double touched = 0;                // objects and index entries visited
     bool identical_to_full = false;
+    /// Percent of the last frame's pixels in which the texture's colour alone decides otherwise than distances, with
+    /// hard edges.
+    double printed_wrong_percent = 0;
 };
 
 struct ShadowTexturesBenchResult {
@@ -60,8 +70,8 @@ struct ShadowTexturesBenchResult {
     std::vector<ShadowTexturesRow> rows;
     /// Growth of shadow_ms with the number of objects, by method, at the first percentage of dynamic objects. Empty
     /// unless there are several numbers of objects.
-    std::vector<std::pair<TextureMethod, double>> exponents;
-    Image8 image;   // of the last frame and method
+    std::vector<std::pair<ShadowTextures, double>> exponents;
+    std::vector<ShadowTexturesImages> images;   // by setting, if asked for
 };
 
 /// @throws MissingError      no Vulkan

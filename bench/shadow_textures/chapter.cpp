@@ -8,6 +8,7 @@
 
 #include "bench/report/chapter.h"
 #include "bench/shadow_textures/report.h"
+#include "options/enum_names.h"
 
 namespace gnomon::bench {
 
@@ -32,7 +33,7 @@ struct Experiment {
         }
         command += fmt::format(" --vertices {} --size {}x{} --frames {} --method", options.vertices, options.size.width,
                                options.size.height, options.frames);
-        for (const TextureMethod method : options.methods) command += fmt::format(" {}", name_of(method));
+        for (const ShadowTextures method : options.methods) command += fmt::format(" {}", options::name_of(method));
         return command;
     }
 };
@@ -41,14 +42,14 @@ class ShadowTexturesChapter : public BenchChapter {
  public:
     explicit ShadowTexturesChapter(const BenchSettings& settings)
     {
-        using enum TextureMethod;
+        using enum ShadowTextures;
         const bool quick = settings.quick;
-        // Use fewer vertices than the paper where all casters are drawn for every receiver, because a software driver
-        // draws only a few million triangles per second.
+        // A quick run has fewer vertices, because a software driver draws only a few million triangles per second.
         ShadowTexturesBenchOptions growth;
         growth.objects = quick ? std::vector<int>{25, 50, 100} : std::vector<int>{25, 50, 100, 200, 300};
-        growth.vertices = quick ? 200 : 500;
+        if (quick) growth.vertices = 200;
         growth.frames = 1;
+        growth.images = true;
         growth.size = settings.size();
         growth.methods = {per_caster, depth, coherent, items};
         experiments_.push_back({"shadow textures: Figure 7", growth, quick ? 6. : 60.});
@@ -87,13 +88,13 @@ class ShadowTexturesChapter : public BenchChapter {
         if (growth.result.exponents.size() == growth.options.methods.size())
             rows.push_back({{"Shadow textures: growth of the shadow pass, as a power of the number of objects",
                              "2 per caster, 1 with one depth buffer",
-                             fmt::format("{:.2f} per caster, {:.2f} with one depth buffer",
+                             fmt::format("{:.2f} per caster with extents, {:.2f} with one depth buffer",
                                          growth.result.exponents[0].second, growth.result.exponents[1].second),
                              ""},
                             false});
-        const ShadowTexturesRow *depth = at_shown_percent(TextureMethod::depth),
-                                *coherent = at_shown_percent(TextureMethod::coherent),
-                                *items = at_shown_percent(TextureMethod::items);
+        const ShadowTexturesRow *depth = at_shown_percent(ShadowTextures::depth),
+                                *coherent = at_shown_percent(ShadowTextures::coherent),
+                                *items = at_shown_percent(ShadowTextures::items);
         if (!depth || !coherent || !items) return rows;
         const auto saved = [&](const ShadowTexturesRow* row) {
             return fmt::format("{:.1f} %", 100 * (1 - row->frame_ms / depth->frame_ms));
@@ -131,7 +132,7 @@ class ShadowTexturesChapter : public BenchChapter {
     }
 
  private:
-    const ShadowTexturesRow* at_shown_percent(TextureMethod method) const
+    const ShadowTexturesRow* at_shown_percent(ShadowTextures method) const
     {
         for (const ShadowTexturesRow& row : experiments_[1].result.rows)
             if (row.method == method && row.dynamic_percent == k_shown_percent) return &row;

@@ -29,7 +29,8 @@ inline constexpr Range shadow_filter{0, 64};                    // texels
 inline constexpr Range spp{1, 1 << 24};                         // paths per pixel
 inline constexpr Range bounces{0, 1000};                        // diffuse bounces
 inline constexpr Range rsm_samples{1, 65536};                   // per receiver
-inline constexpr Range indirect_level{4, 6};                    // 6: coarse
+inline constexpr Range indirect_level{1, 7};                    // 1: every texel of a map of 512 x 512; 7: coarse
+inline constexpr Range validity_margin{0, 1};                   // fraction of the thresholds
 inline constexpr Range depth_threshold{0, 1};                   // fraction of the depth range
 inline constexpr Range normal_threshold{-1, 1};                 // cosine
 inline constexpr Range indirect_memory{1, 65536};               // MB

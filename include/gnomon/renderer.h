@@ -29,9 +29,11 @@ struct ReferenceLightOptions {
 /// selects the device for cuts, visibility and sums.
 enum class RenderMethod { trace, raster };
 
-/// Shadows of the rasterised frame. `coherent` redraws only what changed. `depth` and `per_caster` are the methods it
-/// is compared with; they give the same image at a higher cost.
-enum class ShadowTextures { off, per_caster, depth, coherent };
+/// Shadows of the rasterised frame. `items` keeps one buffer for all receivers and redraws only what changed.
+/// `coherent`, `depth` and `per_caster` make a texture for each receiver: only where something changed, all of them by
+/// one draw each, and all of them from the casters before each. All give the same image, except where two objects are
+/// exactly equally near to a light.
+enum class ShadowTextures { off, per_caster, depth, coherent, items };
 
 /// Options of a renderer. gnomon/ranges.h has the ranges of numbers.
 struct RenderOptions {
@@ -45,14 +47,23 @@ struct RenderOptions {
     ToneMap tonemap = ToneMap::neutral;
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
-    ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
-    int shadow_filter = 1;                              // width of shadow edges in texels of the light view; 0: hard
+    ShadowTextures shadow_textures = ShadowTextures::items;   // of the rasterised frame
+    int shadow_filter = 1;   // width of shadow edges in texels of the light view; 0: hard
+    /// Of the rasterised frame: shadow textures and light quad-tree by the letter of their papers. The colour of a
+    /// receiver's texture decides alone (see FrameCounters::Shadow::looked_up_wrong), and every receiver goes through
+    /// the tree by itself, one pass a level.
+    bool as_printed = false;
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
     int rsm_samples = 256;                              // Indirect::rsm
-    int indirect_level = 5;          // Indirect::quadtree: finest level of refinement, 6 (coarse), 5 or 4
+    int indirect_level = 5;          // Indirect::quadtree: finest level of refinement, 7 (coarse) to 1
     double depth_threshold = 0.05;   // Indirect::quadtree: largest depth difference within a cluster, as a fraction of
                                      // the light view's depth range
     double normal_threshold = 0.9;   // Indirect::quadtree: smallest cosine between normals within a cluster
+    /// Indirect::quadtree: fraction of the thresholds around them within which a cluster and the four below it share
+    /// the light, so that it does not change abruptly; 0: as published.
+    double validity_margin = 0;
+    /// Indirect::quadtree of traced frames: clusters are occluded, by rays from the receivers; false: as published.
+    bool cluster_shadows = false;
     /// Indirect::rsm, quadtree: gather at every pixel. Otherwise, gather at 64 receivers along the longer side, and
     /// interpolate where the surfaces agree.
     bool indirect_at_every_pixel = false;

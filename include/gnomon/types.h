@@ -69,6 +69,11 @@ struct FrameCounters {
         std::uint64_t rays_dynamic_only = 0;   // of these, traced against dynamic objects only
         /// Of these, the number that differ from tracing every ray; counted only with an overlay of shadow states.
         std::optional<std::uint64_t> rays_wrong;
+        std::uint64_t textures = 0;           // rasterised: shadow textures of receivers that were drawn
+        std::uint64_t textures_waiting = 0;   // textures that changed out of sight, to be drawn when they are seen
+        /// Rasterised, with RenderOptions::as_printed: pairs of a surface and a light that it faces, and those in which
+        /// the texture's colour decides otherwise than the distances to the light.
+        std::optional<std::uint64_t> looked_up, looked_up_wrong;
     } shadow;
     /// Indirect light.
     struct Indirect {
@@ -76,6 +81,9 @@ struct FrameCounters {
         std::uint64_t rays = 0;
         bool gathered_by_vulkan = false;   // Indirect::visible: the device computes cuts and sums
         bool traced_by_vulkan = false;     // also traces rays to nodes of a cut, to the sky and past dynamic objects
+        // Indirect::rsm, quadtree: what is the same as in the frame before, and was not computed again.
+        bool kept_map = false;         // light map, tree and clusters
+        bool kept_receivers = false;   // the light of sparse receivers
     } indirect;
     /// Work of Accelerator::kdtree by kind of ray. Rays that an overlay traces to check results are not counted.
     struct KdTree {
@@ -89,6 +97,7 @@ struct FrameCounters {
         friend bool operator==(const KdTree&, const KdTree&) = default;
     };
     std::optional<KdTree> kdtree;
+    bool kept_surfaces = false;   // rasterised: the G-buffer of the frame before was used again
     /// Work of following the scene's changes since the last frame.
     struct Update {
         std::uint64_t nodes = 0;   // tracks that were evaluated, values that were taken over, nodes that were visited

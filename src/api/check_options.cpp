@@ -55,7 +55,7 @@ void check_options(const RenderOptions& o)
     check_known("the shadow culling", o.shadow_culling, ShadowCulling::certified);
     check_known("the indirect light", o.indirect, Indirect::visible);
     check_known("the device of indirect light", o.indirect_on, IndirectOn::vulkan);
-    check_known("the shadow textures", o.shadow_textures, ShadowTextures::coherent);
+    check_known("the shadow textures", o.shadow_textures, ShadowTextures::items);
     check_known("the accelerator", o.accelerator, Accelerator::kdtree);
     check_known("the overlay", o.overlay, Overlay::clusters);
     check_range("max depth is", o.max_depth, ranges::max_depth);
@@ -69,6 +69,7 @@ void check_options(const RenderOptions& o)
     check_range("indirect level is", o.indirect_level, ranges::indirect_level);
     check_range("depth threshold is", o.depth_threshold, ranges::depth_threshold);
     check_range("normal threshold is", o.normal_threshold, ranges::normal_threshold);
+    check_range("validity margin is", o.validity_margin, ranges::validity_margin);
     if (o.exposure) check_range("exposure is", *o.exposure, ranges::exposure, " stops");
     if (o.turntable_seconds != 0)
         check_range("time of a turntable is", o.turntable_seconds, ranges::turntable_seconds, " seconds");
@@ -80,6 +81,8 @@ void check_options(const RenderOptions& o)
             "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && o.reference)
         throw UsageError("the reference is traced: not with the rasteriser");
+    if (o.cluster_shadows && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))
+        throw UsageError("shadows of clusters are traced: they need the traced frame, with indirect light by quadtree");
     if (o.overlay == Overlay::redrawn &&
         (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
         throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");

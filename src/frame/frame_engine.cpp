@@ -62,7 +62,9 @@ light_quadtree::MapLightOptions map_options(const RenderOptions& options)
     result.method =
         options.indirect == Indirect::rsm ? light_quadtree::MapMethod::rsm : light_quadtree::MapMethod::quadtree;
     result.levels.limit = options.indirect_level;
-    result.map.validity = {static_cast<float>(options.depth_threshold), static_cast<float>(options.normal_threshold)};
+    result.map.validity = {static_cast<float>(options.depth_threshold), static_cast<float>(options.normal_threshold),
+                           static_cast<float>(options.validity_margin)};
+    result.shadows = options.cluster_shadows;
     result.rsm.samples = options.rsm_samples;
     if (options.indirect_at_every_pixel) result.grid = 0;
     return result;
@@ -77,13 +79,13 @@ auto cache_key(const RenderOptions& o)
 auto map_key(const RenderOptions& o)
 {
     return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
-                      o.indirect_at_every_pixel);
+                      o.validity_margin, o.cluster_shadows, o.indirect_at_every_pixel);
 }
 
 auto raster_key(const RenderOptions& o)
 {
-    return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.overlay, o.indirect_on, cache_key(o),
-                      map_key(o));
+    return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
+                      cache_key(o), map_key(o));
 }
 
 std::size_t bytes_of(const shading::FrameBuffers& buffers)
@@ -309,6 +311,7 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
     raster_ = make_rasterizer(*state_, {.samples = options.samples,
                                         .layers = options.layers,
                                         .shadows = options.shadow_textures,
+                                        .as_printed = options.as_printed,
                                         .shadow_filter = static_cast<float>(options.shadow_filter),
                                         .redrawn = plan_.shown == Shown::redrawn,
                                         .redrawn_stays = settings_.redrawn_stays,

@@ -38,12 +38,15 @@ class VulkanRasterizer final : public Rasterizer {
             visible_ = &bounce->light();
             frame_.set_bounced(std::move(bounce));
         } else if (settings.indirect != Indirect::off) {
-            frame_.set_bounced(std::make_unique<raster::MapBounce>(device_, state, settings.map));
+            light_quadtree::MapLightOptions map = settings.map;
+            map.as_printed = settings.as_printed;
+            frame_.set_bounced(std::make_unique<raster::MapBounce>(device_, state, map));
         }
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         raster::ShadowOptions shadows;
         shadows.method = settings.shadows;
         shadows.look_up.filter = settings.shadow_filter;
+        shadows.look_up.as_printed = settings.as_printed;
         auto visibility = std::make_unique<raster::ShadowVisibility>(device_, state, shadows);
         views_ = &visibility->views();
         frame_.set_visibility(std::move(visibility));

@@ -17,7 +17,8 @@ namespace gnomon::frame {
 struct RasterSettings {
     int samples = 1;
     bool layers = false;
-    ShadowTextures shadows = ShadowTextures::coherent;
+    ShadowTextures shadows = ShadowTextures::items;
+    bool as_printed = false;   // as RenderOptions::as_printed
     float shadow_filter = 1;   // texels; 0: hard
     bool redrawn = false;      // paint_redrawn() will be called
     /// While the time stays the same, paint_redrawn() shows what was drawn for its first frame. So the last of several

@@ -14,13 +14,14 @@ void Clusters::clear()
     grid.clear();
 }
 
-void Clusters::push(const LightNode& light, std::size_t id, int at_grid)
+void Clusters::push(const LightNode& light, std::size_t id, int at_grid, float part)
 {
     constexpr auto k_per_pi = static_cast<float>(1 / k_pi);
     x.push_back(light.position.x), y.push_back(light.position.y), z.push_back(light.position.z);
     nx.push_back(light.normal.x), ny.push_back(light.normal.y), nz.push_back(light.normal.z);
     disk.push_back(light.area * k_per_pi);
-    r.push_back(light.flux.x * k_per_pi), g.push_back(light.flux.y * k_per_pi), b.push_back(light.flux.z * k_per_pi);
+    const float power = k_per_pi * part;
+    r.push_back(light.flux.x * power), g.push_back(light.flux.y * power), b.push_back(light.flux.z * power);
     node.push_back(id);
     grid.push_back(static_cast<std::uint8_t>(at_grid));
 }
@@ -30,6 +31,7 @@ void find_clusters(const LightMap& map, const CutLevels& levels, Clusters& out)
     struct Place {
         const LightMap::View* view;
         int x, y;
+        float rest;   // of the light, left by the nodes above
     };
     out.clear();
     std::vector<Place> here, below;
@@ -38,7 +40,7 @@ void find_clusters(const LightMap& map, const CutLevels& levels, Clusters& out)
     for (const LightMap::View& view : map.views()) {
         if (!view.on) continue;
         for (int y = 0; y < 1 << start; ++y)
-            for (int x = 0; x < 1 << start; ++x) here.push_back({&view, x, y});
+            for (int x = 0; x < 1 << start; ++x) here.push_back({&view, x, y, 1});
     }
     for (int grid = start; !here.empty(); ++grid) {
         below.clear();
@@ -46,13 +48,14 @@ void find_clusters(const LightMap& map, const CutLevels& levels, Clusters& out)
             // The cut of a map smaller than the limit level ends at its texels.
             const int limit = std::min(grid_of_paper_level(levels.limit), place.view->levels);
             const std::size_t id = place.view->node(grid, place.x, place.y);
-            if (grid < limit && !map.valid(id)) {
+            const Share share = grid < limit ? map.share(id) : k_whole_share;
+            if (share < k_whole_share) {
+                const float rest = place.rest * left_by(share);
                 for (int child = 0; child < 4; ++child)
-                    below.push_back({place.view, 2 * place.x + child % 2, 2 * place.y + child / 2});
-                continue;
+                    below.push_back({place.view, 2 * place.x + child % 2, 2 * place.y + child / 2, rest});
             }
             const LightNode& light = map.node(id);
-            if (light.flux != glm::vec3(0)) out.push(light, id, grid);
+            if (share > 0 && light.flux != glm::vec3(0)) out.push(light, id, grid, place.rest * taken_by(share));
         }
         std::swap(here, below);
     }

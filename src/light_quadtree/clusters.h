@@ -3,9 +3,10 @@
 // The cut through a light map's quad-tree [Ki and Oh 2007, 3.2]: the clusters that all receivers gather.
 //
 // The traversal goes from the start level down to the limit level. A valid node becomes a cluster; an invalid node is
-// replaced by its four children; at the limit level every node becomes a cluster. Validity depends on the lights only,
-// so one cut serves all receivers, while the published method finds it again at every receiver, level by level
-// (gather_as_printed).
+// replaced by its four children; at the limit level every node becomes a cluster. A node that is valid in part
+// (Validity::margin) becomes a cluster with its share of the light, and its children have the rest. Validity depends on
+// the lights only, so one cut serves all receivers, while the published method finds it again at every receiver, level
+// by level (gather_as_printed).
 //
 // DEVIATION(Ki 2007, 3.2): the cut is computed once per light and frame and stored as a list. The sums are the same,
 // bit for bit.
@@ -25,7 +26,7 @@ inline constexpr int grid_of_paper_level(int level)
 
 struct CutLevels {
     int start = 7;   // 8 nodes a side, as in the paper
-    int limit = 5;   // 32 nodes a side; 6: 16, 4: 64
+    int limit = 5;   // 32 nodes a side; 6: 16, 4: 64, 1: 512
 };
 
 /// The clusters as a structure of arrays. Units: a receiver at distance d gets irradiance r,g,b * cosine at the cluster
@@ -40,7 +41,8 @@ struct Clusters {
 
     std::size_t size() const { return x.size(); }
     void clear();
-    void push(const LightNode& light, std::size_t id, int at_grid);
+    /// @param part  of the node's light
+    void push(const LightNode& light, std::size_t id, int at_grid, float part = 1);
 };
 
 /// Finds the cut level by level, breadth first, views in order; nodes without flux are omitted.

@@ -116,19 +116,20 @@ glm::vec3 gather_as_printed(const LightMap& map, const CutLevels& levels, const 
             for (std::uint32_t top = 0; top < 1u << (2 * start); ++top)
                 for (std::uint32_t path = 0; path < 1u << (2 * (grid - start)); ++path) {
                     int x = static_cast<int>(top & ((1u << start) - 1)), y = static_cast<int>(top >> start);
-                    bool unused = true;
+                    float rest = 1;
                     // Check that all ancestors from the start level on are invalid.
-                    for (int level = start; level < grid && unused; ++level) {
-                        unused = !map.valid(view.node(level, x, y));
+                    for (int level = start; level < grid && rest > 0; ++level) {
+                        rest *= left_by(map.share(view.node(level, x, y)));
                         const std::uint32_t child = (path >> (2 * (grid - 1 - level))) & 3;
                         x = 2 * x + static_cast<int>(child % 2), y = 2 * y + static_cast<int>(child / 2);
                     }
                     if (nodes_looked_at) ++*nodes_looked_at;
-                    if (!unused) continue;
+                    if (!(rest > 0)) continue;
                     const std::size_t id = view.node(grid, x, y);
-                    if (!last && !map.valid(id)) continue;
+                    const Share share = last ? k_whole_share : map.share(id);
+                    if (share == 0) continue;
                     light.clear();
-                    light.push(map.node(id), id, grid);
+                    light.push(map.node(id), id, grid, rest * taken_by(share));
                     add_light(light, 0, position, normal, irradiance);
                 }
         }

@@ -49,7 +49,7 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
     views_ = lay_out_views(scene, bounds_, options);
     const std::size_t end = views_.empty() ? 0 : views_.back().end();
     nodes_.resize(end);
-    valid_.assign(end, 0);
+    share_.assign(end, 0);
     layers_.resize(views_.size());
     std::vector<Work> works(views_.size());
     tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(v, state, rays, works[v]); });
@@ -79,8 +79,8 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     const std::size_t end = view.end();
     std::fill(nodes_.begin() + static_cast<std::ptrdiff_t>(view.first),
               nodes_.begin() + static_cast<std::ptrdiff_t>(end), LightNode{});
-    std::fill(valid_.begin() + static_cast<std::ptrdiff_t>(view.first),
-              valid_.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
+    std::fill(share_.begin() + static_cast<std::ptrdiff_t>(view.first),
+              share_.begin() + static_cast<std::ptrdiff_t>(end), k_whole_share);
     const int tiles = view.side() / k_tile;
     layers.slot.assign(static_cast<std::size_t>(tiles) * static_cast<std::size_t>(tiles), -1);
     layers.kept.clear();
@@ -201,7 +201,7 @@ void LightMap::make_node(const View& view, int level, int x, int y)
         nodes_[view.node(level + 1, 2 * x, 2 * y + 1)], nodes_[view.node(level + 1, 2 * x + 1, 2 * y + 1)]};
     const std::size_t id = view.node(level, x, y);
     nodes_[id] = mean_of(four);
-    valid_[id] = is_valid(four, nodes_[id], options_.validity);
+    share_[id] = share_of(four, nodes_[id], options_.validity);
 }
 
 // Updates the tiles under some rectangles, and the nodes above texels that changed.
@@ -298,9 +298,7 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
     const bool other_layout =
         !changes.lights_moved.empty() && !same_layout(views_, lay_out_views(state.scene(), bounds_, options_));
     if (other_bounds || other_layout || !changes.promoted.empty()) {
-        const std::uint32_t before = version_;
-        *this = LightMap(state, rays, options_, tasks);
-        version_ = before + 1;
+        remake(state, rays, tasks);
         return;
     }
 
@@ -329,6 +327,13 @@ void LightMap::update(const scene::SceneState& state, const ray::RayScene& rays,
         changed |= anew[v] || works[v].dirty_texels > 0;
     }
     if (changed) ++version_;
+}
+
+void LightMap::remake(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
+{
+    const std::uint32_t before = version_;
+    *this = LightMap(state, rays, options_, tasks);
+    version_ = before + 1;
 }
 
 std::size_t LightMap::bytes() const

@@ -33,11 +33,16 @@ class LightMap {
     /// Updates the map after an advance() of the state and the update of the ray scene.
     void update(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
+    /// Makes everything anew, whatever changed.
+    void remake(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
+
     using View = MapView;
     std::span<const View> views() const { return views_; }
     std::span<const LightNode> nodes() const { return nodes_; }
     const LightNode& node(std::size_t id) const { return nodes_[id]; }
-    bool valid(std::size_t id) const { return valid_[id] != 0; }
+    /// Whether a node stands for everything below it: all of the light is its own.
+    bool valid(std::size_t id) const { return share_[id] == k_whole_share; }
+    Share share(std::size_t id) const { return share_[id]; }
     const LightMapOptions& options() const { return options_; }
 
     /// Increases with every change of the map.
@@ -76,7 +81,7 @@ class LightMap {
     std::vector<View> views_;
     std::vector<Layers> layers_;   // by view
     std::vector<LightNode> nodes_;
-    std::vector<std::uint8_t> valid_;
+    std::vector<Share> share_;
     std::vector<float> ball_;   // by SceneState::dynamic_index(): radius about the centre of its box; 0: it deforms
     std::uint32_t version_ = 1;
     Work work_;

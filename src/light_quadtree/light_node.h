@@ -6,6 +6,7 @@
 // a new one. Means are over the texels that hit a surface. Mean normals are not normalised: where the normals below
 // differ they are shorter than 1, which reduces the light that leaves along them accordingly.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -27,7 +28,14 @@ static_assert(sizeof(LightNode) == 48);
 struct Validity {
     float depth_threshold = 0.05f;   // the depth of a child may differ from the mean by less than this
     float normal_threshold = 0.9f;   // the dot product of its normal with the mean must exceed this
+    /// Fraction of the thresholds around them within which a node is valid in part. It then shares the light with its
+    /// children, so that light does not change abruptly when something moves. 0: valid or not, as published.
+    float margin = 0;
 };
+
+/// A node's share of the light of its part of the map, in steps of 1 / k_whole_share; its children have the rest.
+using Share = std::uint8_t;
+inline constexpr Share k_whole_share = 255;
 
 inline LightNode mean_of(const LightNode (&four)[4])
 {
@@ -60,6 +68,34 @@ inline bool is_valid(const LightNode (&four)[4], const LightNode& mean, const Va
         if (!(glm::dot(child.normal, mean.normal) > validity.normal_threshold)) return false;
     }
     return true;
+}
+
+/// The share of a node: whole where it is valid, none where it is not, and between them within the margin of the
+/// thresholds, where it falls in proportion to the larger of the two differences.
+inline Share share_of(const LightNode (&four)[4], const LightNode& mean, const Validity& validity)
+{
+    if (!(validity.margin > 0)) return is_valid(four, mean, validity) ? k_whole_share : Share{0};
+    constexpr float k_least = 1e-20f;   // a threshold of 0
+    if (mean.members == 0) return k_whole_share;
+    float most = 0;   // difference, relative to its threshold
+    for (const LightNode& child : four) {
+        if (child.members == 0) return 0;
+        most = std::max(most, std::abs(child.depth - mean.depth) / std::max(validity.depth_threshold, k_least));
+        most = std::max(most,
+                        (1 - glm::dot(child.normal, mean.normal)) / std::max(1 - validity.normal_threshold, k_least));
+    }
+    const float share = std::min(1.0f, std::max(0.0f, (1 + validity.margin - most) / (2 * validity.margin)));
+    return static_cast<Share>(share * static_cast<float>(k_whole_share) + 0.5f);
+}
+
+/// The part of a node's light that is left to its children.
+inline float left_by(Share share)
+{
+    return static_cast<float>(k_whole_share - share) / static_cast<float>(k_whole_share);
+}
+inline float taken_by(Share share)
+{
+    return static_cast<float>(share) / static_cast<float>(k_whole_share);
 }
 
 }   // namespace gnomon::light_quadtree

@@ -9,17 +9,39 @@
 
 namespace gnomon::light_quadtree {
 
+namespace {
+
+void add(ShadowCounters& sum, const ShadowCounters& more)
+{
+    sum.rays += more.rays;
+    sum.rays_skipped += more.rays_skipped;
+    sum.rays_dynamic_only += more.rays_dynamic_only;
+}
+
+}   // namespace
+
 MapLight::MapLight(const scene::SceneState& state, const ray::RayScene& rays, const MapLightOptions& options,
                    Tasks& tasks)
-    : options_(options), map_(state, rays, options.map, tasks)
+    : options_(options), map_(state, rays, options.map, tasks), rays_(&rays)
 {
     find_lights();
 }
 
 void MapLight::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks)
 {
-    map_.update(state, rays, tasks);
+    rays_ = &rays;
+    const std::uint32_t before = map_.version();
+    if (forgotten_) {
+        map_.remake(state, rays, tasks);
+        grid_modes_.clear();
+        forgotten_ = false;
+    } else {
+        map_.update(state, rays, tasks);
+    }
     find_lights();
+    counters_.kept_map = map_.version() == before;
+    // With shadows, what moves occludes without changing the map.
+    if (options_.shadows && state.changes().anything()) grid_version_ = 0;
 }
 
 void MapLight::find_lights()
@@ -44,12 +66,29 @@ int MapLight::grid_step(int width, int height) const
     return options_.grid == 0 ? 0 : (std::max(width, height) + options_.grid - 1) / options_.grid;
 }
 
-void MapLight::gather_all(Receivers& receivers, std::size_t begin, std::size_t end, RsmPlaces& scratch) const
+void MapLight::gather_all(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch) const
 {
-    if (options_.method == MapMethod::rsm)
-        sample_map(map_, options_.rsm, receivers, begin, end, scratch);
-    else
+    gather_some(receivers, begin, end, batch, nullptr);
+}
+
+void MapLight::gather_some(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch,
+                           PathModes* modes) const
+{
+    const bool quadtree = options_.method == MapMethod::quadtree;
+    if (options_.method == MapMethod::rsm) {
+        sample_map(map_, options_.rsm, receivers, begin, end, batch.places);
+    } else if (quadtree && options_.shadows) {
+        gather_with_shadows(clusters_, receivers, begin, end, *rays_, modes, batch.shadows);
+    } else if (quadtree && options_.as_printed) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const glm::vec3 light =
+                gather_as_printed(map_, options_.levels, {receivers.x[i], receivers.y[i], receivers.z[i]},
+                                  {receivers.nx[i], receivers.ny[i], receivers.nz[i]});
+            receivers.r[i] = light.x, receivers.g[i] = light.y, receivers.b[i] = light.z;
+        }
+    } else {
         gather(clusters_, receivers, begin, end);
+    }
 }
 
 void MapLight::set_grid(std::span<const MapReceiver> points, int columns, int step, Tasks& tasks)
@@ -67,11 +106,13 @@ void MapLight::set_grid(std::span<const MapReceiver> points, int columns, int st
     receivers.resize(grid_.size());
     for (std::size_t i = 0; i < grid_.size(); ++i) receivers.set(i, grid_[i].position, grid_[i].normal);
     constexpr std::size_t k_part = 8 * k_receiver_step;
-    const std::size_t padded = receivers.x.size();
-    tasks.for_each((padded + k_part - 1) / k_part, [&](std::size_t part, int) {
-        RsmPlaces places;
-        gather_all(receivers, part * k_part, std::min(padded, (part + 1) * k_part), places);
+    const std::size_t padded = receivers.x.size(), parts = (padded + k_part - 1) / k_part;
+    if (options_.shadows) grid_modes_.follow(clusters_, receivers);
+    std::vector<Batch> batches(parts);
+    tasks.for_each(parts, [&](std::size_t part, int) {
+        gather_some(receivers, part * k_part, std::min(padded, (part + 1) * k_part), batches[part], &grid_modes_);
     });
+    for (const Batch& batch : batches) add(counters_.shadow, batch.shadows.counters);
     grid_light_.resize(grid_.size());
     for (std::size_t i = 0; i < grid_.size(); ++i) grid_light_[i] = receivers.irradiance(i);
     counters_.gathered += grid_.size();
@@ -121,7 +162,7 @@ void MapLight::shade(Batch& batch, std::span<const MapReceiver> points, glm::vec
     constexpr std::size_t k_part = 8 * k_receiver_step;   // between interruption points
     for (std::size_t begin = 0; begin < receivers.x.size(); begin += k_part) {
         interruption_point();
-        gather_all(receivers, begin, std::min(begin + k_part, receivers.x.size()), batch.places);
+        gather_all(receivers, begin, std::min(begin + k_part, receivers.x.size()), batch);
     }
     for (std::size_t k = 0; k < batch.waiting.size(); ++k) irradiance[batch.waiting[k]] = receivers.irradiance(k);
     batch.counters.gathered += batch.waiting.size();
@@ -132,14 +173,16 @@ void MapLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
     for (const auto& batch : batches) {
         counters_.gathered += batch->counters.gathered;
         counters_.interpolated += batch->counters.interpolated;
+        add(counters_.shadow, batch->shadows.counters);
         batch->counters = {};
+        batch->shadows.counters = {};
     }
 }
 
 std::size_t MapLight::bytes() const
 {
     return map_.bytes() + clusters_.size() * (10 * sizeof(float) + sizeof(std::size_t) + 1) +
-           grid_.size() * (sizeof(MapReceiver) + sizeof(glm::vec3));
+           grid_.size() * (sizeof(MapReceiver) + sizeof(glm::vec3)) + grid_modes_.bytes();
 }
 
 }   // namespace gnomon::light_quadtree

@@ -8,12 +8,14 @@
 // gathers by itself. Kept buffers: while neither scene, lights nor view change, the map, the cut and the grid's light
 // are reused.
 //
-// Known flaws, as in the papers: bounced light is not occluded, so it leaks and is too bright. Cost: the map's
+// Known flaws, as in the papers: bounced light is not occluded, so it leaks and is too bright; MapLightOptions::shadows
+// mends that. Cost: the map's
 // (light_map.h); then lights times receivers.
 
 #include <memory>
 #include <span>
 
+#include "light_quadtree/cluster_shadows.h"
 #include "light_quadtree/rsm.h"
 
 namespace gnomon::light_quadtree {
@@ -28,6 +30,9 @@ struct MapLightOptions {
     MapMethod method = MapMethod::quadtree;
     LightMapOptions map;
     CutLevels levels;
+    /// quadtree: every receiver goes through the tree by itself, level by level [3.2]: the same sums, to the bit.
+    bool as_printed = false;
+    bool shadows = false;   // quadtree, traced: clusters are occluded (cluster_shadows.h)
     RsmOptions rsm;
     int grid = 64;                 // sparse receivers along the image's longer side; 0: every pixel gathers
     float grid_normals = 0.9f;     // a grid point agrees if the cosine between the normals exceeds this
@@ -47,14 +52,18 @@ struct MapLightCounters {
     std::uint64_t lights = 0;         // clusters, or samples
     std::uint64_t gathered = 0;       // receivers
     std::uint64_t interpolated = 0;   // pixels
+    bool kept_map = false;            // no texel of the map changed
     bool kept_grid = false;           // the grid's light was reused
+    ShadowCounters shadow;
 };
 
 class MapLight {
  public:
     MapLight(const scene::SceneState& state, const ray::RayScene& rays, const MapLightOptions& options, Tasks& tasks);
 
-    /// Call after the state advanced and the ray scene was updated.
+    /// Makes everything anew in the next frame, as the paper does where something moves.
+    void forget() { forgotten_ = true; }
+    /// Call after the state advanced and the ray scene was updated. The ray scene is used until the next call.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
     /// Pixels between two receivers of the grid, for an image of that size; 0: no grid.
@@ -68,13 +77,14 @@ class MapLight {
         Receivers receivers;
         RsmPlaces places;
         std::vector<std::uint32_t> waiting;
+        ShadowScratch shadows;
         MapLightCounters counters;
     };
     /// Irradiance at points. Thread-safe if every thread uses its own batch.
     void shade(Batch& batch, std::span<const MapReceiver> points, glm::vec3* irradiance) const;
     /// Irradiance at receivers as a structure of arrays, all gathered without interpolation. begin, end: as for
     /// gather().
-    void gather_all(Receivers& receivers, std::size_t begin, std::size_t end, RsmPlaces& scratch) const;
+    void gather_all(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch) const;
 
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
     const MapLightCounters& counters() const { return counters_; }
@@ -85,6 +95,7 @@ class MapLight {
 
  private:
     bool interpolate(const MapReceiver& point, glm::vec3& irradiance) const;
+    void gather_some(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch, PathModes* modes) const;
     void find_lights();
 
     MapLightOptions options_;
@@ -95,6 +106,9 @@ class MapLight {
     std::vector<glm::vec3> grid_light_;
     int grid_columns_ = 0, grid_step_ = 0;
     std::uint32_t grid_version_ = 0;   // of the map
+    const ray::RayScene* rays_;
+    PathModes grid_modes_;   // with shadows: of the grid's receivers
+    bool forgotten_ = false;
     MapLightCounters counters_;
 };
 

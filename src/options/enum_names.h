@@ -58,10 +58,9 @@ inline constexpr EnumName<ShadowCulling> k_enum_names<ShadowCulling>[] = {
 };
 template <>
 inline constexpr EnumName<ShadowTextures> k_enum_names<ShadowTextures>[] = {
-    {"off", ShadowTextures::off, false},
-    {"per-caster", ShadowTextures::per_caster},
-    {"depth", ShadowTextures::depth},
-    {"coherent", ShadowTextures::coherent},
+    {"off", ShadowTextures::off, false}, {"per-caster", ShadowTextures::per_caster},
+    {"depth", ShadowTextures::depth},    {"coherent", ShadowTextures::coherent},
+    {"items", ShadowTextures::items},
 };
 template <>
 inline constexpr EnumName<Indirect> k_enum_names<Indirect>[] = {

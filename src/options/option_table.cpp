@@ -59,6 +59,9 @@ constexpr Option k_options[] = {
      .help = "also write DIR/index.html: tables and charts with the paper's values, and the data"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
      .help = "folder for index.html: tables and charts with the papers' values, and the data"},
+    {.name = "scenes", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
+     .help = "folder with the papers' scenes, as docs/guide/scenes.md describes it (default: GNOMON_SCENES, else "
+             "../shared/scenes)"},
     {.name = "quick", .subcommands = bit(bench_all), .group = k_output,
      .help = "use smaller images and fewer frames: takes minutes instead of a quarter of an hour"},
     {.name = "contact-sheet", .argument = "FILE.png", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
@@ -154,27 +157,36 @@ constexpr Option k_options[] = {
              "dynamic objects are cached"},
     {.name = "no-counts", .subcommands = bit(bench_culling), .group = k_shadows,
      .help = "do not count nodes and triangle tests on the kd-tree"},
-    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "per-caster|depth|coherent|items", .repeats = true,
+    {.name = "as-printed", .subcommands = bit(render), .group = k_shadows,
+     .help = "shadow textures and light quad-tree by the letter of their papers, with --renderer raster: the colour of a "
+             "receiver's texture decides alone (results that differ from comparing distances are counted), and every "
+             "receiver goes through the tree, one pass a level"},
+    {.name = "as-printed", .subcommands = bit(bench_shadow_textures), .group = k_shadows,
+     .help = "follow the paper literally: the texture's colour decides alone, and per-caster draws all casters nearer "
+             "than the receiver, whether or not their extents meet"},
+    {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = k_choices<ShadowTextures>, .repeats = true,
      .subcommands = bit(bench_shadow_textures), .group = k_shadows,
-     .help = "methods to measure. per-caster: draw all casters for every receiver (slow); depth: one depth buffer; "
-             "coherent: keep it from frame to frame; items: the same with one item buffer in place of all textures "
-             "(default: depth coherent items)"},
+     .help = "methods to measure, as in render. per-caster: draw, for every receiver, the casters before it (slow); "
+             "depth: one depth buffer; coherent: keep it from frame to frame; items: the same with one item buffer in "
+             "place of all textures (default: depth coherent items)"},
     {.name = "shadow-culling", .argument = "HOW", .kind = Kind::choice, .fallback = "certified", .choices = k_choices<ShadowCulling>,
      .subcommands = k_images, .group = k_shadows,
      .help = "reuse traced shadows. certified: only proven ones, the same image as off; paper: the approximate method "
              "published in 2009, which can be wrong and depends on earlier frames"},
-    {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .fallback = "coherent",
+    {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .fallback = "items",
      .choices = k_choices<ShadowTextures>, .subcommands = k_images, .group = k_shadows,
-     .help = "method for rasterised shadows. coherent: redraw only what changed; depth, per-caster: redraw everything, "
-             "receiver by receiver; all give the same image"},
+     .help = "method for rasterised shadows. items: one item buffer for all receivers, redraw only what changed; "
+             "coherent: a texture for each receiver, redraw only what changed; depth: draw all textures from one depth "
+             "buffer; per-caster: from the casters before each receiver; all give the same image"},
     {.name = "shadow-filter", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::shadow_filter,
      .subcommands = k_images, .group = k_shadows, .help = "width of the edges of rasterised shadows in texels; 0: hard edges"},
     {.name = "moving-lights", .subcommands = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,
      .help = "move every light along a small circle, so that no cached result can be reused"},
 
-    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|rsm", .repeats = true,
-     .subcommands = bit(bench_indirect), .group = k_indirect,
-     .help = "methods to measure: visible, quadtree:LEVEL, rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk in sides "
+    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|printed|shadowed|rsm",
+     .repeats = true, .subcommands = bit(bench_indirect), .group = k_indirect,
+     .help = "methods to measure: visible; quadtree:LEVEL, quadtree:LEVEL:MARGIN (see --validity-margin of render); "
+             "printed:LEVEL, the same by one pass a level; shadowed:LEVEL, with shadows of clusters; rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk in sides "
              "of the light map; 0.3); may be repeated (default: visible; with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
      .subcommands = k_images, .group = k_indirect,
@@ -194,12 +206,18 @@ constexpr Option k_options[] = {
      .subcommands = k_images, .group = k_indirect, .help = "rsm: number of samples of the reflective shadow map"},
     {.name = "indirect-level", .argument = "N", .kind = Kind::integer, .fallback = "5", .range = ranges::indirect_level,
      .subcommands = k_images, .group = k_indirect,
-     .help = "quadtree: finest level of the cut. 6: 16 x 16 nodes; 5: 32 x 32; 4: 64 x 64"},
+     .help = "quadtree: finest level of the cut. 7: 8 x 8 nodes; 6: 16 x 16; 5: 32 x 32; 4: 64 x 64; 1: 512 x 512"},
     {.name = "depth-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.05", .range = ranges::depth_threshold,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
      .help = "quadtree: largest difference of depths in a cluster, as a fraction of the light view's depth range"},
     {.name = "normal-threshold", .argument = "X", .kind = Kind::number, .fallback = "0.9", .range = ranges::normal_threshold,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect, .help = "quadtree: smallest cosine between normals in a cluster"},
+    {.name = "validity-margin", .argument = "X", .kind = Kind::number, .fallback = "0", .range = ranges::validity_margin,
+     .subcommands = k_images, .group = k_indirect,
+     .help = "quadtree: fraction of the thresholds around them within which a cluster and the four below it share the "
+             "light, against flicker; 0: as published"},
+    {.name = "cluster-shadows", .subcommands = k_images, .group = k_indirect,
+     .help = "quadtree, traced: clusters are occluded, by rays from the receivers; not in the paper"},
     {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full",
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
      .help = "rsm, quadtree: number of receivers along the longer side of the image; full: every pixel"},

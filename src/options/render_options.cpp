@@ -23,6 +23,8 @@ RenderOptions read_render_options(const OptionValues& values)
     options.indirect_level = values.integer("indirect-level");
     options.depth_threshold = values.number("depth-threshold");
     options.normal_threshold = values.number("normal-threshold");
+    options.validity_margin = values.number("validity-margin");
+    options.cluster_shadows = values.flag("cluster-shadows");
     options.indirect_at_every_pixel = values.text("receivers") == "full";
     options.accelerator = values.choice<Accelerator>("accelerator");
     if (values.given("overlay")) options.overlay = values.choice<Overlay>("overlay");

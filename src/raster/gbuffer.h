@@ -2,6 +2,8 @@
 #pragma once
 // The G-buffer of the rasterised frame, and the interfaces through which shadows and indirect light enter it.
 
+#include <span>
+
 #include "gnomon/types.h"
 #include "gpu_scene/gpu_scene.h"
 #include "scene/state.h"
@@ -19,6 +21,7 @@ struct GBuffer {
     vk::Image diffuse;     // xyz: reflectance; w: shading model (GNOMON_MODEL_...)
     vk::Image specular;    // xyz: mirror reflectance at normal incidence
     vk::Image ids;         // two 32-bit: object + 1 (0: nothing), triangle in the object's mesh
+    bool kept = false;     // the surfaces are those of the last frame
 };
 
 /// Shadows. Called once for every batch of lights and every layer of surfaces (transparent surfaces come first, nearest
@@ -28,7 +31,9 @@ class LightVisibility {
     virtual ~LightVisibility() = default;
 
     /// Follows one advance() of the state; called once a frame, before any fill.
-    virtual void update(vk::Commands& commands, const scene::SceneState& state) = 0;
+    /// @param planes  of the view, pointing inwards: no surface outside of them will be filled
+    virtual void update(vk::Commands& commands, const scene::SceneState& state,
+                        std::span<const glm::vec4, 6> planes) = 0;
 
     /// Records the passes that fill layers 0 ... count - 1 of an array image (8-bit, one channel) with the visibility
     /// of lights first ... first + count - 1 at `surfaces`: 1 is lit, 0 in shadow, between at filtered edges. Surfaces
@@ -37,8 +42,10 @@ class LightVisibility {
     virtual void fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
                       const vk::Image& visibility) = 0;
 
-    /// Draw calls and copies of the last frame.
-    virtual std::uint64_t draws() const { return 0; }
+    /// After the last fill of a frame, before its last submit: records what count() reads.
+    virtual void end_frame(vk::Commands&) {}
+    /// After that submit: adds the frame's draws, and other counts.
+    virtual void count(FrameCounters&) const {}
 };
 
 /// Light that arrives by one bounce. Called once for every layer of surfaces.

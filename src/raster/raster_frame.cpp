@@ -61,6 +61,7 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
         return vk::Image(device_, {.name = name, .width = width, .height = height, .format = format, .usage = usage});
     };
     if (size != size_) {
+        kept_key_.clear();
         opaque_ids_ = image("opaque ids", k_id_format, drawn);
         opaque_depth_ = image("opaque depth", k_depth_format, depth);
         surfaces_.position = image("position", k_wide_format, made);
@@ -90,6 +91,7 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
     fitting(peel_depth_[1], optional(peels, "peel depth 1", k_depth_format, depth));
     fitting(direct_, optional(options.layers, "direct", k_wide_format, made));
     fitting(indirect_, optional(options.layers && bounced_, "indirect", k_wide_format, made));
+    fitting(own_, optional(keeps_surfaces(options), "own light", k_wide_format, made));
     fitting(irradiance_, optional(bounced_ != nullptr, "irradiance", k_wide_format, made));
     vk::ImageDesc visible = optional(visibility_ != nullptr, "light visibility", VK_FORMAT_R8_UNORM, made | drawn);
     visible.array = true;
@@ -104,6 +106,28 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
 void RasterFrame::update(const scene::SceneState& state)
 {
     scene_.update(commands_, state);
+    scene_changed_ = scene_changed_ || state.changes().anything();
+}
+
+bool RasterFrame::keeps_surfaces(const RasterOptions& options) const
+{
+    return options.samples == 1 && !scene_.has_transparent();
+}
+
+// Finds out whether the G-buffer of the last frame is that of this one.
+bool RasterFrame::find_kept(const scene::View& view, const RasterOptions& options, const shared::RasterFrame& constants)
+{
+    const shared::DrawPush push = draw_push(view, scene::sample_offset(0, options.samples), unlimited_far_);
+    std::vector<std::byte> key;
+    if (keeps_surfaces(options)) {
+        const auto a = std::as_bytes(std::span(&constants, 1)), b = std::as_bytes(std::span(&push, 1));
+        key.assign(a.begin(), a.end());
+        key.insert(key.end(), b.begin(), b.end());
+    }
+    const bool kept = !key.empty() && key == kept_key_ && !scene_changed_;
+    kept_key_ = std::move(key);
+    scene_changed_ = false;
+    return kept;
 }
 
 FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::View& view, const RasterOptions& options,
@@ -113,14 +137,15 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::V
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     begin_frame(state, view, options);
     FrameCounters counters;
+    counters.kept_surfaces = surfaces_.kept;
     for (int sample = 0; sample < options.samples; ++sample) {
         const Drawn drawn = draw_sample(view, options, sample);
-        counters.draws += drawn.counts.as<std::uint32_t>()[0];
+        if (!surfaces_.kept) counters.draws += drawn.counts.as<std::uint32_t>()[0];
         store_sample(drawn, options, sample, out);
         report_progress("drawing", static_cast<double>(sample + 1) / options.samples);
     }
     if (bounced_) counters.indirect = bounced_->end_frame();
-    if (visibility_) counters.draws += visibility_->draws();
+    if (visibility_) visibility_->count(counters);
     return counters;
 }
 
@@ -143,12 +168,16 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
     glm::vec4 planes[6];
     frustum_planes(view, planes);
     scene_.cull(commands_, planes);
-    clear(color_, 0);
+    surfaces_.kept = find_kept(view, options, constants);
+    if (surfaces_.kept)
+        copy(own_, color_);
+    else
+        clear(color_, 0);
     clear(direct_, 0);
     if (bounced_) clear(indirect_, 0);
     if (options.layers)
         commands_.pass("forget lit").writes(lit_, vk::Use::copy_target).copy([&](vk::Recorder& r) { r.fill(lit_, 0); });
-    if (visibility_) visibility_->update(commands_, state);
+    if (visibility_) visibility_->update(commands_, state, planes);
 }
 
 // Draws one sample of every pixel, layer by layer. One submit a sample: so progress can be reported, and a long frame
@@ -161,12 +190,15 @@ RasterFrame::Drawn RasterFrame::draw_sample(const scene::View& view, const Raste
     const shared::DrawPush push = draw_push(view, offset, unlimited_far_);
     const float weight = 1.0f / static_cast<float>(options.samples);
     Drawn drawn;
-    draw_ids(push);
+    if (!surfaces_.kept) draw_ids(push);
     if (peels) clear(peel_depth_[1], 1);
     for (int layer = 0; layer < layers; ++layer) {
         const bool peeled = layer + 1 < layers;
         if (peeled) peel(push, peel_depth_[(layer + 1) % 2], peel_depth_[layer % 2]);
-        resolve({offset, weight, layer == 0 ? 1u : 0u, peeled ? 1u : 0u, layer + 1 == layers ? 1u : 0u});
+        if (!surfaces_.kept) {
+            resolve({offset, weight, layer == 0 ? 1u : 0u, peeled ? 1u : 0u, layer + 1 == layers ? 1u : 0u});
+            if (!kept_key_.empty()) copy(color_, own_);
+        }
         light(options, options.layers && layer == 0);
         bounce(view, options.layers && layer == 0);
         if (options.ids && sample == 0 && layer == 0) drawn.ids = commands_.read_back(surfaces_.ids);
@@ -181,6 +213,7 @@ RasterFrame::Drawn RasterFrame::draw_sample(const scene::View& view, const Raste
         drawn.color = commands_.read_back(color_);
         if (options.layers) drawn.direct = commands_.read_back(direct_), drawn.lit = commands_.read_back(lit_);
         if (options.layers && bounced_) drawn.indirect = commands_.read_back(indirect_);
+        if (visibility_) visibility_->end_frame(commands_);
     }
     drawn.counts = commands_.read_back(scene_.counts_buffer);
     commands_.submit();

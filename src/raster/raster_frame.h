@@ -13,6 +13,9 @@
 // back. Compared with the traced frame, reflection and refraction are left out, as at max depth 0; but surfaces behind
 // a transparent one are seen, straight through it.
 //
+// While neither scene nor view change, the G-buffer is kept, and frames begin with the lights. That needs one sample
+// per pixel and no transparent surfaces, of which a frame makes one layer after the other in the same images.
+//
 // CPU cost of a frame: the objects that moved, and a constant number of passes; there is no loop over static objects. A
 // frame depends on the scene, the view and the options alone.
 
@@ -57,6 +60,8 @@ class RasterFrame {
 
     const gpu_scene::GpuScene& scene() const { return scene_; }
     const vk::Device& device() const { return *device_; }
+    /// Makes the next frame's G-buffer anew.
+    void forget_surfaces() { kept_key_.clear(); }
     /// Of the last frame's passes.
     const std::vector<vk::PassTiming>& timings() const { return commands_.timings(); }
 
@@ -68,6 +73,7 @@ class RasterFrame {
     void make_pipelines();
     void fit(Size size, const RasterOptions& options, std::size_t lights);
     void begin_frame(const scene::SceneState& state, const scene::View& view, const RasterOptions& options);
+    bool find_kept(const scene::View& view, const RasterOptions& options, const shared::RasterFrame& constants);
     Drawn draw_sample(const scene::View& view, const RasterOptions& options, int sample);
     void store_sample(const Drawn& drawn, const RasterOptions& options, int sample, shading::FrameBuffers& out);
     void draw_ids(const shared::DrawPush& push);
@@ -77,6 +83,8 @@ class RasterFrame {
     void light(const RasterOptions& options, bool layers);
     void bounce(const scene::View& view, bool layers);
     void clear(const vk::Image& image, float value);
+    void copy(const vk::Image& from, const vk::Image& to);
+    bool keeps_surfaces(const RasterOptions& options) const;
 
     std::shared_ptr<vk::Device> device_;
     std::shared_ptr<const scene::Scene> described_;
@@ -91,7 +99,10 @@ class RasterFrame {
     GBuffer surfaces_;
     vk::Image opaque_ids_, peeled_ids_, opaque_depth_, peel_depth_[2];
     vk::Image color_, direct_, indirect_, irradiance_, through_, share_, lights_visible_;
-    float unlimited_far_ = 0;   // where an orthographic view without a far plane ends
+    vk::Image own_;                     // background and emitted light of the surfaces that are kept
+    std::vector<std::byte> kept_key_;   // what surfaces_ and own_ were made for, the scene apart; empty: nothing
+    bool scene_changed_ = true;         // since they were made
+    float unlimited_far_ = 0;           // where an orthographic view without a far plane ends
 };
 
 }   // namespace gnomon::raster

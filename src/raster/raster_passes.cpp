@@ -262,4 +262,17 @@ void RasterFrame::clear(const vk::Image& image, float value)
     });
 }
 
+void RasterFrame::copy(const vk::Image& from, const vk::Image& to)
+{
+    commands_.pass("keep " + from.name())
+        .reads(from, Use::copy_source)
+        .writes(to, Use::copy_target)
+        .copy([&](vk::Recorder& r) {
+            VkImageCopy all{};
+            all.srcSubresource = all.dstSubresource = {from.aspect(), 0, 0, 1};
+            all.extent = {from.width(), from.height(), 1};
+            r.copy(from, to, {&all, 1});
+        });
+}
+
 }   // namespace gnomon::raster

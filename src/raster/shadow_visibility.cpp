@@ -1,17 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "raster/shadow_visibility.h"
 
+#include <algorithm>
+
 namespace gnomon::raster {
 
 namespace {
+
+// Allows for rounding of planes and boxes, relative to the distances of corners from the planes' origin.
+constexpr float k_sight_slack = 1e-5f;
+
+// Whether a box meets the space inside all planes; it may also say so of one that lies just outside.
+bool meets(const Box3& box, const glm::mat4& to_world, std::span<const glm::vec4, 6> planes)
+{
+    glm::vec3 corners[8];
+    for (int i = 0; i < 8; ++i)
+        corners[i] = glm::vec3(to_world * glm::vec4(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                                                    i & 4 ? box.high.z : box.low.z, 1));
+    return std::all_of(planes.begin(), planes.end(), [&](const glm::vec4& plane) {
+        const glm::vec3 normal(plane);
+        return std::any_of(std::begin(corners), std::end(corners), [&](const glm::vec3& corner) {
+            const float slack = k_sight_slack * (glm::dot(glm::abs(normal), glm::abs(corner)) + std::abs(plane.w));
+            return glm::dot(normal, corner) + plane.w >= -slack;
+        });
+    });
+}
 
 light_views::LightViewsOptions view_options(const ShadowOptions& options)
 {
     light_views::LightViewsOptions result;
     result.atlas = options.atlas;
-    result.coherence = options.method == ShadowTextures::coherent;
-    result.receivers = options.method == ShadowTextures::depth;
-    return result;
+    return shadow_textures::view_options(options.method, result);
 }
 
 }   // namespace
@@ -27,25 +46,25 @@ ShadowVisibility::ShadowVisibility(const std::shared_ptr<vk::Device>& device, co
 void ShadowVisibility::make_buffers()
 {
     layout_version_ = views_.layout_version();
-    hard_.reset(), textures_.reset(), visibility_.reset(), buffers_.reset();   // first, because memory may be scarce
-    buffers_ = std::make_unique<light_views::GpuLightViews>(device_, views_);
+    hard_.reset(), method_.reset(), visibility_.reset();   // first, because memory may be scarce
+    const bool hard = options_.look_up.filter == 0 && !options_.look_up.as_printed;
+    method_ = std::make_unique<shadow_textures::MethodTextures>(device_, views_, options_.method, !hard);
     visibility_ = std::make_unique<shadow_textures::GpuVisibility>(device_, views_);
-    if (options_.look_up.filter == 0) hard_ = std::make_unique<shadow_textures::HardVisibility>(device_, views_);
-    if (options_.method != ShadowTextures::coherent)
-        textures_ = std::make_unique<shadow_textures::GpuTextures>(device_, views_);
+    if (hard) hard_ = std::make_unique<shadow_textures::HardVisibility>(device_, views_);
 }
 
-void ShadowVisibility::update(vk::Commands& commands, const scene::SceneState& state)
+void ShadowVisibility::update(vk::Commands& commands, const scene::SceneState& state,
+                              std::span<const glm::vec4, 6> planes)
 {
     views_.update(state);
     if (layout_version_ != views_.layout_version()) make_buffers();
     casters_.update(commands, state);
-    buffers_->record(commands, views_, casters_);
+    method_->record_views(commands, views_, casters_);
     if (hard_) hard_->update(commands, views_, casters_, state);
-    draws_ = views_.counts().draws;
-    if (options_.method == ShadowTextures::depth) textures_->record(commands, views_, *buffers_, casters_, state);
-    if (options_.method == ShadowTextures::per_caster) textures_->record_per_caster(commands, views_, casters_, state);
-    if (textures_) draws_ += textures_->counts().draws;
+    method_->record_textures(commands, views_, casters_, state, [&](scene::ObjectId object) {
+        return meets(views_.casters().box(object), state.object_matrix(object), planes);
+    });
+    if (options_.look_up.as_printed) visibility_->begin_counts(commands);
 }
 
 void ShadowVisibility::fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
@@ -55,8 +74,25 @@ void ShadowVisibility::fill(vk::Commands& commands, const GBuffer& surfaces, std
     if (hard_)
         hard_->record(commands, views_, casters_, image, visibility, first, count);
     else
-        visibility_->record(commands, views_, *buffers_, textures_.get(), image, visibility, options_.look_up, first,
-                            count);
+        visibility_->record(commands, views_, method_->buffers(), method_->textures(), image, visibility,
+                            options_.look_up, first, count);
+}
+
+void ShadowVisibility::end_frame(vk::Commands& commands)
+{
+    if (options_.look_up.as_printed) counts_ = visibility_->read_counts(commands);
+}
+
+void ShadowVisibility::count(FrameCounters& counters) const
+{
+    const shadow_textures::TextureCounts textures = method_->counts();
+    counters.draws += views_.counts().draws + textures.draws;
+    counters.shadow.textures = textures.updated;
+    counters.shadow.textures_waiting = textures.waiting;
+    if (!options_.look_up.as_printed) return;
+    const auto& counted = counts_.as<shadow_textures::shared::LookupCounts>()[0];
+    counters.shadow.looked_up = counted.results;
+    counters.shadow.looked_up_wrong = counted.wrong;
 }
 
 }   // namespace gnomon::raster

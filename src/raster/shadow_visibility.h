@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Shadows of the rasterised frame, from shadow textures that are looked up in light views.
+// Shadows of the rasterised frame, from shadow textures or items that are looked up in light views. What each method
+// does is listed in shadow_textures/shadow_method.h. All give the same image, except where two objects are exactly
+// equally near to a light (items show the one with the higher number).
 //
-// ShadowTextures::coherent: light views keep the depths of static objects, and the item of each texel takes the place
-// of all receivers' textures (see shadow_textures/vulkan/gpu_textures.h). ShadowTextures::depth and per_caster draw
-// everything anew in every frame and look up each receiver's own texture: the same images, at those methods' cost.
+// Hard edges (a filter of 0) come from the casters' triangles, whatever the method; no texture is made for them.
+// With LookupOptions::as_printed, textures or items decide alone, with any filter, and what they decide wrongly is
+// counted.
 
 #include <memory>
 
@@ -12,11 +14,12 @@
 #include "light_views/light_views.h"
 #include "raster/gbuffer.h"
 #include "shadow_textures/vulkan/hard_visibility.h"
+#include "shadow_textures/vulkan/method_textures.h"
 
 namespace gnomon::raster {
 
 struct ShadowOptions {
-    ShadowTextures method = ShadowTextures::coherent;   // not off
+    ShadowTextures method = ShadowTextures::items;   // not off
     shadow_textures::LookupOptions look_up;
     /// Finer than the default of light views, because the edges of shadows are seen closely here.
     light_views::AtlasOptions atlas{.view_size = 2048, .budget_texels = 1 << 25};
@@ -28,10 +31,11 @@ class ShadowVisibility final : public LightVisibility {
     ShadowVisibility(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                      const ShadowOptions& options = {});
 
-    void update(vk::Commands& commands, const scene::SceneState& state) override;
+    void update(vk::Commands& commands, const scene::SceneState& state, std::span<const glm::vec4, 6> planes) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
               const vk::Image& visibility) override;
-    std::uint64_t draws() const override { return draws_; }
+    void end_frame(vk::Commands& commands) override;
+    void count(FrameCounters& counters) const override;
 
     const light_views::LightViews& views() const { return views_; }
 
@@ -44,11 +48,10 @@ class ShadowVisibility final : public LightVisibility {
     light_views::CasterGeometry casters_;
     // Made for the layout of the views.
     std::uint32_t layout_version_ = 0;
-    std::unique_ptr<light_views::GpuLightViews> buffers_;
-    std::unique_ptr<shadow_textures::GpuTextures> textures_;   // null: coherent
+    std::unique_ptr<shadow_textures::MethodTextures> method_;
     std::unique_ptr<shadow_textures::GpuVisibility> visibility_;
-    std::unique_ptr<shadow_textures::HardVisibility> hard_;   // null: filtered edges
-    std::uint64_t draws_ = 0;
+    std::unique_ptr<shadow_textures::HardVisibility> hard_;   // null: filtered edges, or as printed
+    vk::Buffer counts_;                                       // as printed: of this frame
 };
 
 }   // namespace gnomon::raster

@@ -11,8 +11,12 @@
 //
 // Distances are compared at the texel's centre: the receiver's is that of its tangent plane there, so that no
 // slope-dependent bias is needed. Cost: (N + 1)^2 texels for an edge filter of N texels, one for N = 0.
+//
+// With `as_printed`, the texture's colour alone decides, as in the paper: a point is lit by the part of the filter that
+// is white. Where another object, or another part of the same one, lies within a texel, that is wrong; the device
+// counts in how many results.
 
-#include "light_views/software.h"
+#include "shadow_textures/software_textures.h"
 
 namespace gnomon::shadow_textures {
 
@@ -20,6 +24,7 @@ struct LookupOptions {
     float filter = 1;        // width of the box filter for edges, in texels; 0: hard
     float self_margin = 1;   // in texel widths at the receiver
     float other_margin = 0.5f;
+    bool as_printed = false;   // the colour of the receiver's texture decides, without comparing distances
 };
 
 /// The view of a light that contains a point; of two, the first.
@@ -32,5 +37,9 @@ const light_views::LightView* view_of(std::span<const light_views::LightView> vi
 /// @param normal  unit, geometric, on the visible side; a light behind it gives 0
 float visibility(const light_views::ViewProjection& view, const light_views::SoftwareBuffer& buffer,
                  const glm::vec3& point, const glm::vec3& normal, scene::ObjectId object, const LookupOptions& options);
+
+/// The same by the receiver's texture alone [Oh and Shin 2004, 2]: what LookupOptions::as_printed asks for.
+float visibility_as_printed(const light_views::ViewProjection& view, const ReceiverTexture& texture,
+                            const glm::vec3& point, const glm::vec3& normal, const LookupOptions& options);
 
 }   // namespace gnomon::shadow_textures

@@ -125,7 +125,11 @@ FrameCounters::Indirect MapIndirect::end_frame(std::span<const std::unique_ptr<W
     std::vector<std::unique_ptr<light_quadtree::MapLight::Batch>> batches;
     for (const auto& worker : workers) batches.push_back(static_cast<Work&>(*worker).take_batch());
     light_.end_frame(batches);
-    return {light_.counters().lights, light_.map().work().cast};
+    const light_quadtree::MapLightCounters& counters = light_.counters();
+    return {.clusters = counters.lights,
+            .rays = light_.map().work().cast + counters.shadow.rays - counters.shadow.rays_skipped,
+            .kept_map = counters.kept_map,
+            .kept_receivers = counters.kept_grid};
 }
 
 }   // namespace gnomon::trace

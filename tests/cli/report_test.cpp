@@ -145,13 +145,14 @@ TEST(Report, FullReportOpensInABrowser)
     const Outcome outcome = run({"bench", "all", "--quick", "--threads", "2", "--report", folder / "page", "--json"},
                                 {{"GNOMON_SCENES", folder / "none"}});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.err.find("1 of 6: "), std::string::npos) << "reports its progress";
+    EXPECT_NE(outcome.err.find("1 of 7: "), std::string::npos) << "reports its progress";
     const nlohmann::json found = look_at(folder / "page/index.html");
     ASSERT_TRUE(found.is_object());
     EXPECT_EQ(found["faults"], nlohmann::json::array());
     EXPECT_GE(found["charts"].size(), 12u);
     for (const nlohmann::json& chart : found["charts"]) EXPECT_GT(chart["drawn"].get<int>(), 5000) << chart;
-    ASSERT_EQ(found["images"].size(), 10u);   // wrong results, shadows, indirect light; seven of its methods
+    // Wrong results, shadows, indirect light; seven of its methods; shadow textures as printed.
+    ASSERT_EQ(found["images"].size(), 11u);
     for (const nlohmann::json& image : found["images"]) expect_comparison_moves(image, 256);
 
     const nlohmann::json document = outcome.json();
@@ -160,7 +161,9 @@ TEST(Report, FullReportOpensInABrowser)
     expect_frames_by_stage(document["frames"], found["charts"]);
     EXPECT_EQ(nlohmann::json::parse(found["downloads"].back()["text"].get<std::string>()), document);
     const std::string html = bytes_of(folder / "page/index.html");
-    EXPECT_EQ(times(html, "BART's Kitchen was not found"), 1u);
+    EXPECT_EQ(times(html, "BART's Kitchen was not found"), 2u) << "at the top, and in the data";
+    EXPECT_LT(html.find("BART's Kitchen was not found"), html.find("The most important results."));
+    EXPECT_EQ(times(html, "Figure 6 of the paper"), 1u);
     EXPECT_EQ(times(html, "cached since the first of these frames. The images are identical."), 1u);
     EXPECT_EQ(times(html, "<section "), times(html, "<li>"));
     // Every figure names the command that measured it.

@@ -43,6 +43,34 @@ TEST(BenchShadowTextures, CountsTheWorkOfEachMethod)
     }
 }
 
+// The previous method leaves out casters beside the receiver, as printed it draws them; the textures are the same.
+TEST(BenchShadowTextures, PreviousMethodDrawsMoreAsPrinted)
+{
+    const auto rows = [](bool as_printed) {
+        std::vector<std::string> words{"bench",    "shadow-textures", "--objects", "30",       "--vertices",
+                                       "60",       "--size",          "64x64",     "--frames", "1",
+                                       "--method", "per-caster",      "items",     "--json",   "--quiet"};
+        if (as_printed) words.emplace_back("--as-printed");
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        const json document = outcome.json();
+        EXPECT_EQ(document["as_printed"], as_printed);
+        return document["rows"];
+    };
+    const json fair = rows(false), printed = rows(true);
+    ASSERT_EQ(fair.size(), 2u);
+    for (const json* list : {&fair, &printed})
+        for (const json& row : *list) {
+            EXPECT_TRUE(row["identical_to_full"].get<bool>());
+            EXPECT_GT(row["printed_wrong_percent"], 0);
+            EXPECT_LT(row["printed_wrong_percent"], 60);
+        }
+    EXPECT_LT(fair[0]["draws"].get<double>(), 0.8 * printed[0]["draws"].get<double>());
+    EXPECT_EQ(fair[0]["draws_of_all_between"], printed[0]["draws"]);
+    EXPECT_EQ(fair[0]["printed_wrong_percent"], printed[0]["printed_wrong_percent"]);
+    EXPECT_EQ(fair[0]["printed_wrong_percent"], fair[1]["printed_wrong_percent"]) << "textures and items agree";
+}
+
 TEST(BenchShadowTextures, DoesNotUpdateReceiversFarFromDynamicObjects)
 {
     const Outcome outcome =
@@ -68,7 +96,7 @@ TEST(BenchShadowTextures, ReportContainsBothFigures)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const std::string html = bytes_of(folder / "r/index.html");
     for (const char* there : {"Figure 7: the whole frame", "Figure 7: the shadow pass", "Figure 8: the whole frame",
-                              "Figure 8: the shadow pass", "23.4"})
+                              "Figure 8: the shadow pass", "23.4", "Figure 6 of the paper", "as printed"})
         EXPECT_NE(html.find(there), std::string::npos) << there;
 }
 

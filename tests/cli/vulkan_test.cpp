@@ -196,6 +196,10 @@ TEST(VulkanProgram, RefusesOptionsOfTheOtherRenderer)
     EXPECT_EQ(code({"--renderer", "raster", "--overlay", "clusters", "--indirect", "quadtree"}), 2);
     EXPECT_EQ(code({"--shadow-textures", "depth"}), 2);
     EXPECT_EQ(code({"--shadow-filter", "0"}), 2);
+    EXPECT_EQ(code({"--as-printed"}), 2);
+    EXPECT_EQ(code({"--cluster-shadows"}), 2);
+    EXPECT_EQ(code({"--cluster-shadows", "--indirect", "quadtree", "--renderer", "raster"}), 2);
+    EXPECT_EQ(code({"--indirect", "quadtree", "--indirect-level", "8"}), 2);
     EXPECT_EQ(code({"--renderer", "raster", "--overlay", "shadow-states"}), 2);
     EXPECT_EQ(code({"--renderer", "raster", "--overlay", "redrawn", "--lights", "0"}), 2);
 #ifdef GNOMON_VIEWER

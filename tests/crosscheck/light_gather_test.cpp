@@ -118,21 +118,119 @@ TEST(LightGather, CompactedCutEqualsThePublishedCut)
 {
     for (const char* name : {"cornell", "kinetic"}) {
         World world(name);
-        LightMapOptions small;
-        small.side = 128;
-        const LightMap map(world.state, world.rays, small, world.tasks);
-        for (const int level : {6, 5, 4}) {
-            Clusters clusters;
-            find_clusters(map, {7, level}, clusters);
-            Receivers receivers = random_receivers(20);
-            gather(clusters, receivers);
-            for (std::size_t i = 0; i < receivers.size(); ++i) {
-                const glm::vec3 p(receivers.x[i], receivers.y[i], receivers.z[i]);
-                const glm::vec3 n(receivers.nx[i], receivers.ny[i], receivers.nz[i]);
-                ASSERT_EQ(receivers.irradiance(i), gather_as_printed(map, {7, level}, p, n)) << name << level;
+        for (const float margin : {0.0f, 0.5f}) {
+            LightMapOptions small;
+            small.side = 128;
+            small.validity.margin = margin;
+            const LightMap map(world.state, world.rays, small, world.tasks);
+            for (const int level : {7, 6, 5, 4, 3, 1}) {
+                Clusters clusters;
+                find_clusters(map, {7, level}, clusters);
+                Receivers receivers = random_receivers(20);
+                gather(clusters, receivers);
+                for (std::size_t i = 0; i < receivers.size(); ++i) {
+                    const glm::vec3 p(receivers.x[i], receivers.y[i], receivers.z[i]);
+                    const glm::vec3 n(receivers.nx[i], receivers.ny[i], receivers.nz[i]);
+                    ASSERT_EQ(receivers.irradiance(i), gather_as_printed(map, {7, level}, p, n))
+                        << name << level << ", margin " << margin;
+                }
             }
         }
     }
+}
+
+// At level 1 with thresholds that nothing passes, every texel of a map of 512 x 512 is a cluster.
+TEST(LightGather, FinestLevelEqualsTheSumOverAllTexels)
+{
+    World world("cornell");
+    LightMapOptions strict;
+    strict.validity = {0, 1};
+    const LightMap map(world.state, world.rays, strict, world.tasks);
+    Clusters all, finest;
+    all_texels(map, all);
+    find_clusters(map, {7, 1}, finest);
+    EXPECT_GT(all.size(), 100000u);
+    EXPECT_EQ(finest.size(), all.size());
+    Receivers truth = wall_receivers(4), test = wall_receivers(4);
+    gather(all, truth);
+    gather(finest, test);
+    EXPECT_LT(nrmse(test, truth), 1e-4);   // the order of the sum differs
+}
+
+// Within the margin of validity, a node and the nodes below it share the light; none is lost or doubled.
+TEST(LightGather, SharesKeepTheLightOfTheMap)
+{
+    World world("cornell");
+    Clusters all, cut;
+    std::size_t split = 0;
+    for (const float margin : {0.0f, 0.3f, 1.0f}) {
+        LightMapOptions options;
+        options.side = 256;
+        options.validity.margin = margin;
+        const LightMap map(world.state, world.rays, options, world.tasks);
+        all_texels(map, all);
+        find_clusters(map, {7, 5}, cut);
+        double whole = 0, found = 0;
+        for (const float r : all.r) whole += static_cast<double>(r);
+        for (const float r : cut.r) found += static_cast<double>(r);
+        EXPECT_NEAR(found / whole, 1, 1e-4) << margin;
+        for (std::size_t id = 0; id < map.nodes().size(); ++id) {
+            const bool partly = map.share(id) != 0 && map.share(id) != k_whole_share;
+            if (margin == 0)
+                EXPECT_FALSE(partly);
+            else
+                split += partly;
+        }
+    }
+    EXPECT_GT(split, 50u);
+}
+
+// Shadows of clusters: rays for every pair give the same light as remembered modes, while an object moves.
+TEST(LightGather, RememberedModesOfPathsEqualRaysToEveryCluster)
+{
+    World world("cornell");
+    LightMapOptions small;
+    small.side = 128;
+    LightMap map(world.state, world.rays, small, world.tasks);
+    PathModes modes;
+    std::uint64_t known = 0, dark = 0;
+    for (int frame = 1; frame <= 5; ++frame) {
+        world.state.advance(world.state.scene().timeline.time_of(frame));
+        world.rays.update(world.state);
+        map.update(world.state, world.rays, world.tasks);
+        Clusters clusters;
+        find_clusters(map, {7, 6}, clusters);
+        Receivers remembered = wall_receivers(8), plain = wall_receivers(8), unshadowed = wall_receivers(8);
+        ShadowScratch scratch, other;
+        modes.follow(clusters, remembered);
+        gather_with_shadows(clusters, remembered, 0, remembered.x.size(), world.rays, &modes, scratch);
+        gather_with_shadows(clusters, plain, 0, plain.x.size(), world.rays, nullptr, other);
+        gather(clusters, unshadowed);
+        EXPECT_EQ(scratch.counters.rays, other.counters.rays);
+        for (std::size_t i = 0; i < plain.size(); ++i) {
+            ASSERT_EQ(remembered.irradiance(i), plain.irradiance(i)) << frame << ", " << i;
+            // The same rays one by one, in the same order.
+            if (i % 16 == 0) {
+                glm::vec3 sum(0);
+                const glm::vec3 at(plain.x[i], plain.y[i], plain.z[i]), n(plain.nx[i], plain.ny[i], plain.nz[i]);
+                for (std::size_t c = 0; c < clusters.size(); ++c)
+                    if (cluster_visible(clusters, c, at, n, world.rays)) add_light(clusters, c, at, n, sum);
+                ASSERT_EQ(plain.irradiance(i), sum) << frame << ", " << i;
+            }
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_LE(plain.irradiance(i)[c], unshadowed.irradiance(i)[c] * 1.0001f);
+                dark += plain.irradiance(i)[c] < 0.99f * unshadowed.irradiance(i)[c];
+            }
+        }
+        const std::uint64_t remembered_paths = scratch.counters.rays_skipped + scratch.counters.rays_dynamic_only;
+        if (frame == 1)
+            EXPECT_EQ(remembered_paths, 0u);
+        else
+            known += remembered_paths;
+        EXPECT_EQ(other.counters.rays_skipped, 0u);
+    }
+    EXPECT_GT(known, 1000u);
+    EXPECT_GT(dark, 100u);
 }
 
 TEST(LightGather, ErrorFallsWithFinerLevelsAndThresholds)

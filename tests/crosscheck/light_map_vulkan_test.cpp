@@ -78,7 +78,7 @@ TEST_F(LightMapVulkan, TreeAndCutEqualTheCpuOverTheSameTexels)
         vk::Commands commands(device_);
         light.map().record_tree_over(commands, stage.state, cast.nodes());
         const vk::Buffer nodes = commands.read_back(light.map().nodes()),
-                         valid = commands.read_back(light.map().valid()),
+                         valid = commands.read_back(light.map().shares()),
                          counts = commands.read_back(light.map().counts()),
                          clusters = commands.read_back(light.map().clusters());
         commands.submit();
@@ -96,7 +96,7 @@ TEST_F(LightMapVulkan, TreeAndCutEqualTheCpuOverTheSameTexels)
                          !near(a.normal, b.normal, 1) || !near(a.flux, b.flux, 10 * glm::length(a.flux)) ||
                          std::abs(a.depth - b.depth) > k_node_tolerance ||
                          std::abs(a.area - b.area) > 10 * k_node_tolerance * a.area;
-                otherwise += cast.valid(id) != (valid.as<std::uint32_t>()[id] != 0);
+                otherwise += cast.share(id) != valid.as<std::uint32_t>()[id];
             }
         EXPECT_EQ(wrong, 0u);
         EXPECT_LE(static_cast<double>(otherwise), k_same_validity * static_cast<double>(cast.nodes().size()));
@@ -141,8 +141,8 @@ Sums compare_sums(const std::shared_ptr<vk::Device>& device, const std::string& 
     const auto count = static_cast<std::uint32_t>(positions.size());
     receivers.resize(count);
     for (std::size_t i = 0; i < count; ++i) receivers.set(i, glm::vec3(positions[i]), glm::vec3(normals[i]));
-    light_quadtree::RsmPlaces places;
-    stage.map.gather_all(receivers, 0, receivers.x.size(), places);
+    light_quadtree::MapLight::Batch batch;
+    stage.map.gather_all(receivers, 0, receivers.x.size(), batch);
 
     const auto image = [&](const char* what) {
         return vk::Image(device, {.name = what,

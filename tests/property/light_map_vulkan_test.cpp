@@ -42,9 +42,9 @@ void follow_script(const std::shared_ptr<vk::Device>& device, std::uint64_t seed
         kept.record(commands, scene, state);
         GpuLightMap rebuilt(device, state, options, levels);
         rebuilt.record(commands, scene, state);
-        const vk::Buffer nodes = commands.read_back(kept.nodes()), valid = commands.read_back(kept.valid()),
+        const vk::Buffer nodes = commands.read_back(kept.nodes()), valid = commands.read_back(kept.shares()),
                          counts = commands.read_back(kept.counts()), new_nodes = commands.read_back(rebuilt.nodes()),
-                         new_valid = commands.read_back(rebuilt.valid()),
+                         new_valid = commands.read_back(rebuilt.shares()),
                          new_counts = commands.read_back(rebuilt.counts());
         commands.submit();
         ASSERT_TRUE(same_bytes(nodes, new_nodes)) << "frame " << frame;

@@ -65,7 +65,7 @@ TEST(OptionNames, MessagesNameTheChoices)
     } catch (const UsageError& error) {
         EXPECT_STREQ(error.what(), "--shadow-culling best: expected off, paper or certified");
     }
-    EXPECT_EQ(k_choices<ShadowTextures>, "per-caster|depth|coherent");
+    EXPECT_EQ(k_choices<ShadowTextures>, "per-caster|depth|coherent|items");
     EXPECT_THROW(parse_enum<ShadowTextures>("shadow-textures", "off"), UsageError);   // of the library alone
 }
 
@@ -99,6 +99,9 @@ TEST(OptionDefaults, AreTheLibrarys)
         EXPECT_EQ(read.indirect_level, own.indirect_level);
         EXPECT_EQ(read.depth_threshold, own.depth_threshold);
         EXPECT_EQ(read.normal_threshold, own.normal_threshold);
+        EXPECT_EQ(read.validity_margin, own.validity_margin);
+        EXPECT_EQ(read.cluster_shadows, own.cluster_shadows);
+        EXPECT_EQ(read.as_printed, own.as_printed);
         EXPECT_EQ(read.indirect_at_every_pixel, own.indirect_at_every_pixel);
         EXPECT_EQ(read.indirect_memory, own.indirect_memory);
         EXPECT_EQ(read.indirect_on, own.indirect_on);

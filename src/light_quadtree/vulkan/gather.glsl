@@ -5,6 +5,7 @@
 //
 //     GNOMON_ACROSS, GNOMON_DOWN   an invocation's pixels
 //     GNOMON_IMAGES                the binding at which images begin
+//     GNOMON_ADDS                  optional: whether to add to the images' light; interpolated pixels keep theirs
 //     void all_light(vec3 at[GNOMON_TOGETHER], vec3 normal[GNOMON_TOGETHER], inout vec3 sum[GNOMON_TOGETHER])
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -13,7 +14,11 @@ layout(binding = GNOMON_IMAGES + 1) uniform texture2D normals;
 layout(binding = GNOMON_IMAGES + 2, rgba32f) uniform image2D grid_position;
 layout(binding = GNOMON_IMAGES + 3, rgba32f) uniform image2D grid_normal;
 layout(binding = GNOMON_IMAGES + 4, rgba32f) uniform image2D grid_light;
+#ifdef GNOMON_ADDS
+layout(binding = GNOMON_IMAGES + 5, rgba32f) uniform image2D irradiance;
+#else
 layout(binding = GNOMON_IMAGES + 5, rgba32f) uniform writeonly image2D irradiance;
+#endif
 
 // The pixel at which a receiver of the grid lies; clamped to the image.
 ivec2 grid_pixel(ivec2 at)
@@ -53,10 +58,11 @@ void main()
 
     // Collect the pixels that must gather; the others get a zero normal.
     vec3 at[GNOMON_TOGETHER], normal[GNOMON_TOGETHER], light[GNOMON_TOGETHER];
-    bool gathers = false;
+    bool gathers = false, done[GNOMON_TOGETHER];
     [[unroll]] for (int i = 0; i < GNOMON_TOGETHER; ++i) {
         const ivec2 here = first + ivec2(i % GNOMON_ACROSS, i / GNOMON_ACROSS);
         at[i] = normal[i] = light[i] = vec3(0);
+        done[i] = false;
         if (here.x >= size.x || here.y >= size.y) continue;
         const ivec2 pixel = fill_grid ? grid_pixel(here) : here;
         const vec4 position = texelFetch(positions, pixel, 0);
@@ -69,9 +75,15 @@ void main()
         if (!fill_grid && push.step != 0) {
             const int listed = int(position.w) - 1;
             const ivec2 place = push.listed != 0 ? ivec2(listed % int(push.width), listed / int(push.width)) : here;
-            if (interpolate(place, position.xyz, facing, light[i])) continue;
+            if (interpolate(place, position.xyz, facing, light[i])) {
+                done[i] = true;
+                continue;
+            }
             light[i] = vec3(0);
         }
+#ifdef GNOMON_ADDS
+        if (GNOMON_ADDS) light[i] = (fill_grid ? imageLoad(grid_light, here) : imageLoad(irradiance, here)).xyz;
+#endif
         at[i] = position.xyz, normal[i] = facing;
         gathers = true;
     }
@@ -80,6 +92,9 @@ void main()
     [[unroll]] for (int i = 0; i < GNOMON_TOGETHER; ++i) {
         const ivec2 here = first + ivec2(i % GNOMON_ACROSS, i / GNOMON_ACROSS);
         if (here.x >= size.x || here.y >= size.y) continue;
+#ifdef GNOMON_ADDS
+        if (GNOMON_ADDS && done[i]) continue;
+#endif
         if (fill_grid)
             imageStore(grid_light, here, vec4(light[i], 0));
         else

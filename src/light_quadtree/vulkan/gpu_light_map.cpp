@@ -42,6 +42,10 @@ constexpr std::uint32_t k_cut_comp[] =
 #include "light_quadtree/vulkan/map_cut.comp.inc"
     ;
 
+constexpr std::uint32_t k_levels_comp[] =
+#include "light_quadtree/vulkan/map_levels.comp.inc"
+    ;
+
 constexpr VkFormat k_id_format = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat k_depth_format = VK_FORMAT_D32_SFLOAT;
 
@@ -69,11 +73,12 @@ std::vector<vk::BlockExpectation> view_blocks()
 }   // namespace
 
 GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-                         const LightMapOptions& options, const CutLevels& levels)
+                         const LightMapOptions& options, const CutLevels& levels, bool with_levels)
     : device_(device),
       options_(options),
       start_(static_cast<std::uint32_t>(grid_of_paper_level(levels.start))),
       limit_(static_cast<std::uint32_t>(grid_of_paper_level(levels.limit))),
+      with_levels_(with_levels),
       casters_(state),
       bounds_(state.present_bounds()),
       views_(lay_out_views(state.scene(), bounds_, options))
@@ -101,7 +106,9 @@ void GpuLightMap::make_buffers()
                                  .format = k_depth_format,
                                  .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
     groups_ = views * (limit_ - start_ + 1);
-    const std::size_t most = static_cast<std::size_t>(std::min(side * side, 1u << (2 * limit_))) * views;
+    // With a margin of validity, a node and its children may both be clusters.
+    std::size_t most = static_cast<std::size_t>(std::min(side * side, 1u << (2 * limit_))) * views;
+    if (options_.validity.margin > 0) most += (most + 2) / 3;
     const auto make = [&](const char* name, std::size_t bytes) {
         if (bytes > device_->limits().maxStorageBufferRange)
             throw MissingError(fmt::format("Vulkan: the {} take {} MiB, and the device addresses {} MiB", name,
@@ -110,7 +117,7 @@ void GpuLightMap::make_buffers()
     };
     view_buffer_ = make("light map views", std::max<std::size_t>(views, 1) * sizeof(GpuMapView));
     nodes_ = make("light map nodes", std::max<std::size_t>(node_count(), 1) * sizeof(GpuNode));
-    valid_ = make("light cluster maps", std::max<std::size_t>(node_count(), 1) * sizeof(std::uint32_t));
+    shares_ = make("light cluster maps", std::max<std::size_t>(node_count(), 1) * sizeof(std::uint32_t));
     counts_ = make("cluster counts", (groups_ + 1) * sizeof(std::uint32_t));
     const std::size_t rows = std::max<std::size_t>(1, (most + GNOMON_CLUSTERS_A_ROW - 1) / GNOMON_CLUSTERS_A_ROW);
     clusters_ = make("clusters", rows * GNOMON_CLUSTERS_A_ROW * sizeof(GpuCluster));
@@ -119,6 +126,19 @@ void GpuLightMap::make_buffers()
                                          .height = static_cast<std::uint32_t>(rows),
                                          .format = VK_FORMAT_R32G32B32A32_SFLOAT,
                                          .usage = VK_IMAGE_USAGE_STORAGE_BIT});
+    if (with_levels_)
+        level_image_ = vk::Image(device_, {.name = "light cluster maps",
+                                           .width = 3 * GNOMON_NODES_A_ROW,
+                                           .height = (level_nodes() + GNOMON_NODES_A_ROW - 1) / GNOMON_NODES_A_ROW,
+                                           .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                           .usage = VK_IMAGE_USAGE_STORAGE_BIT});
+}
+
+// The nodes of the levels of the cut, in all views.
+std::uint32_t GpuLightMap::level_nodes() const
+{
+    const std::uint32_t a_view = ((1u << (2 * (limit_ + 1))) - (1u << (2 * start_))) / 3;
+    return a_view * std::max(1u, static_cast<std::uint32_t>(views_.size()));
 }
 
 void GpuLightMap::make_pipelines()
@@ -153,6 +173,11 @@ void GpuLightMap::make_pipelines()
                              .code = {"map_cut.comp", k_cut_comp},
                              .blocks = vk::all_blocks(vk::shared_push<shared::CutPush>(), view_blocks(),
                                                       std::vector{vk::shared_block<GpuCluster>("clusters")})});
+    if (with_levels_)
+        copy_pipeline_ = vk::Pipeline(
+            device_, ComputeDesc{.name = "light cluster maps to an image",
+                                 .code = {"map_levels.comp", k_levels_comp},
+                                 .blocks = vk::all_blocks(vk::shared_push<shared::LevelsPush>(), view_blocks())});
 }
 
 std::uint32_t GpuLightMap::views_on() const
@@ -337,14 +362,14 @@ void GpuLightMap::make_tree(vk::Commands& commands)
         commands.pass("light map level")
             .reads(view_buffer_, Use::storage_read)
             .writes(nodes_)
-            .writes(valid_)
+            .writes(shares_)
             .compute([&](vk::Recorder& r) {
                 r.bind(level_pipeline_);
                 r.set("views", view_buffer_);
                 r.set("nodes", nodes_);
-                r.set("valid", valid_);
+                r.set("shares", shares_);
                 r.push(shared::NodePush{static_cast<std::uint32_t>(level), options_.validity.depth_threshold,
-                                        options_.validity.normal_threshold});
+                                        options_.validity.normal_threshold, options_.validity.margin});
                 r.dispatch_over(width, height, static_cast<std::uint32_t>(views_.size()));
             });
     }
@@ -356,20 +381,41 @@ void GpuLightMap::cut(vk::Commands& commands) const
         commands.pass(write ? "write clusters" : "count clusters")
             .reads(view_buffer_, Use::storage_read)
             .reads(nodes_, Use::storage_read)
-            .reads(valid_, Use::storage_read)
+            .reads(shares_, Use::storage_read)
             .writes(counts_)
             .writes(clusters_)
             .compute([&](vk::Recorder& r) {
                 r.bind(cut_pipeline_);
                 r.set("views", view_buffer_);
                 r.set("nodes", nodes_);
-                r.set("valid", valid_);
+                r.set("shares", shares_);
                 r.set("counts", counts_);
                 r.set("clusters", clusters_);
                 r.push(shared::CutPush{static_cast<std::uint32_t>(views_.size()), start_, limit_, write ? 1u : 0u});
                 r.dispatch(groups_);
             });
     copy_clusters(commands);
+    if (with_levels_) copy_levels(commands);
+}
+
+void GpuLightMap::copy_levels(vk::Commands& commands) const
+{
+    constexpr std::uint32_t k_row = 1 << 14;   // groups in x of a dispatch
+    const std::uint32_t groups = (level_nodes() + 63) / 64;
+    commands.pass("light cluster maps to an image")
+        .reads(view_buffer_, Use::storage_read)
+        .reads(nodes_, Use::storage_read)
+        .reads(shares_, Use::storage_read)
+        .writes(level_image_)
+        .compute([&](vk::Recorder& r) {
+            r.bind(copy_pipeline_);
+            r.set("views", view_buffer_);
+            r.set("nodes", nodes_);
+            r.set("shares", shares_);
+            r.set("levels", level_image_);
+            r.push(shared::LevelsPush{static_cast<std::uint32_t>(views_.size()), start_, limit_});
+            r.dispatch(std::min(groups, k_row), (groups + k_row - 1) / k_row);
+        });
 }
 
 void GpuLightMap::copy_clusters(vk::Commands& commands) const
@@ -392,11 +438,11 @@ void GpuLightMap::record(vk::Commands& commands, const gpu_scene::GpuScene& scen
     if (fresh_)
         commands.pass("forget light maps")
             .writes(nodes_, Use::copy_target)
-            .writes(valid_, Use::copy_target)
+            .writes(shares_, Use::copy_target)
             .writes(counts_, Use::copy_target)
             .copy([&](vk::Recorder& r) {
                 r.fill(nodes_, 0);
-                r.fill(valid_, 1);
+                r.fill(shares_, k_whole_share);
                 r.fill(counts_, 0);
             });
     if (!find_dirty(state)) return;
@@ -447,7 +493,7 @@ void GpuLightMap::record_repeated(vk::Commands& commands, std::uint32_t wanted) 
 std::size_t GpuLightMap::bytes() const
 {
     std::size_t bytes = static_cast<std::size_t>(ids_.width()) * ids_.height() * 12;
-    for (const vk::Buffer* buffer : {&view_buffer_, &nodes_, &valid_, &counts_, &clusters_}) bytes += buffer->bytes();
+    for (const vk::Buffer* buffer : {&view_buffer_, &nodes_, &shares_, &counts_, &clusters_}) bytes += buffer->bytes();
     return bytes;
 }
 

@@ -27,14 +27,18 @@ namespace gnomon::light_quadtree {
 class GpuLightMap {
  public:
     /// @throws MissingError  too little device memory, or a storage buffer is too small for the nodes
+    /// @param with_levels  also keep the levels of the cut as an image (level_image()), for the gather as printed
     GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-                const LightMapOptions& options, const CutLevels& levels);
+                const LightMapOptions& options, const CutLevels& levels, bool with_levels = false);
 
     /// Records the updates after one advance() of the state; everything the first time. Culls the scene's draws for
     /// lights, so cull for the camera afterwards.
     void record(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state);
     /// The same with texels from elsewhere: nodes in the layout of LightMap, of which the finest levels are used.
     void record_tree_over(vk::Commands& commands, const scene::SceneState& state, std::span<const LightNode> nodes);
+
+    /// Forgets everything: the next record() draws all views anew, as the paper does where something moves.
+    void forget() { fresh_ = true; }
 
     /// For measurements: extends the list to exactly this length by repeating it from its beginning, until the next
     /// cut. Submits. There must be a cluster, and room for as many.
@@ -58,11 +62,15 @@ class GpuLightMap {
     // Buffers on the device.
     const vk::Buffer& view_buffer() const { return view_buffer_; }   // GpuMapView
     const vk::Buffer& nodes() const { return nodes_; }               // GpuNode
-    const vk::Buffer& valid() const { return valid_; }               // 32 bits per node
+    const vk::Buffer& shares() const { return shares_; }             // 32 bits per node: Share
     const vk::Buffer& clusters() const { return clusters_; }         // GpuCluster
     /// The clusters as texels for the gather: see GNOMON_CLUSTERS_A_ROW. Mesa's software driver reads an image several
     /// times faster than a buffer.
     const vk::Image& cluster_image() const { return cluster_image_; }
+    /// The nodes of the levels from start to limit, with their shares: see map_levels.comp.
+    const vk::Image& level_image() const { return level_image_; }
+    std::uint32_t start() const { return start_; }
+    std::uint32_t limit() const { return limit_; }
     const vk::Buffer& counts() const { return counts_; }
     std::uint32_t count_at() const { return groups_; }   // index in `counts` of the number of clusters
 
@@ -77,10 +85,13 @@ class GpuLightMap {
     void make_tree(vk::Commands& commands);
     void cut(vk::Commands& commands) const;
     void copy_clusters(vk::Commands& commands) const;
+    void copy_levels(vk::Commands& commands) const;
+    std::uint32_t level_nodes() const;
 
     std::shared_ptr<vk::Device> device_;
     LightMapOptions options_;
     std::uint32_t start_, limit_, groups_ = 0;
+    bool with_levels_;
     light_views::Casters casters_;
     light_views::SceneBounds bounds_;
     std::vector<MapView> views_;
@@ -90,9 +101,9 @@ class GpuLightMap {
     std::uint32_t version_ = 0;
     Work work_;
 
-    vk::Pipeline ids_pipeline_, masked_pipeline_, texels_pipeline_, level_pipeline_, cut_pipeline_;
-    vk::Image ids_, depth_, cluster_image_;
-    vk::Buffer view_buffer_, nodes_, valid_, counts_, clusters_;
+    vk::Pipeline ids_pipeline_, masked_pipeline_, texels_pipeline_, level_pipeline_, cut_pipeline_, copy_pipeline_;
+    vk::Image ids_, depth_, cluster_image_, level_image_;
+    vk::Buffer view_buffer_, nodes_, shares_, counts_, clusters_;
 };
 
 }   // namespace gnomon::light_quadtree

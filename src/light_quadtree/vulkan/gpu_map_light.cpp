@@ -24,6 +24,9 @@ constexpr std::uint32_t k_samples_comp[] =
 constexpr std::uint32_t k_image_comp[] =
 #include "light_quadtree/vulkan/map_image.comp.inc"
     ;
+constexpr std::uint32_t k_printed_comp[] =
+#include "light_quadtree/vulkan/gather_printed.comp.inc"
+    ;
 constexpr VkFormat k_wide_format = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 vk::Image grid_image(const std::shared_ptr<vk::Device>& device, const char* name, glm::uvec2 size)
@@ -39,7 +42,9 @@ vk::Image grid_image(const std::shared_ptr<vk::Device>& device, const char* name
 
 GpuMapLight::GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
                          const MapLightOptions& options)
-    : device_(device), options_(options), map_(device, state, options.map, options.levels)
+    : device_(device),
+      options_(options),
+      map_(device, state, options.map, options.levels, options.as_printed && options.method == MapMethod::quadtree)
 {
     GNOMON_CHECK(options.method != MapMethod::brute);
     const bool samples = options.method == MapMethod::rsm;
@@ -47,10 +52,12 @@ GpuMapLight::GpuMapLight(const std::shared_ptr<vk::Device>& device, const scene:
     desc.name = samples ? "bounced light by samples" : "bounced light by clusters";
     if (samples)
         desc.code = {"gather_samples.comp", k_samples_comp};
+    else if (options.as_printed)
+        desc.name = "bounced light as printed", desc.code = {"gather_printed.comp", k_printed_comp};
     else
         desc.code = {"gather_clusters.comp", k_clusters_comp};
     desc.blocks = {vk::shared_push<GatherPush>()};
-    if (samples) desc.blocks.push_back(vk::shared_block<shared::GpuMapView>("views"));
+    if (samples || options.as_printed) desc.blocks.push_back(vk::shared_block<shared::GpuMapView>("views"));
     pipeline_ = vk::Pipeline(device, desc);
     if (samples) {
         copy_pipeline_ = vk::Pipeline(device, vk::ComputeDesc{.name = "light map's texels to an image",
@@ -94,7 +101,17 @@ std::uint64_t GpuMapLight::lights(const vk::Buffer& count) const
 
 void GpuMapLight::record_grid(vk::Commands& commands, const MapSurfaces& surfaces)
 {
-    if (grid_step(surfaces.size) > 0) record(commands, surfaces, none_, true, false);
+    if (grid_step(surfaces.size) == 0) return;
+    kept_grid_ = surfaces.kept && grid_version_ != 0 && grid_version_ == map_.version();
+    if (kept_grid_) return;
+    record(commands, surfaces, none_, true, false);
+    grid_version_ = map_.version();
+}
+
+void GpuMapLight::forget()
+{
+    map_.forget();
+    grid_version_ = 0;
 }
 
 void GpuMapLight::record_light(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance)
@@ -129,6 +146,7 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
     push.grid_neighbours = static_cast<std::uint32_t>(options_.grid_neighbours);
     push.views = static_cast<std::uint32_t>(map_.views().size());
     push.total = map_.count_at();
+    push.start = map_.start(), push.limit = map_.limit();
     const glm::uvec2 points = grid ? glm::uvec2(push.columns, push.rows)
                                    : glm::uvec2(surfaces.position->width(), surfaces.position->height());
     // Enlarge or shrink the images of the grid.
@@ -147,21 +165,33 @@ void GpuMapLight::record(vk::Commands& commands, const MapSurfaces& surfaces, co
         copy_texels(commands);
     }
 
-    // Record the gather.
-    vk::Pass pass = commands.pass(grid ? "bounced light of receivers" : "bounced light");
+    // Record the gather: one pass, or as printed one for each level.
+    const bool by_levels = options_.as_printed && !samples;
+    for (push.level = push.start; push.level <= (by_levels ? push.limit : push.start); ++push.level)
+        record_pass(commands, surfaces, irradiance, push, points);
+}
+
+void GpuMapLight::record_pass(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance,
+                              const GatherPush& push, const glm::uvec2& points)
+{
+    const bool samples = options_.method == MapMethod::rsm, by_levels = options_.as_printed && !samples;
+    vk::Pass pass = commands.pass(push.fill_grid ? "bounced light of receivers" : "bounced light");
     std::vector<std::pair<const char*, const vk::Image*>> lights;
     if (samples)
         lights = {{"texels", &texels_}, {"pattern", &pattern_image_}};
+    else if (by_levels)
+        lights = {{"levels", &map_.level_image()}};
     else
         lights = {{"clusters", &map_.cluster_image()}};
-    const vk::Buffer& counted = samples ? map_.view_buffer() : map_.counts();
+    const bool by_views = samples || by_levels;
+    const vk::Buffer& counted = by_views ? map_.view_buffer() : map_.counts();
     pass.reads(counted, Use::storage_read);
     for (const auto& [name, image] : lights) pass.reads(*image, Use::storage_read);
     pass.reads(*surfaces.position, Use::sampled).reads(*surfaces.normal, Use::sampled);
     pass.writes(grid_position_).writes(grid_normal_).writes(grid_light_).writes(irradiance);
     pass.compute([&](vk::Recorder& r) {
         r.bind(pipeline_);
-        r.set(samples ? "views" : "counts", counted);
+        r.set(by_views ? "views" : "counts", counted);
         for (const auto& [name, image] : lights) r.set(name, *image);
         r.set("positions", *surfaces.position);
         r.set("normals", *surfaces.normal);

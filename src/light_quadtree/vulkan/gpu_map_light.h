@@ -4,6 +4,9 @@
 // the sampling to which it is compared [Dachsbacher and Stamminger 2005]. The device version of MapLight, with the same
 // kernel.
 //
+// With MapLightOptions::as_printed, every receiver goes through the tree by itself, one pass a level: the same sums, to
+// the bit. Kept buffers: while neither the map nor the surfaces change, the light of the grid is used again.
+//
 // Surfaces and results are images. Sparse receivers lie at pixels of the image. Cost: the map's (gpu_light_map.h);
 // lights times receivers. Memory: 48 bytes per receiver of the grid.
 
@@ -19,6 +22,7 @@ struct MapSurfaces {
     Size size;                   // of the image
     glm::vec3 eye{0};
     float pixel_width = 0, pixel_spread = 0;   // of the view, as in scene::View
+    bool kept = false;                         // the surfaces are those of the last record_grid()
 };
 
 class GpuMapLight {
@@ -31,8 +35,12 @@ class GpuMapLight {
     GpuLightMap& map() { return map_; }
     const GpuLightMap& map() const { return map_; }
 
-    /// Records the light at the grid's receivers; call before record_light() if there is a grid.
+    /// Records the light at the grid's receivers, unless it is kept; call before record_light() if there is a grid.
     void record_grid(vk::Commands& commands, const MapSurfaces& surfaces);
+    /// Whether the last record_grid() used the light of the one before.
+    bool kept_grid() const { return kept_grid_; }
+    /// Forgets map and grid, so that everything is computed anew.
+    void forget();
     /// Records the light at every pixel, into an image of the same size (four 32-bit floats, a storage image).
     void record_light(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance);
     /// The same for a list of points in any image layout; position.w is a point's pixel in the image, counted from 1.
@@ -47,6 +55,8 @@ class GpuMapLight {
  private:
     void record(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance, bool grid,
                 bool listed);
+    void record_pass(vk::Commands& commands, const MapSurfaces& surfaces, const vk::Image& irradiance,
+                     const shared::GatherPush& push, const glm::uvec2& points);
     void fit_texels();
     void send_pattern(vk::Commands& commands, std::uint32_t samples);
     void copy_texels(vk::Commands& commands);
@@ -62,6 +72,8 @@ class GpuMapLight {
     std::uint32_t pattern_samples_ = 0;   // in it
     std::uint32_t copied_ = 0;            // version of the map at the last copy
     vk::Image grid_position_, grid_normal_, grid_light_, none_;
+    std::uint32_t grid_version_ = 0;   // of the map at the last record of the grid; 0: none
+    bool kept_grid_ = false;
 };
 
 }   // namespace gnomon::light_quadtree

@@ -11,7 +11,7 @@
 layout(local_size_x = GNOMON_GROUP) in;
 layout(binding = 0, scalar) readonly buffer Views { GpuMapView at[]; } views;
 layout(binding = 1, scalar) readonly buffer Nodes { GpuNode at[]; } nodes;
-layout(binding = 2, scalar) readonly buffer Valid { uint at[]; } valid;
+layout(binding = 2, scalar) readonly buffer Shares { uint at[]; } shares;
 layout(binding = 3, scalar) buffer Counts { uint at[]; } counts;  // by group; then the total
 layout(binding = 4, scalar) writeonly buffer Clusters { GpuCluster at[]; } clusters;
 layout(push_constant, scalar) uniform Push { CutPush push; };
@@ -24,20 +24,26 @@ shared uint sum;
 const uint k_none = 0xffffffffu;
 const float k_per_pi = 0.318309886183791;
 
-// The i-th node of a level if it is in the cut: all its ancestors are invalid, it is valid or at the limit, and not
-// dark.
-uint chosen(GpuMapView view, uint level, uint limit, uint i)
+// The i-th node of a level if it is in the cut: no ancestor takes all of the light, it takes a part of the rest or is
+// at the limit, and it is not dark. `part`: of the node's light.
+uint chosen(GpuMapView view, uint level, uint limit, uint i, out float part)
 {
+    const float whole = float(GNOMON_WHOLE_SHARE);
+    part = 1;
     const uint depth = level - push.start;
     const uint top = i >> (2 * depth);
     uint x = top & ((1u << push.start) - 1), y = top >> push.start;
     for (uint l = 0; l < depth; ++l) {
-        if (valid.at[node_of(view, push.start + l, x, y)] != 0) return k_none;
+        const uint share = shares.at[node_of(view, push.start + l, x, y)];
+        if (share == GNOMON_WHOLE_SHARE) return k_none;
+        part *= float(GNOMON_WHOLE_SHARE - share) / whole;
         const uint child = (i >> (2 * (depth - 1 - l))) & 3;
         x = 2 * x + (child & 1), y = 2 * y + (child >> 1);
     }
     const uint id = node_of(view, level, x, y);
-    if (level != limit && valid.at[id] == 0) return k_none;
+    const uint share = level != limit ? shares.at[id] : GNOMON_WHOLE_SHARE;
+    if (share == 0) return k_none;
+    part *= float(share) / whole;
     return nodes.at[id].flux == vec3(0) ? k_none : id;
 }
 
@@ -53,7 +59,8 @@ void main()
 
     if (push.write == 0) {
         uint own = 0;
-        for (uint i = me; i < candidates; i += GNOMON_GROUP) own += chosen(view, level, limit, i) == k_none ? 0 : 1;
+        float part;
+        for (uint i = me; i < candidates; i += GNOMON_GROUP) own += chosen(view, level, limit, i, part) == k_none ? 0 : 1;
         atomicAdd(sum, own);
         barrier();
         if (me == 0) counts.at[group] = sum;
@@ -68,7 +75,8 @@ void main()
     uint at = sum;
     for (uint first = 0; first < candidates; first += GNOMON_GROUP) {
         const uint i = first + me;
-        const uint id = i < candidates ? chosen(view, level, limit, i) : k_none;
+        float part = 0;
+        const uint id = i < candidates ? chosen(view, level, limit, i, part) : k_none;
         scan[me] = id == k_none ? 0 : 1;
         barrier();
         for (uint reach = 1; reach < GNOMON_GROUP; reach *= 2) {
@@ -79,9 +87,10 @@ void main()
         }
         if (id != k_none) {
             const GpuNode node = nodes.at[id];
+            const float power = k_per_pi * part;
             clusters.at[at + scan[me] - 1] =
-                GpuCluster(node.position, node.area * k_per_pi, node.normal, node.flux.x * k_per_pi,
-                           node.flux.y * k_per_pi, node.flux.z * k_per_pi, id, level);
+                GpuCluster(node.position, node.area * k_per_pi, node.normal, node.flux.x * power,
+                           node.flux.y * power, node.flux.z * power, id, level);
         }
         at += scan[GNOMON_GROUP - 1];
         barrier();

@@ -57,7 +57,15 @@ struct TexelPush {
 /// For computing one level of nodes.
 struct NodePush {
     uint level;
-    float depth_threshold, normal_threshold;
+    float depth_threshold, normal_threshold, margin;
+};
+
+// A node's whole share of the light: k_whole_share.
+#define GNOMON_WHOLE_SHARE 255u
+
+/// For the levels of the cut as an image, for the gather as printed.
+struct LevelsPush {
+    uint views, start, limit;
 };
 
 /// For the cut: a work group for each level and view.
@@ -65,6 +73,9 @@ struct CutPush {
     uint views, start, limit;
     uint write;   // 0: count
 };
+
+// Nodes per row of the image of the cut's levels, three texels each.
+#define GNOMON_NODES_A_ROW 1024u
 
 // Clusters per row of the image that the gather reads, three texels each.
 #define GNOMON_CLUSTERS_A_ROW 1024u
@@ -95,8 +106,9 @@ struct GatherPush {
     uint listed;   // 1: points are a list, and position.w is a point's pixel, from 1; 0: they are the image
     float grid_normals, grid_off_plane;
     uint grid_neighbours;
-    uint views, samples;   // samples: per view
-    uint total;            // of the cut: index of the number of clusters
+    uint views, samples;        // samples: per view
+    uint total;                 // of the cut: index of the number of clusters
+    uint level, start, limit;   // as printed: the level of this pass, and those of the cut
 };
 
 #ifdef __cplusplus
@@ -106,11 +118,12 @@ GNOMON_MEMBERS(GpuNode, position, normal, depth, area, flux, members)
 GNOMON_MEMBERS(GpuCluster, position, disk, normal, red, green, blue, node, grid)
 GNOMON_MEMBERS(MapDrawPush, clip_from_world)
 GNOMON_MEMBERS(TexelPush, view, least_cosine)
-GNOMON_MEMBERS(NodePush, level, depth_threshold, normal_threshold)
+GNOMON_MEMBERS(NodePush, level, depth_threshold, normal_threshold, margin)
+GNOMON_MEMBERS(LevelsPush, views, start, limit)
 GNOMON_MEMBERS(CutPush, views, start, limit, write)
 GNOMON_MEMBERS(MapImagePush, all)
 GNOMON_MEMBERS(GatherPush, eye, pixel_width, pixel_spread, width, height, step, columns, rows, fill_grid, listed,
-               grid_normals, grid_off_plane, grid_neighbours, views, samples, total)
+               grid_normals, grid_off_plane, grid_neighbours, views, samples, total, level, start, limit)
 #endif
 
 GNOMON_SHARED_END

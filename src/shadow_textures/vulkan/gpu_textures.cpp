@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shadow_textures/vulkan/gpu_textures.h"
 
+#include <algorithm>
 #include <bit>
+#include <iterator>
 
 namespace gnomon::shadow_textures {
 
@@ -45,6 +47,7 @@ GpuTextures::GpuTextures(const std::shared_ptr<vk::Device>& device, const LightV
     : device_(device), objects_(views.object_count())
 {
     host_places_.assign(views.views().size() * objects_, {});
+    waiting_.resize(views.views().size());
     place_words_.assign(host_places_.size(), 0);
     places_ = vk::Buffer(device, "shadow texture places",
                          std::max<std::size_t>(host_places_.size(), 1) * sizeof(shared::TexturePlace));
@@ -189,22 +192,40 @@ void GpuTextures::draw_receivers(vk::Commands& commands, const LightViews& views
 }
 
 void GpuTextures::record(vk::Commands& commands, const LightViews& views, const GpuLightViews& buffers,
-                         const CasterGeometry& casters, const scene::SceneState& state)
+                         const CasterGeometry& casters, const scene::SceneState& state, const InSight& in_sight)
 {
     counts_ = {};
     outgrown_.clear();
     std::vector<Receiver> receivers;
+    std::vector<scene::ObjectId> changed;
     for (std::uint32_t v = 0; v < views.views().size(); ++v) {
         const LightView& view = views.views()[v];
         const ViewPlan& plan = view.plan;
-        if (plan.kind == ViewPlan::Kind::whole || plan.kind == ViewPlan::Kind::restless)
+        std::vector<scene::ObjectId>& waiting = waiting_[v];
+        if (plan.kind == ViewPlan::Kind::whole || plan.kind == ViewPlan::Kind::restless) {
             for (scene::ObjectId o = 0; o < objects_; ++o) drop_texture(v, o);
+            waiting.clear();
+        }
+        if (!view.shown) continue;
         for (const scene::ObjectId object : plan.departed) drop_texture(v, object);
-        for (const scene::ObjectId object : plan.receivers) {
+
+        // Make the textures that changed now, and those that wait, where their receivers are in sight.
+        changed.clear();
+        std::set_union(plan.receivers.begin(), plan.receivers.end(), waiting.begin(), waiting.end(),
+                       std::back_inserter(changed));
+        waiting.clear();
+        for (const scene::ObjectId object : changed) {
             const Receiver receiver{v, object, views.casters().footprint(view.projection, state, object)};
+            if (receiver.rect.empty()) continue;   // it waited, and departed
+            if (in_sight && !in_sight(object)) {
+                drop_texture(v, object);
+                waiting.push_back(object);
+                continue;
+            }
             place_texture(view, receiver);
             receivers.push_back(receiver);
         }
+        counts_.waiting += waiting.size();
     }
     counts_.updated = receivers.size();
     make_room(commands, true);
@@ -225,7 +246,7 @@ void GpuTextures::record(vk::Commands& commands, const LightViews& views, const 
 // For each receiver, draws into its own rectangle the depth of all casters that reach nearer to the light, and its own.
 void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews& views, int page,
                                        std::span<const Receiver> receivers, const CasterGeometry& casters,
-                                       const scene::SceneState& state)
+                                       PreviousMethod which)
 {
     vk::Pass pass = commands.pass("shadow textures: casters between");
     casters.declare(pass);
@@ -236,11 +257,13 @@ void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews&
                 const LightView& view = views.views()[receiver.view];
                 recorder.viewport(in_page(view, view.projection.whole()));
                 recorder.scissor(in_page(view, receiver.rect));
-                const std::vector<light_views::DistanceRange>& range = ranges_[receiver.view];
-                const float farthest = range[receiver.object].farthest;
-                for (scene::ObjectId o = 0; o < objects_; ++o) {
-                    if (!views.casters().casts(o) || !state.object_there(o)) continue;
-                    if (o != receiver.object && range[o].nearest > farthest) continue;
+                const Extents& extents = extents_[receiver.view];
+                const float farthest = extents.range[receiver.object].farthest;
+                for (const scene::ObjectId o : extents.casters) {
+                    if (o != receiver.object && extents.range[o].nearest > farthest) continue;
+                    counts_.draws_of_all_between +=
+                        (casters.opaque(o).index_count > 0 ? 1u : 0u) + casters.masked(o).size();
+                    if (which == PreviousMethod::by_extents && !extents.rect[o].overlaps(receiver.rect)) continue;
                     const auto draw = [&](const CasterGeometry::Part& part, bool masked) {
                         const vk::Pipeline& wanted = caster_[view.projection.perspective ? 0 : 1][masked ? 1 : 0];
                         if (bound != &wanted) {
@@ -262,7 +285,7 @@ void GpuTextures::draw_casters_between(vk::Commands& commands, const LightViews&
 }
 
 void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& views, const CasterGeometry& casters,
-                                    const scene::SceneState& state)
+                                    const scene::SceneState& state, PreviousMethod which, const InSight& in_sight)
 {
     counts_ = {};
     outgrown_.clear();
@@ -283,18 +306,25 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
     };
     std::vector<Group> groups;
     std::vector<Receiver> all;
-    ranges_.resize(views.views().size());
+    extents_.resize(views.views().size());
     for (std::uint32_t v = 0; v < views.views().size(); ++v) {
         const LightView& view = views.views()[v];
         for (scene::ObjectId o = 0; o < objects_; ++o) drop_texture(v, o);
         if (!view.shown) continue;
-        ranges_[v].clear();
-        for (scene::ObjectId o = 0; o < objects_; ++o)
-            ranges_[v].push_back(
-                light_views::distance_range(view.projection, state.object_matrix(o), views.casters().box(o)));
+        Extents& extents = extents_[v];
+        extents.casters.clear(), extents.range.clear(), extents.rect.clear();
         for (scene::ObjectId o = 0; o < objects_; ++o) {
-            const Receiver receiver{v, o, views.casters().footprint(view.projection, state, o)};
+            if (views.casters().casts(o) && state.object_there(o)) extents.casters.push_back(o);
+            extents.range.push_back(views.casters().distance(view.projection, state, o));
+            extents.rect.push_back(views.casters().footprint(view.projection, state, o));
+        }
+        for (scene::ObjectId o = 0; o < objects_; ++o) {
+            const Receiver receiver{v, o, extents.rect[o]};
             if (receiver.rect.empty()) continue;
+            if (in_sight && !in_sight(o)) {
+                ++counts_.waiting;
+                continue;
+            }
             place_texture(view, receiver);
             all.push_back(receiver);
             const auto free = [&](const Group& group) {
@@ -317,7 +347,7 @@ void GpuTextures::record_per_caster(vk::Commands& commands, const LightViews& vi
     clear_textures(commands, all);
     // Draw casters and receivers, group by group.
     for (const Group& group : groups) {
-        draw_casters_between(commands, views, group.page, group.receivers, casters, state);
+        draw_casters_between(commands, views, group.page, group.receivers, casters, which);
         draw_receivers(commands, views, scratch_, group.page, group.receivers, casters);
     }
 }

@@ -18,9 +18,18 @@ GpuVisibility::GpuVisibility(const std::shared_ptr<vk::Device>& device, const li
                                         .code = {"shadow_textures/vulkan/visibility.comp", k_code},
                                         .blocks = vk::all_blocks(
                                             vk::shared_push<shared::LookupConstants>(), look_up_blocks(),
-                                            std::vector{vk::shared_block<shared::TexturePlace>("Places")})}),
-      records_(device, views)
+                                            std::vector{vk::shared_block<shared::TexturePlace>("Places"),
+                                                        vk::shared_block<shared::LookupCounts>("Counts")})}),
+      records_(device, views),
+      counts_(device, "look-up counts", sizeof(shared::LookupCounts))
 {
+}
+
+void GpuVisibility::begin_counts(vk::Commands& commands) const
+{
+    commands.pass("forget look-up counts").writes(counts_, vk::Use::copy_target).copy([&](vk::Recorder& r) {
+        r.fill(counts_, 0);
+    });
 }
 
 void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews& views,
@@ -44,8 +53,9 @@ void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews
     records_.declare(pass, buffers, textures);
     for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects})
         pass.reads(*image, vk::Use::sampled);
-    pass.writes(out).compute([&](vk::Recorder& recorder) {
+    pass.writes(out).writes(counts_).compute([&](vk::Recorder& recorder) {
         recorder.bind(pipeline_);
+        recorder.set("Counts", counts_);
         recorder.set("positions", *inputs.positions, buffers.sampler());
         recorder.set("normals", *inputs.normals, buffers.sampler());
         recorder.set("objects", *inputs.objects, buffers.sampler());

@@ -29,9 +29,15 @@ class GpuVisibility {
                 const GpuTextures* textures, const ImageInputs& inputs, const vk::Image& out,
                 const LookupOptions& options, std::uint32_t first, std::uint32_t count);
 
+    /// Starts to count results as printed; call before the first record() of a frame.
+    void begin_counts(vk::Commands& commands) const;
+    /// shared::LookupCounts of the records since begin_counts(); readable after the next submit.
+    vk::Buffer read_counts(vk::Commands& commands) const { return commands.read_back(counts_); }
+
  private:
     vk::Pipeline pipeline_;
     LookupRecords records_;
+    vk::Buffer counts_;
 };
 
 }   // namespace gnomon::shadow_textures

@@ -28,6 +28,7 @@ LookupRecords::LookupRecords(const std::shared_ptr<vk::Device>& device, const li
                     std::max<std::size_t>(views.views().size(), 1) * sizeof(shared::ViewRecord)),
       light_records_(device, "light records",
                      std::max<std::size_t>(views.atlas().first_tile.size(), 1) * sizeof(shared::LightRecord)),
+      casts_(device, "casters", std::max<std::size_t>(views.object_count(), 1) * sizeof(std::uint32_t)),
       nothing_(device, "no shadow textures", sizeof(shared::TexturePlace))
 {
 }
@@ -46,6 +47,12 @@ void LookupRecords::update(vk::Commands& commands, const light_views::LightViews
         uploads.push_back(vk::upload_of(view_records_, std::span<const shared::ViewRecord>(view_records)));
     if (!same_bits(light_records, sent_lights_))
         uploads.push_back(vk::upload_of(light_records_, std::span<const shared::LightRecord>(light_records)));
+    std::vector<std::uint32_t> casts;
+    if (!sent_casts_ && views.object_count() > 0) {
+        for (scene::ObjectId o = 0; o < views.object_count(); ++o) casts.push_back(views.casters().casts(o) ? 1 : 0);
+        uploads.push_back(vk::upload_of(casts_, std::span<const std::uint32_t>(casts)));
+    }
+    sent_casts_ = true;
     if (!uploads.empty()) commands.upload("light view records", uploads);
     sent_views_ = std::move(view_records);
     sent_lights_ = std::move(light_records);
@@ -56,7 +63,7 @@ vk::Pass& LookupRecords::declare(vk::Pass& pass, const light_views::GpuLightView
 {
     pass.reads(buffers.depth(), vk::Use::sampled).reads(buffers.item(), vk::Use::sampled);
     declare_views(pass);
-    pass.reads(places(textures), vk::Use::storage_read);
+    pass.reads(places(textures), vk::Use::storage_read).reads(casts_, vk::Use::storage_read);
     if (textures) pass.reads(words(textures), vk::Use::storage_read);
     return pass;
 }
@@ -69,6 +76,7 @@ void LookupRecords::bind(vk::Recorder& recorder, const light_views::GpuLightView
     bind_views(recorder);
     recorder.set("Places", places(textures));
     recorder.set("Textures", words(textures));
+    recorder.set("Casts", casts_);
 }
 
 vk::Pass& LookupRecords::declare_views(vk::Pass& pass) const
@@ -92,7 +100,8 @@ shared::LookupConstants LookupRecords::constants(glm::uvec2 size, const light_vi
             static_cast<float>(views.options().projection.border),
             static_cast<std::uint32_t>(views.object_count()),
             textures ? 1u : 0u,
-            0};
+            0,
+            options.as_printed ? 1u : 0u};
 }
 
 }   // namespace gnomon::shadow_textures

@@ -41,7 +41,8 @@ class LookupRecords {
     const vk::Buffer& places(const GpuTextures* textures) const { return textures ? textures->places() : nothing_; }
     const vk::Buffer& words(const GpuTextures* textures) const { return textures ? textures->textures() : nothing_; }
 
-    vk::Buffer view_records_, light_records_, nothing_;
+    vk::Buffer view_records_, light_records_, casts_, nothing_;
+    bool sent_casts_ = false;
     std::vector<shared::ViewRecord> sent_views_;
     std::vector<shared::LightRecord> sent_lights_;
 };

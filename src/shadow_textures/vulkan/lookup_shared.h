@@ -34,13 +34,21 @@ struct LookupConstants {
     uint objects;
     uint by_textures;   // 1: use the receiver's own texture; 0: use the items
     uint first_light;   // first light to look up
+    uint as_printed;    // 1: the texture's colour decides, see LookupOptions
+};
+
+/// Of look-ups as printed: pairs of a surface that faces a light and that light, and those of them in which comparing
+/// distances decides otherwise.
+struct LookupCounts {
+    uint results, wrong;
 };
 
 #ifdef __cplusplus
 GNOMON_MEMBERS(ViewRecord, clip_from_world, origin, reach, forward, perspective, across, size, down, page, corner)
 GNOMON_MEMBERS(LightRecord, first_view, view_count)
 GNOMON_MEMBERS(LookupConstants, size, filter_width, self_margin, other_margin, border, objects, by_textures,
-               first_light)
+               first_light, as_printed)
+GNOMON_MEMBERS(LookupCounts, results, wrong)
 #endif
 
 GNOMON_SHARED_END

@@ -15,6 +15,7 @@ layout(binding = 5, scalar) readonly buffer ViewRecords { ViewRecord view_record
 layout(binding = 6, scalar) readonly buffer LightRecords { LightRecord light_records[]; };
 layout(binding = 7, scalar) readonly buffer Places { TexturePlace places[]; };
 layout(binding = 8, scalar) readonly buffer Textures { uint textures[]; };
+layout(binding = 9, scalar) readonly buffer Casts { uint casts[]; };
 layout(push_constant, scalar) uniform Constants { PlainConstants frame; };
 #define lookup frame.lookup
 #include "shadow_textures/vulkan/lookup.glsl"
@@ -30,7 +31,9 @@ void main()
         ViewRecord view = view_records[light_records[light].first_view];
         vec3 to_light = view.perspective != 0u ? normalize(view.origin - point) : -view.forward;
         float cosine = dot(normal, to_light);
-        if (cosine > 0.0) sum += cosine * light_visibility(light, point, normal, object);
+        if (cosine <= 0.0) continue;
+        sum += cosine * (lookup.as_printed != 0u ? light_visibility_as_printed(light, point, normal, object)
+                                                 : light_visibility(light, point, normal, object));
     }
     color = vec4(vec3(ambient + (1.0 - ambient) * sum / float(max(frame.lights, 1u))), 1.0);
 }

@@ -17,6 +17,8 @@ layout(binding = 6, scalar) readonly buffer LightRecords { LightRecord light_rec
 layout(binding = 7, scalar) readonly buffer Places { TexturePlace places[]; };
 layout(binding = 8, scalar) readonly buffer Textures { uint textures[]; };
 layout(binding = 9, r8) writeonly uniform image2DArray visibility;
+layout(binding = 10, scalar) readonly buffer Casts { uint casts[]; };  // by object: 1 if it casts shadows
+layout(binding = 11, scalar) buffer Counts { LookupCounts counts; };
 layout(push_constant, scalar) uniform Constants { LookupConstants lookup; };
 #include "shadow_textures/vulkan/lookup.glsl"
 
@@ -27,7 +29,16 @@ void main()
     uint light = gl_GlobalInvocationID.z;
     uint object = texelFetch(objects, ivec2(pixel), 0).x;
     float seen = 0.0;
-    if (object != 0u)
-        seen = light_visibility(lookup.first_light + light, texelFetch(positions, ivec2(pixel), 0).xyz, texelFetch(normals, ivec2(pixel), 0).xyz, object - 1u);
+    if (object != 0u) {
+        uint number = lookup.first_light + light;
+        vec3 point = texelFetch(positions, ivec2(pixel), 0).xyz, normal = texelFetch(normals, ivec2(pixel), 0).xyz;
+        seen = light_visibility(number, point, normal, object - 1u);
+        if (lookup.as_printed != 0u && faces_light(number, point, normal)) {
+            float compared = seen;
+            seen = light_visibility_as_printed(number, point, normal, object - 1u);
+            atomicAdd(counts.results, 1u);
+            if ((seen >= 0.5) != (compared >= 0.5)) atomicAdd(counts.wrong, 1u);
+        }
+    }
     imageStore(visibility, ivec3(pixel, light), vec4(seen));
 }
