@@ -10,6 +10,7 @@
 #include "bench/culling/summary.h"
 #include "gnomon/error.h"
 #include "ray/origin.h"
+#include "scene/light_reach.h"
 #include "shadow_culling/certified/certified_culling.h"
 
 namespace gnomon::bench {
@@ -124,19 +125,15 @@ class Run {
     // Queues a shadow ray for each point of a tile that faces a light.
     void queue_facing(CullingTile& tile, std::size_t l, Worker& worker) const
     {
-        const scene::Light& light = scene_.lights[l];
-        const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
-        const bool directional = light.type == scene::LightType::directional;
+        const auto id = static_cast<scene::LightId>(l);
+        const scene::LightReach light(scene_.lights[id], state_.light(id));
+        const float end = light.directional() ? k_infinity : ray::k_shadow_ray_end;
         worker.queue.clear();
         worker.whose.clear();
         for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
-            const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
-            if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
-            // Skip points outside the cone of a spot light.
-            if (light.type == scene::LightType::spot &&
-                scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
-                continue;
-            worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray::k_shadow_ray_end);
+            const glm::vec3 to_light = light.from(tile.points[p].origin);
+            if (!light.faces(to_light, tile.points[p].normal) || light.dark_at(tile.points[p].origin)) continue;
+            worker.queue.push(tile.points[p].origin, 0, to_light, end);
             worker.whose.push_back(p);
             tile.facing[l * tile.points.size() + p] = 1;
         }

@@ -2,6 +2,7 @@
 #include "bench/culling/paper_bench.h"
 
 #include "ray/origin.h"
+#include "scene/light_reach.h"
 
 namespace gnomon::bench {
 
@@ -32,18 +33,19 @@ void PaperBench::shadow(int worker, std::span<const ShadowPoint> points, std::ui
     Worker& w = workers_[static_cast<std::size_t>(worker)];
     const scene::Scene& scene = state_->scene();
     for (int l = 0; l < static_cast<int>(scene.lights.size()); ++l, occluded += points.size()) {
-        const scene::LightState& at = state_->light(static_cast<scene::LightId>(l));
-        const bool directional = scene.lights[static_cast<std::size_t>(l)].type == scene::LightType::directional;
+        const auto id = static_cast<scene::LightId>(l);
+        const scene::LightReach light(scene.lights[id], state_->light(id));
+        const float end = light.directional() ? k_infinity : ray::k_shadow_ray_end;
 
-        // Queue a ray for every point that faces the light.
+        // Queue a ray for every point that faces the light, within its cone.
         w.queue.clear();
         w.point.clear();
         w.origins.clear();
         for (std::uint32_t p = 0; p < points.size(); ++p) {
             const ShadowPoint& point = points[p];
-            const glm::vec3 d = directional ? -at.direction : at.position - point.origin;
-            if (!(glm::dot(d, point.normal) > 0)) continue;
-            w.queue.push(point.origin, 0, d, directional ? k_infinity : ray::k_shadow_ray_end);
+            const glm::vec3 to_light = light.from(point.origin);
+            if (!light.faces(to_light, point.normal) || light.dark_at(point.origin)) continue;
+            w.queue.push(point.origin, 0, to_light, end);
             w.point.push_back(p);
             w.origins.push_back(culling_.primitive(point.object, point.triangle));
         }
