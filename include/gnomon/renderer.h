@@ -46,7 +46,10 @@ struct RenderOptions {
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::coherent;   // of the rasterised frame
-    int shadow_filter = 1;                              // width of shadow edges in texels of the light view; 0: hard
+    int shadow_filter = 1;   // width of shadow edges in texels of the light view; 0: hard
+    /// ShadowCulling::paper by the letter: it writes modes while the frame is traced, in scanline order and on one
+    /// thread; see docs/papers/shadow-culling.md.
+    bool as_printed = false;
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
     int rsm_samples = 256;                              // Indirect::rsm
     int indirect_level = 5;          // Indirect::quadtree: finest level of refinement, 6 (coarse), 5 or 4
