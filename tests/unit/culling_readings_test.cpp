@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/culling/figures.h"
 #include "bench/culling/window.h"
 #include "gnomon/gnomon.h"
 #include "scene/builtin/builtin.h"
@@ -188,6 +189,15 @@ TEST(CullingReadings, AsPrintedTracesTheRaysOfTheRenderedFrame)
         near(shadow.rays_skipped, frame.paper.skipped);
         near(shadow.rays_dynamic_only, frame.paper.dynamic_only);
     }
+}
+
+TEST(CullingFigures, ZoomMissesShadowsForOneFrame)
+{
+    const ZoomFigure figure = zoom_figure({240, 180});
+    EXPECT_GT(figure.wrong_zoomed, 50u);
+    EXPECT_EQ(figure.wrong_after, 0u);
+    EXPECT_EQ(figure.after.data, figure.zoomed_right.data);
+    EXPECT_NE(figure.before.data, figure.zoomed.data);
 }
 
 TEST(CullingReadings, EveryTreeFindsTheSameAndCountsItsOwn)
