@@ -24,10 +24,10 @@ struct Pick {
 
 /// What the last frame changed against the one before it; ids ascend.
 struct FrameReport {
-    /// The frame is the first of its scene, or the first after one that failed. Everything is new then: the lists of
-    /// parts are empty, and `rectangles` holds the whole image.
+    /// The renderer began anew for this frame (FrameCounters::update), or the last one failed. Everything is new then:
+    /// the lists of parts are empty, and `rectangles` holds the whole image.
     bool everything = true;
-    std::vector<InstanceId> instances;   // moved, deformed, appeared or vanished
+    std::vector<InstanceId> instances;   // moved, deformed, appeared, vanished or added; not removed, which have no id
     std::vector<LightId> lights;         // position, direction, visibility or values differ
     std::vector<MaterialId> materials;   // values differ
     /// Disjoint rectangles that contain all pixels whose linear colour differs from the last frame's, by any bit. Only

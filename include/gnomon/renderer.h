@@ -113,9 +113,11 @@ class Renderer {
     ///         interrupted one had not been asked for.
     /// @throws what progress throws, with the same effect
     Frame render(const Scene& scene, int frame, const Progress& progress = {});
-    /// Takes over what a host changed, and renders a frame. Another scene begins anew, except for values of parts that
-    /// it has in common with the one before.
-    /// Cost of the update: what is handed over with another value, and what that moves.
+    /// Takes over what a host changed, and renders a frame. Values of parts that a scene has in common with the one
+    /// before stay in force. What is remembered stays if nothing but instances that may move or deform was added or
+    /// removed, or values of lights, materials and cameras were edited; otherwise, another scene begins anew.
+    /// Cost of the update: what is handed over with another value, and what that moves; with another scene, a
+    /// comparison of both as well.
     /// @throws UsageError  an id is not of this scene; a number is not finite; lengths disagree: then nothing is taken
     ///         over. Also as above
     Frame render(const Scene& scene, const FrameInput& input, const Progress& progress = {});

@@ -93,7 +93,8 @@ struct FrameCounters {
     struct Update {
         std::uint64_t nodes = 0;   // tracks that were evaluated, values that were taken over, nodes that were visited
         std::uint64_t instances = 0;   // objects of the ray scene that were placed or refitted
-        bool began_anew = false;       // the scene was new to the renderer, or something was promoted
+        bool began_anew = false;       // the scene was new to the renderer, or differs in more than parts that may
+                                       // move; or something fixed was promoted
     } update;
     std::uint64_t primary_rays = 0;
     std::uint64_t reflection_rays = 0;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -230,7 +231,7 @@ Pick Renderer::pick(int x, int y)
     pick.hit = point.object != scene::none;
     if (!pick.hit) return pick;
     const api::SceneStamps& stamps = idle().last_scene().stamps;
-    pick.instance = InstanceId(stamps.nodes.id<NodeId>(engine.scene()->objects[point.object].node));
+    pick.instance = InstanceId(stamps.nodes.id<NodeId>(engine.state()->scene().objects[point.object].node));
     pick.material = stamps.materials.id<MaterialId>(point.material);
     pick.triangle = point.triangle;
     pick.position = {point.position.x, point.position.y, point.position.z};
@@ -247,8 +248,10 @@ FrameReport Renderer::report() const
     FrameReport report;
     report.everything = last.everything;
     const api::SceneStamps& stamps = idle().last_scene().stamps;
-    for (const scene::ObjectId object : last.objects)
-        report.instances.emplace_back(stamps.nodes.id<NodeId>(engine.scene()->objects[object].node));
+    std::vector<scene::NodeId> nodes;
+    for (const scene::ObjectId object : last.objects) nodes.push_back(engine.state()->scene().objects[object].node);
+    std::sort(nodes.begin(), nodes.end());
+    for (const scene::NodeId node : nodes) report.instances.emplace_back(stamps.nodes.id<NodeId>(node));
     for (const scene::LightId light : last.lights) report.lights.push_back(stamps.lights.id<LightId>(light));
     for (const scene::MaterialId material : last.materials)
         report.materials.push_back(stamps.materials.id<MaterialId>(material));
@@ -371,8 +374,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     result.time = wanted.time;
     const bool is_first = !has_frame || !host.follows(scene);
     host.apply(scene, input);
-    const bool began_anew = !engine.state() || engine.scene() != host.values().scene();
-    engine.advance(host.values().scene(), wanted.time, options, &host.values());
+    const bool began_anew = engine.advance(host.values().scene(), wanted.time, options, &host.values()).anew;
     watch.end(FrameTimes::scene);
 
     PlacedCamera placed;

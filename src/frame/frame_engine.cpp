@@ -13,6 +13,7 @@
 #include "frame/state_overlay.h"
 #include "image/changed_rectangles.h"
 #include "ray/kdtree/kdtree.h"
+#include "scene/continuation.h"
 #include "shading/surface.h"
 #include "trace/centre_layers.h"
 #include "trace/checked_shadows.h"
@@ -185,7 +186,9 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
                             options.ids || options.motion || settings_.always_has_rays;
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
-    const bool is_new = scene != scene_ || accelerator != accelerator_;
+    const bool continues = host && state_ && scene != scene_ && accelerator == accelerator_ && continue_with(scene);
+    const bool is_new = !continues && (scene != scene_ || accelerator != accelerator_);
+    times.anew = is_new;
     if (is_new) {
         forget();
         scene_ = scene;
@@ -196,7 +199,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     has_frame_ = false;
     if (!options.motion) state_before_.reset();
     bool rays_follow = false;   // they saw the state before an advance
-    if (host) is_new ? host->apply_all(*state_) : host->apply_changes(*state_);
+    if (host) continues ? host->replace_all(*state_) : is_new ? host->apply_all(*state_) : host->apply_changes(*state_);
     if (host || !is_new) {
         state_->advance(time);
         rays_follow = rays_ != nullptr;
@@ -207,8 +210,8 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
 
     // Let the rest follow. A cache that did not see the last advance cannot.
     if (rays_follow) {
-        // Follow whole, unless the static scene is built again: an interruption would discard it.
-        const bool rebuilds = !state_->changes().promoted.empty();
+        // Follow whole, unless large trees are built: an interruption would discard everything.
+        const bool rebuilds = !state_->changes().promoted.empty() || adds_much();
         const InterruptionScope scope(rebuilds ? Interruption::current() : nullptr);
         rays_->limit_memory(limit_);
         rays_->update(*state_);
@@ -229,6 +232,34 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     times.caches = milliseconds_since(start);
     guard.succeed();
     return times;
+}
+
+// Takes over a scene that differs in dynamic objects alone, without those caches that cannot follow.
+// @return  false if more differs: then everything begins anew
+bool FrameEngine::continue_with(const std::shared_ptr<const scene::Scene>& scene)
+{
+    if (accelerator_ != Accelerator::embree) return false;
+    const std::optional<scene::Continuation> next = scene::continuation(*state_->base(), *scene);
+    if (!next) return false;
+    state_->continue_with(*next);
+    if (state_before_) state_before_->continue_with(*next), before_lags_ = true;
+    scene_ = scene;
+    turn_centre_.reset();
+    nah_.reset();
+    map_.reset();
+    raster_.reset();
+    return true;
+}
+
+// Whether the objects that were added have so many triangles that their trees take longer than a frame may be
+// cancelled in.
+bool FrameEngine::adds_much() const
+{
+    constexpr std::size_t k_much = 1u << 18;
+    std::size_t triangles = 0;
+    for (const scene::ObjectId o : state_->changes().added)
+        triangles += state_->scene().meshes[state_->scene().objects[o].mesh].triangles.size();
+    return triangles >= k_much;
 }
 
 void FrameEngine::make_rays()
@@ -315,8 +346,9 @@ const scene::SceneState& FrameEngine::move_previous(double time, const HostValue
     // Keep the state only if it follows whole.
     std::unique_ptr<scene::SceneState> state = std::move(state_before_);
     const bool is_new = !state;
-    if (is_new) state = std::make_unique<scene::SceneState>(scene_, time);
-    if (host) host->apply_before(*state, is_new);
+    if (is_new) state = std::make_unique<scene::SceneState>(state_->base(), time);
+    if (host) before_lags_ && !is_new ? host->replace_before(*state) : host->apply_before(*state, is_new);
+    before_lags_ = false;
     if (host || !is_new) state->advance(time);
     state_before_ = std::move(state);
     return *state_before_;
@@ -383,7 +415,8 @@ void FrameEngine::make_report(const shading::FrameBuffers* before)
     report_.everything = !follows_frame_;
     if (follows_frame_) {
         const scene::FrameChanges& changes = state_->changes();
-        report_.objects = changes.changed;
+        std::set_difference(changes.changed.begin(), changes.changed.end(), changes.removed.begin(),
+                            changes.removed.end(), std::back_inserter(report_.objects));
         std::set_union(changes.lights_moved.begin(), changes.lights_moved.end(), changes.lights_relit.begin(),
                        changes.lights_relit.end(), std::back_inserter(report_.lights));
         report_.materials = changes.materials_changed;
@@ -438,7 +471,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         // A background of one colour is seen, and lights nothing.
         const bool surroundings = scene_->background.kind != scene::Background::Kind::color;
         techniques.indirect =
-            &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings}, options_.samples);
+            &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
     trace::TracedOptions traced;
@@ -525,8 +558,8 @@ PickedPoint FrameEngine::hit_at(const scene::View& view, const glm::ivec2& pixel
     picked.object = hit.object;
     if (picked.object == scene::none) return picked;
     shading::SurfacePoint surface;
-    shading::surface_at(*scene_, rays_->geometry(hit.object), hit.triangle, hit.u, hit.v, hit.distance, hit.direction,
-                        {view.pixel_width, view.pixel_spread}, surface);
+    shading::surface_at(state_->scene(), rays_->geometry(hit.object), hit.triangle, hit.u, hit.v, hit.distance,
+                        hit.direction, {view.pixel_width, view.pixel_spread}, surface);
     picked.material = hit.material;
     picked.triangle = hit.triangle;
     picked.position = surface.position;

@@ -55,6 +55,7 @@ enum class Shown : std::uint8_t { light, shadow_states, clusters, redrawn };
 struct AdvanceTimes {
     double scene = 0;    // state and, for a new scene, ray scene
     double caches = 0;   // update of the ray scene; what the options need was made
+    bool anew = false;   // the scene or the accelerator is another one, and nothing was kept
 };
 
 struct RenderRequest {
@@ -97,7 +98,8 @@ class FrameEngine {
     FrameEngine(const FrameEngine&) = delete;
     FrameEngine& operator=(const FrameEngine&) = delete;
 
-    /// Moves to a time of a scene. Another scene or accelerator discards everything.
+    /// Moves to a time of a scene. Another scene discards everything, unless it differs from the last one as
+    /// scene::continuation() allows, and `host` is given; so does another accelerator.
     /// @param options  size, camera, turntable, threads, exposure and tone mapping are not read
     /// @param host     values of the same scene; their changes are taken over, or all of them for another scene
     /// @throws MissingError      RenderMethod::raster without a suitable Vulkan device or memory; the limit on memory
@@ -105,7 +107,7 @@ class FrameEngine {
     /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
     AdvanceTimes advance(const std::shared_ptr<const scene::Scene>& scene, double time, const RenderOptions& options,
                          const HostValues* host = nullptr);
-    /// The scene of the last advance().
+    /// The scene of the last advance(). Its objects may have other numbers than those of state().
     const std::shared_ptr<const scene::Scene>& scene() const { return scene_; }
     /// Objects of the ray scene that the last advance() placed or refitted.
     std::uint64_t touched_instances() const { return rays_ ? rays_->statistics().touched : 0; }
@@ -181,6 +183,8 @@ class FrameEngine {
         bool cache = false, map = false, reference = false;   // its indirect light
     };
     Plan plan_for(const RenderOptions& options) const;
+    bool continue_with(const std::shared_ptr<const scene::Scene>& scene);
+    bool adds_much() const;
     void make_rays();
     void trace_centres(const RenderRequest& request);
     void make_report(const shading::FrameBuffers* before);
@@ -220,6 +224,7 @@ class FrameEngine {
     bool has_image_ = false;                            // the last frame's image lies in buffers_ as it was rendered
     EngineReport report_;                               // of the last frame
     std::unique_ptr<scene::SceneState> state_before_;   // see move_previous()
+    bool before_lags_ = false;                          // it has values of an earlier scene
 };
 
 }   // namespace gnomon::frame

@@ -121,7 +121,6 @@ void HostValues::set_material(scene::MaterialId material, const scene::Material*
 void HostValues::settle()
 {
     if (!must_remake_) return;
-    must_remake_ = false;
     auto remade = std::make_shared<scene::Scene>(*given_);
     for (const auto& [node, deforms] : promoted_) {
         remade->nodes[node].animated = true;
@@ -135,6 +134,7 @@ void HostValues::settle()
     }
     remade->finish();
     scene_ = std::move(remade);
+    must_remake_ = false;
     find_objects();
 }
 
@@ -176,12 +176,13 @@ void HostValues::each_kind_of_geometry(scene::SceneState& state, const Act& act)
         visible_);
     act(
         [&](scene::NodeId n, const std::shared_ptr<const scene::DeformedMesh>* vertices) {
-            state.override_vertices(object_at_[n], vertices ? *vertices : nullptr);
+            state.override_vertices(state.object_at(n), vertices ? *vertices : nullptr);
         },
         vertices_);
     act(
         [&](scene::NodeId n, const std::vector<float>* weights) {
-            state.override_weights(object_at_[n], weights ? std::optional<std::vector<float>>(*weights) : std::nullopt);
+            state.override_weights(state.object_at(n),
+                                   weights ? std::optional<std::vector<float>>(*weights) : std::nullopt);
         },
         weights_);
 }
@@ -204,6 +205,16 @@ void HostValues::apply_all(scene::SceneState& state) const
     });
 }
 
+void HostValues::replace_all(scene::SceneState& state) const
+{
+    const auto has = [](const auto& values) {
+        return [&values](std::uint32_t key) { return values.now(key) != nullptr; };
+    };
+    state.keep_overrides(
+        {has(transforms_), has(visible_), has(vertices_), has(weights_), has(lights_), has(materials_)});
+    apply_all(state);
+}
+
 void HostValues::apply_changes(scene::SceneState& state) const
 {
     each_kind(state, [](const auto& set, const auto& values) {
@@ -220,6 +231,16 @@ void HostValues::apply_before(scene::SceneState& state, bool is_new) const
             for (const std::uint32_t key : values.changed_last()) set(key, values.before(key));
         for (const auto& [key, before] : values.changed()) set(key, values.before(key));
     });
+}
+
+void HostValues::replace_before(scene::SceneState& state) const
+{
+    const auto had = [](const auto& values) {
+        return [&values](std::uint32_t key) { return values.before(key) != nullptr; };
+    };
+    const auto any = [](std::uint32_t) { return true; };
+    state.keep_overrides({had(transforms_), had(visible_), had(vertices_), had(weights_), any, any});
+    apply_before(state, true);
 }
 
 void HostValues::end_frame()

@@ -92,6 +92,8 @@ class HostValues {
 
     /// Hands all values to a new state of scene(); it takes them at its next advance().
     void apply_all(scene::SceneState& state) const;
+    /// The same to a state that has the values of an earlier scene (SceneState::continue_with()).
+    void replace_all(scene::SceneState& state) const;
     /// Hands over those that changed since end_frame().
     void apply_changes(scene::SceneState& state) const;
     /// Call when a frame was rendered.
@@ -99,6 +101,8 @@ class HostValues {
     /// Hands the transforms, visibility, vertices and weights of the frame before to a second state: to a new one all
     /// of them, else those that differ from the frame before that one.
     void apply_before(scene::SceneState& state, bool is_new) const;
+    /// The same to a second state that has the values of an earlier scene.
+    void replace_before(scene::SceneState& state) const;
 
     /// Copies the values of parts that another scene has as well; promoted nodes stay promoted.
     /// @param node, light, material  a part's index in the other scene; scene::none: it has none

@@ -89,6 +89,10 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
     // Follow the geometry.
     const bool promoted = !changes.promoted.empty();
     if (promoted) drop_static_results();
+    if (!changes.added.empty() || !changes.removed.empty()) {
+        triangles_.follow(state.scene());
+        find_dynamic_groups();
+    }
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
     if (first || !changes.changed.empty()) follow_dynamic_objects(first);
     evaluator_->begin_frame(frame_);
@@ -110,7 +114,7 @@ void IrradianceCache::find_dynamic_groups()
     dynamic_groups_.clear();
     std::unordered_map<std::uint32_t, std::size_t> group_of_owner;
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
-        if (!state.is_dynamic(o) || !casters_.casts(o)) continue;
+        if (!state.is_dynamic(o) || state.scene().objects[o].removed || !casters_.casts(o)) continue;
         const std::uint32_t owner = lights_.owner_of(o);
         const auto [at, first] = group_of_owner.try_emplace(owner, dynamic_groups_.size());
         if (first) dynamic_groups_.emplace_back();
@@ -150,8 +154,9 @@ void IrradianceCache::follow_dynamic_objects(bool first)
 {
     ++frame_.dynamic_version;
     const scene::FrameChanges& changes = frame_.state->changes();
-    const bool only_moved = !first && changes.promoted.empty() && changes.separated.empty() &&
-                            changes.deformed.empty() && changes.appeared.empty() && changes.vanished.empty();
+    const bool only_moved = !first && changes.promoted.empty() && changes.separated.empty() && changes.added.empty() &&
+                            changes.removed.empty() && changes.deformed.empty() && changes.appeared.empty() &&
+                            changes.vanished.empty();
     const bool alone = std::all_of(changes.moved.begin(), changes.moved.end(), [&](scene::ObjectId o) {
         return !casters_.casts(o) || (only_moved && sphere_of_[o] != scene::none);
     });

@@ -5,20 +5,25 @@ namespace gnomon::light_views {
 
 Casters::Casters(const scene::SceneState& state) : scene_(state.shared_scene())
 {
-    std::vector<char> mesh_casts;
-    for (const scene::Mesh& mesh : scene_->meshes) {
+    list_new(state);
+}
+
+// Lists the meshes and objects that are not listed yet.
+void Casters::list_new(const scene::SceneState& state)
+{
+    for (std::size_t m = mesh_box_.size(); m < scene_->meshes.size(); ++m) {
+        const scene::Mesh& mesh = scene_->meshes[m];
         mesh_box_.push_back(mesh.bounds());
         bool casts = false;
         for (const scene::MeshPart& part : mesh.parts)
             casts |= part.triangle_count > 0 &&
                      scene_->materials[part.material].surface_class() != scene::SurfaceClass::transparent;
-        mesh_casts.push_back(casts);
+        mesh_casts_.push_back(casts);
     }
-    casts_.reserve(scene_->objects.size());
-    deformed_slot_.assign(scene_->objects.size(), scene::none);
-    for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
+    for (std::size_t o = casts_.size(); o < scene_->objects.size(); ++o) {
         const scene::Object& object = scene_->objects[o];
-        casts_.push_back(mesh_casts[object.mesh]);
+        casts_.push_back(mesh_casts_[object.mesh]);
+        deformed_slot_.push_back(scene::none);
         if (!object.deforming) continue;
         deformed_slot_[o] = static_cast<std::uint32_t>(deformed_box_.size());
         deformed_box_.emplace_back();
@@ -28,7 +33,9 @@ Casters::Casters(const scene::SceneState& state) : scene_(state.shared_scene())
 
 void Casters::update(const scene::SceneState& state)
 {
-    for (const auto* list : {&state.changes().deformed, &state.changes().appeared})
+    const scene::FrameChanges& changes = state.changes();
+    if (!changes.added.empty()) list_new(state);
+    for (const auto* list : {&changes.added, &changes.deformed, &changes.appeared})
         for (const scene::ObjectId object : *list)
             if (deformed_slot_[object] != scene::none) measure(state, object);
 }

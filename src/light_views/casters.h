@@ -17,7 +17,7 @@ class Casters {
  public:
     explicit Casters(const scene::SceneState& state);
 
-    /// Call after each advance(): updates deformed and appeared objects.
+    /// Call after each advance(): updates deformed and appeared objects, and lists added ones.
     void update(const scene::SceneState& state);
 
     /// Whether it has opaque or alpha-tested triangles. Depends on the scene only.
@@ -34,9 +34,10 @@ class Casters {
 
  private:
     void measure(const scene::SceneState& state, scene::ObjectId object);
+    void list_new(const scene::SceneState& state);
 
     std::shared_ptr<const scene::Scene> scene_;
-    std::vector<char> casts_;
+    std::vector<char> casts_, mesh_casts_;
     std::vector<Box3> mesh_box_;
     std::vector<std::uint32_t> deformed_slot_;   // by object; none for rigid objects
     std::vector<Box3> deformed_box_;

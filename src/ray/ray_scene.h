@@ -84,7 +84,8 @@ class RayScene {
     RayScene& operator=(const RayScene&) = delete;
 
     /// Follows one advance() of the state it was built from. Cost: the objects that changed, and the TLAS if there are
-    /// any; the static scene is committed again after a promotion.
+    /// any; the trees of objects that were added, and O(solids) then; the static scene is committed again after a
+    /// promotion.
     /// @throws MissingError, InterruptedError  as the constructor; it is then of no use
     void update(const scene::SceneState& state);
 
@@ -115,6 +116,7 @@ class RayScene {
     /// The work of that tree for rays of one purpose since the last update; zeros without it.
     KdCounts kdtree_work(RayClass purpose) const;
 
+    /// Of an object that was removed: without a mesh.
     const ObjectGeometry& geometry(scene::ObjectId object) const;
     /// How rays hit it while it is visible.
     Meeting meeting(scene::ObjectId object) const;

@@ -39,10 +39,10 @@ ReferenceLight::ReferenceLight(const scene::SceneState& state, const ray::RaySce
         const auto id = static_cast<scene::LightId>(l);
         if (state.light(id).visible && light.color != glm::vec3(0) && uses(light)) lights_.push_back(id);
     }
-    if (options.shining)
-        for (const scene::Material& material : scene.materials)
-            surfaces_shine_ =
-                surfaces_shine_ || material.emissive != glm::vec3(0) || material.model == scene::ShadingModel::unlit;
+    if (options.shining) {
+        emitters_ = std::make_unique<EmitterSampler>(state, rays);
+        if (emitters_->empty()) emitters_.reset();
+    }
     if (!options.surroundings) return;
 
     background_.sun_radiance = glm::vec3(0);

@@ -20,8 +20,8 @@
 //     that of its images; so for every material: reflected radiance = diffuse / pi * irradiance.
 // With `surroundings`, the background lights the points too: the sky, and the environment image in place of the lights
 // that approximate it (by both kinds of sampling, combined by the balance heuristic [Veach and Guibas 1995]). With
-// `shining`, emissive surfaces emit light. Otherwise lights alone do; scenes without lights get some in place of their
-// emissive surfaces (scene/defaults/emissive_lights.h).
+// `shining`, emissive surfaces emit light, whatever other lights there are, in place of the lights that approximate
+// them (scene/defaults/emissive_lights.h), and are sampled in the same two ways. Otherwise lights alone do.
 //
 // The result is the same for any number of threads: a point's random numbers depend on the seed and its key alone.
 // Cost: a sample is one ray and at most one shadow ray per bounce, in packets.
@@ -34,6 +34,7 @@
 #include "base/tasks.h"
 #include "gnomon/types.h"
 #include "ray/ray_scene.h"
+#include "reference/emitter_sampler.h"
 #include "reference/environment_sampler.h"
 #include "reference/sample_pattern.h"
 #include "shading/surface.h"
@@ -91,7 +92,10 @@ class ReferenceLight {
     ReferenceLight(const scene::SceneState& state, const ray::RayScene& rays, const ReferenceOptions& options);
 
     /// Whether the direct light of this light is to be added. Otherwise it is part of the surroundings.
-    bool uses(const scene::Light& light) const { return !(options_.surroundings && light.of_environment); }
+    bool uses(const scene::Light& light) const
+    {
+        return !(options_.surroundings && light.of_environment) && !(options_.shining && light.of_surface);
+    }
     const ReferenceOptions& options() const { return options_; }
 
  private:
@@ -102,7 +106,7 @@ class ReferenceLight {
     std::vector<scene::LightId> lights_;   // that emit light
     scene::Background background_;         // without the sun, which is a light
     bool background_shines_ = false;
-    bool surfaces_shine_ = false;
+    std::unique_ptr<EmitterSampler> emitters_;          // null: no surface shines
     bool transparent_ = false;                          // some materials do not block light
     std::unique_ptr<EnvironmentSampler> environment_;   // null: none to sample
 };
@@ -135,9 +139,12 @@ class ReferencePaths {
     void push_first(const Request& request, int batch, std::uint32_t u, std::uint32_t v, int sample);
     void run_paths();
     void ask_environment(int bounce);
+    void ask_emitters(int bounce);
     bool trace_on(int bounce);
     void pass_transparent();
     shading::SurfacePoint surface_of(std::size_t ray) const;
+    const scene::Material& material_of(std::size_t ray) const;
+    void gain(std::size_t path, int bounce, const glm::vec3& irradiance);
     void ask_lights();
     void choose_directions();
     void trace_shadows(bool to_surroundings);
@@ -150,6 +157,7 @@ class ReferencePaths {
     std::vector<std::uint32_t> ray_path_, shadow_path_,
         standing_;   // by ray: its path; paths that still have a surface
     std::vector<glm::vec3> shadow_gain_;
+    std::vector<EmitterPoint> emitter_points_;   // by ray
     std::vector<float> light_chance_;
     ray::Hits hits_, next_hits_;
     std::vector<std::uint32_t> passing_ray_;

@@ -27,6 +27,15 @@ constexpr float k_least_cosine = 1e-2f;   // least cosine taken for a ray that p
 
 constexpr auto k_float_pi = static_cast<float>(k_pi);
 
+// A density per unit of area as one per unit of solid angle, seen along a ray of unit direction that meets the surface
+// at this distance. Infinite for a surface that is seen edge-on.
+float solid_density(float per_area, float distance, const glm::vec3& direction, const shading::SurfacePoint& s)
+{
+    if (!(per_area > 0)) return 0;
+    const float cosine = std::abs(glm::dot(direction, s.geometric_normal));
+    return cosine > 0 ? per_area * distance * distance / cosine : k_infinity;
+}
+
 int batches_of(int samples)
 {
     return samples >= k_batches * k_least_batch ? k_batches : samples;
@@ -139,6 +148,7 @@ void ReferencePaths::run_paths()
     for (std::uint32_t i = 0; i < paths_.size(); ++i) standing_[i] = i;
     for (int bounce = 0;; ++bounce) {
         ask_environment(bounce);
+        ask_emitters(bounce);
         if (!trace_on(bounce)) return;
         ask_lights();
         choose_directions();
@@ -174,12 +184,57 @@ void ReferencePaths::ask_environment(int bounce)
     trace_shadows(bounce == 0);
 }
 
+// Samples a point of an emissive surface from the surface of each path.
+void ReferencePaths::ask_emitters(int bounce)
+{
+    if (!light_.emitters_) return;
+    rays_.clear(), ray_path_.clear(), emitter_points_.clear();
+    for (const std::uint32_t i : standing_) {
+        Path& path = paths_[i];
+        const float u = path.random.uniform(), v = path.random.uniform(), w = path.random.uniform();
+        const EmitterPoint point = light_.emitters_->sample(u, v, w);
+        const glm::vec3 to_point = point.position - path.origin;
+        const float distance = glm::length(to_point);
+        if (!(distance > 0)) continue;
+        const glm::vec3 direction = to_point / distance;
+        if (glm::dot(direction, path.normal) <= 0 || glm::dot(direction, path.geometric_normal) <= 0) continue;
+        rays_.push(path.origin, 0, direction, k_infinity);
+        ray_path_.push_back(i);
+        emitter_points_.push_back(point);
+    }
+    const std::size_t count = rays_.size();
+    if (count == 0) return;
+
+    // The point counts where it is the first surface that the ray meets.
+    counters_.rays += count;
+    hits_.resize(count);
+    light_.rays_.closest(rays_, 0, count, hits_, ray::Sides::both);
+    if (light_.transparent_) pass_transparent();
+    for (std::size_t r = 0; r < count; ++r) {
+        const EmitterPoint& point = emitter_points_[r];
+        if (hits_.object[r] != point.object || hits_.triangle[r] != point.triangle) continue;
+        const shading::SurfacePoint s = surface_of(r);
+        const glm::vec3 emission = EmitterSampler::emission(s, material_of(r));
+        if (emission == glm::vec3(0)) continue;
+        const glm::vec3 direction = rays_.direction(r);
+        const float cosine = glm::dot(direction, paths_[ray_path_[r]].normal);
+        const float density = solid_density(point.density, hits_.t[r], direction, s);
+        gain(ray_path_[r], bounce, cosine / (density + cosine / k_float_pi) * emission);
+    }
+}
+
+void ReferencePaths::gain(std::size_t i, int bounce, const glm::vec3& irradiance)
+{
+    Path& path = paths_[i];
+    (bounce == 0 ? path.surroundings : path.indirect) += path.weight * irradiance;
+}
+
 // Continues each path to the next surface. A path that meets none is done.
 // @return whether any path met a surface and may bounce
 bool ReferencePaths::trace_on(int bounce)
 {
     const bool last = bounce >= light_.options_.bounces;
-    if (last && !light_.background_shines_ && !light_.surfaces_shine_) return false;
+    if (last && !light_.background_shines_ && !light_.emitters_) return false;
     rays_.clear(), ray_path_.clear();
     for (const std::uint32_t i : standing_) {
         const Path& path = paths_[i];
@@ -192,25 +247,23 @@ bool ReferencePaths::trace_on(int bounce)
     const std::size_t count = rays_.size();
     if (count == 0) return false;
     counters_.rays += count;
-    const auto gain = [&](Path& path, const glm::vec3& radiance) {
-        (bounce == 0 ? path.surroundings : path.indirect) += path.weight * k_float_pi * radiance;
-    };
-    const auto background = [&](Path& path) {
+    const auto background = [&](std::size_t ray) {
+        const Path& path = paths_[ray_path_[ray]];
         glm::vec3 radiance = light_.background_.radiance(path.direction);
         if (light_.environment_) {
             const float own = std::max(glm::dot(path.direction, path.normal), 0.0f) / k_float_pi;
             const float other = light_.environment_->density(path.direction);
             radiance *= own / std::max(own + other, std::numeric_limits<float>::min());
         }
-        gain(path, radiance);
+        gain(ray_path_[ray], bounce, k_float_pi * radiance);
     };
 
     // The last ray only needs to know whether it leaves the scene.
-    if (last && !light_.surfaces_shine_) {
+    if (last && !light_.emitters_) {
         occluded_.resize(count + ray::k_packet_pad);
         light_.rays_.occluded(rays_, 0, count, occluded_.data());
         for (std::size_t r = 0; r < count; ++r)
-            if (!occluded_[r]) background(paths_[ray_path_[r]]);
+            if (!occluded_[r]) background(r);
         return false;
     }
 
@@ -220,11 +273,19 @@ bool ReferencePaths::trace_on(int bounce)
     for (std::size_t r = 0; r < count; ++r) {
         Path& path = paths_[ray_path_[r]];
         if (hits_.object[r] == scene::none) {
-            if (light_.background_shines_) background(path);
+            if (light_.background_shines_) background(r);
             continue;
         }
         const shading::SurfacePoint s = surface_of(r);
-        if (light_.surfaces_shine_) gain(path, s.emissive * s.coverage);
+        if (light_.emitters_) {
+            const glm::vec3 emission = EmitterSampler::emission(s, material_of(r));
+            const float own = std::max(glm::dot(path.direction, path.normal), 0.0f) / k_float_pi;
+            const float other = solid_density(light_.emitters_->density(hits_.object[r], hits_.triangle[r]), hits_.t[r],
+                                              path.direction, s);
+            if (emission != glm::vec3(0))
+                gain(ray_path_[r], bounce,
+                     k_float_pi * (own / std::max(own + other, std::numeric_limits<float>::min())) * emission);
+        }
         path.weight *= s.diffuse;
         if (last || path.weight == glm::vec3(0)) continue;
         path.position = s.position;
@@ -240,13 +301,8 @@ bool ReferencePaths::trace_on(int bounce)
 // Continues rays that met a surface that does not block light, behind it.
 void ReferencePaths::pass_transparent()
 {
-    const scene::Scene& scene = light_.state_.scene();
     const auto blocks = [&](std::size_t r) {
-        const scene::ObjectId object = hits_.object[r];
-        if (object == scene::none) return true;
-        const scene::Mesh& mesh = scene.meshes[scene.objects[object].mesh];
-        return scene.materials[mesh.part_of(hits_.triangle[r]).material].surface_class() !=
-               scene::SurfaceClass::transparent;
+        return hits_.object[r] == scene::none || material_of(r).surface_class() != scene::SurfaceClass::transparent;
     };
     for (int pass = 0; pass < k_most_passes; ++pass) {
         passing_.clear(), passing_ray_.clear();
@@ -279,6 +335,13 @@ shading::SurfacePoint ReferencePaths::surface_of(std::size_t r) const
     shading::surface_at(light_.state_.scene(), light_.rays_.geometry(hits_.object[r]), hits_.triangle[r], hits_.u[r],
                         hits_.v[r], hits_.t[r], rays_.direction(r), {}, s);
     return s;
+}
+
+const scene::Material& ReferencePaths::material_of(std::size_t r) const
+{
+    const scene::Scene& scene = light_.state_.scene();
+    const scene::Mesh& mesh = scene.meshes[scene.objects[hits_.object[r]].mesh];
+    return scene.materials[mesh.part_of(hits_.triangle[r]).material];
 }
 
 // Samples one light from the surface of each path.

@@ -32,6 +32,7 @@ struct Light {
     bool of_environment = false;   // part of an environment map; only for diffuse reflection, because specular
                                    // reflection sees the map itself
     bool by_default = false;       // added by the library, not by the file
+    bool of_surface = false;       // approximates an emissive surface of the scene; added by the library
 };
 
 /// Whether two lights reach the same points, with irradiance in the same proportions: everything that bears on it but

@@ -88,6 +88,7 @@ void SceneState::set_light(LightId light, const Light& values)
     wanted.node = now.node;
     wanted.of_environment = now.of_environment;
     wanted.by_default = now.by_default;
+    wanted.of_surface = now.of_surface;
     if (same_reach(wanted, now) && same_bits(wanted.color, now.color))
         lights_due_.erase(light);
     else
@@ -106,6 +107,27 @@ void SceneState::set_material(MaterialId material, const Material& values)
     Material& wanted = materials_due_[material];
     wanted = values;
     wanted.name = now.name;
+}
+
+void SceneState::keep_overrides(const Overridden& kept)
+{
+    const auto release = [](const auto& overrides, const auto& keeps, const auto& remove) {
+        std::vector<std::uint32_t> gone;
+        for (const auto& [key, value] : overrides)
+            if (!keeps(key)) gone.push_back(key);
+        for (const std::uint32_t key : gone) remove(key);
+    };
+    const auto by_node = [&](const std::function<bool(std::uint32_t)>& keeps) {
+        return [this, &keeps](ObjectId object) { return keeps(scene_->objects[object].node); };
+    };
+    release(transforms_, kept.transform, [&](NodeId n) { override_transform(n, nullptr); });
+    release(visibilities_, kept.visibility, [&](NodeId n) { override_visibility(n, {}); });
+    release(vertices_, by_node(kept.vertices), [&](ObjectId o) { override_vertices(o, nullptr); });
+    release(weights_, by_node(kept.weights), [&](ObjectId o) { override_weights(o, {}); });
+    for (LightId l = 0; l < base_->lights.size(); ++l)
+        if (!kept.light(l)) set_light(l, base_->lights[l]);
+    for (MaterialId m = 0; m < base_->materials.size(); ++m)
+        if (!kept.material(m)) set_material(m, base_->materials[m]);
 }
 
 // Writes the values of lights and materials that were set into the scene, and lists what differs.

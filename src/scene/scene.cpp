@@ -151,6 +151,7 @@ Statistics Scene::statistics() const
 {
     Statistics result;
     for (const Object& object : objects) {
+        if (object.removed) continue;
         const std::uint64_t triangles = meshes[object.mesh].triangles.size();
         result.triangles += triangles;
         ++result.objects;

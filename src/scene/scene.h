@@ -86,6 +86,7 @@ struct Object {
     GroupId group = none;     // none: static, or deforming
     bool dynamic = false;     // below an animated node, skinned, morphing, or declared so: may change during the clip
     bool deforming = false;   // its vertices may change
+    bool removed = false;     // a host removed it; see scene/continuation.h. It is never visible, its node is any
 };
 
 /// Dynamic rigid objects with the same nearest animated ancestor; they always move together.

@@ -83,7 +83,7 @@ SceneBounds clip_bounds(const Scene& scene, int most_times)
         for (std::size_t o = 0; o < boxes.size(); ++o) {
             const Object& object = scene.objects[o];
             const Box3& box = meshes[object.mesh];
-            if (box.empty() || (i > 0 && !object.dynamic)) continue;
+            if (box.empty() || object.removed || (i > 0 && !object.dynamic)) continue;
             for (int corner = 0; corner < 8; ++corner) {
                 const glm::dvec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                    corner & 4 ? box.high.z : box.low.z);
@@ -92,8 +92,10 @@ SceneBounds clip_bounds(const Scene& scene, int most_times)
             }
         }
     }
-    for (std::size_t o = 0; o < boxes.size(); ++o)
-        if (const Box3& reach = scene.nodes[scene.objects[o].node].reach; !reach.empty()) boxes[o].box.add(reach);
+    for (std::size_t o = 0; o < boxes.size(); ++o) {
+        const Box3& reach = scene.nodes[scene.objects[o].node].reach;
+        if (!scene.objects[o].removed && !reach.empty()) boxes[o].box.add(reach);
+    }
     std::erase_if(boxes, [](const ObjectBox& placed) { return placed.box.empty(); });
     for (const ObjectBox& placed : boxes) bounds.whole.add(placed.box);
     if (!boxes.empty()) bounds.dense = dense_part(boxes);

@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/volume.h"
 #include "scene/change_index.h"
+#include "scene/continuation.h"
 
 namespace gnomon::scene {
 
@@ -23,6 +24,8 @@ struct SceneState::Index {
     std::vector<std::vector<ObjectId>> skinned_by;              // by skin
 
     explicit Index(const Scene& scene);
+    /// Finds the parts of each node, without tracks and skins.
+    void find_parts(const Scene& scene);
 };
 
 namespace {
@@ -36,9 +39,24 @@ void sort_unique(std::vector<T>& v)
 
 }   // namespace
 
-SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), none), skinned_by(scene.skins.size())
+void SceneState::Index::find_parts(const Scene& scene)
 {
-    for (std::size_t o = 0; o < scene.objects.size(); ++o) object_at[scene.objects[o].node] = static_cast<ObjectId>(o);
+    object_at.assign(scene.nodes.size(), none);
+    for (std::size_t o = 0; o < scene.objects.size(); ++o)
+        if (!scene.objects[o].removed) object_at[scene.objects[o].node] = static_cast<ObjectId>(o);
+    lights_at.clear();
+    for (std::size_t l = 0; l < scene.lights.size(); ++l)
+        lights_at[scene.lights[l].node].push_back(static_cast<LightId>(l));
+    cameras_at.clear();
+    for (const Camera& camera : scene.cameras) cameras_at[camera.node] = true;
+    group_at.clear();
+    for (std::size_t g = 0; g < scene.groups.size(); ++g)
+        if (!scene.groups[g].objects.empty()) group_at[scene.groups[g].anchor] = static_cast<GroupId>(g);
+}
+
+SceneState::Index::Index(const Scene& scene) : skinned_by(scene.skins.size())
+{
+    find_parts(scene);
     for (const std::uint32_t n : scene.track_nodes) {
         const Node& node = scene.nodes[n];
         if (node.transform)
@@ -60,10 +78,6 @@ SceneState::Index::Index(const Scene& scene) : object_at(scene.nodes.size(), non
     transforms.build();
     visibilities.build();
     deformations.build();
-    for (std::size_t l = 0; l < scene.lights.size(); ++l)
-        lights_at[scene.lights[l].node].push_back(static_cast<LightId>(l));
-    for (const Camera& camera : scene.cameras) cameras_at[camera.node] = true;
-    for (std::size_t g = 0; g < scene.groups.size(); ++g) group_at[scene.groups[g].anchor] = static_cast<GroupId>(g);
 }
 
 bool FrameChanges::light_changed(LightId light) const
@@ -73,7 +87,7 @@ bool FrameChanges::light_changed(LightId light) const
 }
 
 SceneState::SceneState(const std::shared_ptr<const Scene>& scene, double time)
-    : scene_(std::make_shared<Scene>(*scene)), index_(std::make_unique<Index>(*scene_)), time_(time)
+    : base_(scene), scene_(std::make_shared<Scene>(*scene)), index_(std::make_unique<Index>(*scene_)), time_(time)
 {
     const std::size_t nodes = scene_->nodes.size();
     local_.resize(nodes);
@@ -99,12 +113,87 @@ SceneState::SceneState(const std::shared_ptr<const Scene>& scene, double time)
         dynamic_objects_.push_back(o);
     }
     deformed_slot_.assign(scene_->objects.size(), none);
-    for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
-        if (!scene_->objects[o].deforming) continue;
-        deformed_slot_[o] = static_cast<std::uint32_t>(deformed_.size());
+    for (ObjectId o = 0; o < scene_->objects.size(); ++o)
+        if (scene_->objects[o].deforming) deform_first(o);
+}
+
+// Deforms an object that has had no shape yet.
+void SceneState::deform_first(ObjectId object)
+{
+    if (deformed_slot_[object] == none) {
+        deformed_slot_[object] = static_cast<std::uint32_t>(deformed_.size());
         deformed_.emplace_back();
-        deform(static_cast<ObjectId>(o));
     }
+    deform(object);
+}
+
+void SceneState::continue_with(const Continuation& next)
+{
+    GNOMON_CHECK(taken_objects_.empty());
+    // Note what disappears, while it is still known.
+    for (const ObjectId object : next.removed) {
+        if (object_visible(object)) vanished_.push_back(object);
+        weights_.erase(object);
+        vertices_.erase(object);
+    }
+    removed_.insert(removed_.end(), next.removed.begin(), next.removed.end());
+    added_.insert(added_.end(), next.added.begin(), next.added.end());
+
+    // Take over the scene, and keep the present values of lights and materials.
+    Scene scene = *next.scene;
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) {
+        Light light = scene_->lights[l];
+        light.node = scene.lights[l].node;
+        scene.lights[l] = std::move(light);
+    }
+    for (std::size_t m = 0; m < base_->materials.size(); ++m)
+        if (same_values(base_->materials[m], scene.materials[m]) ||
+            std::binary_search(next.edited.begin(), next.edited.end(), static_cast<MaterialId>(m)))
+            scene.materials[m] = scene_->materials[m];
+    *scene_ = std::move(scene);
+    base_ = next.scene;
+    index_->find_parts(*scene_);
+    bounds_.reset();
+
+    // Begin with replaced nodes as if they had been hidden; the next advance() evaluates them.
+    const std::size_t nodes = scene_->nodes.size();
+    local_.resize(nodes), world_.resize(nodes);
+    shown_.resize(nodes), node_visible_.resize(nodes);
+    visited_.resize(nodes, 0);
+    const auto is_gone = [&](NodeId n) {
+        return n >= nodes || std::binary_search(next.replaced.begin(), next.replaced.end(), n);
+    };
+    std::erase_if(transforms_, [&](const auto& entry) { return is_gone(entry.first); });
+    std::erase_if(visibilities_, [&](const auto& entry) { return is_gone(entry.first); });
+    std::erase_if(transforms_due_, is_gone);
+    std::erase_if(visibilities_due_, is_gone);
+    std::erase_if(replaced_, is_gone);
+    for (const NodeId n : next.replaced) {
+        local_[n] = scene_->nodes[n].local;
+        world_[n] = glm::dmat4(1);
+        shown_[n] = true;
+        node_visible_[n] = false;
+        replaced_.push_back(n);
+    }
+
+    // Make room for new objects.
+    const std::size_t objects = scene_->objects.size();
+    dynamic_index_.resize(objects, none);
+    deformed_slot_.resize(objects, none);
+    group_of_.resize(objects, none);
+    for (const ObjectId object : next.added) {
+        group_of_[object] = scene_->objects[object].group;
+        if (dynamic_index_[object] == none) {
+            dynamic_index_[object] = static_cast<std::uint32_t>(dynamic_objects_.size());
+            dynamic_objects_.push_back(object);
+        }
+        if (scene_->objects[object].deforming) deform_first(object);
+    }
+}
+
+ObjectId SceneState::object_at(NodeId node) const
+{
+    return index_->object_at[node];
 }
 
 SceneState::~SceneState() = default;
@@ -125,6 +214,10 @@ const FrameChanges& SceneState::advance(double time)
     std::swap(active_before_, active_now_);
     std::swap(lights_active_before_, changes_.lights_moved);
     changes_ = FrameChanges{};
+    changes_.added = std::exchange(added_, {});
+    changes_.removed = std::exchange(removed_, {});
+    changes_.vanished = std::exchange(vanished_, {});
+    for (auto* list : {&changes_.added, &changes_.removed}) sort_unique(*list);
     to_deform_.clear();
     skins_due_.clear();
     groups_toggled_.clear();
@@ -134,7 +227,7 @@ const FrameChanges& SceneState::advance(double time)
     apply_values();
 
     // Update the nodes that differ and those below, parents first.
-    std::vector<NodeId> roots;
+    std::vector<NodeId> roots = std::exchange(replaced_, {});
     collect_roots(before, roots);
     sort_unique(roots);
     for (const NodeId root : roots) visit_below(root);

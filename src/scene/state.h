@@ -13,6 +13,7 @@
 // Cost of advance(): the tracks that change between the two times, what was overridden with other values, and the nodes
 // below those that moved. Objects at rest are not visited; `touched_nodes` counts the visits.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,6 +27,8 @@
 
 namespace gnomon::scene {
 
+struct Continuation;
+
 /// What changed between the last two times. Ids ascend within each list. Valid until the next advance().
 ///
 /// The vertices, world matrix and presence (SceneState::object_there) of a visible object, and its visibility, differ
@@ -37,6 +40,9 @@ struct FrameChanges {
     std::vector<ObjectId> appeared;    // visible now, not in the step before
     std::vector<ObjectId> vanished;    // the reverse
     std::vector<ObjectId> changed;     // in one or more of the four lists above; each object once
+    std::vector<ObjectId> added;       // by continue_with() before this step: their numbers are new, or those of
+                                       // objects that were removed earlier and had nothing in common with them
+    std::vector<ObjectId> removed;     // likewise; those that were visible are in `vanished`, too
     std::vector<ObjectId> promoted;    // static objects that a user override moved in this step: dynamic from now on
     std::vector<ObjectId> separated;   // objects that a user override moved against their rigid group in this step: no
                                        // members of it from now on
@@ -70,6 +76,16 @@ class SceneState {
     std::shared_ptr<const Scene> shared_scene() const { return scene_; }
     double time() const { return time_; }
 
+    /// Replaces the scene by one with other parts. The next advance() lists what was added and removed. Overrides of
+    /// nodes that were replaced are gone; others stay in force.
+    /// @param next  made from base()
+    /// @pre nothing was promoted or separated
+    void continue_with(const Continuation& next);
+    /// The scene of the constructor or of continue_with(), with the values of lights and materials that it came with.
+    const std::shared_ptr<const Scene>& base() const { return base_; }
+    /// The object at a node; `none` if there is none.
+    ObjectId object_at(NodeId node) const;
+
     /// Moves to another time, earlier or later, and returns what differs.
     const FrameChanges& advance(double time);
     const FrameChanges& changes() const { return changes_; }
@@ -78,20 +94,28 @@ class SceneState {
     const glm::dmat4& local(NodeId node) const { return local_[node]; }   // to the parent's space
     bool visible(NodeId node) const { return node_visible_[node]; }
     glm::mat4 object_matrix(ObjectId object) const;
-    bool object_visible(ObjectId object) const { return node_visible_[scene_->objects[object].node]; }
+    bool object_visible(ObjectId object) const
+    {
+        const Object& o = scene_->objects[object];
+        return !o.removed && node_visible_[o.node];
+    }
     /// Whether rays can hit the object, and images and shadows show it: it is visible, and no singular transform
     /// applies to it. A static object is there whatever its transform (its vertices are transformed as they are), and
     /// so is a flat member of a rigid group whose anchor is regular.
     bool object_there(ObjectId object) const;
-    bool group_visible(GroupId group) const { return node_visible_[scene_->groups[group].anchor]; }
+    bool group_visible(GroupId group) const
+    {
+        const RigidGroup& g = scene_->groups[group];
+        return !g.objects.empty() && node_visible_[g.anchor];
+    }
     const LightState& light(LightId light) const { return lights_[light]; }
     /// For deforming objects only.
     const DeformedMesh& deformed(ObjectId object) const;
 
     /// Whether an object may move or deform in the clip, or was ever promoted by a user override.
     bool is_dynamic(ObjectId object) const { return dynamic_index_[object] != none; }
-    /// All dynamic objects: those of the clip, ascending; then promoted ones in order of promotion. It only grows, and
-    /// only in steps with FrameChanges::promoted.
+    /// All dynamic objects: those of the clip, ascending; then promoted and added ones, as they came. It only grows,
+    /// and only in steps with FrameChanges::promoted or added. Removed ones stay in it.
     const std::vector<ObjectId>& dynamic_objects() const { return dynamic_objects_; }
     /// The object's index in dynamic_objects(), which never changes; `none` for static objects.
     std::uint32_t dynamic_index(ObjectId object) const { return dynamic_index_[object]; }
@@ -122,10 +146,18 @@ class SceneState {
     /// space, but in world space if it is skinned. nullptr removes the override. Normals and tangents may be left out:
     /// see complete_vertices(). The mesh must not be written to afterwards.
     void override_vertices(ObjectId object, std::shared_ptr<const DeformedMesh> vertices);
-    /// The values of a light from now on. Its name, node, type, of_environment and by_default stay as they are.
+    /// The values of a light from now on. Its name, node, type, of_environment, by_default and of_surface stay as they
+    /// are.
     void set_light(LightId light, const Light& values);
     /// The values of a material from now on; its name stays. @pre same_to_rays() to the present one
     void set_material(MaterialId material, const Material& values);
+
+    /// Which overrides a host has, by node, light and material.
+    struct Overridden {
+        std::function<bool(std::uint32_t)> transform, visibility, weights, vertices, light, material;
+    };
+    /// Removes the overrides that a host does not have; lights and materials get the values of base().
+    void keep_overrides(const Overridden& kept);
 
     /// Whether an override gives the object another place or shape than its tracks and its description do now.
     bool displaced(ObjectId object) const;
@@ -146,8 +178,10 @@ class SceneState {
     bool rides_along(ObjectId object) const;
     LightState light_at(LightId light) const;
     void deform(ObjectId object);
+    void deform_first(ObjectId object);
     const std::vector<glm::mat4>& joints_of(SkinId skin);
 
+    std::shared_ptr<const Scene> base_;
     std::shared_ptr<Scene> scene_;
     std::unique_ptr<Index> index_;   // when tracks change; which lights, cameras and objects belong to a node
     double time_ = 0;
@@ -187,6 +221,9 @@ class SceneState {
     std::vector<SkinId> skins_due_;
     std::vector<std::uint32_t> skin_due_;   // by skin: the step that last listed it
     std::vector<ObjectId> taken_objects_;
+    // By continue_with(), for the next advance().
+    std::vector<NodeId> replaced_;
+    std::vector<ObjectId> added_, removed_, vanished_;
 };
 
 }   // namespace gnomon::scene

@@ -100,7 +100,8 @@ void add_lights(Fingerprint& print, const scene::Scene& scene)
     print.add(scene.lights.size());
     for (const scene::Light& light : scene.lights) {
         print.add(light.type), print.add(light.falloff), print.add(light.profile), print.add(light.node);
-        print.add(light.color), print.add(light.of_environment), print.add(light.by_default);
+        print.add(light.color), print.add(light.of_environment), print.add(light.by_default),
+            print.add(light.of_surface);
         print.add(light.inner_angle), print.add(light.outer_angle), print.add(light.range);
     }
     const scene::Background& background = scene.background;

@@ -138,10 +138,10 @@ struct Misuse {
 void expect_all_refused(const std::vector<Misuse>& all)
 {
     Host host;
-    for (const auto& [name, call] : all) {
-        expect_one_line(test::usage_error([&] { call(host); }), name);
+    for (const Misuse& misuse : all) {
+        expect_one_line(test::usage_error([&] { misuse.call(host); }), misuse.name);
         host.expect_usable();
-        if (::testing::Test::HasFailure()) FAIL() << name;
+        if (::testing::Test::HasFailure()) FAIL() << misuse.name;
     }
 }
 

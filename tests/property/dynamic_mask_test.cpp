@@ -225,6 +225,62 @@ TEST(DynamicMaskCulling, AgreesWithRaysAlongOutlinesOnTexelBorders)
     EXPECT_GT(tally.unknown, 10'000u);
 }
 
+// A dynamic object that is so much larger than the static scene that its outline leaves the range of int, in texels.
+TEST(DynamicMaskCulling, AgreesWithRaysBelowAnObjectMuchLargerThanTheStaticScene)
+{
+    scene::Scene built;
+    built.materials.emplace_back();
+    built.materials.back().double_sided = true;
+    const auto add = [&](const std::vector<glm::vec3>& corners) {
+        scene::Mesh mesh;
+        mesh.positions = corners;
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        mesh.parts = {{0, 0, 2}};
+        const scene::NodeId node = built.add_node("", scene::none);
+        built.nodes[node].mesh = static_cast<scene::MeshId>(built.meshes.size());
+        built.meshes.push_back(std::move(mesh));
+    };
+    add({{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}});
+    constexpr float k_far = 2e4f;
+    add({{0, 50, -k_far}, {0, 50, k_far}, {k_far, 50, k_far}, {k_far, 50, -k_far}});   // its edge is above the floor
+    scene::Light light;
+    light.type = scene::LightType::directional;
+    const glm::dmat4 down(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 1, 0, 0),
+                          glm::dvec4(0, 0, 0, 1));
+    light.node = built.add_node("", scene::none, down);
+    built.lights.push_back(light);
+    built.finish();
+    const auto scene = std::make_shared<scene::Scene>(std::move(built));
+    scene::SceneState state(scene, 0);
+    ray::RayScene rays(state);
+    glm::dmat4 moved(1);
+    moved[3].x = 0.01;
+    state.override_transform(scene->objects[1].node, &moved);
+    state.advance(0);
+    rays.update(state);
+    ASSERT_LT(state.light(0).direction.y, -0.99f);
+    const StaticTriangles triangles(state, rays);
+    MaskOptions options;
+    options.asked = 1;
+    options.edges_per_ray = 1e6;
+    DynamicMask mask(state, rays, triangles, options);
+    mask.begin_frame(state, rays, {{0, 1, 0}, 0, 1e-6f});   // the finest texels: 2^20 over the floor
+    Random random(7);
+    std::vector<ShadowPoint> points;
+    for (int i = 0; i < 2'000; ++i) {
+        ShadowPoint point;
+        point.object = 0;
+        point.normal = {0, 1, 0};
+        point.origin = {random.uniform(-0.99f, 0.99f), 1e-4f, random.uniform(-0.99f, 0.99f)};
+        points.push_back(point);
+    }
+    Tally tally;
+    query_all(mask, *scene, state, rays, points, {0, 1}, tally);
+    expect_true(tally);
+    EXPECT_GT(tally.free, 500u);
+    EXPECT_GT(tally.occluded, 500u);
+}
+
 TEST(DynamicMaskCullingFull, AgreesWithRaysOnAThousandSoups)
 {
     MaskOptions options;

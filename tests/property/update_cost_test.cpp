@@ -88,6 +88,36 @@ TEST(UpdateCost, CountersFollowWhatMovesAmongObjectsThatMayMove)
     for (const int count : {100, 10000}) expect_work_of_ten(count, Mobility::may_move);
 }
 
+// Adds and removes a box that may move, and checks the counters.
+TEST(UpdateCost, CountersFollowWhatIsAddedAndRemoved)
+{
+    for (const int count : {100, 10000}) {
+        const int across = static_cast<int>(std::ceil(std::sqrt(count)));
+        SceneBuilder builder;
+        add_surroundings(builder, across);
+        const MeshId mesh = add_box(builder, 0.5f);
+        for (int i = 0; i < count; ++i)
+            builder.instance(mesh, {}, Transform::translation(i % across, 0, i / across),
+                             {.mobility = i % 2 ? Mobility::may_move : Mobility::fixed});
+        Renderer renderer(tiny(Indirect::visible));
+        renderer.render(builder.finish(), FrameInput{});
+        const InstanceId box = builder.instance(mesh, {}, Transform::translation(1, 2, 1),
+                                                {.mobility = Mobility::may_move, .name = "guest"});
+        const Frame with = renderer.render(builder.finish(), FrameInput{});
+        EXPECT_FALSE(with.counters.update.began_anew);
+        EXPECT_EQ(with.counters.update.nodes, 1u) << count;
+        EXPECT_EQ(with.counters.update.instances, 1u) << count;
+        ASSERT_EQ(renderer.report().instances.size(), 1u);
+        EXPECT_EQ(renderer.report().instances.front(), box);
+        builder.remove(NodeId(box));
+        const Frame without = renderer.render(builder.finish(), FrameInput{});
+        EXPECT_FALSE(without.counters.update.began_anew);
+        EXPECT_EQ(without.counters.update.nodes, 1u) << count;
+        EXPECT_EQ(without.counters.update.instances, 0u) << count;
+        EXPECT_TRUE(renderer.report().instances.empty());
+    }
+}
+
 double resident_megabytes()
 {
     std::ifstream file("/proc/self/statm");

@@ -9,6 +9,7 @@
 
 #include "gnomon/gnomon.h"
 #include "host_scene.h"
+#include "same_frames.h"
 
 namespace gnomon {
 namespace {
@@ -168,11 +169,11 @@ TEST(FrameInput, FixedObjectsArePromotedOnce)
     released.released_nodes = {stage.square};
     EXPECT_FALSE(renderer.render(stage.scene, released).counters.update.began_anew);
 
-    // Deforming is another promotion.
+    // Deforming is another promotion, but of an object that may move: another one takes its place.
     const test::Shape shape = test::square(1.5f);
     FrameInput deformed = seen();
     deformed.vertices = {{stage.square, shape.positions}};
-    EXPECT_TRUE(renderer.render(stage.scene, deformed).counters.update.began_anew);
+    EXPECT_FALSE(renderer.render(stage.scene, deformed).counters.update.began_anew);
     const test::Shape other = test::square(0.5f);
     deformed.vertices = {{stage.square, other.positions}};
     EXPECT_FALSE(renderer.render(stage.scene, deformed).counters.update.began_anew);
@@ -213,6 +214,35 @@ TEST(FrameInput, ValuesSurviveAnEditOfTheScene)
     deforming.builder.set_mesh(deforming.mesh, test::cube(1).mesh());
     EXPECT_TRUE(
         same_image(renderer.render(deforming.builder.finish(), seen()), anew(deforming.builder.finish(), seen())));
+}
+
+// A part that comes or goes leaves the motion of the others as it is, and all layers as they are in the other scene.
+TEST(FrameInput, PartsThatComeAndGoLeaveTheMotionOfTheOthers)
+{
+    Stage stage(Mobility::may_move);
+    SceneBuilder builder(stage.scene);
+    const test::Shape cube = test::cube(0.3f);
+    builder.instance(builder.mesh(cube.mesh()), {}, at(-0.5, 0.5), {.mobility = Mobility::may_move});
+    const Scene with = builder.finish();
+    FrameInput start = seen(), end = seen();
+    start.time = 0.0, end.time = 0.0;
+    start.transforms = {{stage.square, at(0.1, 0)}};
+    end.transforms = {{stage.square, at(0.3, 0.1)}};
+    const auto renders = [&](const Scene& first, const Scene& second) {
+        Renderer renderer(with_motion());
+        renderer.render(first, start);
+        return renderer.render(second, end);
+    };
+    const Frame came = renders(stage.scene, with);
+    EXPECT_FALSE(came.counters.update.began_anew);
+    test::expect_same(came, renders(with, with));
+    const Frame went = renders(with, stage.scene);
+    EXPECT_FALSE(went.counters.update.began_anew);
+    test::expect_same(went, renders(stage.scene, stage.scene));
+    ASSERT_NE(came.layer("motion"), nullptr);
+    bool moved = false;
+    for (const float value : came.layer("motion")->values()) moved = moved || value != 0;
+    EXPECT_TRUE(moved);
 }
 
 TEST(FrameInput, OtherOptionsKeepWhatIsRemembered)
@@ -389,7 +419,7 @@ TEST(HostMotion, IsRightInTheFrameOfAPromotion)
     FrameInput deformed = seen();
     deformed.vertices = {{stage.square, shape.positions}};
     frame = renderer.render(stage.scene, deformed);
-    EXPECT_TRUE(frame.counters.update.began_anew);
+    EXPECT_FALSE(frame.counters.update.began_anew);
     expect_motion(stage.scene, frame, stage.square, 0.25 * scale, 0);
 }
 

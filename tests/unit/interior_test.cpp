@@ -58,6 +58,17 @@ TEST(Interior, RoomIsSeenFromInside)
     EXPECT_EQ(room->direction.y, 0);
 }
 
+// Beyond 1e9 the squares of areas exceed the range of float, beyond 1e19 those of lengths, too.
+TEST(Interior, RoomsOfAnySizeAreSeenFromInside)
+{
+    for (const float unit : {1e-6f, 1e6f, 1e10f, 1e25f}) {
+        const auto room = find_interior(box(all, unit * glm::vec3(12, 3, 4)));
+        ASSERT_TRUE(room) << unit;
+        EXPECT_TRUE(room->covered) << unit;
+        EXPECT_GT(std::abs(room->direction.x), 0.9f) << unit;
+    }
+}
+
 TEST(Interior, CourtyardHasNoRoof)
 {
     const auto court = find_interior(box(all & ~high_y, {8, 6, 5}));

@@ -19,7 +19,6 @@ using test::camera_along_z;
 using test::plain;
 using test::square;
 
-constexpr double k_pi = 3.14159265358979323846;
 constexpr Size k_size{80, 60};
 constexpr double k_depth = 5;
 

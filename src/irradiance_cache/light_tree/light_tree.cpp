@@ -118,7 +118,7 @@ void LightTree::find_dynamics()
 {
     dynamics_.clear();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
-        if (state_->is_dynamic(o) && casters_.casts(o)) dynamics_.push_back(o);
+        if (state_->is_dynamic(o) && !state_->scene().objects[o].removed && casters_.casts(o)) dynamics_.push_back(o);
 }
 
 void LightTree::find_roots()
@@ -520,7 +520,7 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     if (follow_lights_and_bounds(tasks)) return;
     const bool promoted = !changes.promoted.empty(), all = promoted || !changes.materials_changed.empty();
     geometry_changed_ = all || !changes.lights_moved.empty() || !changes.lights_relit.empty();
-    if (promoted) find_dynamics();
+    if (promoted || !changes.added.empty() || !changes.removed.empty()) find_dynamics();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
             if (all || changes.light_changed(views_[v].light)) make_view(views_[v]);

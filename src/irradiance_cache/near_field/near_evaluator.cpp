@@ -46,7 +46,7 @@ template <class Wanted, class Store>
 void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const> claimed, ray::Against against,
                            const Wanted& wanted, const Store& store, CacheCounters& counters)
 {
-    constexpr std::size_t k_rays = 4096;
+    constexpr std::size_t k_rays = 2048;
     const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(frame.options.near_rays));
     std::size_t next = 0;
     while (next < claimed.size()) {

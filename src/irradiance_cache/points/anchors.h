@@ -101,6 +101,8 @@ std::vector<std::uint32_t> first_triangles(const scene::Scene& scene);
 class TriangleNumbers {
  public:
     explicit TriangleNumbers(const scene::Scene& scene) : first_(first_triangles(scene)) {}
+    /// Numbers the triangles of objects that were added; those of the others keep their numbers.
+    void follow(const scene::Scene& scene) { first_ = first_triangles(scene); }
     /// The number of an object's first triangle.
     std::uint32_t first(scene::ObjectId object) const { return first_[object]; }
     /// The object that a triangle belongs to.

@@ -22,18 +22,19 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
     const OcclusionTester tester{frame.rays};
     std::size_t next = 0;
     while (next < points.size()) {
-        interruption_point();   // every point is either complete or untouched here
         // Cut the tree for some points at a time, so that their rays fill packets and stay in the cache.
-        constexpr std::size_t k_rays = 4096;
+        constexpr std::size_t k_rays = 2048;
         StaticVisibility& visibility = scratch.visibility;
         visibility.clear();
         for (; next < points.size() && visibility.rays() < k_rays; ++next) {
             CachePoint& point = *points[next];
             if (!point.exists || point.version == version || is_near(point.key)) continue;
+            interruption_point();   // every point is either complete or untouched here
             cut_tree(tree, cut_options(frame.options, point), point.origin(), point.normal, scratch.cut,
                      scratch.weights, scratch.stack);
             visibility.add(frame, point, scratch.cut, scratch.weights);
         }
+        interruption_point();
         // Keep the nodes that are visible, and sum their light without dynamic objects.
         visibility.trace_nodes(tester, scratch.counters, [&](CachePoint& point, std::span<const SeenNode> seen) {
             const std::size_t padded = (seen.size() + k_seen_step - 1) / k_seen_step * k_seen_step;
@@ -53,19 +54,24 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
 // Sums the present light of points for which something changed.
 void CpuEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> points, EvaluationScratch& scratch) const
 {
-    scratch.present.clear();
-    scratch.points.clear();
-    for (CachePoint* p : points) {
-        CachePoint& point = *p;
-        if (!point.exists || point.dynamic_version == frame.dynamic_version || is_near(point.key)) continue;
-        scratch.points.push_back(p);
-        ++scratch.counters.summed_points;
-        point.dynamic_version = frame.dynamic_version;
-        std::copy(point.static_light, point.static_light + 3, point.light);
-        if (!frame.dynamic_bounds.empty() || frame.lights.any_differs()) correct(frame, point, scratch);
+    constexpr std::size_t k_points = 256;   // at a time, so that an interruption does not wait for all
+    std::size_t next = 0;
+    while (next < points.size()) {
+        interruption_point();   // every point is either complete or untouched here
+        scratch.present.clear();
+        scratch.points.clear();
+        for (; next < points.size() && scratch.points.size() < k_points; ++next) {
+            CachePoint& point = *points[next];
+            if (!point.exists || point.dynamic_version == frame.dynamic_version || is_near(point.key)) continue;
+            scratch.points.push_back(&point);
+            ++scratch.counters.summed_points;
+            point.dynamic_version = frame.dynamic_version;
+            std::copy(point.static_light, point.static_light + 3, point.light);
+            if (!frame.dynamic_bounds.empty() || frame.lights.any_differs()) correct(frame, point, scratch);
+        }
+        scratch.present.finish({frame.rays}, scratch.counters);
+        for (CachePoint* point : scratch.points) end_corrections(*point);
     }
-    scratch.present.finish({frame.rays}, scratch.counters);
-    for (CachePoint* point : scratch.points) end_corrections(*point);
 }
 
 // Corrects the static light of a point by what dynamic objects change.

@@ -69,9 +69,12 @@ void RayScene::Impl::build(const scene::SceneState& state)
     // Add dynamic objects first, because the margins of all depend on them: those of the clip, then those that the user
     // took, in the order in which an updated scene has them.
     measure_still(state);
-    for (scene::GroupId g = 0; g < scene->groups.size(); ++g) add_group(state, g);
-    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-        if (scene->objects[o].dynamic && scene->objects[o].group == scene::none) add_alone(state, o);
+    for (scene::GroupId g = 0; g < scene->groups.size(); ++g)
+        if (!scene->groups[g].objects.empty()) add_group(state, g);
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
+        const scene::Object& object = scene->objects[o];
+        if (object.dynamic && !object.removed && object.group == scene::none) add_alone(state, o);
+    }
     for (const scene::ObjectId o : state.taken_objects()) add_alone(state, o);
     note_all_reaches();
 
@@ -90,8 +93,54 @@ void RayScene::Impl::build(const scene::SceneState& state)
         solids[s].margin = margin_of(std::max(reach, solids[s].reach), solids[s].to_world);
         finish(s, state);
     }
+    number_instances();
     device.commit(moving.get());
     device.check();
+}
+
+// Returns an empty place for a solid.
+std::uint32_t RayScene::Impl::new_solid()
+{
+    if (free_solids.empty()) {
+        solids.emplace_back();
+        return static_cast<std::uint32_t>(solids.size() - 1);
+    }
+    const std::uint32_t s = free_solids.back();
+    free_solids.pop_back();
+    return s;
+}
+
+// Attaches the instances of all solids in the order of their nodes, so that the dynamic scene does not depend on the
+// order in which its parts were added.
+void RayScene::Impl::number_instances()
+{
+    struct Place {
+        scene::NodeId node;
+        bool alone;   // an object by itself, which may lie on the anchor of a group
+        std::uint32_t solid;
+        auto operator<=>(const Place&) const = default;
+    };
+    std::vector<Place> places;
+    for (std::uint32_t s = 0; s < solids.size(); ++s) {
+        const Solid& solid = solids[s];
+        if (!solid.is_there()) continue;
+        const bool alone = !solid.objects.empty() && solid_of_object[solid.objects.front()] == s;
+        places.push_back({alone ? scene->objects[solid.objects.front()].node : solid.anchor, alone, s});
+    }
+    std::sort(places.begin(), places.end());
+    for (unsigned id = 0; id < places.size(); ++id) {
+        Solid& solid = solids[places[id].solid];
+        if (solid.id == id || solid.id == RTC_INVALID_GEOMETRY_ID) continue;
+        rtcDetachGeometry(moving.get(), solid.id);
+        solid.id = RTC_INVALID_GEOMETRY_ID;
+    }
+    solid_of_instance.clear();
+    for (unsigned id = 0; id < places.size(); ++id) {
+        Solid& solid = solids[places[id].solid];
+        if (solid.id == RTC_INVALID_GEOMETRY_ID) rtcAttachGeometryByID(moving.get(), solid.instance.get(), id);
+        solid.id = id;
+        solid_of_instance.push_back(places[id].solid);
+    }
 }
 
 // Finds the largest coordinate of the static objects.
@@ -200,8 +249,8 @@ void RayScene::Impl::finish_shared()
 void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
 {
     const scene::RigidGroup& group = scene->groups[g];
-    solid_of_group[g] = static_cast<std::uint32_t>(solids.size());
-    Solid& solid = solids.emplace_back();
+    solid_of_group[g] = new_solid();
+    Solid& solid = solids[solid_of_group[g]];
     solid.anchor = group.anchor;
     solid.tree = new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE);
     for (const scene::ObjectId o : group.objects) {
@@ -227,8 +276,8 @@ void RayScene::Impl::add_alone(const scene::SceneState& state, scene::ObjectId o
 {
     const scene::Object& object = scene->objects[o];
     const scene::Mesh& mesh = scene->meshes[object.mesh];
-    solid_of_object[o] = static_cast<std::uint32_t>(solids.size());
-    Solid& solid = solids.emplace_back();
+    solid_of_object[o] = new_solid();
+    Solid& solid = solids[solid_of_object[o]];
     solid.anchor = object.skin != scene::none ? scene::none : object.node;
     solid.deforming = object.deforming;
     solid.objects.push_back(o);
@@ -274,7 +323,6 @@ void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
     solid.instance = GeometryHandle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
     rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
-    rtcAttachGeometryByID(moving.get(), solid.instance.get(), s);
     place(solid, state);
     show(solid, solid.visible);
 }
@@ -288,8 +336,8 @@ void RayScene::Impl::build_one_tree()
             rtcAttachGeometryByID(one.get(), rtcGetGeometry(still.get(), id), id);
             past_still = std::max(past_still, id + 1);
         }
-    for (unsigned s = 0; s < solids.size(); ++s)
-        rtcAttachGeometryByID(one.get(), solids[s].instance.get(), past_still + s);
+    for (unsigned id = 0; id < solid_of_instance.size(); ++id)
+        rtcAttachGeometryByID(one.get(), solids[solid_of_instance[id]].instance.get(), past_still + id);
     device.commit(one.get());
     device.check();
 }

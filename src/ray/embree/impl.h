@@ -40,6 +40,9 @@ struct Solid {
     float margin = 0;                            // in the BLAS's space
     std::array<glm::vec3, 4> margin_corners{};   // two, padded
     GeometryHandle margin_geometry;
+    /// Whether this is a solid, and not the place of one that was removed.
+    bool is_there() const { return tree.get() != nullptr; }
+
     /// Call after all other geometries are attached. @pre box and margin are set
     void attach_margin(RTCDevice device);
     /// The caller commits the tree and its instance afterwards.
@@ -50,9 +53,10 @@ struct Solid {
     bool mirrored = false;   // by to_world
     bool visible = true;     // in the scene's state
     Meeting meeting = Meeting::truly;
-    bool has_volume = true;         // to_world is regular; no ray hits a solid with a singular transform
-    bool enabled = true;            // in Embree: visible, with a regular transform
-    std::uint64_t touched_at = 0;   // the update that last touched it
+    bool has_volume = true;                  // to_world is regular; no ray hits a solid with a singular transform
+    bool enabled = true;                     // in Embree: visible, with a regular transform
+    unsigned id = RTC_INVALID_GEOMETRY_ID;   // in the dynamic scene; invalid: not attached
+    std::uint64_t touched_at = 0;            // the update that last touched it
 };
 
 /// How rays hit an instance with this matrix.
@@ -123,7 +127,9 @@ struct RayScene::Impl {
 
     // Dynamic objects.
     SceneHandle moving;
-    std::deque<Solid> solids;   // by instance id in `moving`
+    std::deque<Solid> solids;   // those that were removed leave their places to later ones
+    std::vector<std::uint32_t> free_solids;
+    std::vector<std::uint32_t> solid_of_instance;   // by instance id in `moving`
     std::vector<std::uint32_t> solid_of_group, solid_of_object;
     std::vector<std::uint32_t> touched;   // by this update
     Largest reaches;                      // by solid: of those that rays can hit
@@ -162,6 +168,8 @@ struct RayScene::Impl {
     void finish(std::uint32_t solid, const scene::SceneState& state);
     void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
     void bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix);
+    std::uint32_t new_solid();
+    void number_instances();
     void build_one_tree();
     SceneHandle new_scene(RTCBuildQuality quality, unsigned flags) const;
 
@@ -187,6 +195,8 @@ struct RayScene::Impl {
     void make_tree_of_one(Solid& solid);
     void refit(Solid& solid, const scene::SceneState& state);
     bool follow_overrides(const scene::SceneState& state);
+    bool follow_edit(const scene::SceneState& state);
+    void remove(scene::ObjectId object);
     void separate(scene::ObjectId object, Solid& group);
     std::uint32_t solid_of(scene::ObjectId object) const;
 };

@@ -234,7 +234,8 @@ void RayScene::Impl::follow_margins(bool all)
     const float reach = present_reach();
     if (all || !same_margins.contains(reach)) {
         same_margins = {};
-        for (Solid& solid : solids) follow_margin(solid, reach);
+        for (Solid& solid : solids)
+            if (solid.is_there()) follow_margin(solid, reach);
     } else {
         for (const std::uint32_t s : touched) follow_margin(solids[s], reach);
     }

@@ -63,7 +63,8 @@ Met RayScene::Impl::met(unsigned geometry_id, unsigned instance, unsigned triang
         const Placed& placed = still_instances[instance - first_instance];
         return {placed.object, placed.shared->records[geometry_id].first_triangle + triangle};
     }
-    const GeometryRecord& record = in_moving ? solids[instance].records[geometry_id] : still_records[geometry_id];
+    const GeometryRecord& record =
+        in_moving ? solids[solid_of_instance[instance]].records[geometry_id] : still_records[geometry_id];
     return {record.object, record.first_triangle + triangle};
 }
 
@@ -74,7 +75,7 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
     if (in.kdtree) return in.closest_on_kdtree(rays, begin, end, hits, sides, against);
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     const bool asks_still = against != Against::dynamic_only;
-    const bool anything_moves = !in.solids.empty() && against != Against::static_only;
+    const bool anything_moves = !in.solid_of_instance.empty() && against != Against::static_only;
     RawHits still, moving;
     if (!asks_still) std::fill(std::begin(still.geometry), std::end(still.geometry), k_nothing);
     const auto step = static_cast<std::size_t>(in.width);
@@ -107,7 +108,7 @@ void RayScene::occluded(const RayQueue& rays, std::size_t begin, std::size_t end
     if (in.kdtree) return in.occluded_on_kdtree(rays, begin, end, occluded, against);
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     TraceContext context(TraceContext::Kind::any);
-    RTCScene first = in.still.get(), then = in.solids.empty() ? nullptr : in.moving.get();
+    RTCScene first = in.still.get(), then = in.solid_of_instance.empty() ? nullptr : in.moving.get();
     if (against == Against::static_only) then = nullptr;
     if (against == Against::dynamic_only) first = std::exchange(then, nullptr);
     if (against == Against::one_tree) first = in.one.get(), then = nullptr;
@@ -149,7 +150,7 @@ RaySceneStatistics RayScene::statistics() const
 {
     const Impl& in = *impl_;
     RaySceneStatistics result = in.statistics;
-    result.instances = in.solids.size();
+    result.instances = in.solid_of_instance.size();
     result.bytes = in.device.bytes() + in.baked_bytes;
     return result;
 }

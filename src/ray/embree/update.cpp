@@ -20,7 +20,8 @@ void RayScene::Impl::update(const scene::SceneState& state)
         return solid;
     };
 
-    const bool regrouped = follow_overrides(state);
+    const bool edited = follow_edit(state), regrouped = follow_overrides(state) || edited;
+    if (regrouped) number_instances();
 
     // Place what moved. An object that appears may have moved while it was hidden.
     for (const scene::GroupId g : changes.groups_moved) place(touch(solid_of_group[g]), state);
@@ -40,7 +41,7 @@ void RayScene::Impl::update(const scene::SceneState& state)
     // Rebuild the TLAS of the dynamic scene, and nothing else.
     statistics.touched = touched.size();
     if (statistics.touched > 0 || regrouped) follow_margins(regrouped);
-    if (statistics.touched > 0) device.commit(moving.get());
+    if (statistics.touched > 0 || edited) device.commit(moving.get());
     if (one.get() && regrouped)
         build_one_tree();
     else if (one.get() && statistics.touched > 0)
@@ -116,9 +117,56 @@ void RayScene::Impl::show(Solid& solid, bool visible)
 
 std::uint32_t RayScene::Impl::solid_of(scene::ObjectId o) const
 {
+    if (scene->objects[o].removed) return scene::none;
     if (solid_of_object[o] != scene::none) return solid_of_object[o];
     const scene::GroupId g = scene->objects[o].group;
     return g != scene::none ? solid_of_group[g] : scene::none;
+}
+
+// Removes and adds the solids of objects that were removed and added.
+// @return whether there were any
+bool RayScene::Impl::follow_edit(const scene::SceneState& state)
+{
+    const scene::FrameChanges& changes = state.changes();
+    if (changes.added.empty() && changes.removed.empty()) return false;
+    for (const scene::ObjectId o : changes.removed) remove(o);
+    geometry.resize(scene->objects.size());
+    still_ids.resize(scene->objects.size());
+    solid_of_group.resize(scene->groups.size(), scene::none);
+    solid_of_object.resize(scene->objects.size(), scene::none);
+    std::vector<std::uint32_t> fresh;
+    for (const scene::ObjectId o : changes.added) {
+        const scene::GroupId g = scene->objects[o].group;
+        if (g == scene::none) {
+            add_alone(state, o);
+            fresh.push_back(solid_of_object[o]);
+        } else if (solid_of_group[g] == scene::none) {
+            add_group(state, g);
+            fresh.push_back(solid_of_group[g]);
+        }
+    }
+    note_all_reaches();
+    const float reach = present_reach();
+    for (const std::uint32_t s : fresh) {
+        solids[s].margin = margin_of(std::max(reach, solids[s].reach), solids[s].to_world);
+        finish(s, state);
+    }
+    return true;
+}
+
+// Removes the solid of an object, and with it those of its group, which are removed as well.
+void RayScene::Impl::remove(scene::ObjectId o)
+{
+    geometry[o] = {};
+    const scene::GroupId g = scene->objects[o].group;
+    std::uint32_t& s = solid_of_object[o] != scene::none || g == scene::none ? solid_of_object[o] : solid_of_group[g];
+    if (s == scene::none) return;
+    Solid& solid = solids[s];
+    rtcDetachGeometry(moving.get(), solid.id);
+    for (const BakedVertices& vertices : solid.vertices) baked_bytes -= vertices.bytes();
+    solid = {};
+    free_solids.push_back(s);
+    s = scene::none;
 }
 
 // Gives objects that were promoted, or separated from their group, solids of their own, permanently.

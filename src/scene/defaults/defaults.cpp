@@ -48,7 +48,10 @@ void add_room_light(Scene& scene)
     patch.area = 4 * half * half;
     // Irradiance below a small square light: radiance times area over the height squared.
     patch.radiance = glm::vec3(1.0f, 0.95f, 0.85f) * (k_room_light_irradiance * size.y * size.y / patch.area);
-    add_patch_lights(scene, patch, k_room_light_lights, 1, 0, "default light");
+    Light like;
+    like.name = "default light";
+    like.by_default = true;
+    add_patch_lights(scene, patch, k_room_light_lights, 1, 0, like);
     scene.finish();
     add_room_fill(scene, patch.radiance * (static_cast<float>(k_pi) * patch.area));
     scene.warnings.emplace_back("no light in the scene: added a default light below the ceiling");

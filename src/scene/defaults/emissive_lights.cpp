@@ -144,8 +144,7 @@ void collect(const Scene& scene, const Object& object, const MeshPart& part, con
 
 }   // namespace
 
-void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float fraction, float lift,
-                      const std::string& name)
+void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float fraction, float lift, const Light& like)
 {
     const std::vector<glm::vec3> points = spread(patch, count);
     const glm::dmat4 to_node =
@@ -154,13 +153,13 @@ void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float 
     const glm::dvec3 up = std::abs(direction.y) > 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
     for (const glm::vec3& point : points) {
         const glm::dvec3 eye = glm::dvec3(point) + static_cast<double>(lift * std::sqrt(patch.area)) * direction;
-        Light light;
-        light.name = name;
+        Light light = like;
         light.type = LightType::spot;
         light.profile = SpotProfile::cosine;
         light.outer_angle = static_cast<float>(k_pi / 2);
         light.color = patch.radiance * (patch.area * fraction / static_cast<float>(points.size()));
-        light.node = scene.add_node(name, patch.node, to_node * glm::inverse(glm::lookAt(eye, eye + direction, up)));
+        light.node =
+            scene.add_node(like.name, patch.node, to_node * glm::inverse(glm::lookAt(eye, eye + direction, up)));
         scene.lights.push_back(light);
     }
 }
@@ -225,7 +224,10 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
             if (back > k_open_side * std::max(front, static_cast<double>(grid->cell()))) patch.normal = -patch.normal;
         }
         flux += patch.radiance * (static_cast<float>(k_pi) * patch.area * all / kept);
-        add_patch_lights(scene, patch, each, all / kept, options.lift, "emitter");
+        Light like;
+        like.name = "emitter";
+        like.of_surface = true;
+        add_patch_lights(scene, patch, each, all / kept, options.lift, like);
     }
     scene.finish();
     add_room_fill(scene, flux);

@@ -33,8 +33,9 @@ struct EmitterPatch {
 
 /// Adds `count` spot lights over a patch; call finish() afterwards.
 /// @param fraction  fraction of the patch's flux that the lights have together
+/// @param like  its name and marks are those of the lights
 void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float fraction, float lift,
-                      const std::string& name);
+                      const Light& like);
 
 /// Adds the light that the walls of a closed room reflect of a flux (pi times radiance times area), as uniform ambient
 /// light. It is used where indirect light is off; does nothing if the room is open to the sky.

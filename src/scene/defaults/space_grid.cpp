@@ -2,6 +2,8 @@
 #include "scene/defaults/space_grid.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/interruption.h"
 
@@ -43,6 +45,32 @@ std::uint8_t facing_bits(const glm::vec3& normal)
     return bits;
 }
 
+// The length of a vector whose square may exceed the range of float.
+float length_of(const glm::vec3& v)
+{
+    const float length = glm::length(v);
+    if (std::isfinite(length)) return length;
+    constexpr auto k_most = static_cast<double>(std::numeric_limits<float>::max());
+    return static_cast<float>(std::min(glm::length(glm::dvec3(v)), k_most));
+}
+
+// The cross product of two edges of a triangle.
+struct Cross {
+    glm::vec3 direction{0};   // of unit length
+    double length = 0;
+};
+
+Cross cross_of(const glm::vec3& u, const glm::vec3& v)
+{
+    const glm::vec3 cross = glm::cross(u, v);
+    if (const float length = glm::length(cross); std::isfinite(length))
+        return length > 0 ? Cross{cross / length, static_cast<double>(length)} : Cross{};
+    // Edges of billions of units.
+    const glm::dvec3 wide = glm::cross(glm::dvec3(u), glm::dvec3(v));
+    const double length = glm::length(wide);
+    return length > 0 && std::isfinite(length) ? Cross{glm::vec3(wide / length), length} : Cross{};
+}
+
 }   // namespace
 
 glm::vec3 sphere_direction(int i, int count)
@@ -76,21 +104,20 @@ SpaceGrid::SpaceGrid(const Scene& scene, double time, const Options& options) : 
     // Choose a sample spacing of half a cell, wider only where there would be too many samples.
     double area = 0;
     for_each_triangle(scene, world, visible, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-        area += 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
+        area += 0.5 * cross_of(b - a, c - a).length;
     });
     const double spacing =
         std::max(0.5 * static_cast<double>(cell_), std::sqrt(2 * area / static_cast<double>(options.most_samples)));
     for_each_triangle(scene, world, visible, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-        const glm::vec3 cross = glm::cross(b - a, c - a);
-        const float length = glm::length(cross);
-        if (!(length > 0)) return;
-        const std::uint8_t bits = facing_bits(cross / length);
+        const Cross cross = cross_of(b - a, c - a);
+        if (!(cross.length > 0)) return;
+        const std::uint8_t bits = facing_bits(cross.direction);
         ++triangles_[index(cell_of((a + b + c) / 3.0f))];
         // Take a row of samples for each step along b - a; rows get shorter towards b.
-        const int rows = 1 + static_cast<int>(glm::length(b - a) / spacing);
+        const int rows = 1 + static_cast<int>(length_of(b - a) / spacing);
         for (int i = 0; i < rows; ++i) {
             const float u = (static_cast<float>(i) + 1.0f / 3.0f) / static_cast<float>(rows);
-            const int columns = 1 + static_cast<int>(glm::length(c - a) * (1 - u) / spacing);
+            const int columns = 1 + static_cast<int>(length_of(c - a) * (1 - u) / spacing);
             for (int j = 0; j < columns; ++j) {
                 const float v = (1 - u) * (static_cast<float>(j) + 0.5f) / static_cast<float>(columns);
                 facing_[index(cell_of(a + u * (b - a) + v * (c - a)))] |= bits;

@@ -55,6 +55,7 @@ void CertifiedCulling::begin_frame(const scene::SceneState& state, const ray::Ra
     ++frame_;
     counters_ = {};
     const scene::FrameChanges& changes = state.changes();
+    if (!changes.added.empty()) triangles_->follow(state.scene());
     dynamic_->update(state, rays);
     mask_->begin_frame(state, rays, view);
 
@@ -127,7 +128,8 @@ std::uint32_t CertifiedCulling::wanted_level(TriangleId id) const
     const double pixels = 0.5 * double_area * std::max(cosine, 0.05f) / (pixel * pixel);
     const double parts = pixels / options_.pixels_per_part;
     if (!(parts > 1)) return 0;
-    return std::min(k_max_level, static_cast<std::uint32_t>(std::ceil(0.5 * std::log2(parts))));
+    // The area of a triangle in the billions of units is infinite.
+    return static_cast<std::uint32_t>(std::min<double>(std::ceil(0.5 * std::log2(parts)), k_max_level));
 }
 
 // Computes the bounds of the strip that begins at a point, and prefetches the next strip, because the points of an
@@ -229,7 +231,24 @@ void CertifiedCulling::note_news(std::span<const std::unique_ptr<Batch>> batches
         counters_.add(batch->counters);
         batch->counters = {};
     }
-    std::sort(news_.begin(), news_.end());
+    sort_news();
+}
+
+// Sorts the list and removes what is in it twice, with interruption points: an interruption leaves it in another order.
+void CertifiedCulling::sort_news()
+{
+    constexpr std::size_t k_run = 1u << 14;
+    const std::size_t count = news_.size();
+    const auto at = [&](std::size_t i) { return news_.begin() + static_cast<std::ptrdiff_t>(std::min(i, count)); };
+    for (std::size_t begin = 0; begin < count; begin += k_run) {
+        interruption_point();
+        std::sort(at(begin), at(begin + k_run));
+    }
+    for (std::size_t run = k_run; run < count; run *= 2)
+        for (std::size_t begin = 0; begin + run < count; begin += 2 * run) {
+            interruption_point();
+            std::inplace_merge(at(begin), at(begin + run), at(begin + 2 * run));
+        }
     news_.erase(std::unique(news_.begin(), news_.end()), news_.end());
 }
 

@@ -89,6 +89,7 @@ class CertifiedCulling {
     /// that the frame saved pay for certificates. The rest waits for a later call. Images do not depend on how much was
     /// judged. @return whether nothing is left
     /// @throws InterruptedError  the current work was interrupted; the rest waits for a later call
+    /// @throws InterruptedError  the current work was interrupted: the evidence is kept
     void note_news(std::span<const std::unique_ptr<Batch>> batches);
     bool judge(Tasks& tasks, const std::function<bool()>& go_on = {});
     /// Sums since begin_frame; valid after end_frame.
@@ -102,6 +103,7 @@ class CertifiedCulling {
     std::size_t visible_triangles() const { return memory_->live_records(); }
 
  private:
+    void sort_news();
     struct FrameLight;
     void trace_all(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const;
     void sort_open(Batch& batch, const FrameLight& light, std::uint8_t* occluded) const;

@@ -44,6 +44,13 @@ class StaticTriangles {
     /// it shared with two other triangles. Cost: a tree descent per triangle of the object.
     void remove(scene::ObjectId object);
 
+    /// Makes room for dynamic objects that were added to the scene.
+    void follow(const scene::Scene& scene)
+    {
+        first_.resize(scene.objects.size(), no_triangle);
+        count_.resize(scene.objects.size(), 0);
+    }
+
     std::size_t size() const { return triangles_.size(); }
     const StaticTriangle& operator[](TriangleId id) const { return triangles_[id]; }
     Role role(TriangleId id) const { return roles_[id]; }

@@ -34,6 +34,12 @@ Place place_of(BlockKey key)
     return {low_x, low_x + k_block_side / texels, low_y, low_y + k_block_side / texels, texels};
 }
 
+// A texel coordinate within a range. Of large objects beside small static scenes it exceeds the range of int.
+int texel_within(float at, int least, int most)
+{
+    return static_cast<int>(std::clamp(at, static_cast<float>(least), static_cast<float>(most)));
+}
+
 // Expands the bits of four texels to words.
 constexpr auto k_spread = [] {
     std::array<std::array<std::uint32_t, 4>, 16> spread{};
@@ -207,8 +213,8 @@ void DynamicMask::draw(LightMask& mask, Block& block)
             const float slope = level_line ? 0 : (bx - ax) / (by - ay);
             // Mark the texels of each row that it may pass: between its positions at the row's borders, widened.
             const float reach = widen * (1 + std::abs(slope));
-            const int first = std::max(0, static_cast<int>(std::floor(ay - widen)));
-            const int last = std::min(k_side - 1, static_cast<int>(std::floor(by + widen)));
+            const int first = texel_within(std::floor(ay - widen), 0, k_side);
+            const int last = texel_within(std::floor(by + widen), -1, k_side - 1);
             float here = ax + (static_cast<float>(first) - ay) * slope;
             for (int row = first; row <= last; ++row) {
                 const float there = ax + (static_cast<float>(row + 1) - ay) * slope;
@@ -223,8 +229,8 @@ void DynamicMask::draw(LightMask& mask, Block& block)
             if (layers == 0) continue;
 
             // Layers change where it crosses the centre of a row.
-            const int first_middle = std::max(0, static_cast<int>(std::ceil(ay - 0.5f)));
-            const int end_middle = std::min(k_side, static_cast<int>(std::ceil(by - 0.5f)));
+            const int first_middle = texel_within(std::ceil(ay - 0.5f), 0, k_side);
+            const int end_middle = texel_within(std::ceil(by - 0.5f), 0, k_side);
             for (int row = first_middle; row < end_middle; ++row) {
                 const float cross = ax + (static_cast<float>(row) + 0.5f - ay) * slope;
                 if (!(cross <= k_side - 0.5f)) continue;

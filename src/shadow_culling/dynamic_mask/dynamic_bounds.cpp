@@ -77,16 +77,24 @@ DynamicBounds::DynamicBounds(const scene::SceneState& state, const ray::RayScene
     const scene::Scene& scene = state.scene();
     by_group_.assign(scene.groups.size(), scene::none);
     by_object_.assign(scene.objects.size(), scene::none);
-    for (scene::GroupId g = 0; g < scene.groups.size(); ++g) {
-        by_group_[g] = static_cast<std::uint32_t>(dynamic_.size());
-        DynamicObject dynamic_object{scene::none, g, {}, {}, 0};
-        for (const scene::ObjectId o : scene.groups[g].objects)
-            if (state.group_of(o) == g) dynamic_object.own.add(bounds_of(rays.geometry(o)));
-        dynamic_.push_back(dynamic_object);
-    }
-    for (const scene::ObjectId o : state.dynamic_objects()) dynamic_of(o, state);
+    for (scene::GroupId g = 0; g < scene.groups.size(); ++g) measure_group(g, state, rays);
+    for (const scene::ObjectId o : state.dynamic_objects())
+        if (!scene.objects[o].removed) dynamic_of(o, state);
     for (DynamicObject& dynamic_object : dynamic_) place(dynamic_object, state, rays);
     grow_tree();
+}
+
+// Measures a group in its anchor's space, and makes its entry if it has none yet.
+void DynamicBounds::measure_group(scene::GroupId group, const scene::SceneState& state, const ray::RayScene& rays)
+{
+    if (by_group_[group] == scene::none) {
+        by_group_[group] = static_cast<std::uint32_t>(dynamic_.size());
+        dynamic_.push_back({scene::none, group, {}, {}, 0});
+    }
+    Box3& own = dynamic_[by_group_[group]].own;
+    own = Box3{};
+    for (const scene::ObjectId o : state.scene().groups[group].objects)
+        if (state.group_of(o) == group) own.add(bounds_of(rays.geometry(o)));
 }
 
 // Rebuilds the tree if there are new boxes.
@@ -140,8 +148,13 @@ void DynamicBounds::update(const scene::SceneState& state, const ray::RayScene& 
         dynamic_[m].placed_at = updates_;
         place(dynamic_[m], state, rays);
     };
+    by_group_.resize(state.scene().groups.size(), scene::none);
+    by_object_.resize(state.scene().objects.size(), scene::none);
+    for (const scene::ObjectId o : changes.added)
+        if (const scene::GroupId g = state.group_of(o); g != scene::none) measure_group(g, state, rays);
     for (const scene::GroupId g : changes.groups_moved) follow(by_group_[g]);
     for (const scene::ObjectId o : changes.changed) follow(dynamic_of(o, state));
+    for (const scene::ObjectId o : changes.added) follow(dynamic_of(o, state));
     grow_tree();
 }
 

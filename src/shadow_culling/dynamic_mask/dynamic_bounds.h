@@ -37,6 +37,7 @@ class DynamicBounds {
     };
     std::uint32_t dynamic_of(scene::ObjectId object, const scene::SceneState& state);
     void place(DynamicObject& dynamic_object, const scene::SceneState& state, const ray::RayScene& rays);
+    void measure_group(scene::GroupId group, const scene::SceneState& state, const ray::RayScene& rays);
     void grow_tree();
 
     std::vector<DynamicObject> dynamic_;

@@ -25,6 +25,7 @@ DynamicMask::DynamicMask(const scene::SceneState& state, const ray::RayScene& ra
     std::unordered_map<const glm::vec3*, std::shared_ptr<const DynamicShape>> shapes[2];
     for (const auto& unit : units_) {
         const ray::ObjectGeometry& geometry = rays.geometry(unit->object);
+        if (!geometry.mesh) continue;   // removed
         auto& shape = shapes[unit->deforming][geometry.positions];
         if (!shape) shape = std::make_shared<DynamicShape>(shape_of(scene, geometry, unit->deforming));
         unit->shape = shape;
@@ -44,8 +45,8 @@ void DynamicMask::add_unit(scene::ObjectId object)
 void DynamicMask::measure(Unit& unit) const
 {
     unit.own = Box3{};
-    if (unit.deforming) return;
     const ray::ObjectGeometry& geometry = rays_->geometry(unit.object);
+    if (unit.deforming || !geometry.mesh) return;
     for (const glm::uvec3& t : geometry.mesh->triangles)
         for (int i = 0; i < 3; ++i) unit.own.add(geometry.positions[t[i]]);
 }
@@ -58,7 +59,7 @@ void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScen
     rays_ = &rays;
     view_ = view;
     const scene::FrameChanges& changes = state.changes();
-    // Promoted objects, and those that left their group, now have a space of their own.
+    // Promoted objects, and those that left their group, now have a space of their own; added ones have any.
     const auto find_shape = [&](Unit& unit) {
         unit.shape =
             std::make_shared<DynamicShape>(shape_of(state.scene(), rays.geometry(unit.object), unit.deforming));
@@ -67,11 +68,12 @@ void DynamicMask::begin_frame(const scene::SceneState& state, const ray::RayScen
         add_unit(state.dynamic_objects()[u]);
         find_shape(*units_.back());
     }
-    for (const scene::ObjectId o : changes.separated) {
-        Unit& unit = *units_[state.dynamic_index(o)];
-        measure(unit);
-        find_shape(unit);
-    }
+    for (const auto* list : {&changes.separated, &changes.added})
+        for (const scene::ObjectId o : *list) {
+            Unit& unit = *units_[state.dynamic_index(o)];
+            measure(unit);
+            find_shape(unit);
+        }
     bool crowded = false;   // with blocks of earlier views
     for (const auto& mask : lights_) crowded = crowded || 2 * mask->used > mask->table.size();
     if (changes.anything() || crowded) ++frame_;

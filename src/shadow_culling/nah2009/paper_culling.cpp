@@ -38,7 +38,7 @@ PaperCulling::PaperCulling(const scene::SceneState& state, const ray::RayScene& 
     for (scene::ObjectId o = 0; o < objects; ++o) {
         if (options_.mobility == PaperMobility::by_frame) triangles_.set_dynamic(o, false);
         dynamic_objects_ += triangles_.object_is_dynamic(o);
-        static_bounds_.push_back(triangles_.object_is_dynamic(o) ? Box3{} : triangles_.bounds(o));
+        static_bounds_.push_back(triangles_.object_is_dynamic(o) ? Box3{} : bounds_of(o));
     }
 }
 
@@ -88,9 +88,14 @@ void PaperCulling::stop(scene::ObjectId object)
     if (!triangles_.object_is_dynamic(object)) return;
     triangles_.set_dynamic(object, false);
     --dynamic_objects_;
-    static_bounds_[object] = triangles_.bounds(object);
+    static_bounds_[object] = bounds_of(object);
     forget_shadowed_by(static_bounds_[object]);
     forget_modes(object);
+}
+
+Box3 PaperCulling::bounds_of(scene::ObjectId object) const
+{
+    return state_->scene().objects[object].removed ? Box3{} : triangles_.bounds(object);
 }
 
 void PaperCulling::forget_modes(scene::ObjectId object)

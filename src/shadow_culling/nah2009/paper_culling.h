@@ -122,6 +122,7 @@ class PaperCulling {
  private:
     void start(scene::ObjectId object);
     void stop(scene::ObjectId object);
+    Box3 bounds_of(scene::ObjectId object) const;   // empty: it was removed from the scene
     void forget_modes(scene::ObjectId object);
     void forget_shadowed_by(const Box3& occluder);
     FullReason reason_of_full(PrimitiveId origin, int light) const;
