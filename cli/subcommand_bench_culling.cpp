@@ -65,6 +65,9 @@ bench::CullingBenchOptions options_of(const options::OptionValues& values, const
     if (values.flag("as-printed")) options.paper_options = shadow_culling::PaperOptions::as_printed();
     options.layout = bench::layout_named(values.text("tree"));
     for (const std::string& name : values.all("reading")) options.readings.push_back(bench::reading_named(name));
+    for (const bench::PaperReading& reading : options.readings)
+        if (reading.caches_occluders && !options.counts)
+            throw UsageError(fmt::format("--reading {} is a matter of counts: not with --no-counts", reading.name));
     options.images = values.given("report");
     if (const std::vector<std::string> methods = values.all("method"); !methods.empty()) {
         options.paper = std::find(methods.begin(), methods.end(), "paper") != methods.end();

@@ -211,6 +211,8 @@ TEST(Json, BenchCullingAtStepsWithReadings)
     EXPECT_EQ(document["steps"][0]["paper"]["wrong_mean"], document["summary"]["paper"]["wrong_mean"]);
 
     expect_failure(run({"bench", "culling", "builtin:cornell", "--start", "1"}), 2, "--step");
+    expect_failure(run({"bench", "culling", "builtin:cornell", "--no-counts", "--reading", "cached"}), 2,
+                   "--no-counts");
     expect_failure(run({"bench", "culling", "builtin:cornell", "--frames", "1-1", "--size", "16x16", "--step", "1",
                         "0.3", "--method", "paper"}),
                    2, "0.3");
