@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "shading/glossy.h"
+
 namespace gnomon::frame {
 
 namespace {
@@ -32,12 +34,31 @@ class ReferenceIndirect::Work final : public Worker {
             requests_.push_back({reference::irradiance_point(point.surface, key), samples_of(point.throughput)});
             result.point.push_back(p);
         }
+        const std::size_t diffuse = requests_.size();
+        result.lobe_point.clear();
+        for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+            const trace::TilePoint& point = batch.points[p];
+            if (!point.glossy) continue;
+            const std::uint64_t place = batch.tile.index_in_image(point.pixel, light_.image_width_);
+            const std::uint64_t key = reference::mix(place, points_of_pixel_[point.pixel]++);
+            const glm::vec3 share = shading::glossy_albedo(point.surface) * point.surface.coverage;
+            requests_.push_back({reference::irradiance_point(point.surface, key), samples_of(point.throughput * share),
+                                 &point.surface});
+            result.lobe_point.push_back(p);
+        }
         estimates_.resize(requests_.size());
         paths_.estimate(requests_, estimates_.data());
 
-        for (auto* list : {&result.irradiance, &result.surroundings, &result.irradiance_error, &result.error})
+        for (auto* list : {&result.irradiance, &result.surroundings, &result.irradiance_error, &result.error,
+                           &result.lobe_radiance, &result.lobe_error})
             list->clear();
-        for (const reference::IrradianceEstimate& estimate : estimates_) {
+        for (std::size_t k = 0; k < estimates_.size(); ++k) {
+            const reference::IrradianceEstimate& estimate = estimates_[k];
+            if (k >= diffuse) {
+                result.lobe_radiance.push_back(estimate.indirect + estimate.surroundings);
+                result.lobe_error.push_back(estimate.error);
+                continue;
+            }
             result.irradiance.push_back(estimate.indirect);
             result.surroundings.push_back(estimate.surroundings);
             result.irradiance_error.push_back(estimate.indirect_error);

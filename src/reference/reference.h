@@ -10,6 +10,7 @@
 //
 // The rules, here as for every kind of indirect light in this library:
 //   - Surfaces reflect the fraction `diffuse`, equally in all directions, on both sides of a one-sided surface as well.
+//   - Lobes of rough surfaces (Request::glossy) reflect emissive surfaces and the background, without a bounce.
 //   - Mirrors and glass cast no light on other surfaces. A surface that does not block shadow rays does not block
 //     indirect light.
 //   - All lights of the scene take part, whatever their falloff. One of them is sampled at a time, with a probability
@@ -119,6 +120,9 @@ class ReferencePaths {
     struct Request {
         IrradiancePoint point;
         int samples = 1;
+        /// If given, the point's surface (shading/glossy.h): `surroundings` is then the radiance that its lobe reflects
+        /// to the viewer, of emissive surfaces and of the background whatever it is, and `indirect` is 0.
+        const shading::SurfacePoint* glossy = nullptr;
     };
     /// @param out  one for each request
     void estimate(std::span<const Request> requests, IrradianceEstimate* out);
@@ -133,7 +137,8 @@ class ReferencePaths {
         glm::vec3 weight;      // throughput: irradiance at the path's start per irradiance here
         glm::vec3 direction;   // of its next ray
         glm::vec3 indirect, surroundings;
-        bool aff = false;   // the surface counts irradiance as AFF does
+        bool aff = false;                                // the surface counts irradiance as AFF does
+        const shading::SurfacePoint* glossy = nullptr;   // of a path that starts at a lobe, and ends with its first ray
     };
     class Sum;
     void push_first(const Request& request, int batch, std::uint32_t u, std::uint32_t v, int sample);
@@ -144,7 +149,9 @@ class ReferencePaths {
     void pass_transparent();
     shading::SurfacePoint surface_of(std::size_t ray) const;
     const scene::Material& material_of(std::size_t ray) const;
-    void gain(std::size_t path, int bounce, const glm::vec3& irradiance);
+    static void gain(Path& path, int bounce, const glm::vec3& irradiance);
+    static float own_density(const Path& path, const glm::vec3& direction);
+    static glm::vec3 response(const Path& path, const glm::vec3& direction);
     void ask_lights();
     void choose_directions();
     void trace_shadows(bool to_surroundings);

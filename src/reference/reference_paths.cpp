@@ -6,6 +6,7 @@
 #include "base/interruption.h"
 #include "ray/origin.h"
 #include "reference/reference.h"
+#include "shading/glossy.h"
 
 namespace gnomon::reference {
 
@@ -137,8 +138,32 @@ void ReferencePaths::push_first(const Request& request, int batch, std::uint32_t
         paths_.emplace_back(Path{Random(mix(flip, static_cast<std::uint64_t>(sample))), point.position,
                                  point.position + point.offset * point.geometric_normal, point.geometric_normal,
                                  point.normal, glm::vec3(1), glm::vec3(0), glm::vec3(0), glm::vec3(0)});
-    path.direction = cosine_direction(point.normal, unit_fraction(u ^ static_cast<std::uint32_t>(flip)),
-                                      unit_fraction(v ^ static_cast<std::uint32_t>(flip >> 32)));
+    const float a = unit_fraction(u ^ static_cast<std::uint32_t>(flip));
+    const float b = unit_fraction(v ^ static_cast<std::uint32_t>(flip >> 32));
+    path.glossy = request.glossy;
+    if (!path.glossy) {
+        path.direction = cosine_direction(point.normal, a, b);
+        return;
+    }
+    // Weigh the path so that pi times its weight times a radiance is what the lobe reflects of it.
+    path.direction = shading::sample_glossy(*path.glossy, a, b);
+    const float density = shading::glossy_density(*path.glossy, path.direction);
+    path.weight =
+        density > 0 ? shading::reflect_glossy(*path.glossy, path.direction) / (k_float_pi * density) : glm::vec3(0);
+}
+
+// The density per steradian with which the path's next direction is chosen.
+float ReferencePaths::own_density(const Path& path, const glm::vec3& direction)
+{
+    if (path.glossy) return shading::glossy_density(*path.glossy, direction);
+    return std::max(glm::dot(direction, path.normal), 0.0f) / k_float_pi;
+}
+
+// What radiance 1 from a direction adds per steradian to the estimate.
+glm::vec3 ReferencePaths::response(const Path& path, const glm::vec3& direction)
+{
+    if (path.glossy) return shading::reflect_glossy(*path.glossy, direction);
+    return path.weight * std::max(glm::dot(direction, path.normal), 0.0f);
 }
 
 void ReferencePaths::run_paths()
@@ -176,10 +201,10 @@ void ReferencePaths::ask_environment(int bounce)
         const glm::vec3 direction = light_.environment_->sample(u, v, density);
         const float cosine = glm::dot(direction, path.normal);
         if (cosine <= 0 || glm::dot(direction, path.geometric_normal) <= 0 || !(density > 0)) continue;
-        const float other = cosine / k_float_pi;   // of cosine sampling
         shadow_rays_.push(path.origin, 0, direction, k_infinity);
         shadow_path_.push_back(i);
-        shadow_gain_.push_back(path.weight * light_.background_.radiance(direction) * (cosine / (density + other)));
+        shadow_gain_.push_back(response(path, direction) * light_.background_.radiance(direction) /
+                               (density + own_density(path, direction)));
     }
     trace_shadows(bounce == 0);
 }
@@ -217,16 +242,15 @@ void ReferencePaths::ask_emitters(int bounce)
         const glm::vec3 emission = EmitterSampler::emission(s, material_of(r));
         if (emission == glm::vec3(0)) continue;
         const glm::vec3 direction = rays_.direction(r);
-        const float cosine = glm::dot(direction, paths_[ray_path_[r]].normal);
+        Path& path = paths_[ray_path_[r]];
         const float density = solid_density(point.density, hits_.t[r], direction, s);
-        gain(ray_path_[r], bounce, cosine / (density + cosine / k_float_pi) * emission);
+        gain(path, bounce, response(path, direction) * emission / (density + own_density(path, direction)));
     }
 }
 
-void ReferencePaths::gain(std::size_t i, int bounce, const glm::vec3& irradiance)
+void ReferencePaths::gain(Path& path, int bounce, const glm::vec3& irradiance)
 {
-    Path& path = paths_[i];
-    (bounce == 0 ? path.surroundings : path.indirect) += path.weight * irradiance;
+    (bounce == 0 ? path.surroundings : path.indirect) += irradiance;
 }
 
 // Continues each path to the next surface. A path that meets none is done.
@@ -234,7 +258,9 @@ void ReferencePaths::gain(std::size_t i, int bounce, const glm::vec3& irradiance
 bool ReferencePaths::trace_on(int bounce)
 {
     const bool last = bounce >= light_.options_.bounces;
-    if (last && !light_.background_shines_ && !light_.emitters_) return false;
+    const bool lobes = bounce == 0 && std::any_of(standing_.begin(), standing_.end(),
+                                                  [&](std::uint32_t i) { return paths_[i].glossy != nullptr; });
+    if (last && !light_.background_shines_ && !light_.emitters_ && !lobes) return false;
     rays_.clear(), ray_path_.clear();
     for (const std::uint32_t i : standing_) {
         const Path& path = paths_[i];
@@ -251,15 +277,15 @@ bool ReferencePaths::trace_on(int bounce)
         const Path& path = paths_[ray_path_[ray]];
         glm::vec3 radiance = light_.background_.radiance(path.direction);
         if (light_.environment_) {
-            const float own = std::max(glm::dot(path.direction, path.normal), 0.0f) / k_float_pi;
+            const float own = own_density(path, path.direction);
             const float other = light_.environment_->density(path.direction);
             radiance *= own / std::max(own + other, std::numeric_limits<float>::min());
         }
-        gain(ray_path_[ray], bounce, k_float_pi * radiance);
+        gain(paths_[ray_path_[ray]], bounce, path.weight * k_float_pi * radiance);
     };
 
     // The last ray only needs to know whether it leaves the scene.
-    if (last && !light_.emitters_) {
+    if (last && !light_.emitters_ && !lobes) {
         occluded_.resize(count + ray::k_packet_pad);
         light_.rays_.occluded(rays_, 0, count, occluded_.data());
         for (std::size_t r = 0; r < count; ++r)
@@ -273,21 +299,22 @@ bool ReferencePaths::trace_on(int bounce)
     for (std::size_t r = 0; r < count; ++r) {
         Path& path = paths_[ray_path_[r]];
         if (hits_.object[r] == scene::none) {
-            if (light_.background_shines_) background(r);
+            if (light_.background_shines_ || path.glossy) background(r);
             continue;
         }
         const shading::SurfacePoint s = surface_of(r);
         if (light_.emitters_) {
             const glm::vec3 emission = EmitterSampler::emission(s, material_of(r));
-            const float own = std::max(glm::dot(path.direction, path.normal), 0.0f) / k_float_pi;
+            const float own = own_density(path, path.direction);
             const float other = solid_density(light_.emitters_->density(hits_.object[r], hits_.triangle[r]), hits_.t[r],
                                               path.direction, s);
             if (emission != glm::vec3(0))
-                gain(ray_path_[r], bounce,
-                     k_float_pi * (own / std::max(own + other, std::numeric_limits<float>::min())) * emission);
+                gain(path, bounce,
+                     path.weight * k_float_pi * (own / std::max(own + other, std::numeric_limits<float>::min())) *
+                         emission);
         }
         path.weight *= s.diffuse;
-        if (last || path.weight == glm::vec3(0)) continue;
+        if (path.glossy || last || path.weight == glm::vec3(0)) continue;
         path.position = s.position;
         path.origin = s.position + s.offset * s.geometric_normal;
         path.geometric_normal = s.geometric_normal, path.normal = s.normal;

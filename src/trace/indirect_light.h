@@ -17,6 +17,10 @@ struct IndirectResult {
     std::vector<glm::vec3> surroundings;       // unbounced, from the sky, an environment image or emissive surfaces
     std::vector<glm::vec3> irradiance_error;   // standard error of `irradiance`
     std::vector<glm::vec3> error;              // of the sum of both
+    // What the lobes of glossy points reflect to the viewer of emissive surfaces and of the background.
+    std::vector<std::uint32_t> lobe_point;   // of the batch, ascending
+    std::vector<glm::vec3> lobe_radiance;
+    std::vector<glm::vec3> lobe_error;   // standard error
 };
 
 class IndirectLight {
@@ -27,6 +31,9 @@ class IndirectLight {
     virtual void begin_frame(const FrameContext& frame) = 0;
     /// Results are random estimates, with surroundings and errors.
     virtual bool is_estimate() const { return false; }
+    /// Results have what the lobes of glossy points reflect of emissive surfaces and of the background: rays reflected
+    /// there show the other light alone.
+    virtual bool reflects_lobes() const { return false; }
     /// The surroundings in the results replace this light: its direct light must not be added.
     virtual bool replaces(const scene::Light&) const { return false; }
 

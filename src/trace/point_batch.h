@@ -45,6 +45,7 @@ struct Path {
     std::uint32_t pixel;    // of the tile
     glm::vec3 throughput;   // of the path so far: the weight of what the ray brings in the pixel's colour
     shading::RayCone cone;
+    bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
 };
 
 /// A point to shade.
@@ -53,6 +54,7 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // of the tile
     glm::vec3 throughput;
+    bool glossy = false;   // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

@@ -5,6 +5,7 @@
 
 #include "base/interruption.h"
 #include "base/morton.h"
+#include "shading/glossy.h"
 
 namespace gnomon::trace {
 
@@ -155,7 +156,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 
         // Add the background where the ray left the scene.
         if (hits_.object[i] == scene::none) {
-            color_[path.pixel] += path.throughput * scene_.background.radiance(direction);
+            if (!path.sees_no_light) color_[path.pixel] += path.throughput * scene_.background.radiance(direction);
             continue;
         }
         TilePoint& point = points_.emplace_back();
@@ -166,9 +167,14 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         const shading::SurfacePoint& s = point.surface;
 
         point.next = shading::continue_from(s);
+        if (indirect_light_ && indirect_light_->reflects_lobes() && shading::has_glossy_lobe(s)) {
+            point.glossy = true;
+            point.next.unresolved_weight = glm::vec3(0);
+        }
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
-        glm::vec3 own = s.emissive * s.coverage;
+        glm::vec3 own(0);
+        if (!path.sees_no_light || s.model == scene::ShadingModel::unlit) own += s.emissive * s.coverage;
         own += shading::ambient_light(s, scene_, !indirect_light_);
         if (point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
@@ -227,7 +233,13 @@ void TileTracer::add_indirect(const PointBatch& batch)
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
         const TilePoint& point = points_[arrives_.point[k]];
         const auto reflected = [&](const glm::vec3& indirect, const glm::vec3& surroundings) {
-            return point.throughput * reflect_irradiance(point.surface, point.next, indirect, surroundings);
+            if (!point.glossy)
+                return point.throughput * reflect_irradiance(point.surface, point.next, indirect, surroundings);
+            // What the lobe does not reflect reaches the diffuse layer.
+            const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(point.surface);
+            const shading::Continuation none;
+            return point.throughput * (reflect_irradiance(point.surface, point.next, indirect, glm::vec3(0)) +
+                                       below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
         };
         const glm::vec3 surroundings = is_estimate_ ? arrives_.surroundings[k] : glm::vec3(0);
         color_[point.pixel] += reflected(arrives_.irradiance[k], surroundings);
@@ -244,6 +256,13 @@ void TileTracer::add_indirect(const PointBatch& batch)
         first_irradiance_[point.pixel] += arrives_.irradiance[k];
         first_variance_[point.pixel] += arrives_.irradiance_error[k] * arrives_.irradiance_error[k];
     }
+    if (!indirect_light_->reflects_lobes()) return;
+    for (std::size_t k = 0; k < arrives_.lobe_point.size(); ++k) {
+        const TilePoint& point = points_[arrives_.lobe_point[k]];
+        color_[point.pixel] += point.throughput * arrives_.lobe_radiance[k];
+        const glm::vec3 error = point.throughput * arrives_.lobe_error[k];
+        variance_[point.pixel] += error * error;
+    }
 }
 
 // Queues the mirrored and refracted rays from the points just shaded, each kind by itself.
@@ -256,12 +275,12 @@ void TileTracer::queue_continuations()
         const shading::Continuation& c = point.next;
         const glm::vec3 lift = s.offset * s.geometric_normal;
         const auto queue = [&](PathQueue& to, const glm::vec3& weight, const glm::vec3& origin,
-                               const glm::vec3& direction) {
+                               const glm::vec3& direction, bool sees_no_light = false) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone}, origin, 0, direction, k_infinity);
+            to.push({point.pixel, throughput, s.cone, sees_no_light}, origin, 0, direction, k_infinity);
         };
-        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected);
+        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy);
         queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
     }

@@ -201,6 +201,31 @@ TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
     }
 }
 
+TEST(EnvironmentLight, ReplacesTheDefaultLightOfARoom)
+{
+    const test::ScratchFolder scratch;
+    io::ExrLayer layer{"", {"R", "G", "B"}, std::vector<float>(64 * 32 * 3, 1.0f)};
+    io::write_exr(scratch / "white.exr", {64, 32}, std::span(&layer, 1));
+    // A box of six walls that face inward, seen from inside.
+    auto inside = std::make_shared<Scene>();
+    inside->materials.emplace_back();
+    Mesh box;
+    for (int i = 0; i < 8; ++i) box.positions.emplace_back(i & 1 ? 4 : 0, i & 2 ? 3 : 0, i & 4 ? 5 : 0);
+    box.triangles = {{0, 1, 2}, {1, 3, 2}, {4, 6, 5}, {5, 6, 7}, {0, 4, 1}, {1, 4, 5},
+                     {2, 3, 6}, {3, 7, 6}, {0, 2, 4}, {2, 6, 4}, {1, 5, 3}, {3, 5, 7}};
+    box.parts = {{0, 0, 12}};
+    inside->meshes.push_back(box);
+    inside->nodes[inside->add_node("box", none)].mesh = 0;
+    inside->finish();
+    add_default_light(*inside);
+    ASSERT_FALSE(inside->lights.empty());
+    for (const Light& light : inside->lights) EXPECT_EQ(light.type, LightType::spot);
+    const gnomon::Scene scene = api::public_scene(inside).with_environment(scratch / "white.exr");
+    EXPECT_EQ(scene.lights().size(), 16u);
+    for (const gnomon::LightId light : scene.lights())
+        EXPECT_EQ(scene.light(light).type, gnomon::LightType::directional);
+}
+
 TEST(EnvironmentLight, RefusesInvalidNumbers)
 {
     const gnomon::Scene scene = load("builtin:cornell");
