@@ -9,6 +9,7 @@
 #include "base/machine.h"
 #include "bench/core/moving_lights.h"
 #include "bench/culling/json.h"
+#include "bench/culling/readings.h"
 #include "bench/culling/report.h"
 #include "cli/subcommands.h"
 #include "scene/view.h"
@@ -39,9 +40,20 @@ std::string line_of(const bench::CullingFrame& f, const bench::CullingBenchOptio
 bench::CullingBenchOptions options_of(const options::OptionValues& values, const Scene& scene)
 {
     bench::CullingBenchOptions options;
-    options.frames = {1, std::min(k_frames_by_default, scene.frame_count())};
+    // Frames of the clip, or times so many seconds apart, which may lie beyond its ends.
+    for (const std::string& step : values.all("step"))
+        options.step = std::max(options.step, *options::parse_number(step));
+    for (const std::string& step : values.all("step"))
+        bench::frames_between(options.step, *options::parse_number(step));
+    if (values.given("start")) {
+        if (options.step == 0) throw UsageError("--start needs --step");
+        options.start = values.number("start");
+    }
+    const scene::Timeline& timeline = api::scene_of(scene)->timeline;
+    const int steps = options.step > 0 ? bench::steps_in(timeline, options) : scene.frame_count();
+    options.frames = {1, std::min(k_frames_by_default, steps)};
     if (values.given("frames")) options.frames = *options::parse_range(values.text("frames"));
-    if (options.frames.last > scene.frame_count() || options.frames.count() < 1)
+    if ((options.step == 0 && options.frames.last > scene.frame_count()) || options.frames.count() < 1)
         throw UsageError(fmt::format("--frames {}-{}: the clip has frames 1 to {}", options.frames.first,
                                      options.frames.last, scene.frame_count()));
     options.size = *options::parse_size(values.text("size"));
@@ -50,8 +62,12 @@ bench::CullingBenchOptions options_of(const options::OptionValues& values, const
     options.max_depth = values.integer("max-depth");
     options.repeat = values.integer("repeat");
     options.counts = !values.flag("no-counts");
-    options.paper_options.occlusion_test.test_marked = values.flag("as-printed");
-    options.paper_options.set_modes.remember_dynamic_blockers = values.flag("as-printed");
+    if (values.flag("as-printed")) options.paper_options = shadow_culling::PaperOptions::as_printed();
+    options.layout = bench::layout_named(values.text("tree"));
+    for (const std::string& name : values.all("reading")) options.readings.push_back(bench::reading_named(name));
+    for (const bench::PaperReading& reading : options.readings)
+        if (reading.caches_occluders && !options.counts)
+            throw UsageError(fmt::format("--reading {} is a matter of counts: not with --no-counts", reading.name));
     options.images = values.given("report");
     if (const std::vector<std::string> methods = values.all("method"); !methods.empty()) {
         options.paper = std::find(methods.begin(), methods.end(), "paper") != methods.end();
@@ -78,6 +94,14 @@ void say_summary(const bench::CullingWindow& window, Output& output)
                                result.paper_extra_tests_per_pixel, result.paper_wrong_mean,
                                static_cast<double>(result.paper_bytes) / 1e6));
     }
+    for (std::size_t r = 0; r < result.readings.size(); ++r) {
+        const bench::CullingBenchResult::Reading& reading = result.readings[r];
+        const std::string& name = options.readings[r].name;
+        if (options.counts) saved(name.c_str(), reading.saved);
+        output.say(fmt::format("{:10} {:.3f} extra tests per pixel, {:.1f} wrong results per frame; {:.1f} MB", name,
+                               reading.extra_tests_per_pixel, reading.wrong_mean,
+                               static_cast<double>(reading.bytes) / 1e6));
+    }
     if (!options.certified) return;
     if (options.counts) saved("certified", result.certified_saved);
     output.say(
@@ -103,7 +127,7 @@ int run_bench_culling(const CommandLine& line, Output& output)
     const options::OptionValues& values = line.values;
     const Scene scene = load_scene(line, output.progress());
     bench::CullingWindow window{
-        line.positionals.at(0), line.command, values.flag("moving-lights"), 0, options_of(values, scene), {}};
+        line.positionals.at(0), line.command, values.flag("moving-lights"), 0, options_of(values, scene), {}, {}};
     // Create the report's folder before the work, so that one that cannot be written fails at once.
     std::optional<bench::ReportFile> report;
     if (values.given("report")) report.emplace(values.text("report"));
@@ -119,6 +143,19 @@ int run_bench_culling(const CommandLine& line, Output& output)
     for (const bench::CullingFrame& frame : window.result.frames)
         if (!live) output.say(line_of(frame, window.options));
     say_summary(window, output);
+    // With several steps: the same frames after histories of every step.
+    if (const std::vector<std::string> steps = values.all("step"); steps.size() > 1)
+        for (const std::string& seconds : steps) {
+            window.steps.push_back(
+                bench::measure_step(inside, window, *options::parse_number(seconds), output.progress()));
+            const bench::CullingBenchResult& at = window.steps.back().result;
+            output.say(
+                fmt::format("step {:g} s  nodes saved {:.1f} % (best {:.1f}), tests saved {:.1f} % (best {:.1f}); "
+                            "{:.3f} extra tests per pixel, {:.1f} wrong results per frame",
+                            window.steps.back().seconds, at.paper_saved.nodes_mean, at.paper_saved.nodes_best,
+                            at.paper_saved.tests_mean, at.paper_saved.tests_best, at.paper_extra_tests_per_pixel,
+                            at.paper_wrong_mean));
+        }
     const nlohmann::ordered_json document = bench::culling_json(window);
     if (report) {
         const int threads = window.options.threads > 0 ? window.options.threads : gnomon::processor_threads();

@@ -36,7 +36,7 @@ void refuse_options_of_other_renderer(const options::OptionValues& values)
     if (values.text("renderer") == "raster") {
         refuse({"shadow-culling", "accelerator", "max-depth", "reference"}, "trace");
     } else {
-        refuse({"shadow-textures", "shadow-filter", "as-printed"}, "raster");
+        refuse({"shadow-textures", "shadow-filter"}, "raster");
     }
 }
 
@@ -45,6 +45,9 @@ RenderOptions render_options(const options::OptionValues& values)
     refuse_options_of_other_renderer(values);
     RenderOptions options = options::read_render_options(values);
     options.as_printed = values.flag("as-printed");
+    if (options.as_printed && options.renderer == RenderMethod::trace &&
+        options.shadow_culling != ShadowCulling::paper)
+        throw UsageError("--as-printed needs --shadow-culling paper or --renderer raster");
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),
                                                   static_cast<std::uint64_t>(values.integer("seed"))};
@@ -264,7 +267,8 @@ int run_render(const CommandLine& line, Output& output)
     warn_about_history(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;
     if (renderer.options().overlay == Overlay::shadow_states) output.say(wrong_text(result));
-    if (renderer.options().as_printed) output.say(printed_textures_text(result));
+    if (renderer.options().as_printed && renderer.options().renderer == RenderMethod::raster)
+        output.say(printed_textures_text(result));
     output.say(summary_of(result, span.count()));
     output.finish(document_of(line, result, renderer.options(), renderer.device()));
     return 0;

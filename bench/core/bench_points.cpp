@@ -13,6 +13,7 @@ void PointTracer::trace(const scene::SceneState& state, const ray::RayScene& ray
     out.points.clear();
     out.pixels.clear();
     out.diffuse.clear();
+    out.pixel.clear();
     out.reflected_rays = out.refracted_rays = 0;
     const auto log = [&] {
         for (std::size_t i = 0; rays_log && i < queue_.size(); ++i)
@@ -47,7 +48,8 @@ void PointTracer::queue_primary(const scene::View& view, int x0, int y0)
         float tnear, tfar;
         view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, tnear, tfar);
         queue_.push(origin, tnear, direction, tfar);
-        paths_.push_back({glm::vec3(1), {view.pixel_width, view.pixel_spread}});
+        paths_.push_back(
+            {glm::vec3(1), {view.pixel_width, view.pixel_spread}, static_cast<std::uint32_t>(y * view.size.width + x)});
         pixels_.emplace_back(x, y);
     }
 }
@@ -63,6 +65,7 @@ void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& ra
         if (hits_.object[i] == scene::none) continue;
         Continued& here = shaded_.emplace_back();
         here.throughput = paths_[i].throughput;
+        here.pixel = paths_[i].pixel;
         shading::SurfacePoint& s = here.surface;
         shading::surface_at(state.scene(), rays.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i],
                             hits_.t[i], queue_.direction(i), paths_[i].cone, s);
@@ -70,9 +73,10 @@ void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& ra
         const bool lit = s.model != scene::ShadingModel::unlit;
         out.points.push_back({s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0),
                               hits_.object[i], hits_.triangle[i], hits_.u[i], hits_.v[i], s.winding_front});
+        out.pixel.push_back(here.pixel);
         if (!primary) continue;
-        out.pixels.push_back({pixels_[i].first, pixels_[i].second, hits_.object[i], hits_.triangle[i], queue_.origin(i),
-                              queue_.direction(i)});
+        out.pixels.push_back({pixels_[i].first, pixels_[i].second, hits_.object[i], hits_.triangle[i], hits_.u[i],
+                              hits_.v[i], queue_.origin(i), queue_.direction(i)});
         out.diffuse.push_back(s.diffuse + s.specular);
     }
 }
@@ -88,7 +92,7 @@ void PointTracer::queue_continuations()
         const glm::vec3 total = from.throughput * weight;
         if (std::max({total.x, total.y, total.z}) < min_throughput) return;
         queue_.push(s.position + side * (s.offset * s.geometric_normal), 0, direction, k_infinity);
-        paths_.push_back({total, s.cone});
+        paths_.push_back({total, s.cone, from.pixel});
     };
     std::vector<shading::Continuation> next;
     next.reserve(shaded_.size());

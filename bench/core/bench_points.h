@@ -20,11 +20,13 @@ struct SeenPixel {
     int x = 0, y = 0;
     scene::ObjectId object = scene::none;
     std::uint32_t triangle = 0;
+    float u = 0, v = 0;
     glm::vec3 origin{0}, direction{0};   // of its ray
 };
 
 struct BenchPoints {
     std::vector<shadow_culling::ShadowPoint> points;   // primary hits, then those of reflected and refracted rays
+    std::vector<std::uint32_t> pixel;                  // by point: whose path reaches it, in the image's order
     std::size_t primary = 0;                           // number of primary hits
     std::vector<SeenPixel> pixels;                     // by primary hit
     std::vector<glm::vec3> diffuse;                    // diffuse reflectance, by primary hit
@@ -46,10 +48,12 @@ class PointTracer {
     struct Path {
         glm::vec3 throughput;
         shading::RayCone cone;
+        std::uint32_t pixel;
     };
     struct Continued {
         shading::SurfacePoint surface;
         glm::vec3 throughput;
+        std::uint32_t pixel;
     };
     void queue_primary(const scene::View& view, int x0, int y0);
     void follow(const scene::SceneState& state, const ray::RayScene& rays, bool primary, BenchPoints& out);

@@ -10,6 +10,7 @@
 #include "bench/culling/summary.h"
 #include "gnomon/error.h"
 #include "ray/origin.h"
+#include "scene/light_reach.h"
 #include "shadow_culling/certified/certified_culling.h"
 
 namespace gnomon::bench {
@@ -20,11 +21,14 @@ using shadow_culling::CertifiedCulling;
 using shadow_culling::CertifiedOptions;
 
 // The number of a method's results that differ from tracing every ray.
-std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, std::vector<std::uint8_t> CullingTile::*method)
+template <class Results>
+std::uint64_t wrong_of(const std::vector<CullingTile>& tiles, Results&& results_of)
 {
     std::uint64_t wrong = 0;
-    for (const CullingTile& tile : tiles)
-        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.facing[i] && tile.off[i] != (tile.*method)[i];
+    for (const CullingTile& tile : tiles) {
+        const std::vector<std::uint8_t>& results = results_of(tile);
+        for (std::size_t i = 0; i < tile.off.size(); ++i) wrong += tile.facing[i] && tile.off[i] != results[i];
+    }
     return wrong;
 }
 
@@ -34,7 +38,7 @@ class Run {
     Run(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options)
         : options_(options),
           scene_(*scene),
-          state_(scene, scene->timeline.time_of(options.frames.first)),
+          state_(scene, time_of(options, scene->timeline, options.frames.first)),
           rays_(state_),
           tasks_(options.threads),
           tracers_(static_cast<std::size_t>(tasks_.threads())),
@@ -49,7 +53,20 @@ class Run {
         }
         if (options.paper)
             paper_ = std::make_unique<PaperBench>(state_, rays_, tasks_.threads(), options.paper_options);
-        if (options.counts) kdtree_ = std::make_unique<ray::CountingKdTree>(state_, rays_);
+        for (const PaperReading& reading : options.readings) {
+            readings_.push_back(std::make_unique<PaperBench>(state_, rays_, tasks_.threads(), reading.options));
+            const std::size_t primitives = readings_.back()->culling().triangles().size();
+            occluders_.push_back(reading.caches_occluders && options.counts
+                                     ? std::make_unique<OccluderCache>(primitives, scene->lights.size())
+                                     : nullptr);
+            caches_.push_back({occluders_.back().get(), &readings_.back()->culling()});
+        }
+        if (options.counts) {
+            ray::KdOptions tree;
+            tree.layout = options.layout;
+            tree.mobility_by_frame = true;
+            kdtree_ = std::make_unique<ray::CountingKdTree>(state_, rays_, tree);
+        }
         columns_ = (options.size.width + PointTracer::k_tile - 1) / PointTracer::k_tile;
         const int rows = (options.size.height + PointTracer::k_tile - 1) / PointTracer::k_tile;
         tiles_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows));
@@ -57,21 +74,25 @@ class Run {
 
     CullingFrame measure(int frame)
     {
-        // Advance the scene and find the shading points.
-        state_.advance(scene_.timeline.time_of(frame));
-        rays_.update(state_);
-        view_ = scene::make_view(state_, options_.camera, options_.size);
-        find_points();
-
-        // Run all methods on the same points, then count their rays' work on the kd-tree.
+        // The methods also see the frames between this one and the one before.
         CullingFrame record;
         record.frame = frame;
+        record.time = time_of(options_, scene_.timeline, frame);
+        record.readings.resize(readings_.size());
+        for (int b = 1; frame > options_.frames.first && b < options_.between; ++b) {
+            advance(frame - 1 + static_cast<double>(b) / options_.between);
+            CullingFrame unmeasured = record;
+            follow_papers(unmeasured);
+            if (culling_) follow_certified(unmeasured);
+        }
+        // Run all methods on the same points, then count their rays' work on the kd-tree.
+        advance(frame);
         trace_every_ray(record);
-        if (paper_) follow_paper(record);
+        follow_papers(record);
         if (culling_) follow_certified(record);
         if (kdtree_) {
-            if (frame != options_.frames.first) kdtree_->update(state_, rays_);
-            count_on_kdtree(*kdtree_, state_, tiles_, tasks_, record);
+            kdtree_->build(state_, rays_);
+            count_on_kdtree(*kdtree_, state_, rays_, options_, tiles_, caches_, tasks_, record);
         }
         return record;
     }
@@ -83,6 +104,13 @@ class Run {
     void sizes(CullingBenchResult& result) const
     {
         if (paper_) result.paper_bytes = paper_->culling().bytes();
+        result.readings.resize(readings_.size());
+        for (std::size_t r = 0; r < readings_.size(); ++r) result.readings[r].bytes = readings_[r]->culling().bytes();
+        if (kdtree_) {
+            const ray::KdStatistics tree = kdtree_->statistics();
+            for (const ray::KdTreeStatistics* part : {&tree.still, &tree.resting, &tree.moving})
+                result.tree_nodes += part->nodes, result.tree_group_splits += part->group_splits;
+        }
         if (!culling_) return;
         result.bytes = culling_->bytes();
         result.mask_bytes = culling_->mask_bytes();
@@ -100,17 +128,30 @@ class Run {
         std::uint64_t rays = 0;
     };
 
+    // Moves the scene to a frame and finds its shading points.
+    void advance(double frame)
+    {
+        state_.advance(time_of(options_, scene_.timeline, frame));
+        rays_.update(state_);
+        if (kdtree_) kdtree_->follow(state_);
+        view_ = scene::make_view(state_, options_.camera, options_.size);
+        find_points();
+    }
+
     // Traces the paths of all tiles and resets the results of all methods.
     void find_points()
     {
         if (paper_) paper_->clear_image(options_.size);
+        for (const auto& reading : readings_) reading->clear_image(options_.size);
         tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
             CullingTile& tile = tiles_[t];
             const int at = static_cast<int>(t);
             tracers_[static_cast<std::size_t>(w)].trace(state_, rays_, view_, at % columns_ * PointTracer::k_tile,
                                                         at / columns_ * PointTracer::k_tile, options_.max_depth, tile);
-            for (const SeenPixel& p : tile.pixels)
-                if (paper_) paper_->set_pixel(p.x, p.y, p.object, p.triangle, p.origin, p.direction);
+            for (const SeenPixel& p : tile.pixels) {
+                if (paper_) paper_->set_pixel(p);
+                for (const auto& reading : readings_) reading->set_pixel(p);
+            }
             const std::size_t pairs = tile.points.size() * scene_.lights.size();
             tile.facing.assign(pairs, 0);
             tile.off.assign(pairs, 1);
@@ -118,25 +159,26 @@ class Run {
             tile.certified.assign(culling_ ? pairs : 0, 1);
             tile.paper_rays.assign(options_.counts ? pairs : 0, 0);
             tile.certified_rays.assign(options_.counts ? pairs : 0, 0);
+            tile.readings.resize(readings_.size());
+            for (ReadingTile& reading : tile.readings) {
+                reading.occluded.assign(pairs, 1);
+                reading.rays.assign(options_.counts ? pairs : 0, 0);
+            }
         });
     }
 
     // Queues a shadow ray for each point of a tile that faces a light.
     void queue_facing(CullingTile& tile, std::size_t l, Worker& worker) const
     {
-        const scene::Light& light = scene_.lights[l];
-        const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
-        const bool directional = light.type == scene::LightType::directional;
+        const auto id = static_cast<scene::LightId>(l);
+        const scene::LightReach light(scene_.lights[id], state_.light(id));
+        const float end = light.directional() ? k_infinity : ray::k_shadow_ray_end;
         worker.queue.clear();
         worker.whose.clear();
         for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
-            const glm::vec3 d = directional ? -at.direction : at.position - tile.points[p].origin;
-            if (!(glm::dot(d, tile.points[p].normal) > 0)) continue;
-            // Skip points outside the cone of a spot light.
-            if (light.type == scene::LightType::spot &&
-                scene::illuminate(light, at, tile.points[p].origin).irradiance == glm::vec3(0))
-                continue;
-            worker.queue.push(tile.points[p].origin, 0, d, directional ? k_infinity : ray::k_shadow_ray_end);
+            const glm::vec3 to_light = light.from(tile.points[p].origin);
+            if (!light.faces(to_light, tile.points[p].normal) || light.dark_at(tile.points[p].origin)) continue;
+            worker.queue.push(tile.points[p].origin, 0, to_light, end);
             worker.whose.push_back(p);
             tile.facing[l * tile.points.size() + p] = 1;
         }
@@ -168,24 +210,37 @@ class Run {
     }
 
     // Paper: traces the rays that Table 2 requires, runs the occlusion test, and merges the results.
-    void follow_paper(CullingFrame& record)
+    void follow_papers(CullingFrame& record)
     {
+        if (paper_) {
+            follow_paper(
+                *paper_, record.paper, [](auto& tile) -> auto& { return tile.paper; },
+                [](CullingTile & tile) -> auto& { return tile.paper_rays; });
+        }
+        for (std::size_t r = 0; r < readings_.size(); ++r)
+            follow_paper(
+                *readings_[r], record.readings[r], [r](auto& tile) -> auto& { return tile.readings[r].occluded; },
+                [r](CullingTile & tile) -> auto& { return tile.readings[r].rays; });
+    }
+
+    template <class Results, class Rays>
+    void follow_paper(PaperBench& paper, CullingFrame::Paper& record, Results&& results_of, Rays&& rays_of)
+    {
+        std::vector<PaperBench::Batch> batches;
+        for (CullingTile& tile : tiles_)
+            batches.push_back({&tile, results_of(tile).data(), options_.counts ? rays_of(tile).data() : nullptr});
         const double cpu = cpu_ms(), wall = wall_ms();
-        paper_->begin_frame(state_, rays_);
-        tasks_.for_each(tiles_.size(), [&](std::size_t t, int w) {
-            paper_->shadow(w, tiles_[t].points, tiles_[t].paper.data(),
-                           options_.counts ? tiles_[t].paper_rays.data() : nullptr);
-        });
-        paper_->end_frame();
-        record.paper.ms = cpu_ms() - cpu;
-        record.paper.wall_ms = wall_ms() - wall;
-        const shadow_culling::PaperCounters& p = paper_->culling().counters();
-        record.paper.rays = p.rays;
-        record.paper.skipped = p.skipped;
-        record.paper.dynamic_only = p.dynamic_only;
-        record.paper.extra_tests = p.extra_tests;
-        record.paper.extra_tests_per_pixel = paper_->extra_tests_per_pixel();
-        record.paper.wrong = wrong_of(tiles_, &CullingTile::paper);
+        paper.run(state_, rays_, batches, tasks_);
+        record.ms = cpu_ms() - cpu;
+        record.wall_ms = wall_ms() - wall;
+        const shadow_culling::PaperCounters& p = paper.culling().counters();
+        record.rays = p.rays;
+        record.skipped = p.skipped;
+        record.dynamic_only = p.dynamic_only;
+        record.full = p.full;
+        record.extra_tests = p.extra_tests;
+        record.extra_tests_per_pixel = paper.extra_tests_per_pixel();
+        record.wrong = wrong_of(tiles_, results_of);
     }
 
     // Certified: looks up certificates, traces the remaining rays, and proves new certificates from them.
@@ -218,7 +273,8 @@ class Run {
         record.certified.partial = c.partial;
         record.certified.certificates = c.certificates;
         record.certified.certified = c.certified;
-        record.certified.wrong = wrong_of(tiles_, &CullingTile::certified);
+        record.certified.wrong = wrong_of(
+            tiles_, [](const CullingTile& tile) -> auto& { return tile.certified; });
     }
 
     const CullingBenchOptions& options_;
@@ -229,6 +285,9 @@ class Run {
     std::unique_ptr<CertifiedCulling> culling_;
     std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches_;   // by worker
     std::unique_ptr<PaperBench> paper_;
+    std::vector<std::unique_ptr<PaperBench>> readings_;
+    std::vector<std::unique_ptr<OccluderCache>> occluders_;   // by reading; null: none
+    std::vector<ReadingCache> caches_;
     std::unique_ptr<ray::CountingKdTree> kdtree_;
     scene::View view_;
     int columns_ = 0;
@@ -238,6 +297,18 @@ class Run {
 };
 
 }   // namespace
+
+double time_of(const CullingBenchOptions& options, const scene::Timeline& timeline, double frame)
+{
+    if (options.step > 0) return options.start.value_or(timeline.start) + (frame - 1) * options.step;
+    return timeline.time_of(static_cast<int>(frame));
+}
+
+int steps_in(const scene::Timeline& timeline, const CullingBenchOptions& options)
+{
+    const double span = timeline.end - options.start.value_or(timeline.start);
+    return 1 + static_cast<int>(std::clamp(span / options.step + 1e-6, 0.0, 1e6));
+}
 
 CullingBenchResult bench_culling(const std::shared_ptr<const scene::Scene>& scene, const CullingBenchOptions& options,
                                  const Progress& progress, const std::function<void(const CullingFrame&)>& on_frame)

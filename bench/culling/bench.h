@@ -6,20 +6,35 @@
 // `off` traces every facing (point, light) pair in packets against one BVH of the whole scene. Times are process CPU
 // times of the whole pass, including certificates and excluding Embree's builds.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/image.h"
 #include "gnomon/types.h"
+#include "ray/kdtree/kdtree.h"
 #include "scene/scene.h"
 #include "shadow_culling/nah2009/paper_culling.h"
 
 namespace gnomon::bench {
 
+/// Another reading or extension of the published method, measured beside it on the same points.
+struct PaperReading {
+    std::string name;    // a word, for JSON
+    std::string label;   // for tables
+    shadow_culling::PaperOptions options;
+    bool caches_occluders = false;   // see OccluderCache; only in counts
+};
+
 struct CullingBenchOptions {
     FrameRange frames{1, 100};
+    double step = 0;               // seconds between frames; 0: the clip's own frames
+    std::optional<double> start;   // with a step: time of frame 1 in seconds; none: the start of the clip
+    int between =
+        1;   // with a step: the paper's method also sees frames between, so many a step, that are not measured
     Size size{512, 512};
     scene::CameraId camera = 0;
     int threads = 1;
@@ -30,10 +45,18 @@ struct CullingBenchOptions {
     bool counts = true;                    // count nodes and triangle tests on the kd-tree; slow, excluded from times
     bool images = false;                   // keep images of the frame with the most wrong results
     shadow_culling::PaperOptions paper_options;
+    std::vector<PaperReading> readings;   // besides `paper`
+    ray::KdLayout layout = ray::KdLayout::separate;
 };
+
+/// The time of a frame, or of a fraction of one.
+double time_of(const CullingBenchOptions& options, const scene::Timeline& timeline, double frame);
+/// With a step: the number of frames up to the end of the clip; at least 1.
+int steps_in(const scene::Timeline& timeline, const CullingBenchOptions& options);
 
 struct CullingFrame {
     int frame = 1;
+    double time = 0;   // seconds
     struct Off {
         std::uint64_t rays = 0, nodes = 0, tests = 0;
         double ms = 0, wall_ms = 0;
@@ -43,7 +66,10 @@ struct CullingFrame {
         std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, nodes = 0, tests = 0, extra_tests = 0, wrong = 0;
         double extra_tests_per_pixel = 0;
         double ms = 0, wall_ms = 0;
+        std::array<std::uint64_t, shadow_culling::k_full_reasons> full{};   // rays against everything, by FullReason
+        std::uint64_t cache_tests = 0, cache_hits = 0;                      // with OccluderCache
     } paper;
+    std::vector<Paper> readings;   // as CullingBenchOptions::readings
     struct Certified {
         std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, partial = 0, certificates = 0, certified = 0, nodes = 0,
                       tests = 0, wrong = 0;
@@ -75,6 +101,14 @@ struct CullingBenchResult {
         double nodes_of_totals = 0, tests_of_totals = 0;
         int nodes_best_frame = 0, tests_best_frame = 0;
     } paper_saved, certified_saved;
+    struct Reading {
+        Saved saved;
+        double extra_tests_per_pixel = 0, wrong_mean = 0;
+        std::uint64_t bytes = 0;
+    };
+    std::vector<Reading> readings;
+    // The build of the kd-tree after the last frame: nodes, and those that were split at bounds of the scene graph.
+    std::uint64_t tree_nodes = 0, tree_group_splits = 0;
     std::optional<WrongImages> images;
 };
 

@@ -79,7 +79,12 @@ class Section {
             window_.moving_lights ? " Every light moves in every frame, so no result can be reused." : ""));
         const bool all = charts != CullingCharts::brief;
         if (options_.counts) {
-            if (charts == CullingCharts::all) page_.table(table_of_savings({&window_, 1}));
+            if (charts == CullingCharts::all) {
+                page_.table(table_of_savings({&window_, 1}));
+                page_.table(table_of_reasons({&window_, 1}));
+                if (!options_.readings.empty()) page_.table(table_of_readings({&window_, 1}));
+                if (!window_.steps.empty()) add_step_figures(page_, {&window_, 1});
+            }
             if (options_.paper && all) figure_of_the_paper();
             if (options_.certified) savings();
         }
@@ -222,10 +227,18 @@ class Section {
             line(result_, "culled", k_color_ours, [](auto& f) { return percent(f.paper.skipped, f.paper.rays); }));
         rays.series.push_back(line(result_, "dynamic objects only", k_color_third,
                                    [](auto& f) { return percent(f.paper.dynamic_only, f.paper.rays); }));
-        rays.series.push_back(line(result_, "traced", k_color_off, [](auto& f) {
-            return percent(f.paper.rays - f.paper.skipped - f.paper.dynamic_only, f.paper.rays);
-        }));
-        page_.chart(rays, "How the published method treats each shadow ray.");
+        using shadow_culling::FullReason;
+        const auto traced = [&](const char* name, const char* color, FullReason reason) {
+            rays.series.push_back(line(result_, name, color, [reason](auto& f) {
+                return percent(f.paper.full[static_cast<std::size_t>(reason)], f.paper.rays);
+            }));
+        };
+        traced("traced: shadowed in part", k_color_second, FullReason::partly_shadowed);
+        traced("traced: hidden or cut off in part", k_color_paper, FullReason::partially_occluded);
+        traced("traced: not seen before", k_color_fourth, FullReason::not_seen);
+        traced("traced: on dynamic objects", k_color_printed, FullReason::dynamic);
+        traced("traced: no shadow ray before", k_color_off, FullReason::not_shadowed);
+        page_.chart(rays, "How the published method treats each shadow ray, and why it traces those that it does.");
     }
 
     void wrong()
@@ -253,13 +266,41 @@ class Section {
 
 }   // namespace
 
+void add_step_figures(ReportPage& page, std::span<const CullingWindow> windows)
+{
+    page.table(table_of_steps(windows));
+    Chart chart{"Savings against the step", "seconds between frames", "% saved, mean", {}, {}, {}, 0.0, {}};
+    const char* colors[][2] = {{k_color_ours, k_color_paper}, {k_color_third, k_color_second}};
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+        const std::string scene = std::filesystem::path(windows[w].scene).stem().string();
+        ChartSeries nodes{fmt::format("{}: steps", scene), {}, colors[w % 2][0], Style::line};
+        ChartSeries tests{fmt::format("{}: triangle tests", scene), {}, colors[w % 2][1], Style::line};
+        std::vector<const CullingStep*> steps;
+        for (const CullingStep& step : windows[w].steps) steps.push_back(&step);
+        std::sort(steps.begin(), steps.end(), [](auto* a, auto* b) { return a->seconds < b->seconds; });
+        for (const CullingStep* step : steps) {
+            nodes.points.emplace_back(step->seconds, step->result.paper_saved.nodes_mean);
+            tests.points.emplace_back(step->seconds, step->result.paper_saved.tests_mean);
+        }
+        if (steps.empty()) continue;
+        chart.series.push_back(std::move(nodes));
+        chart.series.push_back(std::move(tests));
+    }
+    page.chart(
+        chart,
+        "What the published method saves falls as frames lie further apart: fewer of the triangles in a frame were "
+        "seen whole in the frame before.");
+}
+
 void add_culling_section(ReportPage& page, const CullingWindow& window, CullingCharts charts)
 {
     if (window.result.frames.empty()) return;
     Section(page, window).write(charts);
-    page.attach(fmt::format("culling-{}-{}-{}.json", std::filesystem::path(window.scene).stem().string(),
-                            window.options.frames.first, window.options.frames.last),
-                culling_json(window));
+    std::string name = fmt::format("culling-{}-{}-{}", std::filesystem::path(window.scene).stem().string(),
+                                   window.options.frames.first, window.options.frames.last);
+    if (window.options.step > 0)
+        name += fmt::format("-from-{:g}s-every-{:g}s", window.result.frames.front().time, window.options.step);
+    page.attach(name + ".json", culling_json(window));
 }
 
 }   // namespace gnomon::bench

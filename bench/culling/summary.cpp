@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "base/check.h"
 #include "gnomon/error.h"
@@ -13,27 +12,31 @@ namespace gnomon::bench {
 
 namespace {
 
-auto counts_of(const CullingFrame& f)
+void add_counts(const CullingFrame::Paper& p, std::vector<std::uint64_t>& counts)
 {
-    return std::array{f.off.rays,
-                      f.off.nodes,
-                      f.off.tests,
-                      f.paper.rays,
-                      f.paper.skipped,
-                      f.paper.dynamic_only,
-                      f.paper.nodes,
-                      f.paper.tests,
-                      f.paper.extra_tests,
-                      f.paper.wrong,
-                      f.certified.rays,
-                      f.certified.skipped,
-                      f.certified.dynamic_only,
-                      f.certified.partial,
-                      f.certified.certificates,
-                      f.certified.certified,
-                      f.certified.nodes,
-                      f.certified.tests,
-                      f.certified.wrong};
+    for (const std::uint64_t n :
+         {p.rays, p.skipped, p.dynamic_only, p.nodes, p.tests, p.extra_tests, p.wrong, p.cache_tests, p.cache_hits})
+        counts.push_back(n);
+    counts.insert(counts.end(), p.full.begin(), p.full.end());
+}
+
+std::vector<std::uint64_t> counts_of(const CullingFrame& f)
+{
+    std::vector<std::uint64_t> counts = {f.off.rays,
+                                         f.off.nodes,
+                                         f.off.tests,
+                                         f.certified.rays,
+                                         f.certified.skipped,
+                                         f.certified.dynamic_only,
+                                         f.certified.partial,
+                                         f.certified.certificates,
+                                         f.certified.certified,
+                                         f.certified.nodes,
+                                         f.certified.tests,
+                                         f.certified.wrong};
+    add_counts(f.paper, counts);
+    for (const CullingFrame::Paper& reading : f.readings) add_counts(reading, counts);
+    return counts;
 }
 
 // The middle value, or the mean of the two middle values.
@@ -51,12 +54,12 @@ double percent_saved(std::uint64_t with, std::uint64_t without)
 
 // The counts that a method saves, in percent of those of tracing every ray.
 template <class Method>
-CullingBenchResult::Saved saved(const std::vector<CullingFrame>& frames, Method CullingFrame::*method)
+CullingBenchResult::Saved saved(const std::vector<CullingFrame>& frames, Method&& method)
 {
     CullingBenchResult::Saved result;
     std::uint64_t nodes_with = 0, nodes_without = 0, tests_with = 0, tests_without = 0;
     for (const CullingFrame& frame : frames) {
-        const Method& m = frame.*method;
+        const auto& m = method(frame);
         const double nodes = percent_saved(m.nodes, frame.off.nodes);
         const double tests = percent_saved(m.tests, frame.off.tests);
         result.nodes_mean += nodes / static_cast<double>(frames.size());
@@ -122,10 +125,26 @@ void summarise(const CullingBenchOptions& options, CullingBenchResult& result)
             result.paper_extra_tests_per_pixel += frame.paper.extra_tests_per_pixel / count;
             result.paper_wrong_mean += static_cast<double>(frame.paper.wrong) / count;
         }
-        if (options.counts) result.paper_saved = saved(frames, &CullingFrame::paper);
+        if (options.counts)
+            result.paper_saved = saved(
+                frames, [](auto& f) -> auto& { return f.paper; });
+    }
+    result.readings.resize(options.readings.size());
+    for (std::size_t r = 0; r < options.readings.size(); ++r) {
+        CullingBenchResult::Reading& reading = result.readings[r];
+        reading.extra_tests_per_pixel = reading.wrong_mean = 0;
+        for (const CullingFrame& frame : frames) {
+            reading.extra_tests_per_pixel += frame.readings[r].extra_tests_per_pixel / count;
+            reading.wrong_mean += static_cast<double>(frame.readings[r].wrong) / count;
+        }
+        if (options.counts)
+            reading.saved = saved(
+                frames, [r](auto& f) -> auto& { return f.readings[r]; });
     }
     if (!options.certified) return;
-    if (options.counts) result.certified_saved = saved(frames, &CullingFrame::certified);
+    if (options.counts)
+        result.certified_saved = saved(
+            frames, [](auto& f) -> auto& { return f.certified; });
     for (const CullingFrame& frame : frames) result.wrong_total += frame.certified.wrong;
     result.speedup_mean = speedup(frames, 0);
     result.speedup_steady = speedup(frames, frames.size() / 2);

@@ -27,6 +27,19 @@ const PrintedCulling* printed_culling_of(const std::string& scene);
 /// Table 4: percent saved, mean and best, for those windows that have counts.
 ReportTable table_of_savings(std::span<const CullingWindow> windows);
 
+/// Where the published method's shadow rays go, in percent of all: why each of those traced against everything was, for
+/// those windows that measured it.
+ReportTable table_of_reasons(std::span<const CullingWindow> windows);
+
+/// Other readings and the extensions of the published method, for those windows that measured some.
+ReportTable table_of_readings(std::span<const CullingWindow> windows);
+
+/// Savings of the published method against the step between frames, for those windows that measured several.
+ReportTable table_of_steps(std::span<const CullingWindow> windows);
+
+/// Savings of the published method on each layout of the kd-tree [Nah 2009, Fig. 4].
+ReportTable table_of_trees(std::span<const CullingWindow> windows);
+
 /// The speed-up of certified culling over tracing every ray, for those windows that measured it.
 ReportTable table_of_speed(std::span<const CullingWindow> windows);
 

@@ -49,9 +49,10 @@ struct RenderOptions {
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::items;   // of the rasterised frame
     int shadow_filter = 1;   // width of shadow edges in texels of the light view; 0: hard
-    /// Of the rasterised frame: shadow textures and light quad-tree by the letter of their papers. The colour of a
-    /// receiver's texture decides alone (see FrameCounters::Shadow::looked_up_wrong), and every receiver goes through
-    /// the tree by itself, one pass a level.
+    /// The published techniques by the letter of their papers. ShadowCulling::paper writes modes while the frame is
+    /// traced, in scanline order and on one thread (docs/papers/shadow-culling.md). Of the rasterised frame: the colour
+    /// of a receiver's texture decides alone (see FrameCounters::Shadow::looked_up_wrong), and every receiver goes
+    /// through the light quad-tree by itself, one pass a level.
     bool as_printed = false;
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
     int rsm_samples = 256;                              // Indirect::rsm

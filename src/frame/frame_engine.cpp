@@ -276,14 +276,18 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     // states.
     if (!plan_.raster) raster_.reset();
     if (!plan_.certified) certified_.reset();
-    if (!plan_.nah) nah_.reset();
+    if (!plan_.nah || (nah_ && nah_->options().writes_at_once != options.as_printed)) nah_.reset();
     const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
     if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
     if (!plan_.map || map_key(options) != map_key(map_options_)) map_.reset();
 
     // Make what is missing.
     if (plan_.raster) fit_rasterizer(options);
-    if (plan_.nah && !nah_) nah_ = std::make_unique<shadow_culling::PaperCulling>(*state_, *rays_);
+    if (plan_.nah && !nah_) {
+        using shadow_culling::PaperOptions;
+        nah_ = std::make_unique<shadow_culling::PaperCulling>(
+            *state_, *rays_, options.as_printed ? PaperOptions::as_printed() : PaperOptions{});
+    }
     if (plan_.map && !map_) {
         map_ = std::make_unique<light_quadtree::MapLight>(*state_, *rays_, map_options(options), tasks_);
         map_options_ = options;
@@ -428,7 +432,10 @@ void FrameEngine::make_report(const shading::FrameBuffers* before)
 
 FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRequest& request)
 {
-    Tasks& tasks = request.tasks ? *request.tasks : tasks_;
+    // As printed, shadow culling reads what the pixels before have written: one thread, pixel by pixel.
+    const bool in_scanline_order = nah_ && nah_->options().writes_at_once;
+    std::optional<Tasks> one_thread;
+    Tasks& tasks = in_scanline_order ? one_thread.emplace(1) : request.tasks ? *request.tasks : tasks_;
     if (plan_.shown == Shown::clusters) {
         map_->begin_frame(*state_, *rays_, tasks);
         FrameCounters counters;
@@ -474,6 +481,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.max_depth = options_.max_depth;
     traced.samples = options_.samples;
     traced.layers = options_.layers && plan_.shown == Shown::light;
+    if (in_scanline_order) traced.tile = 1;
     FrameCounters counters =
         trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);

@@ -77,6 +77,12 @@ constexpr Option k_options[] = {
      .help = "first and last frame (default: the whole clip for a video or a numbered set, frame 1 for an image)"},
     {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(bench_culling),
      .group = k_frames, .help = "first and last frame (default: the first 100 frames)"},
+    {.name = "step", .argument = "SECONDS...", .kind = Kind::number, .range = {0.001, 3600}, .repeats = true,
+     .subcommands = bit(bench_culling), .group = k_frames,
+     .help = "time between frames, which may lie beyond the clip's ends, instead of the clip's own frames. Several: the "
+             "frames of the largest step, each after a history of frames of every step"},
+    {.name = "start", .argument = "SECONDS", .kind = Kind::number, .range = {-1e6, 1e6}, .subcommands = bit(bench_culling),
+     .group = k_frames, .help = "with --step: the time of frame 1 (default: the start of the clip)"},
     {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(bench_indirect),
      .group = k_frames, .help = "first and last frame (default: the first 10 frames)"},
     {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .range = {1, 200},
@@ -153,14 +159,24 @@ constexpr Option k_options[] = {
     {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "paper|certified", .repeats = true,
      .subcommands = bit(bench_culling), .group = k_shadows, .help = "methods to compare with tracing every ray (default: both)"},
     {.name = "as-printed", .subcommands = bit(bench_culling), .group = k_shadows,
-     .help = "follow Tables 1 and 3 of the paper literally: neighbours found occluded are tested again, and shadows of "
-             "dynamic objects are cached"},
+     .help = "follow the paper literally: modes are written within the frame, in scanline order; triangles seen in part "
+             "stay so for ever; shadows of dynamic objects are cached; dynamic is what may move in the clip"},
+    {.name = "reading", .argument = "NAME", .kind = Kind::choice,
+     .choices = "as-printed|by-clip|partial-stays|dynamic-blockers|marked-again|cached|parts", .repeats = true,
+     .subcommands = bit(bench_culling), .group = k_shadows,
+     .help = "also measure another reading of the paper, or one of its extensions: cached: the last static occluder is "
+             "asked first; parts: large triangles are divided; see docs/papers/shadow-culling.md"},
+    {.name = "tree", .argument = "NAME", .kind = Kind::choice, .fallback = "separate", .choices = "separate|hierarchy|mixed",
+     .subcommands = bit(bench_culling), .group = k_shadows,
+     .help = "kd-tree of the counts. separate: a tree for static and one for dynamic objects; hierarchy: one tree, split "
+             "along the scene graph; mixed: one tree, split by the surface area heuristic alone"},
     {.name = "no-counts", .subcommands = bit(bench_culling), .group = k_shadows,
      .help = "do not count nodes and triangle tests on the kd-tree"},
     {.name = "as-printed", .subcommands = bit(render), .group = k_shadows,
-     .help = "shadow textures and light quad-tree by the letter of their papers, with --renderer raster: the colour of a "
-             "receiver's texture decides alone (results that differ from comparing distances are counted), and every "
-             "receiver goes through the tree, one pass a level"},
+     .help = "follow the papers literally. --shadow-culling paper: modes are written within the frame, in scanline order "
+             "and on one thread; --renderer raster: the colour of a receiver's texture decides alone (results that differ "
+             "from comparing distances are counted), and every receiver goes through the light quad-tree, one pass a "
+             "level"},
     {.name = "as-printed", .subcommands = bit(bench_shadow_textures), .group = k_shadows,
      .help = "follow the paper literally: the texture's colour decides alone, and per-caster draws all casters nearer "
              "than the receiver, whether or not their extents meet"},

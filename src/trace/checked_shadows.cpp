@@ -49,7 +49,7 @@ class CheckedShadows::Work final : public Worker {
         }
     }
 
-    // The remembered state, where the light could reach the point and the point's object is static.
+    // The remembered state, where the light could reach the point.
     PointState shown_state(const PointBatch& batch, std::uint32_t p, scene::LightId id) const
     {
         const scene::Scene& scene = tester_.state_->scene();
@@ -61,7 +61,6 @@ class CheckedShadows::Work final : public Worker {
             !scene::LightReach::faces(to_light, batch.normals[p]) ||
             scene::illuminate(light, at, batch.points[p].surface.position).irradiance == glm::vec3(0))
             return {StateMark::away};
-        if (tester_.state_->is_dynamic(here.object)) return {StateMark::moving};
         return tested_->state_of(batch, p, id);
     }
 

@@ -33,7 +33,8 @@ class ShadowTester {
         virtual void prepare(const PointBatch&) {}
         /// Appends the points of the prepared batch that a light reaches, in order.
         virtual void find_lit(const PointBatch& batch, scene::LightId light, std::vector<std::uint32_t>& lit) = 0;
-        /// What is remembered of a point of the prepared batch and a light.
+        /// What is remembered of a point of the prepared batch and a light; StateMark::moving where the point's object
+        /// is dynamic to this technique.
         virtual PointState state_of(const PointBatch&, std::uint32_t, scene::LightId) const { return {}; }
     };
     virtual std::unique_ptr<Worker> make_worker() = 0;

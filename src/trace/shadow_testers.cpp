@@ -41,6 +41,11 @@ class EveryShadowRay::Work final : public Worker {
         for (std::size_t i = 0; i < count; ++i)
             if (!occluded_[i]) lit.push_back(asked_.point[i]);
     }
+    PointState state_of(const PointBatch& batch, std::uint32_t point, scene::LightId) const override
+    {
+        const bool dynamic = tester_.state_->is_dynamic(batch.shadow_points[point].object);
+        return {dynamic ? StateMark::moving : StateMark::unknown};
+    }
     std::uint64_t traced() const { return traced_; }
 
  private:
@@ -79,8 +84,9 @@ class CertifiedShadows::Work final : public Worker {
             lit.push_back(p);
         }
     }
-    PointState state_of(const PointBatch&, std::uint32_t point, scene::LightId light) const override
+    PointState state_of(const PointBatch& batch, std::uint32_t point, scene::LightId light) const override
     {
+        if (tester_.state_->is_dynamic(batch.shadow_points[point].object)) return {StateMark::moving};
         switch (tester_.culling_.state_of(*batch_, point, static_cast<int>(light))) {
             case shadow_culling::ShadowState::none:
                 return {StateMark::none};
@@ -138,8 +144,11 @@ class NahShadows::Work final : public Worker {
             shadow_culling::PrimaryHit hit{shadow_culling::no_primitive, primary.rays.origin(i),
                                            primary.rays.direction(i)};
             if (primary.hits.object[i] != scene::none)
-                hit.primitive = tester_.culling_.primitive(primary.hits.object[i], primary.hits.triangle[i]);
-            tester_.primary_hits_[primary.tile.index_in_image(primary.paths[i].pixel, tester_.image_width_)] = hit;
+                hit.primitive = tester_.culling_.primitive(primary.hits.object[i], primary.hits.triangle[i],
+                                                           primary.hits.u[i], primary.hits.v[i]);
+            const std::size_t pixel = primary.tile.index_in_image(primary.paths[i].pixel, tester_.image_width_);
+            tester_.primary_hits_[pixel] = hit;
+            if (tester_.culling_.options().writes_at_once) tester_.see_pixel(pixel);
         }
     }
     void find_lit(const PointBatch& batch, scene::LightId light, std::vector<std::uint32_t>& lit) override
@@ -149,7 +158,7 @@ class NahShadows::Work final : public Worker {
         origins_.resize(count);
         for (std::size_t i = 0; i < count; ++i) {
             const shadow_culling::ShadowPoint& here = batch.shadow_points[asked_.point[i]];
-            origins_[i] = tester_.culling_.primitive(here.object, here.triangle);
+            origins_[i] = tester_.culling_.primitive(here.object, here.triangle, here.u, here.v);
         }
         occluded_.resize(count + ray::k_packet_pad);
         tracer_.answer(tester_.culling_, *tester_.rays_, static_cast<int>(light), asked_.rays, origins_,
@@ -161,7 +170,7 @@ class NahShadows::Work final : public Worker {
     {
         const shadow_culling::PaperCulling& culling = tester_.culling_;
         const shadow_culling::ShadowPoint& here = batch.shadow_points[point];
-        const shadow_culling::PrimitiveId origin = culling.primitive(here.object, here.triangle);
+        const shadow_culling::PrimitiveId origin = culling.primitive(here.object, here.triangle, here.u, here.v);
         if (culling.triangles().is_dynamic(origin)) return {StateMark::moving};
         const bool untrusted = culling.modes().occlusion(origin) != shadow_culling::OcclusionMode::fully_rendered;
         switch (culling.modes().shadow(origin, static_cast<int>(light))) {
@@ -195,6 +204,16 @@ void NahShadows::begin_frame(const FrameContext& frame)
     primary_hits_.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), {});
 }
 
+void NahShadows::see_pixel(std::size_t pixel)
+{
+    const auto width = static_cast<std::size_t>(image_width_);
+    const std::size_t x = pixel % width;
+    const bool edge = x == 0 || x + 1 == width || pixel < width || pixel + width >= primary_hits_.size();
+    const auto shown = [&](std::size_t at) { return primary_hits_[at].primitive; };
+    culling_.see_pixel(primary_hits_[pixel], edge ? shadow_culling::no_primitive : shown(pixel - 1),
+                       edge ? shadow_culling::no_primitive : shown(pixel - width), edge);
+}
+
 std::unique_ptr<ShadowTester::Worker> NahShadows::make_worker()
 {
     return std::make_unique<Work>(*this);
@@ -204,7 +223,7 @@ FrameCounters::Shadow NahShadows::end_frame(std::span<const std::unique_ptr<Work
 {
     std::vector<shadow_culling::PaperCulling::Notes> notes;
     for (const auto& worker : workers) notes.push_back(static_cast<Work&>(*worker).take_notes());
-    culling_.see_image(primary_hits_, static_cast<std::size_t>(image_width_));
+    if (!culling_.options().writes_at_once) culling_.see_image(primary_hits_, static_cast<std::size_t>(image_width_));
     culling_.end_frame(notes);
     FrameCounters::Shadow result;
     result.rays = culling_.counters().rays;

@@ -53,7 +53,8 @@ class CertifiedShadows final : public ShadowTester {
     bool defer_certificates_;
 };
 
-/// Skips rays by the published heuristic; the image can be wrong.
+/// Skips rays by the published heuristic; the image can be wrong. With PaperOptions::writes_at_once, the frame must be
+/// traced by one thread, in tiles of one pixel.
 class NahShadows final : public ShadowTester {
  public:
     explicit NahShadows(shadow_culling::PaperCulling& culling) : culling_(culling) {}
@@ -63,6 +64,8 @@ class NahShadows final : public ShadowTester {
 
  private:
     class Work;
+    void see_pixel(std::size_t pixel);
+
     shadow_culling::PaperCulling& culling_;
     const scene::SceneState* state_ = nullptr;
     const ray::RayScene* rays_ = nullptr;

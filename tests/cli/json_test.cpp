@@ -142,19 +142,22 @@ TEST(Json, KeysOfBenchCulling)
     for (const json& frame : document["frames"]) {
         EXPECT_EQ(keys_of(frame), (Keys{"certified", "frame", "off", "paper"}));
         EXPECT_EQ(keys_of(frame["off"]), (Keys{"ms", "nodes", "rays", "tests", "wall_ms"}));
-        EXPECT_EQ(keys_of(frame["paper"]),
-                  (Keys{"dynamic_only", "extra_tests_per_pixel", "ms", "nodes", "rays", "skipped", "tests", "wrong"}));
+        EXPECT_EQ(keys_of(frame["paper"]), (Keys{"dynamic_only", "extra_tests_per_pixel", "ms", "nodes", "rays",
+                                                 "skipped", "tests", "traced", "wrong"}));
         EXPECT_EQ(keys_of(frame["certified"]), (Keys{"certificates", "dynamic_only", "ms", "nodes", "partial", "rays",
                                                      "skipped", "tests", "wall_ms", "wrong"}));
     }
     EXPECT_EQ(keys_of(document["summary"]["paper"]),
-              (Keys{"bytes", "extra_tests_per_pixel", "nodes_saved_best", "nodes_saved_mean", "nodes_saved_of_totals",
-                    "tests_saved_best", "tests_saved_mean", "tests_saved_of_totals", "wrong_mean"}));
-    EXPECT_EQ(keys_of(document["summary"]["certified"]),
-              (Keys{"bytes", "bytes_per_triangle_light", "first_frame_ratio", "mask_bytes", "most_evidence_bytes",
-                    "moving_lights_ratio", "nodes_saved_best", "nodes_saved_mean", "nodes_saved_of_totals",
-                    "speedup_mean", "speedup_steady", "tests_saved_best", "tests_saved_mean", "tests_saved_of_totals",
-                    "visible_triangles", "worst_frame_ratio", "wrong_total"}));
+              (Keys{"bytes", "extra_tests_per_pixel", "nodes_saved_best", "nodes_saved_best_frame", "nodes_saved_mean",
+                    "nodes_saved_of_totals", "tests_saved_best", "tests_saved_best_frame", "tests_saved_mean",
+                    "tests_saved_of_totals", "wrong_mean"}));
+    EXPECT_EQ(keys_of(document["summary"]["tree"]), (Keys{"group_splits", "nodes"}));
+    EXPECT_EQ(
+        keys_of(document["summary"]["certified"]),
+        (Keys{"bytes", "bytes_per_triangle_light", "first_frame_ratio", "mask_bytes", "most_evidence_bytes",
+              "moving_lights_ratio", "nodes_saved_best", "nodes_saved_best_frame", "nodes_saved_mean",
+              "nodes_saved_of_totals", "speedup_mean", "speedup_steady", "tests_saved_best", "tests_saved_best_frame",
+              "tests_saved_mean", "tests_saved_of_totals", "visible_triangles", "worst_frame_ratio", "wrong_total"}));
     EXPECT_EQ(document["summary"]["certified"]["wrong_total"], 0);
 }
 
@@ -182,10 +185,38 @@ TEST(Json, BenchCullingAsPrintedDiffersFromTheDefault)
     const json read = summary({}), printed = summary({"--as-printed"});
     EXPECT_FALSE(read.contains("as_printed"));
     EXPECT_EQ(printed["as_printed"], true);
-    EXPECT_GT(printed["extra_tests_per_pixel"].get<double>(), read["extra_tests_per_pixel"].get<double>());
+    EXPECT_NE(printed["extra_tests_per_pixel"], read["extra_tests_per_pixel"]);
     EXPECT_NE(printed["wrong_mean"], read["wrong_mean"]) << "a moving shadow is stored, or not";
     expect_failure(run({"bench", "culling", "builtin:cornell", "--as-printed", "--method", "certified"}), 2,
                    "--as-printed");
+}
+
+TEST(Json, BenchCullingAtStepsWithReadings)
+{
+    const Outcome outcome =
+        run({"bench",      "culling", "builtin:cornell", "--frames", "1-3",      "--size", "48x32",     "--step",
+             "0.5",        "0.25",    "--start",         "-0.5",     "--method", "paper",  "--reading", "cached",
+             "as-printed", "--tree",  "mixed",           "--json",   "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document), (Keys{"frames", "steps", "summary"}));
+    EXPECT_EQ(document["frames"][2]["time"], 0.5);
+    EXPECT_EQ(keys_of(document["frames"][0]["readings"]), (Keys{"as-printed", "cached"}));
+    EXPECT_EQ(keys_of(document["frames"][0]["paper"]["traced"]),
+              (Keys{"dynamic", "not_seen", "not_shadowed", "partially_occluded", "partly_shadowed"}));
+    EXPECT_GT(document["frames"][1]["readings"]["cached"]["cache_hits"], 0);
+    EXPECT_EQ(keys_of(document["summary"]["readings"]), (Keys{"as-printed", "cached"}));
+    ASSERT_EQ(document["steps"].size(), 2u);
+    EXPECT_EQ(document["steps"][1]["step"], 0.25);
+    EXPECT_EQ(document["steps"][0]["paper"]["wrong_mean"], document["summary"]["paper"]["wrong_mean"]);
+
+    expect_failure(run({"bench", "culling", "builtin:cornell", "--start", "1"}), 2, "--step");
+    expect_failure(run({"bench", "culling", "builtin:cornell", "--no-counts", "--reading", "cached"}), 2,
+                   "--no-counts");
+    expect_failure(run({"bench", "culling", "builtin:cornell", "--frames", "1-1", "--size", "16x16", "--step", "1",
+                        "0.3", "--method", "paper"}),
+                   2, "0.3");
+    expect_failure(run({"render", "builtin:cornell", "--as-printed", "-o", "x.png"}), 2, "--shadow-culling paper");
 }
 
 TEST(Json, WrittenToAFileLeavesTextOnStandardOutput)

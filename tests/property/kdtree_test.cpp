@@ -391,6 +391,80 @@ TEST(KdTree, SplitsAtBoundsOfSceneGraphNodes)
     EXPECT_EQ(CountingKdTree(state, rays, options).statistics().still.group_splits, 0u);
 }
 
+TEST(KdTree, OneTreeOverEverythingEqualsBruteForce)
+{
+    for (const ray::KdLayout layout : {ray::KdLayout::hierarchy, ray::KdLayout::mixed})
+        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+            const auto scene = make_random_scene(seed);
+            const ray::RayQueue queue = random_rays(seed, 400);
+            SceneState state(scene, 0);
+            RayScene rays(state);
+            ray::KdOptions options;
+            options.layout = layout;
+            CountingKdTree tree(state, rays, options);
+            for (const double time : {0.0, 0.7, 4.9}) {
+                state.advance(time);
+                rays.update(state);
+                tree.update(state, rays);
+                std::size_t hits = 0;
+                for (std::size_t i = 0; i < queue.size(); ++i)
+                    for (const Against against : {Against::everything, Against::static_only, Against::dynamic_only}) {
+                        KdCounts counts;
+                        const glm::vec3 o = queue.origin(i), d = queue.direction(i);
+                        const bool found = tree.occluded(o, queue.tnear[i], d, queue.tfar[i], against, counts);
+                        ASSERT_EQ(found, tree.occluded_by_any(o, queue.tnear[i], d, queue.tfar[i], against))
+                            << "seed " << seed << ", ray " << i;
+                        hits += found;
+                    }
+                EXPECT_GT(hits, 50u);
+            }
+            EXPECT_EQ(tree.statistics().moving.nodes, 0u);
+        }
+}
+
+TEST(KdTree, ByFrameRaysAgainstDynamicObjectsIgnoreThoseAtRest)
+{
+    // One ball moves until time 1, another always. In all three layouts, each is asked only while it is dynamic.
+    scene::Scene scene = scene_with_balls();
+    add_object(scene, 0, scene::none, translation(8, 0, 0));
+    const scene::NodeId always = add_object(scene, 0), until_one = add_object(scene, 0);
+    scene.nodes[always].transform = std::make_shared<SwayTrack>(glm::dvec3(0), 1);
+    scene.nodes[until_one].transform = std::make_shared<JumpTrack>(1, translation(-8, 0, 0), translation(-4, 0, 0));
+    const auto made = finished(scene);
+    for (const ray::KdLayout layout : {ray::KdLayout::separate, ray::KdLayout::hierarchy, ray::KdLayout::mixed}) {
+        SceneState state(made, 0);
+        RayScene rays(state);
+        ray::KdOptions options;
+        options.layout = layout;
+        options.mobility_by_frame = true;
+        CountingKdTree tree(state, rays, options);
+        const auto go_to = [&](double time) {
+            state.advance(time);
+            rays.update(state);
+            tree.update(state, rays);
+        };
+        const auto hit = [&](float x, bool in_clip) {
+            KdCounts counts;
+            const glm::vec3 from(x + 0.013f, 0.017f, 50);
+            return in_clip ? tree.occluded(from, 0, {0, 0, -1}, 1000, Against::dynamic_only, counts)
+                           : tree.occluded_by_dynamic(from, 0, {0, 0, -1}, 1000, counts);
+        };
+        go_to(0);
+        EXPECT_FALSE(hit(-8, false)) << "at rest";
+        EXPECT_TRUE(hit(-8, true)) << "may move in the clip";
+        EXPECT_FALSE(hit(8, true)) << "never moves";
+        go_to(1.5);
+        EXPECT_TRUE(hit(-4, false)) << "jumped in this frame";
+        for (int i = 1; i <= 8; ++i) go_to(1.5 + 0.01 * i);
+        EXPECT_FALSE(hit(-4, false)) << "has rested";
+        EXPECT_TRUE(hit(-4, true));
+        EXPECT_TRUE(tree.is_dynamic(1));
+        EXPECT_FALSE(tree.is_dynamic(2));
+        KdCounts counts;
+        EXPECT_TRUE(tree.occluded({-3.987f, 0.017f, 50}, 0, {0, 0, -1}, 1000, Against::everything, counts));
+    }
+}
+
 TEST(KdTree, EmptySceneHasNoHits)
 {
     scene::Scene scene;

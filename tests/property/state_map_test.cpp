@@ -196,11 +196,12 @@ TEST_F(StateMapTest, ShowsModesOfThePublishedCulling)
                 const trace::StateCell cell = states.cell(static_cast<std::size_t>(l), x, y);
                 ++seen[static_cast<std::size_t>(cell.mark)][cell.untrusted];
                 if (cell.mark == StateMark::away) continue;
-                if (scene->objects[point.object].dynamic) {
+                if (paper.is_dynamic(point.object)) {
                     EXPECT_EQ(cell.mark, StateMark::moving);
                     continue;
                 }
-                const shadow_culling::PrimitiveId primitive = paper.primitive(point.object, point.triangle);
+                const shadow_culling::PrimitiveId primitive =
+                    paper.primitive(point.object, point.triangle, point.u, point.v);
                 constexpr StateMark k_marks[] = {StateMark::unknown, StateMark::full, StateMark::none,
                                                  StateMark::partial};
                 ASSERT_EQ(cell.mark, k_marks[static_cast<std::size_t>(then.shadow(primitive, l))])

@@ -102,6 +102,22 @@ TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
     EXPECT_GT(deep.bytes_per_triangle_light, 0);
 }
 
+TEST(CullingBench, EveryMethodCastsNoRaysOutsideASpotsCone)
+{
+    // The box of builtin:cornell is lit by a spot light that reaches half of what the camera sees.
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
+    CullingBenchOptions options;
+    options.frames = {1, 3};
+    options.size = {96, 96};
+    options.counts = false;
+    const CullingBenchResult result = bench_culling(scene, options);
+    for (const CullingFrame& frame : result.frames) {
+        EXPECT_EQ(frame.paper.rays, frame.off.rays);
+        EXPECT_GT(frame.off.rays, 1000u);
+        EXPECT_LT(frame.off.rays, 96u * 96 * 3 / 4);
+    }
+}
+
 TEST(CullingBench, TracesAllRaysIfEveryLightMoves)
 {
     const auto scene = with_moving_lights(std::make_shared<const scene::Scene>(scene::make_builtin("kinetic")));

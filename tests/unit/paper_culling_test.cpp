@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shadow culling as published [Nah 2009]: its tables line by line, its modes, and how a frame updates them.
+// LONG: one fixture for the whole scheme, by the letter and not.
 #include "shadow_culling/nah2009/paper_culling.h"
 
 #include <gtest/gtest.h>
@@ -48,6 +49,14 @@ std::shared_ptr<const scene::Scene> five_triangles()
     return test::finished(scene);
 }
 
+PaperOptions by_clip(int part_levels = 0)
+{
+    PaperOptions options;
+    options.mobility = PaperMobility::by_clip;
+    options.part_levels = part_levels;
+    return options;
+}
+
 PrimaryHit pixel(PrimitiveId primitive, float x = 50, float y = 50)
 {
     return {primitive, {x, y, 10}, {0, 0, -1}};
@@ -60,7 +69,7 @@ class PaperCullingTest : public testing::Test {
     ray::RayScene rays_{state_};
     SceneTriangles triangles_{state_, rays_};
     Modes modes_{primitive_count, 2};
-    PaperCulling culling_{state_, rays_};
+    PaperCulling culling_{state_, rays_, by_clip()};
     std::vector<Notes> notes_ = std::vector<Notes>(1);
 
     // Tests a pixel away from all edges of the screen. Returns the extra tests.
@@ -417,6 +426,179 @@ TEST_F(PaperCullingTest, StartingOrStoppingObjectResetsPrimitivesItMayShadow)
     EXPECT_EQ(culling_.modes().occlusion(small), k_init);
     EXPECT_EQ(culling_.modes().shadow(wide, 0), ShadowMode::init);
     EXPECT_EQ(culling_.modes().shadow(beside, 0), ShadowMode::full_shadow);
+}
+
+TEST_F(PaperCullingTest, ByFrameAnObjectIsDynamicFromItsMotionUntilItHasRested)
+{
+    PaperCulling culling(state_, rays_);
+    const auto next_frame = [&] {
+        state_.advance(0);
+        rays_.update(state_);
+        culling.begin_frame(state_, rays_);
+    };
+    const auto see_wide = [&](StaticPart found) {
+        culling.note(wide, 0, found, false, notes_[0]);
+        std::vector<PrimaryHit> image(15);
+        image[7] = pixel(wide);
+        culling.see_image(image, 5);
+        culling.end_frame(notes_);
+    };
+    // While nothing moves, not even the object that may move in the clip is dynamic, and NON_SHADOW needs no ray.
+    next_frame();
+    EXPECT_FALSE(culling.any_dynamic());
+    EXPECT_FALSE(culling.is_dynamic(dynamic_object));
+    EXPECT_TRUE(culling.some_rest());
+    see_wide(StaticPart::free);
+    next_frame();
+    EXPECT_EQ(culling.decide(wide, 0, notes_[0]), ShadowDecision::lit);
+    culling.end_frame(notes_);
+    EXPECT_EQ(culling.counters().skipped, 1u);
+
+    // A motion makes it dynamic, and what it may have shadowed is forgotten.
+    const glm::dmat4 moved = test::translation(0, 0, 5);
+    state_.override_transform(scene_->objects[small].node, &moved);
+    next_frame();
+    EXPECT_TRUE(culling.is_dynamic(small));
+    EXPECT_EQ(culling.modes().shadow(wide, 0), ShadowMode::init);
+    see_wide(StaticPart::free);
+    next_frame();
+    EXPECT_EQ(culling.decide(wide, 0, notes_[0]), ShadowDecision::dynamic_only);
+    culling.end_frame(notes_);
+
+    // After eight frames of rest it is static, and what it may shadow now is forgotten.
+    int frames = 1;
+    for (; culling.is_dynamic(small) && frames < 20; ++frames) {
+        next_frame();
+        culling.end_frame(notes_);
+    }
+    EXPECT_EQ(frames, 8);
+    EXPECT_EQ(culling.modes().shadow(wide, 0), ShadowMode::init);
+    EXPECT_EQ(culling.modes().occlusion(small), k_init);
+    EXPECT_FALSE(culling.any_dynamic());
+}
+
+// As printed: modes are written at once.
+
+class PaperAsPrinted : public PaperCullingTest {
+ protected:
+    PaperCulling printed_{state_, rays_, PaperOptions::as_printed()};
+
+    ShadowDecision decide_now(PrimitiveId p, int light = 0) { return printed_.decide(p, light, notes_[0]); }
+    void note_now(PrimitiveId p, StaticPart part, int light = 0, bool dynamic = false)
+    {
+        printed_.note(p, light, part, dynamic, notes_[0]);
+    }
+    OcclusionMode mode(PrimitiveId p) const { return printed_.modes().occlusion(p); }
+};
+
+TEST_F(PaperAsPrinted, ModesChangeWithinTheFrame)
+{
+    printed_.begin_frame(state_, rays_);
+    printed_.see_pixel(pixel(wide), no_primitive, no_primitive, false);
+    printed_.end_frame(notes_);
+    EXPECT_EQ(mode(wide), k_whole);
+
+    // The first ray of the next frame decides what the second does, although the frame has not ended.
+    printed_.begin_frame(state_, rays_);
+    EXPECT_EQ(decide_now(wide), ShadowDecision::full_traversal);
+    note_now(wide, StaticPart::occluded);
+    EXPECT_EQ(decide_now(wide), ShadowDecision::in_shadow);
+    // A pixel on the edge of the screen ends that for the rest of the frame.
+    printed_.see_pixel(pixel(wide), no_primitive, no_primitive, true);
+    EXPECT_EQ(decide_now(wide), ShadowDecision::full_traversal);
+    printed_.end_frame(notes_);
+    EXPECT_EQ(printed_.counters().full[static_cast<std::size_t>(FullReason::not_shadowed)], 1u);
+    EXPECT_EQ(printed_.counters().skipped, 1u);
+}
+
+TEST_F(PaperAsPrinted, PartlyOccludedStaysForEver)
+{
+    for (int f = 0; f < 3; ++f) {
+        printed_.begin_frame(state_, rays_);
+        printed_.see_pixel(pixel(wide), no_primitive, no_primitive, f == 0);
+        EXPECT_EQ(mode(wide), k_partial) << "frame " << f;
+        printed_.end_frame(notes_);
+        EXPECT_EQ(mode(wide), k_partial) << "frame " << f;
+    }
+}
+
+TEST_F(PaperAsPrinted, RemembersShadowsOfDynamicObjects)
+{
+    printed_.begin_frame(state_, rays_);
+    EXPECT_TRUE(printed_.is_dynamic(dynamic_object)) << "it may move in the clip, and rests";
+    note_now(wide, StaticPart::free, 1, true);
+    EXPECT_EQ(printed_.modes().shadow(wide, 1), ShadowMode::full_shadow);
+    note_now(wide, StaticPart::free, 1);
+    EXPECT_EQ(printed_.modes().shadow(wide, 1), ShadowMode::partial_shadow);
+    printed_.see_pixel(pixel(dynamic_object), no_primitive, no_primitive, true);
+    EXPECT_EQ(mode(dynamic_object), k_dynamic);
+    printed_.end_frame(notes_);
+}
+
+TEST_F(PaperAsPrinted, TestsANeighbourAgainOnlyIfTheFirstTestFailed)
+{
+    const auto tests = [&](const PrimaryHit& current, PrimitiveId left, PrimitiveId upper) {
+        printed_.begin_frame(state_, rays_);
+        printed_.see_pixel(current, left, upper, false);
+        printed_.end_frame(notes_);
+        return printed_.counters().extra_tests;
+    };
+    // Line 17 repeats lines 9 to 15 for the upper pixel: `small` ends before this pixel, so it is tested twice.
+    EXPECT_EQ(tests(pixel(wide, 10, 10), small, small), 2u);
+    PaperCulling other(state_, rays_, PaperOptions::as_printed());
+    other.begin_frame(state_, rays_);
+    other.see_pixel(pixel(small, 1.5f, 1.5f), wide, wide, false);   // `wide` continues: line 9 fails the second time
+    other.end_frame(notes_);
+    EXPECT_EQ(other.counters().extra_tests, 1u);
+    EXPECT_EQ(other.modes().occlusion(wide), k_partial);
+}
+
+TEST_F(PaperAsPrinted, ZoomInByMoreThanFourResets)
+{
+    const auto frame_of = [&](int pixels) {
+        printed_.begin_frame(state_, rays_);
+        for (int i = 0; i < pixels; ++i) printed_.see_pixel(pixel(wide), no_primitive, no_primitive, false);
+        printed_.end_frame(notes_);
+        return mode(wide);
+    };
+    EXPECT_EQ(frame_of(10), k_whole);
+    EXPECT_EQ(frame_of(40), k_whole);
+    EXPECT_EQ(frame_of(161), k_init);
+}
+
+// Parts of triangles.
+
+TEST_F(PaperCullingTest, PartsOfATriangleAreItsTilesWithModesOfTheirOwn)
+{
+    const SceneTriangles parts(state_, rays_, 3, 1e-6f);
+    EXPECT_EQ(parts.size(), primitive_count * 64u);
+    double area = 0;
+    for (PrimitiveId p = parts.first_of(wide); p < parts.end_of(wide); ++p) {
+        glm::vec3 c[3];
+        parts.corners(p, c);
+        area += 0.5 * glm::length(glm::cross(c[1] - c[0], c[2] - c[0]));
+        // The middle of a part lies in it: its barycentric coordinates in the triangle lead back to it.
+        const glm::vec3 middle = (c[0] + c[1] + c[2]) / 3.0f;
+        const float v = (middle.y + 40) / 100, u = (middle.x + 40 - 40 * v) / 80;
+        EXPECT_EQ(parts.at(wide, 0, u, v), p);
+        EXPECT_EQ(parts.object_of(p), wide);
+    }
+    EXPECT_NEAR(area, 0.5 * 80 * 100, 0.01);
+
+    // Small triangles stay whole, and whole triangles are numbered as before.
+    const SceneTriangles divided(state_, rays_, 3);
+    EXPECT_EQ(divided.end_of(small) - divided.first_of(small), 1u);
+    EXPECT_GT(divided.end_of(wide) - divided.first_of(wide), 1u);
+
+    PaperCulling culling(state_, rays_, by_clip(3));
+    const PrimitiveId one = culling.primitive(wide, 0, 0.1f, 0.1f), two = culling.primitive(wide, 0, 0.8f, 0.1f);
+    EXPECT_NE(one, two);
+    culling.begin_frame(state_, rays_);
+    culling.note(one, 0, StaticPart::occluded, false, notes_[0]);
+    culling.note(two, 0, StaticPart::free, false, notes_[0]);
+    culling.end_frame(notes_);
+    EXPECT_EQ(culling.modes().shadow(one, 0), ShadowMode::full_shadow);
+    EXPECT_EQ(culling.modes().shadow(two, 0), ShadowMode::non_shadow);
 }
 
 TEST_F(PaperCullingTest, UserOverrideMakesAStaticObjectDynamic)

@@ -62,6 +62,13 @@ bench::CullingBenchResult bench(const std::shared_ptr<const scene::Scene>& scene
     return bench::bench_culling(scene, options);
 }
 
+shadow_culling::PaperOptions by_clip()
+{
+    shadow_culling::PaperOptions options;
+    options.mobility = shadow_culling::PaperMobility::by_clip;
+    return options;
+}
+
 TEST(PaperWrongPixels, MissesAShadowBetweenPixels)
 {
     // A pixel is 0.25 wide. The shadow, 0.1 wide, lies between four pixel centres in the first frame; then the camera
@@ -70,10 +77,10 @@ TEST(PaperWrongPixels, MissesAShadowBetweenPixels)
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
     EXPECT_EQ(result.frames[0].paper.wrong, 0u);
-    EXPECT_EQ(result.frames[0].paper.dynamic_only, 0u) << "nothing is known yet";
+    EXPECT_EQ(result.frames[0].paper.skipped, 0u) << "nothing is known yet";
     for (std::size_t f = 1; f < 4; ++f) {
         EXPECT_EQ(result.frames[f].paper.wrong, 1u) << "frame " << f + 1;
-        EXPECT_EQ(result.frames[f].paper.dynamic_only, result.frames[f].paper.rays);
+        EXPECT_EQ(result.frames[f].paper.skipped, result.frames[f].paper.rays) << "nothing is dynamic";
     }
     EXPECT_EQ(result.paper_wrong_mean, 0.75);
 }
@@ -97,7 +104,7 @@ TEST(PaperWrongPixels, NoErrorWithoutAShadow)
     scene.cameras[0].orthographic_height = 8;
     const auto result = bench(seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12}));
     EXPECT_EQ(result.paper_wrong_mean, 0);
-    EXPECT_EQ(result.frames[3].paper.dynamic_only, result.frames[3].paper.rays);
+    EXPECT_EQ(result.frames[3].paper.skipped, result.frames[3].paper.rays);
 }
 
 TEST(PaperWrongPixels, SkipsAFloorFullyInShadow)
@@ -118,9 +125,9 @@ TEST(PaperWrongPixels, ZoomInShowsASmallShadowOneFrameLate)
     EXPECT_EQ(result.frames[0].paper.wrong, 0u);
     EXPECT_GT(result.frames[1].paper.wrong, 0u);
     EXPECT_EQ(result.frames[2].paper.wrong, 0u);
-    EXPECT_EQ(result.frames[2].paper.dynamic_only, 0u);
+    EXPECT_EQ(result.frames[2].paper.skipped, 0u);
     EXPECT_EQ(result.frames[3].paper.wrong, 0u);
-    EXPECT_EQ(result.frames[3].paper.dynamic_only, 0u) << "PARTIAL_SHADOW now";
+    EXPECT_EQ(result.frames[3].paper.skipped, 0u) << "PARTIAL_SHADOW now";
 }
 
 TEST(PaperWrongPixels, MovingLightIsNeitherCulledNorWrong)
@@ -146,14 +153,44 @@ TEST(PaperWrongPixels, StoresAMovingShadowOnlyAsPrinted)
     };
     const auto ours = bench(with_screen());
     EXPECT_EQ(ours.paper_wrong_mean, 0);
-    EXPECT_EQ(ours.frames[1].paper.dynamic_only, ours.frames[1].paper.rays);
-    shadow_culling::PaperOptions as_printed;
-    as_printed.set_modes.remember_dynamic_blockers = true;
-    const auto printed = bench(with_screen(), 1, 4, as_printed);
+    EXPECT_EQ(ours.frames[1].paper.skipped, ours.frames[1].paper.rays) << "the screen rests: its shadow is static";
+    EXPECT_EQ(ours.frames[2].paper.skipped, 0u) << "it moved: what it may have shadowed is forgotten";
+    const auto clip_wide = bench(with_screen(), 1, 4, by_clip());
+    EXPECT_EQ(clip_wide.paper_wrong_mean, 0);
+    EXPECT_EQ(clip_wide.frames[1].paper.dynamic_only, clip_wide.frames[1].paper.rays);
+    const auto printed = bench(with_screen(), 1, 4, shadow_culling::PaperOptions::as_printed());
     EXPECT_EQ(printed.frames[1].paper.skipped, printed.frames[1].paper.rays);
     EXPECT_EQ(printed.frames[1].paper.wrong, 0u);
     EXPECT_EQ(printed.frames[2].paper.wrong, printed.frames[2].paper.rays);
     EXPECT_GT(printed.frames[2].paper.rays, 100u);
+}
+
+TEST(PaperWrongPixels, RestingObjectsAreStaticWhileOthersMove)
+{
+    // The screen jumps into the light's way in frame 3 and rests from then on. A small object keeps moving above the
+    // other end of the floor, so that rays must tell the two apart.
+    scene::Scene scene = floor_under_light({{-3.2f, -20, 0}, {20, 0, 0}, {-3.2f, 20, 0}});
+    scene.nodes[1].transform = std::make_shared<test::JumpTrack>(1.5, test::translation(500, 0, 0), glm::dmat4(1));
+    add_triangle(scene, {{0, -0.4f, 1}, {0.4f, 0.4f, 1}, {-0.4f, 0.4f, 1}});
+    const auto restless = static_cast<scene::NodeId>(scene.nodes.size() - 1);
+    scene.nodes[restless].transform = std::make_shared<test::SwayTrack>(glm::dvec3(0), 3);
+    scene.cameras[0].orthographic_height = 8;
+    const auto clip = [&] {
+        auto made = seen_from(scene, {0, 0, 12}, {0.125, 0.125, 12});
+        auto longer = std::make_shared<scene::Scene>(*made);
+        longer->timeline.end = 20, longer->timeline.frames = 21;
+        return std::shared_ptr<const scene::Scene>(longer);
+    }();
+    const auto floor_rays = [](const bench::CullingFrame& f) { return f.paper.rays; };
+    const auto by_frame = bench(clip, 1, 16);
+    const auto clip_wide = bench(clip, 1, 16, by_clip());
+    for (std::size_t f = 0; f < 16; ++f) {
+        EXPECT_EQ(by_frame.frames[f].paper.wrong, 0u) << "frame " << f + 1;
+        EXPECT_EQ(clip_wide.frames[f].paper.wrong, 0u) << "frame " << f + 1;
+        EXPECT_EQ(clip_wide.frames[f].paper.skipped, 0u) << "the screen may move";
+    }
+    EXPECT_EQ(by_frame.frames[8].paper.skipped, 0u) << "the screen has not rested long enough";
+    EXPECT_GT(by_frame.frames[15].paper.skipped, floor_rays(by_frame.frames[15]) / 2);
 }
 
 TEST(PaperWrongPixels, SameForAnyThreadCount)

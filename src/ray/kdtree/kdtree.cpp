@@ -12,6 +12,7 @@
 #include "ray/embree/solid.h"
 #include "ray/kdtree/walk.h"
 #include "ray/triangle_test.h"
+#include "scene/mobility.h"
 
 namespace gnomon::ray {
 
@@ -115,30 +116,111 @@ bool usable(const glm::vec3& o, float tnear, const glm::vec3& d, float tfar)
 }   // namespace
 
 struct CountingKdTree::Impl {
+    explicit Impl(std::size_t objects) : mobility(objects) {}
+
     std::shared_ptr<const scene::Scene> scene;
     KdOptions options;
-    KdPart still, moving;
-    const std::array<const KdPart*, 2> parts{&still, &moving};
+    KdPart still, resting, moving;   // one tree over everything: `still`
+    const std::array<const KdPart*, 3> parts{&still, &resting, &moving};
+    scene::Mobility mobility;
+    std::vector<char> clip_dynamic;   // by object
+    bool still_is_due = false, resting_is_due = false, moving_is_due = false;
 
+    bool is_dynamic(scene::ObjectId object) const
+    {
+        return options.mobility_by_frame ? mobility.is_dynamic(object) : clip_dynamic[object] != 0;
+    }
+    bool one_tree() const { return options.layout != KdLayout::separate; }
     void regroup(const scene::SceneState& state)
     {
-        std::vector<scene::ObjectId> of_still, of_moving;
-        for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
-            (state.is_dynamic(o) ? of_moving : of_still).push_back(o);
-        still.groups = make_groups(*scene, of_still);
-        moving.groups = make_groups(*scene, of_moving);
+        std::vector<scene::ObjectId> all, of_still, of_resting, of_moving;
+        clip_dynamic.clear();
+        for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
+            clip_dynamic.push_back(state.is_dynamic(o));
+            all.push_back(o);
+            (is_dynamic(o) ? of_moving : clip_dynamic[o] ? of_resting : of_still).push_back(o);
+        }
+        still.groups = make_groups(*scene, one_tree() ? all : of_still);
+        resting.groups = make_groups(*scene, one_tree() ? std::vector<scene::ObjectId>{} : of_resting);
+        moving.groups = make_groups(*scene, one_tree() ? std::vector<scene::ObjectId>{} : of_moving);
     }
     void rebuild(KdPart& part, const KdBuildOptions& how, const scene::SceneState& state, const RayScene& rays) const
     {
         collect(part, state, rays);
         part.build(how);
+        part.holds.clear();
+        if (one_tree() && !part.nodes.empty()) mark(part);
+    }
+    KdBuildOptions still_options() const
+    {
+        KdBuildOptions how = options.still;
+        if (options.layout == KdLayout::mixed) how.from_hierarchy = false;
+        if (options.layout == KdLayout::hierarchy) how.groups_above = 0, how.group_split_gain = 1;
+        return how;
+    }
+    // Marks the nodes of one tree over everything. Children come after their parents.
+    void mark(KdPart& part) const
+    {
+        part.holds.assign(part.nodes.size(), 0);
+        for (std::size_t n = part.nodes.size(); n-- > 0;) {
+            const KdNode& node = part.nodes[n];
+            if (node.axis != KdNode::k_leaf) {
+                part.holds[n] = part.holds[node.first] | part.holds[node.first + 1];
+                continue;
+            }
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+                part.holds[n] |= holds(part.triangles[part.references[i]]);
+        }
+    }
+    std::uint8_t holds(const KdTriangle& t) const
+    {
+        const unsigned bits =
+            (clip_dynamic[t.object] ? k_holds_clip_dynamic : 0u) | (is_dynamic(t.object) ? k_holds_dynamic : 0u);
+        return static_cast<std::uint8_t>(bits);
     }
 
-    std::span<const KdPart* const> asked(Against against) const
+    // The trees that such rays enter, and in one tree over everything the bits that nodes and triangles must have.
+    struct Asked {
+        std::span<const KdPart* const> parts;
+        std::uint8_t only = 0;
+        bool static_only = false;
+        bool admits(const Impl& in, const KdTriangle& t) const
+        {
+            if (only == 0 && !static_only) return true;
+            const std::uint8_t bits = in.holds(t);
+            return static_only ? (bits & k_holds_clip_dynamic) == 0 : (bits & only) == only;
+        }
+    };
+    Asked asked(Against against) const
     {
+        if (one_tree())
+            return {std::span(parts).first(1),
+                    against == Against::dynamic_only ? k_holds_clip_dynamic : std::uint8_t{0},
+                    against == Against::static_only};
         const std::size_t first = against == Against::dynamic_only ? 1 : 0,
-                          last = against == Against::static_only ? 1 : 2;
-        return std::span(parts).subspan(first, last - first);
+                          last = against == Against::static_only ? 1 : 3;
+        return {std::span(parts).subspan(first, last - first)};
+    }
+    Asked asked_dynamic() const
+    {
+        if (one_tree()) return {std::span(parts).first(1), k_holds_dynamic};
+        return {std::span(parts).last(1)};
+    }
+    bool any_blocks(const Asked& of, const KdRay& ray, KdCounts& counts, Hit* occluder) const
+    {
+        if (!one_tree()) ++counts.nodes;   // the root
+        return std::ranges::any_of(of.parts, [&](const KdPart* part) {
+            return walk(*part, ray, ray.tfar, counts, of.only, [&](const KdNode& leaf) {
+                for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+                    const KdTriangle& t = part->triangles[part->references[i]];
+                    if (!of.admits(*this, t) || !blocks(t, ray, counts)) continue;
+                    if (occluder && t.surface == scene::SurfaceClass::opaque)
+                        occluder->object = t.object, occluder->triangle = t.triangle;
+                    return true;
+                }
+                return false;
+            });
+        });
     }
     bool holed(const KdTriangle& t, const TriangleHit& hit) const
     {
@@ -171,44 +253,58 @@ struct CountingKdTree::Impl {
 };
 
 CountingKdTree::CountingKdTree(const scene::SceneState& state, const RayScene& rays, const KdOptions& options)
-    : impl_(std::make_unique<Impl>())
+    : impl_(std::make_unique<Impl>(state.scene().objects.size()))
 {
     Impl& in = *impl_;
     in.scene = state.shared_scene();
     in.options = options;
+    in.still_is_due = in.resting_is_due = in.moving_is_due = true;
     in.regroup(state);
-    in.rebuild(in.still, options.still, state, rays);
-    in.rebuild(in.moving, options.moving, state, rays);
+    build(state, rays);
 }
 
 CountingKdTree::~CountingKdTree() = default;
 
-void CountingKdTree::update(const scene::SceneState& state, const RayScene& rays)
+void CountingKdTree::follow(const scene::SceneState& state)
 {
     Impl& in = *impl_;
     const scene::FrameChanges& changes = state.changes();
-    if (!changes.promoted.empty()) {
-        in.regroup(state);
-        in.rebuild(in.still, in.options.still, state, rays);
-    }
-    if (!changes.changed.empty()) in.rebuild(in.moving, in.options.moving, state, rays);
+    in.mobility.update(changes);
+    const bool regrouped =
+        in.options.mobility_by_frame && (!in.mobility.became_dynamic().empty() || !in.mobility.became_static().empty());
+    if (regrouped || !changes.promoted.empty()) in.regroup(state);
+    if (!changes.promoted.empty()) in.still_is_due = true;
+    if (regrouped) in.resting_is_due = true;
+    if (regrouped || !changes.changed.empty()) in.moving_is_due = true;
+}
+
+void CountingKdTree::build(const scene::SceneState& state, const RayScene& rays)
+{
+    Impl& in = *impl_;
+    if (in.one_tree()) in.still_is_due |= in.resting_is_due || in.moving_is_due;
+    if (in.still_is_due) in.rebuild(in.still, in.still_options(), state, rays);
+    if (in.resting_is_due && !in.one_tree()) in.rebuild(in.resting, in.options.still, state, rays);
+    if (in.moving_is_due && !in.one_tree()) in.rebuild(in.moving, in.options.moving, state, rays);
+    in.still_is_due = in.resting_is_due = in.moving_is_due = false;
+}
+
+bool CountingKdTree::is_dynamic(scene::ObjectId object) const
+{
+    return impl_->is_dynamic(object);
 }
 
 bool CountingKdTree::occluded(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
-                              Against against, KdCounts& counts) const
+                              Against against, KdCounts& counts, Hit* occluder) const
 {
-    const Impl& in = *impl_;
     if (!usable(origin, tnear, direction, tfar)) return false;
-    const KdRay ray(origin, tnear, direction, tfar);
-    ++counts.nodes;   // the root
-    const auto in_part = [&](const KdPart* part) {
-        return walk(*part, ray, ray.tfar, counts, [&](const KdNode& leaf) {
-            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
-                if (in.blocks(part->triangles[part->references[i]], ray, counts)) return true;
-            return false;
-        });
-    };
-    return std::ranges::any_of(in.asked(against), in_part);
+    return impl_->any_blocks(impl_->asked(against), KdRay(origin, tnear, direction, tfar), counts, occluder);
+}
+
+bool CountingKdTree::occluded_by_dynamic(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                                         KdCounts& counts) const
+{
+    if (!usable(origin, tnear, direction, tfar)) return false;
+    return impl_->any_blocks(impl_->asked_dynamic(), KdRay(origin, tnear, direction, tfar), counts, nullptr);
 }
 
 Hit CountingKdTree::closest(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
@@ -219,13 +315,16 @@ Hit CountingKdTree::closest(const glm::vec3& origin, float tnear, const glm::vec
     best.t = tfar;
     if (!usable(origin, tnear, direction, tfar)) return best;
     const KdRay ray(origin, tnear, direction, tfar);
-    ++counts.nodes;   // the root
+    if (!in.one_tree()) ++counts.nodes;   // the root
     float limit = tfar;
-    for (const KdPart* part : in.asked(against))
-        walk(*part, ray, limit, counts, [&](const KdNode& leaf) {
-            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
-                if (in.nearest(part->triangles[part->references[i]], ray, sides, best, counts))
+    const Impl::Asked asked = in.asked(against);
+    for (const KdPart* part : asked.parts)
+        walk(*part, ray, limit, counts, asked.only, [&](const KdNode& leaf) {
+            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+                const KdTriangle& t = part->triangles[part->references[i]];
+                if (asked.admits(in, t) && in.nearest(t, ray, sides, best, counts))
                     limit = std::min(limit, best.t + k_hit_slack * best.t);
+            }
             return false;
         });
     return best;
@@ -238,8 +337,9 @@ bool CountingKdTree::occluded_by_any(const glm::vec3& origin, float tnear, const
     if (!usable(origin, tnear, direction, tfar)) return false;
     const KdRay ray(origin, tnear, direction, tfar);
     KdCounts counts;
-    const auto blocks = [&](const KdTriangle& t) { return in.blocks(t, ray, counts); };
-    return std::ranges::any_of(in.asked(against),
+    const Impl::Asked asked = in.asked(against);
+    const auto blocks = [&](const KdTriangle& t) { return asked.admits(in, t) && in.blocks(t, ray, counts); };
+    return std::ranges::any_of(asked.parts,
                                [&](const KdPart* part) { return std::ranges::any_of(part->triangles, blocks); });
 }
 
@@ -252,8 +352,10 @@ Hit CountingKdTree::closest_of_all(const glm::vec3& origin, float tnear, const g
     if (!usable(origin, tnear, direction, tfar)) return best;
     const KdRay ray(origin, tnear, direction, tfar);
     KdCounts counts;
-    for (const KdPart* part : in.asked(against))
-        for (const KdTriangle& t : part->triangles) in.nearest(t, ray, sides, best, counts);
+    const Impl::Asked asked = in.asked(against);
+    for (const KdPart* part : asked.parts)
+        for (const KdTriangle& t : part->triangles)
+            if (asked.admits(in, t)) in.nearest(t, ray, sides, best, counts);
     return best;
 }
 
@@ -271,7 +373,7 @@ KdStatistics CountingKdTree::statistics() const
         s.build_ms = part.build_ms;
         return s;
     };
-    return {of(impl_->still), of(impl_->moving)};
+    return {of(impl_->still), of(impl_->resting), of(impl_->moving)};
 }
 
 }   // namespace gnomon::ray

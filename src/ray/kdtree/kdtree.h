@@ -7,12 +7,14 @@
 // Scene Hierarchies']: the upper splits lie at bounds of scene-graph nodes and objects, a few of which are open at a
 // time. Below, where bounds gain little, the surface area heuristic is applied to single triangles.
 //
-// Static and dynamic triangles never share a node. The root's two children are a static and a dynamic one, each with a
-// box and a tree of its own. The static tree is kept between frames; the dynamic one is rebuilt in frames in which
-// something changed. Rays against dynamic objects only do not enter the static child.
+// KdLayout::separate: static and dynamic triangles never share a node. The root has three children, each with a box and
+// a tree of its own: what cannot change in the clip; what may, and rests now; and what is dynamic now
+// (scene/mobility.h). The first tree is kept between frames, the second is rebuilt when an object starts or stops, the
+// third in frames in which something changed. Rays against dynamic objects only enter the last child, or the last two.
 //
 // DEVIATION(Nah 2009, 2.4): there nodes are marked as free of dynamic primitives, and such traversal stops at them;
-// with separate trees it stops at one child of the root.
+// with separate trees it stops at children of the root. KdLayout::hierarchy and mixed are one tree with such marks, as
+// in Fig. 4 (a) and (b), and are built again in every frame in which something changed.
 //
 // DEVIATION(Hunt 2007, 4): nothing is built lazily, because the static tree is built once and the dynamic tree is
 // small.
@@ -52,7 +54,13 @@ struct KdBuildOptions {
     float depth_slope = 1.3f;
 };
 
+/// `hierarchy`: one tree over everything, split at bounds of the scene's hierarchy as long as a split reduces the cost.
+/// `mixed`: one tree over everything, split by the surface area heuristic over triangles alone.
+enum class KdLayout : std::uint8_t { separate, hierarchy, mixed };
+
 struct KdOptions {
+    KdLayout layout = KdLayout::separate;
+    bool mobility_by_frame = false;   // false: every object that may change in the clip is dynamic in all frames
     KdBuildOptions still;
     KdBuildOptions moving{.groups_above = 1000, .exact_below = 0, .bins = 8, .test_cost = 0.7f, .leaf = 12};
 };
@@ -67,8 +75,9 @@ struct KdTreeStatistics {
     double build_ms = 0;        // the last
 };
 
+/// Of one tree over everything: `still` alone.
 struct KdStatistics {
-    KdTreeStatistics still, moving;
+    KdTreeStatistics still, resting, moving;
 };
 
 class CountingKdTree {
@@ -80,12 +89,27 @@ class CountingKdTree {
     CountingKdTree& operator=(const CountingKdTree&) = delete;
 
     /// Follows one advance() of the state, after RayScene::update. Cost: nothing if nothing changed, else a build of
-    /// the dynamic tree; of the static tree only after a promotion.
-    void update(const scene::SceneState& state, const RayScene& rays);
+    /// the dynamic tree; of the static trees only after a promotion, or when an object started or stopped.
+    void update(const scene::SceneState& state, const RayScene& rays)
+    {
+        follow(state);
+        build(state, rays);
+    }
+    /// The two steps of update(). follow() must be called after every advance(), build() before the next ray.
+    void follow(const scene::SceneState& state);
+    void build(const scene::SceneState& state, const RayScene& rays);
+
+    /// Whether an object is dynamic in this frame. With KdOptions::mobility_by_frame: it changes, or did recently.
+    bool is_dynamic(scene::ObjectId object) const;
 
     /// Whether a surface that blocks light lies at a distance in (tnear, tfar]. Thread-safe.
+    /// @param against  dynamic_only: those that may change in the clip
+    /// @param occluder  optional; receives the object and triangle that was found, if its surface is opaque
     bool occluded(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Against against,
-                  KdCounts& counts) const;
+                  KdCounts& counts, Hit* occluder = nullptr) const;
+    /// The same against those that are dynamic in this frame.
+    bool occluded_by_dynamic(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                             KdCounts& counts) const;
     /// The nearest surface, transparent ones included; t is tfar if there is none. Thread-safe.
     Hit closest(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides,
                 KdCounts& counts, Against against = Against::everything) const;

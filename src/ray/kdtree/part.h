@@ -40,6 +40,9 @@ struct KdNode {
 
 inline constexpr int k_deepest = 60;   // limit of the depth: the size of the traversal's stack
 
+// Bits of the nodes of a tree that holds everything: what is somewhere below.
+inline constexpr std::uint8_t k_holds_clip_dynamic = 1, k_holds_dynamic = 2;
+
 struct KdPart {
     std::vector<KdTriangle> triangles;
     std::vector<KdGroup> groups;
@@ -47,6 +50,7 @@ struct KdPart {
     float pad = 0;
     std::vector<KdNode> nodes;   // [0] is the root; empty: no triangles
     std::vector<std::uint32_t> references;
+    std::vector<std::uint8_t> holds;   // by node: k_holds_*; empty for trees that are entered only if all are asked
     std::uint64_t group_splits = 0, builds = 0;
     double build_ms = 0;
 

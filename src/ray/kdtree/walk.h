@@ -59,9 +59,10 @@ inline bool cut(const KdRay& ray, const Box3& box, float& low, float& high)
 
 /// Calls leaf(node) for the leaves that a ray touches, nearest first, until it returns true.
 /// @param limit  end of the traversal; the leaf function may reduce it
+/// @param only   0, or bits of KdPart::holds: traversal stops at nodes without all of them [Nah 2009, 2.4]
 /// @return whether a leaf function returned true
 template <class Leaf>
-bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& counts, Leaf&& leaf)
+bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& counts, std::uint8_t only, Leaf&& leaf)
 {
     struct Later {
         std::uint32_t node;
@@ -79,7 +80,8 @@ bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& co
     for (;;) {
         const KdNode& node = part.nodes[at];
         ++counts.nodes;
-        if (node.axis != KdNode::k_leaf) {
+        const bool entered = only == 0 || (part.holds[at] & only) == only;
+        if (entered && node.axis != KdNode::k_leaf) {
             const float origin = ray.origin[static_cast<int>(node.axis)];
             const float inverse = ray.inverse[static_cast<int>(node.axis)];
             const float distance = node.split - origin;
@@ -103,7 +105,7 @@ bool walk(const KdPart& part, const KdRay& ray, const float& limit, KdCounts& co
             }
             continue;
         }
-        if (leaf(node)) return true;
+        if (entered && leaf(node)) return true;
         do {
             if (waiting == 0) return false;
             const Later& next = stack[static_cast<std::size_t>(--waiting)];

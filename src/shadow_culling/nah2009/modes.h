@@ -37,7 +37,7 @@ class Modes {
     int lights() const { return lights_; }
     std::size_t bytes() const;
 
-    // The modes as they were when the frame began.
+    // The modes as they were when the frame began; with set_shadow_now(), as they are.
     OcclusionMode occlusion(PrimitiveId primitive) const
     {
         return static_cast<OcclusionMode>(begun_[word_of(primitive, 0)] & 3u);
@@ -52,6 +52,12 @@ class Modes {
     // The results of this frame. Thread-safe, because bits are set atomically.
     /// @param touched  the caller's own list; the primitive is appended at its first note in this frame
     void note_shadow(PrimitiveId primitive, int light, ShadowMode bits, std::vector<PrimitiveId>& touched);
+
+    /// ORs shadow bits into the modes at once; by one thread. Excludes note_shadow().
+    void set_shadow_now(PrimitiveId primitive, int light, ShadowMode bits)
+    {
+        begun_[word_of(primitive, slot(light))] |= static_cast<std::uint32_t>(bits) << shift_of(slot(light));
+    }
 
     // The same for primary hits; by one thread, in the order of the image.
     /// Counts a pixel that shows the primitive.

@@ -64,4 +64,34 @@ OcclusionTestCounts test_occlusion(std::span<const PrimaryHit> hits, std::span<c
     return counts;
 }
 
+std::uint64_t test_occlusion_now(const PrimaryHit& current, PrimitiveId left, PrimitiveId upper, bool edge,
+                                 const SceneTriangles& triangles, Modes& modes)
+{
+    // DEVIATION(Nah 2009, Table 1): the listing has no case for a ray that hits nothing; no test then.
+    if (current.primitive == no_primitive) return 0;
+    // Lines 1 to 3.
+    if (triangles.is_dynamic(current.primitive)) {
+        modes.set_occlusion(current.primitive, OcclusionMode::dynamic);
+        return 0;
+    }
+    // Lines 4 to 6.
+    if (edge) {
+        modes.set_occlusion(current.primitive, OcclusionMode::partially_occluded);
+        return 0;
+    }
+    // Lines 8 to 15, and again for line 17. Where both neighbours show one triangle, a test that succeeds has set its
+    // mode, so that line 9 prevents the second, as Fig. 3 has it; a test that fails is repeated.
+    std::uint64_t extra_tests = 0;
+    for (const PrimitiveId reference : {left, upper}) {
+        if (reference == no_primitive || modes.occlusion(reference) != OcclusionMode::init) continue;
+        if (reference == current.primitive) continue;
+        ++extra_tests;
+        glm::vec3 corners[3];
+        triangles.corners(reference, corners);
+        if (intersects(current.origin, current.direction, corners))
+            modes.set_occlusion(reference, OcclusionMode::partially_occluded);
+    }
+    return extra_tests;
+}
+
 }   // namespace gnomon::shadow_culling

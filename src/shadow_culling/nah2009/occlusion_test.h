@@ -32,6 +32,14 @@ struct OcclusionTestCounts {
     std::uint64_t extra_tests = 0;   // ray-triangle tests beyond those of plain ray tracing
 };
 
+/// Runs the test for one pixel, and writes the modes themselves at once, as Table 1 is printed: what is set here is
+/// read by the next pixel, and by the shadow test of this one. Pixels must come in scanline order.
+/// @param left, upper  the primitives of the pixel's left and upper neighbours
+/// @param edge         whether the pixel lies on the edge of the screen
+/// @return the extra ray-triangle tests
+std::uint64_t test_occlusion_now(const PrimaryHit& current, PrimitiveId left, PrimitiveId upper, bool edge,
+                                 const SceneTriangles& triangles, Modes& modes);
+
 /// Runs the test for one row of primary hits. Rows must come from top to bottom, because triangles marked above are not
 /// tested again below.
 /// @param hits      this row, left to right

@@ -13,23 +13,44 @@ void PaperCounters::add(const PaperCounters& o)
     skipped += o.skipped;
     dynamic_only += o.dynamic_only;
     extra_tests += o.extra_tests;
+    for (std::size_t i = 0; i < full.size(); ++i) full[i] += o.full[i];
+}
+
+PaperOptions PaperOptions::as_printed()
+{
+    PaperOptions options;
+    options.set_modes.remember_dynamic_blockers = true;
+    options.set_modes.partially_occluded_stays = true;
+    options.mobility = PaperMobility::by_clip;
+    options.writes_at_once = true;
+    return options;
 }
 
 PaperCulling::PaperCulling(const scene::SceneState& state, const ray::RayScene& rays, const PaperOptions& options)
     : state_(&state),
       options_(options),
-      triangles_(state, rays),
-      modes_(triangles_.size(), static_cast<int>(state.scene().lights.size()))
+      triangles_(state, rays, options.part_levels),
+      modes_(triangles_.size(), static_cast<int>(state.scene().lights.size())),
+      partly_seen_(triangles_.size(), 0),
+      mobility_(state.scene().objects.size())
 {
     const auto objects = static_cast<scene::ObjectId>(state.scene().objects.size());
-    for (scene::ObjectId o = 0; o < objects; ++o)
-        static_bounds_.push_back(triangles_.object_is_dynamic(o) ? Box3{} : triangles_.bounds(o));
+    for (scene::ObjectId o = 0; o < objects; ++o) {
+        if (options_.mobility == PaperMobility::by_frame) triangles_.set_dynamic(o, false);
+        dynamic_objects_ += triangles_.object_is_dynamic(o);
+        static_bounds_.push_back(triangles_.object_is_dynamic(o) ? Box3{} : bounds_of(o));
+    }
 }
 
 void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::FrameChanges& changes = state.changes();
-    begin_frame(state, rays, {changes.lights_moved, changes.promoted, {}});
+    if (options_.mobility == PaperMobility::by_clip) {
+        begin_frame(state, rays, {changes.lights_moved, changes.promoted, {}});
+        return;
+    }
+    mobility_.update(changes);
+    begin_frame(state, rays, {changes.lights_moved, mobility_.became_dynamic(), mobility_.became_static()});
 }
 
 void PaperCulling::begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const PaperChanges& changes)
@@ -56,18 +77,33 @@ void PaperCulling::start(scene::ObjectId object)
 {
     if (triangles_.object_is_dynamic(object)) return;
     triangles_.set_dynamic(object, true);
+    ++dynamic_objects_;
     forget_shadowed_by(static_bounds_[object]);
     static_bounds_[object] = Box3{};
-    for (PrimitiveId p = triangles_.first_of(object); p < triangles_.end_of(object); ++p) modes_.forget(p);
+    forget_modes(object);
 }
 
 void PaperCulling::stop(scene::ObjectId object)
 {
     if (!triangles_.object_is_dynamic(object)) return;
     triangles_.set_dynamic(object, false);
-    static_bounds_[object] = triangles_.bounds(object);
+    --dynamic_objects_;
+    static_bounds_[object] = bounds_of(object);
     forget_shadowed_by(static_bounds_[object]);
-    for (PrimitiveId p = triangles_.first_of(object); p < triangles_.end_of(object); ++p) modes_.forget(p);
+    forget_modes(object);
+}
+
+Box3 PaperCulling::bounds_of(scene::ObjectId object) const
+{
+    return state_->scene().objects[object].removed ? Box3{} : triangles_.bounds(object);
+}
+
+void PaperCulling::forget_modes(scene::ObjectId object)
+{
+    for (PrimitiveId p = triangles_.first_of(object); p < triangles_.end_of(object); ++p) {
+        modes_.forget(p);
+        partly_seen_[p] = 0;
+    }
 }
 
 void PaperCulling::forget_shadowed_by(const Box3& occluder)
@@ -93,10 +129,22 @@ void PaperCulling::forget_shadowed_by(const Box3& occluder)
 ShadowDecision PaperCulling::decide(PrimitiveId origin, int light, Notes& notes) const
 {
     ++notes.counters.rays;
-    const ShadowDecision decision = test_shadow(modes_, origin, light);
-    notes.counters.skipped += decision == ShadowDecision::in_shadow;
+    ShadowDecision decision = test_shadow(modes_, origin, light);
+    // While nothing is dynamic, the traversal of dynamic objects only has nothing to find.
+    if (decision == ShadowDecision::dynamic_only && !any_dynamic()) decision = ShadowDecision::lit;
+    notes.counters.skipped += decision == ShadowDecision::in_shadow || decision == ShadowDecision::lit;
     notes.counters.dynamic_only += decision == ShadowDecision::dynamic_only;
+    if (decision == ShadowDecision::full_traversal)
+        ++notes.counters.full[static_cast<std::size_t>(reason_of_full(origin, light))];
     return decision;
+}
+
+FullReason PaperCulling::reason_of_full(PrimitiveId origin, int light) const
+{
+    if (triangles_.is_dynamic(origin)) return FullReason::dynamic;
+    if (modes_.occlusion(origin) != OcclusionMode::fully_rendered)
+        return partly_seen_[origin] ? FullReason::partially_occluded : FullReason::not_seen;
+    return modes_.shadow(origin, light) == ShadowMode::init ? FullReason::not_shadowed : FullReason::partly_shadowed;
 }
 
 void PaperCulling::note(PrimitiveId origin, int light, StaticPart static_part, bool dynamic_occluded, Notes& notes)
@@ -106,12 +154,31 @@ void PaperCulling::note(PrimitiveId origin, int light, StaticPart static_part, b
     // Dynamic primitives are never FULLY_RENDERED, so their shadow modes would never be read.
     if (triangles_.is_dynamic(origin)) return;
     const ShadowMode bits = shadow_bits(static_part, dynamic_occluded, options_.set_modes);
-    if (bits != ShadowMode::init) modes_.note_shadow(origin, light, bits, notes.touched);
+    if (bits == ShadowMode::init) return;
+    if (options_.writes_at_once)
+        modes_.set_shadow_now(origin, light, bits);
+    else
+        modes_.note_shadow(origin, light, bits, notes.touched);
+}
+
+void PaperCulling::see_pixel(const PrimaryHit& hit, PrimitiveId left, PrimitiveId upper, bool edge)
+{
+    GNOMON_CHECK(options_.writes_at_once);
+    counters_.extra_tests += test_occlusion_now(hit, left, upper, edge, triangles_, modes_);
+    if (hit.primitive != no_primitive) modes_.note_pixel(hit.primitive, rendered_);
+}
+
+bool PaperCulling::lets_light_through(scene::ObjectId object, std::uint32_t triangle) const
+{
+    const scene::Scene& scene = state_->scene();
+    const scene::Mesh& mesh = scene.meshes[scene.objects[object].mesh];
+    return scene.materials[mesh.part_of(triangle).material].surface_class() == scene::SurfaceClass::transparent;
 }
 
 void PaperCulling::see_image(std::span<const PrimaryHit> hits, std::size_t width)
 {
     GNOMON_CHECK(width > 0 && hits.size() % width == 0);
+    GNOMON_CHECK(!options_.writes_at_once);
     for (std::size_t begin = 0; begin < hits.size(); begin += width) {
         const auto row = hits.subspan(begin, width);
         const auto above = begin == 0 ? std::span<const PrimaryHit>{} : hits.subspan(begin - width, width);
@@ -139,7 +206,9 @@ void PaperCulling::end_frame(std::span<Notes> notes)
                             modes_.most_pixels(primitive), options_.set_modes);
         modes_.set_occlusion(primitive, after);
         modes_.close_pixels(primitive);
-        if (after == OcclusionMode::partially_occluded) begin_afresh_.push_back(primitive);
+        partly_seen_[primitive] = after == OcclusionMode::partially_occluded;
+        if (after == OcclusionMode::partially_occluded && !options_.set_modes.partially_occluded_stays)
+            begin_afresh_.push_back(primitive);
     }
     rendered_.clear();
 }

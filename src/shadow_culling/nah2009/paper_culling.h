@@ -14,6 +14,13 @@
 //
 // DEVIATION(Nah 2009, 2.3 to 2.6): modes are read as they were when the frame began, and new results are merged at its
 // end; the paper writes them immediately. So the image depends neither on threads nor on the order of the pixels.
+// PaperOptions::as_printed() writes immediately; see_pixel() then takes the place of see_image(), and all calls come
+// from one thread, pixel by pixel in scanline order.
+//
+// DEVIATION(Nah 2009, 2.2): the paper does not say when an object is dynamic. Here it is from the frame in which it
+// changes until it has rested for some frames (scene/mobility.h); then its primitives have modes as others have.
+// PaperOptions::as_printed() calls dynamic what may change in the clip, because the paper gives the share of dynamic
+// objects as a property of the scene.
 //
 // The method is a heuristic and its images can be wrong: shadows smaller than a pixel, primitives whose left or upper
 // part is hidden, points that were never shaded. Callers compare with a full trace.
@@ -21,25 +28,39 @@
 // Cost: one look-up per shadow ray, 0 to 2 triangle tests per pixel, and the merge of what was seen. A light that moves
 // costs a pass over all modes, an object that starts or stops one over all static triangles.
 
+#include <array>
 #include <span>
 #include <vector>
 
+#include "scene/mobility.h"
 #include "shadow_culling/nah2009/occlusion_test.h"
 #include "shadow_culling/nah2009/set_modes.h"
 #include "shadow_culling/nah2009/shadow_test.h"
 
 namespace gnomon::shadow_culling {
 
+/// Which objects are dynamic: those that change in the present frame, or did recently (scene::Mobility), or those that
+/// may change in the clip (SceneState::is_dynamic).
+enum class PaperMobility : std::uint8_t { by_frame, by_clip };
+
 struct PaperOptions {
     SetModesOptions set_modes;
     OcclusionTestOptions occlusion_test;
+    PaperMobility mobility = PaperMobility::by_frame;
+    bool writes_at_once = false;   // modes are written when they are found, not at the end of the frame
+    int part_levels = 0;           // see SceneTriangles
+
+    /// The scheme by the letter: what Tables 1 to 3, 2.2 and 2.6 print. Table 2's `hitResult = false` is the exception,
+    /// because the text above it says the opposite.
+    static PaperOptions as_printed();
 };
 
 struct PaperCounters {
-    std::uint64_t rays = 0;           // shadow rays requested
-    std::uint64_t skipped = 0;        // not traced at all
-    std::uint64_t dynamic_only = 0;   // traced against dynamic objects only
-    std::uint64_t extra_tests = 0;    // triangle tests of the occlusion test
+    std::uint64_t rays = 0;                             // shadow rays requested
+    std::uint64_t skipped = 0;                          // not traced at all
+    std::uint64_t dynamic_only = 0;                     // traced against dynamic objects only
+    std::uint64_t extra_tests = 0;                      // triangle tests of the occlusion test
+    std::array<std::uint64_t, k_full_reasons> full{};   // traced against everything, by FullReason
     void add(const PaperCounters& other);
 };
 
@@ -53,10 +74,9 @@ struct PaperChanges {
 
 class PaperCulling {
  public:
-    /// Objects are dynamic as in SceneState::is_dynamic().
     PaperCulling(const scene::SceneState& state, const ray::RayScene& rays, const PaperOptions& options = {});
 
-    /// Follows one advance() of the state: promoted objects become dynamic.
+    /// Follows one advance() of the state. Must be called for every advance().
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays);
     /// The same for given changes.
     void begin_frame(const scene::SceneState& state, const ray::RayScene& rays, const PaperChanges& changes);
@@ -67,10 +87,19 @@ class PaperCulling {
         std::vector<PrimitiveId> touched;
     };
 
-    PrimitiveId primitive(scene::ObjectId object, std::uint32_t triangle) const
+    /// The primitive at a point of a triangle with barycentric coordinates (u, v).
+    PrimitiveId primitive(scene::ObjectId object, std::uint32_t triangle, float u, float v) const
     {
-        return triangles_.id(object, triangle);
+        return triangles_.at(object, triangle, u, v);
     }
+    const PaperOptions& options() const { return options_; }
+    bool is_dynamic(scene::ObjectId object) const { return triangles_.object_is_dynamic(object); }
+    /// Whether any object is dynamic in this frame.
+    bool any_dynamic() const { return dynamic_objects_ > 0; }
+    /// Whether an object that may change in the clip is not dynamic in this frame.
+    bool some_rest() const { return dynamic_objects_ < state_->dynamic_objects().size(); }
+    /// Whether a triangle is transparent to shadow rays.
+    bool lets_light_through(scene::ObjectId object, std::uint32_t triangle) const;
     /// Decides how to trace one shadow ray.
     ShadowDecision decide(PrimitiveId origin, int light, Notes& notes) const;
     /// Notes the result of a ray whose decision was full_traversal; other rays give no information.
@@ -79,6 +108,8 @@ class PaperCulling {
     /// Runs the occlusion test over all rows of the image; once per frame, by one thread.
     /// @param hits  row by row from the top left, `width` per row
     void see_image(std::span<const PrimaryHit> hits, std::size_t width);
+    /// With PaperOptions::writes_at_once: the same for one pixel, before its shadow rays.
+    void see_pixel(const PrimaryHit& hit, PrimitiveId left, PrimitiveId upper, bool edge);
 
     /// Merges and clears the notes of all threads.
     void end_frame(std::span<Notes> notes);
@@ -91,7 +122,10 @@ class PaperCulling {
  private:
     void start(scene::ObjectId object);
     void stop(scene::ObjectId object);
+    Box3 bounds_of(scene::ObjectId object) const;   // empty: it was removed from the scene
+    void forget_modes(scene::ObjectId object);
     void forget_shadowed_by(const Box3& occluder);
+    FullReason reason_of_full(PrimitiveId origin, int light) const;
 
     const scene::SceneState* state_;
     PaperOptions options_;
@@ -100,6 +134,9 @@ class PaperCulling {
     std::vector<Box3> static_bounds_;         // by object: of static ones, else empty
     std::vector<PrimitiveId> rendered_;       // in this frame
     std::vector<PrimitiveId> begin_afresh_;   // PARTIALLY_OCCLUDED when the last frame ended
+    std::vector<char> partly_seen_;           // by primitive: PARTIALLY_OCCLUDED when it was seen last
+    scene::Mobility mobility_;
+    std::size_t dynamic_objects_ = 0;
     PaperCounters counters_;
 };
 

@@ -13,6 +13,8 @@ struct SetModesOptions {
     // A primitive that covers more than so many times its former maximum of pixels may show shadows that were too small
     // to be seen before [2.2].
     std::uint32_t zoom_in = 4;
+    // As printed in 2.6: PARTIALLY_OCCLUDED stays for ever.
+    bool partially_occluded_stays = false;
 };
 
 /// The result of a traced shadow ray among the static objects.

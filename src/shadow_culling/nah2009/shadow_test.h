@@ -14,7 +14,18 @@ enum class ShadowDecision : std::uint8_t {
     full_traversal,   // trace against everything, and note the result
     dynamic_only,     // trace against dynamic objects only
     in_shadow,        // no ray: the point is in shadow
+    lit,              // no ray: NON_SHADOW while nothing is dynamic (PaperCulling decides so, not Table 2)
 };
+
+/// Why a ray is traced against everything: what Table 2 found at its origin.
+enum class FullReason : std::uint8_t {
+    dynamic,              // the primitive is dynamic
+    partially_occluded,   // it was hidden in part, or cut off by the screen, when it was seen last
+    not_seen,             // no primary ray met it before, or it was reset after a zoom-in
+    partly_shadowed,      // seen whole, PARTIAL_SHADOW
+    not_shadowed,         // seen whole, but no ray of this light was traced from it before
+};
+inline constexpr std::size_t k_full_reasons = 5;
 
 /// @param origin  the primitive that the shadow ray leaves: of any hit, not only of primary rays
 inline ShadowDecision test_shadow(const Modes& modes, PrimitiveId origin, int light)
