@@ -217,8 +217,9 @@ class Builder {
                 if (cost < best.cost) best = {axis, at, cost};
             }
         }
-        // DEVIATION(Nah 2009, 2.4): cells of fewer triangles than `groups_above` are split over triangles, not along the
-        // scene graph. A small static tree (that of Robots) then has no such split; KdLayout::hierarchy has them all.
+        // DEVIATION(Nah 2009, 2.4): cells of fewer triangles than `groups_above` are split over triangles, not along
+        // the scene graph. A small static tree (that of Robots) then has no such split; KdLayout::hierarchy has them
+        // all.
         const bool pays =
             all > static_cast<float>(o_.groups_above) && best.cost <= o_.group_split_gain * o_.test_cost * all;
         return pays ? best : Split{};
