@@ -48,7 +48,9 @@ WayWork three_frames()
         frame.ms = i == 0 ? 100 : 10;
         frame.times.ms[FrameTimes::rays] = i == 0 ? 70 : 3;
         frame.times.ms[FrameTimes::indirect_mirrored] = i == 2 ? 4 : 0;
-        frame.shadow = {1000, i == 0 ? 0u : 750u, i == 2 ? 100u : 0u, {}};
+        frame.shadow.rays = 1000;
+        frame.shadow.rays_skipped = i == 0 ? 0u : 750u;
+        frame.shadow.rays_dynamic_only = i == 2 ? 100u : 0u;
         frame.indirect.rays = i == 0 ? 400 : i == 1 ? 100 : 500;
     }
     return way;
