@@ -71,9 +71,10 @@ struct FrameCounters {
         std::optional<std::uint64_t> rays_wrong;
         std::uint64_t textures = 0;           // rasterised: shadow textures of receivers that were drawn
         std::uint64_t textures_waiting = 0;   // textures that changed out of sight, to be drawn when they are seen
-        /// Rasterised, with RenderOptions::as_printed: pairs of a surface and a light that it faces, and those in which
-        /// the texture's colour decides otherwise than the distances to the light.
-        std::optional<std::uint64_t> looked_up, looked_up_wrong;
+        /// Rasterised, with RenderOptions::as_printed: pairs of a surface and a light that it faces.
+        std::optional<std::uint64_t> looked_up;
+        /// Of these, those in which the texture's colour decides otherwise than the distances to the light.
+        std::optional<std::uint64_t> looked_up_wrong;
     } shadow;
     /// Indirect light.
     struct Indirect {

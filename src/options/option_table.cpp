@@ -161,11 +161,11 @@ constexpr Option k_options[] = {
     {.name = "as-printed", .subcommands = bit(bench_culling), .group = k_shadows,
      .help = "follow the paper literally: modes are written within the frame, in scanline order; triangles seen in part "
              "stay so for ever; shadows of dynamic objects are cached; dynamic is what may move in the clip"},
-    {.name = "reading", .argument = "NAME", .kind = Kind::choice,
-     .choices = "as-printed|by-clip|partial-stays|dynamic-blockers|marked-again|cached|parts", .repeats = true,
-     .subcommands = bit(bench_culling), .group = k_shadows,
-     .help = "also measure another reading of the paper, or one of its extensions: cached: the last static occluder is "
-             "asked first; parts: large triangles are divided; see docs/papers/shadow-culling.md"},
+    {.name = "reading", .argument = "NAME", .kind = Kind::text, .repeats = true, .subcommands = bit(bench_culling),
+     .group = k_shadows,
+     .help = "also measure another reading of the paper (as-printed, by-clip, partial-stays, dynamic-blockers, "
+             "marked-again), or one of its extensions: cached: the last static occluder is asked first; parts: large "
+             "triangles are divided; see docs/papers/shadow-culling.md"},
     {.name = "tree", .argument = "NAME", .kind = Kind::choice, .fallback = "separate", .choices = "separate|hierarchy|mixed",
      .subcommands = bit(bench_culling), .group = k_shadows,
      .help = "kd-tree of the counts. separate: a tree for static and one for dynamic objects; hierarchy: one tree, split "

@@ -539,7 +539,7 @@ TEST(Misuse, FramesOutputsAndOptions)
     options("culling", [](RenderOptions& o) { o.shadow_culling = static_cast<ShadowCulling>(3); });
     options("indirect", [](RenderOptions& o) { o.indirect = static_cast<Indirect>(4); });
     options("indirect on", [](RenderOptions& o) { o.indirect_on = static_cast<IndirectOn>(3); });
-    options("textures", [](RenderOptions& o) { o.shadow_textures = static_cast<ShadowTextures>(4); });
+    options("textures", [](RenderOptions& o) { o.shadow_textures = static_cast<ShadowTextures>(5); });
     options("accelerator", [](RenderOptions& o) { o.accelerator = static_cast<Accelerator>(2); });
     options("overlay", [](RenderOptions& o) { o.overlay = static_cast<Overlay>(1000); });
     // Known only with a scene.
