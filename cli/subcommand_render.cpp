@@ -45,8 +45,7 @@ RenderOptions render_options(const options::OptionValues& values)
     refuse_options_of_other_renderer(values);
     RenderOptions options = options::read_render_options(values);
     options.as_printed = values.flag("as-printed");
-    if (options.as_printed && options.renderer == RenderMethod::trace &&
-        options.shadow_culling != ShadowCulling::paper)
+    if (options.as_printed && options.renderer == RenderMethod::trace && options.shadow_culling != ShadowCulling::paper)
         throw UsageError("--as-printed needs --shadow-culling paper or --renderer raster");
     if (values.flag("reference"))
         options.reference = ReferenceLightOptions{values.integer("spp"), values.integer("bounces"),

@@ -18,7 +18,8 @@ struct ImageLimits {
     bool stored_values = false;   // ignore gamma and colour space information in PNG files
 };
 
-/// Reads PNG, JPEG, WebP (still images) or binary PPM, recognised by content; 8 bits per channel (16-bit PNG is reduced); 1 to 4 channels.
+/// Reads PNG, JPEG, WebP (still images) or binary PPM, recognised by content; 8 bits per channel (16-bit PNG is
+/// reduced); 1 to 4 channels.
 /// @throws InputError
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits = {});
 /// The same from memory; `name` is for messages.
