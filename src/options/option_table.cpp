@@ -161,8 +161,9 @@ constexpr Option k_options[] = {
     {.name = "as-printed", .subcommands = bit(bench_culling), .group = k_shadows,
      .help = "follow the paper literally: modes are written within the frame, in scanline order; triangles seen in part "
              "stay so for ever; shadows of dynamic objects are cached; dynamic is what may move in the clip"},
-    {.name = "reading", .argument = "NAME", .kind = Kind::text, .repeats = true, .subcommands = bit(bench_culling),
-     .group = k_shadows,
+    {.name = "reading", .argument = "NAME", .kind = Kind::text,
+     .choices = "as-printed|by-clip|partial-stays|dynamic-blockers|marked-again|cached|parts", .repeats = true,
+     .subcommands = bit(bench_culling), .group = k_shadows,
      .help = "also measure another reading of the paper (as-printed, by-clip, partial-stays, dynamic-blockers, "
              "marked-again), or one of its extensions: cached: the last static occluder is asked first; parts: large "
              "triangles are divided; see docs/papers/shadow-culling.md"},
@@ -202,8 +203,9 @@ constexpr Option k_options[] = {
     {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|printed|shadowed|rsm",
      .repeats = true, .subcommands = bit(bench_indirect), .group = k_indirect,
      .help = "methods to measure: visible; quadtree:LEVEL, quadtree:LEVEL:MARGIN (see --validity-margin of render); "
-             "printed:LEVEL, the same by one pass a level; shadowed:LEVEL, with shadows of clusters; rsm:SAMPLES, rsm:SAMPLES:RADIUS (radius of the disk in sides "
-             "of the light map; 0.3); may be repeated (default: visible; with --report, every method of the paper)"},
+             "printed:LEVEL, the same by one pass a level; shadowed:LEVEL, with shadows of clusters; rsm:SAMPLES, "
+             "rsm:SAMPLES:RADIUS (radius of the disk in sides of the light map; 0.3); may be repeated (default: visible; "
+             "with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
      .subcommands = k_images, .group = k_indirect,
      .help = "method for one-bounce indirect light. visible: irradiance cache, with shadows and without noise; quadtree: "
