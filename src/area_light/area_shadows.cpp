@@ -207,11 +207,17 @@ Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v)
 Part AreaShadows::judged_anew(TriangleId triangle, bool front, float u, float v, std::vector<TriangleId>& list) const
 {
     const PartPath path(u, v, options_.most_levels);
+    std::vector<TriangleId> from;
+    bool handed_down = false;
     for (std::uint32_t level = 0;; ++level) {
-        Verdict verdict = judge(triangle, front, path.at[level], level, nullptr);
-        if (verdict.divides) continue;
-        list = std::move(verdict.list);
-        return {verdict.state, verdict.state == PartState::listed ? &list : nullptr};
+        Verdict verdict = judge(triangle, front, path.at[level], level, handed_down ? &from : nullptr);
+        if (!verdict.divides) {
+            list = std::move(verdict.list);
+            return {verdict.state, verdict.state == PartState::listed ? &list : nullptr};
+        }
+        if (verdict.list.size() > k_handed_down) continue;
+        from = std::move(verdict.list);
+        handed_down = true;
     }
 }
 
