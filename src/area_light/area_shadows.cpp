@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <deque>
-#include <unordered_map>
 
 #include "base/micro_triangles.h"
 #include "ray/origin.h"
@@ -42,15 +41,13 @@ struct PartPath {
             micro_at(micro_index_at(u, v, static_cast<std::uint32_t>(levels)), static_cast<std::uint32_t>(levels));
         for (; level > 0; --level) at[level - 1] = parent_of(at[level]);
     }
-    // Which quarter of the part of this level the next one is.
+    // Which quarter of the part of this level the next one is, in the order of children_of().
     std::size_t quarter(std::size_t level) const
     {
-        MicroTriangle child[4];
-        children_of(at[level], child);
         const MicroTriangle& next = at[level + 1];
-        std::size_t q = 0;
-        while (q < 3 && (child[q].i != next.i || child[q].j != next.j || child[q].upper != next.upper)) ++q;
-        return q;
+        if (next.upper != at[level].upper) return 3;
+        const std::size_t i = next.i & 1, j = next.j & 1;
+        return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
     }
 };
 
@@ -58,7 +55,7 @@ struct PartPath {
 
 struct AreaShadows::Node {
     enum class Kind : std::uint8_t { unknown, divided, decided };
-    Kind kind = Kind::unknown;
+    std::atomic<Kind> kind = Kind::unknown;   // the rest is constant once it is known
     PartState state = PartState::open;
     Node* quarters = nullptr;   // four; of a divided part
     std::unique_ptr<std::vector<TriangleId>> list;
@@ -66,7 +63,6 @@ struct AreaShadows::Node {
 
 struct AreaShadows::Shard {
     std::mutex mutex;
-    std::unordered_map<std::uint64_t, Node*> roots;
     std::deque<std::array<Node, 4>> nodes;
     AreaCounters counters;
 };
@@ -76,6 +72,7 @@ AreaShadows::AreaShadows(const StaticTriangles& triangles, const LightPolygon& l
       places_(light),
       options_(options),
       diameter_(diameter_of(light)),
+      roots_(std::make_unique<std::atomic<Node*>[]>(2 * triangles.size())),
       shards_(std::make_unique<Shard[]>(k_shards))
 {
 }
@@ -168,40 +165,59 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
 
 Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v)
 {
-    const std::uint64_t key = 2 * std::uint64_t{triangle} + (front ? 1 : 0);
-    Shard& shard = shards_[(key * 0x9e3779b97f4a7c15ull) >> 56];
-    const std::lock_guard lock(shard.mutex);
-    Node*& root = shard.roots[key];
-    if (!root) root = &shard.nodes.emplace_back()[0];
-    Node* node = root;
-    const std::vector<TriangleId>* from = nullptr;
+    const std::size_t record = 2 * std::size_t{triangle} + (front ? 1 : 0);
+    Node* node = roots_[record].load(std::memory_order_acquire);
+    if (node && node->kind.load(std::memory_order_acquire) == Node::Kind::decided)
+        return {node->state, node->list.get()};
     const PartPath path(u, v, options_.most_levels);
+    const std::vector<TriangleId>* from = nullptr;
     for (std::uint32_t level = 0;; ++level) {
-        if (node->kind == Node::Kind::unknown) {
-            Verdict verdict = judge(triangle, front, path.at[level], level, from);
-            ++shard.counters.parts;
-            if (verdict.divides) {
-                node->quarters = shard.nodes.emplace_back().data();
-                node->kind = Node::Kind::divided;
-                if (verdict.list.size() <= k_handed_down) {
-                    verdict.list.shrink_to_fit();
-                    node->list = std::make_unique<std::vector<TriangleId>>(std::move(verdict.list));
-                }
-            } else {
-                node->kind = Node::Kind::decided;
-                node->state = verdict.state;
-                ++shard.counters.states[static_cast<std::size_t>(verdict.state)];
-                if (verdict.state == PartState::listed) {
-                    shard.counters.listed_triangles += verdict.list.size();
-                    verdict.list.shrink_to_fit();
-                    node->list = std::make_unique<std::vector<TriangleId>>(std::move(verdict.list));
-                }
-            }
+        Node::Kind kind = node ? node->kind.load(std::memory_order_acquire) : Node::Kind::unknown;
+        if (kind == Node::Kind::unknown) {
+            node = judge_node(record, node, triangle, front, path.at[level], level, from);
+            kind = node->kind.load(std::memory_order_acquire);
         }
-        if (node->kind == Node::Kind::decided) return {node->state, node->list.get()};
+        if (kind == Node::Kind::decided) return {node->state, node->list.get()};
         if (node->list) from = node->list.get();
         node = node->quarters + path.quarter(level);
     }
+}
+
+// Judges a part that is unknown, unless another thread has just done so.
+// @param node  null: the whole triangle's, which is made
+AreaShadows::Node* AreaShadows::judge_node(std::size_t record, Node* node, TriangleId triangle, bool front,
+                                           const MicroTriangle& part, std::uint32_t level,
+                                           const std::vector<TriangleId>* from)
+{
+    // Several threads may judge the same part: all with the same result, of which one is kept.
+    Verdict verdict = judge(triangle, front, part, level, from);
+    verdict.list.shrink_to_fit();
+    Shard& shard = shards_[(record * 0x9e3779b97f4a7c15ull) >> 56];
+    const std::lock_guard lock(shard.mutex);
+    if (!node) {
+        node = roots_[record].load(std::memory_order_relaxed);
+        if (!node) {
+            node = &shard.nodes.emplace_back()[0];
+            roots_[record].store(node, std::memory_order_release);
+        }
+    }
+    if (node->kind.load(std::memory_order_relaxed) != Node::Kind::unknown) return node;
+    ++shard.counters.parts;
+    if (verdict.divides) {
+        node->quarters = shard.nodes.emplace_back().data();
+        if (verdict.list.size() <= k_handed_down)
+            node->list = std::make_unique<std::vector<TriangleId>>(std::move(verdict.list));
+        node->kind.store(Node::Kind::divided, std::memory_order_release);
+        return node;
+    }
+    node->state = verdict.state;
+    ++shard.counters.states[static_cast<std::size_t>(verdict.state)];
+    if (verdict.state == PartState::listed) {
+        shard.counters.listed_triangles += verdict.list.size();
+        node->list = std::make_unique<std::vector<TriangleId>>(std::move(verdict.list));
+    }
+    node->kind.store(Node::Kind::decided, std::memory_order_release);
+    return node;
 }
 
 Part AreaShadows::judged_anew(TriangleId triangle, bool front, float u, float v, std::vector<TriangleId>& list) const
@@ -235,11 +251,11 @@ AreaCounters AreaShadows::counters() const
 
 std::size_t AreaShadows::bytes() const
 {
-    std::size_t bytes = 0;
+    std::size_t bytes = 2 * triangles_.size() * sizeof(roots_[0]);
     for (std::size_t s = 0; s < k_shards; ++s) {
         const std::lock_guard lock(shards_[s].mutex);
         const Shard& shard = shards_[s];
-        bytes += shard.nodes.size() * sizeof(std::array<Node, 4>) + shard.roots.size() * 3 * sizeof(void*);
+        bytes += shard.nodes.size() * sizeof(std::array<Node, 4>);
         for (const std::array<Node, 4>& four : shard.nodes)
             for (const Node& node : four)
                 if (node.list) bytes += sizeof(*node.list) + node.list->capacity() * sizeof(TriangleId);

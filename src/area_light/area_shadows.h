@@ -15,7 +15,8 @@
 //
 // Masked triangles (with holes by alpha) make a part open. Dynamic objects are not regarded here.
 // Cost: a look-up per point; for a listed part, the triangles of its list (blocked_places.h); some microseconds for
-// each part that is judged. Memory: 16 bytes a part, 4 for each listed triangle.
+// each part that is judged. Memory: 16 bytes for each static triangle, 128 for each divided part,
+// 4 for each listed triangle.
 
 #include <atomic>
 #include <memory>
@@ -34,9 +35,9 @@ enum class PartState : std::uint8_t { unlit, lit, dark, listed, open };
 struct AreaOptions {
     ShaftRules shaft;
     DarkOptions dark;
-    double coarse = 0.5;   // parts are divided down to this fraction of the light's diameter,
-    double fine = 0.125;   // and where more than `short_list` triangles meet the shaft, down to this one
-    std::size_t short_list = 12;
+    double coarse = 0.25;   // parts are divided down to this fraction of the light's diameter,
+    double fine = 0.125;    // and where more than `short_list` triangles meet the shaft, down to this one
+    std::size_t short_list = 24;
     std::size_t longest_list = 512;   // of a listed part
     int most_levels = 9;
 };
@@ -83,10 +84,14 @@ class AreaShadows {
     Verdict judge(visibility::TriangleId triangle, bool front, const MicroTriangle& part, std::uint32_t level,
                   const std::vector<visibility::TriangleId>* from) const;
 
+    Node* judge_node(std::size_t record, Node* node, visibility::TriangleId triangle, bool front,
+                     const MicroTriangle& part, std::uint32_t level, const std::vector<visibility::TriangleId>* from);
+
     const visibility::StaticTriangles& triangles_;
     LightPlaces places_;
     AreaOptions options_;
     double diameter_ = 0;
+    std::unique_ptr<std::atomic<Node*>[]> roots_;   // by triangle and side; null: nothing was asked
     std::unique_ptr<Shard[]> shards_;
 };
 
