@@ -450,6 +450,14 @@ void SizedLights::update(const SceneState& state)
     if (had || !lights_.empty()) ++version_;
 }
 
+void SizedLights::forget()
+{
+    state_ = nullptr;
+    if (!lights_.empty()) ++version_;
+    lights_.clear();
+    counts_ = {};
+}
+
 void SizedLights::make(const SceneState& state)
 {
     const Scene& scene = state.scene();

@@ -86,6 +86,9 @@ class SizedLights {
     /// Follows the state, after its advance(). The first call and one with another state make everything anew.
     void update(const SceneState& state);
 
+    /// Drops the lights: the next update() makes everything anew.
+    void forget();
+
     std::span<const SizedLight> lights() const { return lights_; }
     bool empty() const { return lights_.empty(); }
     const SizedLightCounts& counts() const { return counts_; }
