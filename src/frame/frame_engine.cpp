@@ -134,6 +134,7 @@ void FrameEngine::forget()
 {
     discard_caches();
     rays_.reset();
+    sized_.forget();
     state_.reset();
     state_before_.reset();
     scene_.reset();
@@ -223,6 +224,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     options_ = options;
     plan_ = plan_for(options);
     try {
+        follow_emission();
         fit_caches(options);
         check_memory("the caches");
         interruption_point();
@@ -262,6 +264,15 @@ bool FrameEngine::adds_much() const
     for (const scene::ObjectId o : state_->changes().added)
         triangles += state_->scene().meshes[state_->scene().objects[o].mesh].triangles.size();
     return triangles >= k_much;
+}
+
+// Lets the lights with size follow. A rasterised frame has none: they are then made anew for the next traced one.
+void FrameEngine::follow_emission()
+{
+    if (plan_.raster)
+        sized_.forget();
+    else
+        sized_.update(*state_);
 }
 
 void FrameEngine::make_rays()
@@ -477,6 +488,9 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
             &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
+    // The reference samples emissive surfaces by itself.
+    if (!plan_.reference && !sized_.empty()) techniques.sized = &sized_;
+
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
     traced.samples = options_.samples;
@@ -523,7 +537,7 @@ std::string FrameEngine::device() const
 
 std::size_t FrameEngine::cached_bytes() const
 {
-    std::size_t bytes = 0;
+    std::size_t bytes = sized_.bytes();
     if (certified_) bytes += certified_->bytes();
     if (cache_) bytes += cache_->bytes();
     if (map_) bytes += map_->bytes();

@@ -27,6 +27,7 @@
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
 #include "light_quadtree/map_light.h"
+#include "scene/sized_light.h"
 #include "scene/view.h"
 #include "shading/frame_buffers.h"
 #include "shadow_culling/certified/certified_culling.h"
@@ -186,6 +187,7 @@ class FrameEngine {
     bool continue_with(const std::shared_ptr<const scene::Scene>& scene);
     bool adds_much() const;
     void make_rays();
+    void follow_emission();
     void trace_centres(const RenderRequest& request);
     void make_report(const shading::FrameBuffers* before);
     void discard_caches();
@@ -208,6 +210,7 @@ class FrameEngine {
     Plan plan_;                 // likewise
     std::optional<glm::vec3> turn_centre_;
 
+    scene::SizedLights sized_;   // of traced frames; follows every advance()
     std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
     std::unique_ptr<shadow_culling::PaperCulling> nah_;
     std::unique_ptr<irradiance_cache::IrradianceCache> cache_;

@@ -46,6 +46,7 @@ struct Path {
     glm::vec3 throughput;   // of the path so far: the weight of what the ray brings in the pixel's colour
     shading::RayCone cone;
     bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
+    float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
 };
 
 /// A point to shade.

@@ -19,7 +19,7 @@ float largest(const glm::vec3& v)
 }   // namespace
 
 TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
-                       IndirectLight* indirect, TraceLog* log)
+                       const SizedTechnique& sized, IndirectLight* indirect, TraceLog* log)
     : state_(frame.state),
       scene_(frame.state.scene()),
       rays_(frame.rays),
@@ -31,6 +31,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       is_estimate_(indirect && indirect->is_estimate()),
       log_(log)
 {
+    if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility);
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -52,6 +53,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
         shade_hits(primary_, true, sample);
         watch.end(FrameTimes::surfaces);
         add_lights(batch(true, sample), watch);
+        add_sized_lights(batch(true, sample), watch);
         add_indirect(batch(true, sample));
         watch.end(FrameTimes::indirect);
 
@@ -70,6 +72,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
                 watch.end(FrameTimes::surfaces);
             }
             add_lights(batch(false, sample), watch);
+            add_sized_lights(batch(false, sample), watch);
             add_indirect(batch(false, sample));
             watch.end(FrameTimes::indirect_mirrored);
         }
@@ -174,7 +177,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own(0);
-        if (!path.sees_no_light || s.model == scene::ShadingModel::unlit) own += s.emissive * s.coverage;
+        const bool unlit = s.model == scene::ShadingModel::unlit;
+        if (!path.sees_no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.emission));
         own += shading::ambient_light(s, scene_, !indirect_light_);
         if (point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
@@ -187,8 +191,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             }
         }
         // An unlit surface faces no light.
-        const bool lit = s.model != scene::ShadingModel::unlit;
-        shadow_points_.push_back({s.position + s.offset * s.geometric_normal, lit ? s.geometric_normal : glm::vec3(0),
+        shadow_points_.push_back({s.position + s.offset * s.geometric_normal, unlit ? glm::vec3(0) : s.geometric_normal,
                                   hits_.object[i], hits_.triangle[i], hits_.u[i], hits_.v[i], s.winding_front});
         normals_.push_back(s.normal);
     }
@@ -205,6 +208,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
         if (!at.visible || light.color == glm::vec3(0)) continue;
         if (indirect_light_ && indirect_light_->replaces(light)) continue;
+        if (sized_ && light.of_surface) continue;
         interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
@@ -222,6 +226,18 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         }
         watch.end(FrameTimes::surfaces);
     }
+}
+
+// Adds the direct light of emissive surfaces.
+void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
+{
+    if (!sized_) return;
+    sized_->light(batch, [&](const TilePoint& point, const glm::vec3& reflected) {
+        const glm::vec3 radiance = point.throughput * reflected;
+        color_[point.pixel] += radiance;
+        if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
+    });
+    watch.end(FrameTimes::shadows);
 }
 
 // Adds light that arrives by bounces.
@@ -275,12 +291,13 @@ void TileTracer::queue_continuations()
         const shading::Continuation& c = point.next;
         const glm::vec3 lift = s.offset * s.geometric_normal;
         const auto queue = [&](PathQueue& to, const glm::vec3& weight, const glm::vec3& origin,
-                               const glm::vec3& direction, bool sees_no_light = false) {
+                               const glm::vec3& direction, bool sees_no_light = false, float emission = 1) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light}, origin, 0, direction, k_infinity);
+            to.push({point.pixel, throughput, s.cone, sees_no_light, emission}, origin, 0, direction, k_infinity);
         };
-        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy);
+        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
+              sized_ ? 1 - highlight_share(s) : 1);
         queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
     }

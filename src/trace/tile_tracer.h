@@ -2,19 +2,28 @@
 #pragma once
 // Traces and shades the tiles of a frame, one after the other. One object a thread; its memory is reused.
 
+#include <optional>
+
 #include "base/stopwatch.h"
 #include "trace/indirect_light.h"
 #include "trace/shadow_tester.h"
+#include "trace/sized_lighting.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon::trace {
+
+/// The lights with size of a frame, and how their visibility is found; null without them.
+struct SizedTechnique {
+    const scene::SizedLights* lights = nullptr;
+    SizedVisibility* visibility = nullptr;
+};
 
 class TileTracer {
  public:
     /// @param indirect  optional
     /// @param log       optional: takes all rays but shadow rays
-    TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows, IndirectLight* indirect,
-               TraceLog* log);
+    TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
+               const SizedTechnique& sized, IndirectLight* indirect, TraceLog* log);
 
     void trace(const Tile& tile, shading::FrameBuffers& out);
     /// Rays other than those of the techniques.
@@ -22,6 +31,8 @@ class TileTracer {
     /// Milliseconds of this thread.
     const FrameTimes& times() const { return times_; }
     std::unique_ptr<ShadowTester::Worker> take_shadows() { return std::move(shadows_); }
+    /// Only with lights with size.
+    std::unique_ptr<SizedVisibility::Worker> take_sized() { return sized_->take_worker(); }
     /// Null without indirect light.
     std::unique_ptr<IndirectLight::Worker> take_indirect() { return std::move(indirect_); }
 
@@ -45,6 +56,7 @@ class TileTracer {
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
     void add_lights(const PointBatch& batch, Stopwatch& watch);
+    void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
     void add_indirect(const PointBatch& batch);
     void queue_continuations();
     void store(shading::FrameBuffers& out) const;
@@ -56,6 +68,7 @@ class TileTracer {
     const TracedOptions& options_;
     const IndirectLight* indirect_light_;   // null: ambient light stands in for it
     std::unique_ptr<ShadowTester::Worker> shadows_;
+    std::optional<SizedLighting> sized_;   // none: the lights that approximate emissive surfaces light instead
     std::unique_ptr<IndirectLight::Worker> indirect_;
     bool is_estimate_;   // the indirect light has errors
     TraceLog* log_;

@@ -11,6 +11,7 @@
 #include "base/stopwatch.h"
 #include "trace/indirect_light.h"
 #include "trace/shadow_testers.h"
+#include "trace/sized_visibility.h"
 #include "trace/tile_tracer.h"
 
 namespace gnomon::trace {
@@ -56,6 +57,9 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     EveryShadowRay every_ray(log);
     ShadowTester& shadows = techniques.shadows ? *techniques.shadows : every_ray;
     IndirectLight* const indirect = techniques.indirect;
+    SampledVisibility sampled;
+    SizedVisibility& sized_visibility = techniques.sized_visibility ? *techniques.sized_visibility : sampled;
+    const SizedTechnique sized{techniques.sized, techniques.sized ? &sized_visibility : nullptr};
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
 
@@ -66,6 +70,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     {
         const InterruptionScope whole(nullptr);
         shadows.begin_frame(frame);
+        if (sized.lights) sized_visibility.begin_frame(frame, *sized.lights);
     }
     if (indirect) indirect->begin_frame(frame);
     watch.end(FrameTimes::light_maps);
@@ -81,7 +86,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     report_progress("tracing", 0);
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
         auto& tracer = tracers[static_cast<std::size_t>(worker)];
-        if (!tracer) tracer = std::make_unique<TileTracer>(frame, options, shadows, indirect, log);
+        if (!tracer) tracer = std::make_unique<TileTracer>(frame, options, shadows, sized, indirect, log);
         tracer->trace(tile_at(index, columns, options.tile, size), out);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(tiles));
     });
@@ -89,6 +94,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     // Sum what the threads counted, and let the techniques learn from what their workers found.
     FrameCounters counters;
     std::vector<std::unique_ptr<ShadowTester::Worker>> shadow_workers;
+    std::vector<std::unique_ptr<SizedVisibility::Worker>> sized_workers;
     std::vector<std::unique_ptr<IndirectLight::Worker>> indirect_workers;
     for (const auto& tracer : tracers) {
         if (!tracer) continue;
@@ -98,10 +104,17 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
             out.times.ms[stage] += tracer->times().ms[stage] / tasks.threads();
         shadow_workers.push_back(tracer->take_shadows());
+        if (sized.lights) sized_workers.push_back(tracer->take_sized());
         if (indirect) indirect_workers.push_back(tracer->take_indirect());
     }
     watch.restart();   // the tiles measured their own time
     counters.shadow = shadows.end_frame(shadow_workers, tasks);
+    if (sized.lights) {
+        const FrameCounters::Shadow more = sized_visibility.end_frame(sized_workers, tasks);
+        counters.shadow.rays += more.rays;
+        counters.shadow.rays_skipped += more.rays_skipped;
+        counters.shadow.rays_dynamic_only += more.rays_dynamic_only;
+    }
     watch.end(FrameTimes::proofs);
     if (indirect) counters.indirect = indirect->end_frame(indirect_workers);
     watch.end(FrameTimes::indirect);

@@ -17,6 +17,7 @@
 
 #include "base/tasks.h"
 #include "gnomon/types.h"
+#include "scene/sized_light.h"
 #include "scene/view.h"
 #include "shading/frame_buffers.h"
 #include "trace/trace_log.h"
@@ -25,6 +26,7 @@ namespace gnomon::trace {
 
 class IndirectLight;
 class ShadowTester;
+class SizedVisibility;
 
 struct TracedOptions {
     int max_depth = 10;                 // reflections and refractions in a row
@@ -38,6 +40,9 @@ struct TracedOptions {
 struct Techniques {
     ShadowTester* shadows = nullptr;     // null: every shadow ray is traced
     IndirectLight* indirect = nullptr;   // null: ambient light stands in for it
+    /// Lights with size, in place of the lights that approximate emissive surfaces; follows the state. Null: these.
+    const scene::SizedLights* sized = nullptr;
+    SizedVisibility* sized_visibility = nullptr;   // of `sized`; null: a ray to each sample place
 };
 
 /// @param log  optional; only with one thread, and without a shadow technique

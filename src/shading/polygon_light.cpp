@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shading/polygon_light.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "ray/origin.h"
+#include "shading/glossy.h"
+#include "shading/transformed_cosines.h"
+
+namespace gnomon::shading {
+
+namespace {
+
+// A polygon relative to the point: at most four corners, each plane that clips it adds one.
+struct Clipped {
+    std::array<glm::dvec3, 8> corner;
+    int count = 0;
+};
+
+// Keeps the part of a convex polygon on the inner side of a plane through the origin.
+Clipped clip(const Clipped& from, const glm::dvec3& normal)
+{
+    Clipped to;
+    for (int i = 0; i < from.count; ++i) {
+        const glm::dvec3& a = from.corner[static_cast<std::size_t>(i)];
+        const glm::dvec3& b = from.corner[static_cast<std::size_t>((i + 1) % from.count)];
+        const double at_a = glm::dot(normal, a), at_b = glm::dot(normal, b);
+        if (at_a >= 0) to.corner[static_cast<std::size_t>(to.count++)] = a;
+        if ((at_a < 0) != (at_b < 0)) to.corner[static_cast<std::size_t>(to.count++)] = a + (at_a / (at_a - at_b)) * (b - a);
+    }
+    return to;
+}
+
+// The form factor of a polygon above the horizon of `normal`, up to its sign: Lambert's sum over the edges.
+double form_factor(const Clipped& polygon, const glm::dvec3& normal)
+{
+    double sum = 0;
+    for (int i = 0; i < polygon.count; ++i) {
+        const glm::dvec3& a = polygon.corner[static_cast<std::size_t>(i)];
+        const glm::dvec3& b = polygon.corner[static_cast<std::size_t>((i + 1) % polygon.count)];
+        const glm::dvec3 cross = glm::cross(a, b);
+        const double sine = glm::length(cross);
+        if (sine > 0) sum += std::atan2(sine, glm::dot(a, b)) / sine * glm::dot(normal, cross);
+    }
+    return std::abs(sum) / (2 * k_pi);
+}
+
+Clipped transformed(const Clipped& from, const glm::dmat3& matrix)
+{
+    Clipped to;
+    to.count = from.count;
+    for (int i = 0; i < from.count; ++i)
+        to.corner[static_cast<std::size_t>(i)] = matrix * from.corner[static_cast<std::size_t>(i)];
+    return to;
+}
+
+// The lobe of a point in world space.
+struct Lobe {
+    glm::dmat3 to_cosine{1};
+    double scale = 1;
+    glm::vec3 albedo{0};   // coverage included
+
+    explicit Lobe(const SurfacePoint& s)
+    {
+        const glm::dvec3 z(s.normal), view(s.to_viewer);
+        const double n_v = glm::dot(z, view);
+        glm::dvec3 x = view - n_v * z;
+        const double length = glm::length(x);
+        if (length > 1e-6) {
+            x /= length;
+        } else {
+            glm::vec3 any, other;
+            make_basis(s.normal, any, other);
+            x = glm::normalize(glm::dvec3(any) - glm::dot(glm::dvec3(any), z) * z);
+        }
+        const TransformedCosine cosine = transformed_cosine(static_cast<float>(n_v), s.roughness);
+        to_cosine = cosine.to_cosine * glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+        scale = cosine.scale;
+        albedo = glossy_albedo(s) * s.coverage;
+    }
+    double share(const Clipped& polygon) const
+    {
+        constexpr glm::dvec3 up(0, 0, 1);
+        return std::min(1.0, scale * form_factor(clip(transformed(polygon, to_cosine), up), up));
+    }
+};
+
+// Whether a face emits towards a point: the point is in front of it (or behind a two-sided one), and farther from its
+// plane than rounding may put a point of the face itself.
+bool emits_towards(const SurfacePoint& s, const scene::SizedFace& face)
+{
+    const float height = glm::dot(face.normal, s.position - face.corner[0]);
+    float largest = 0;
+    for (const glm::vec3& p : face.corner) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    const float least = std::max(s.offset, ray::k_lift_per_coordinate * largest);
+    return face.two_sided ? std::abs(height) > least : height > least;
+}
+
+Clipped seen_from(const glm::vec3& position, const glm::vec3* corner, int count)
+{
+    Clipped result;
+    result.count = count;
+    for (int i = 0; i < count; ++i)
+        result.corner[static_cast<std::size_t>(i)] = glm::dvec3(corner[i]) - glm::dvec3(position);
+    return result;
+}
+
+// Clips at both horizons. Returns false if nothing is left.
+bool clip_at_horizons(const SurfacePoint& s, Clipped& polygon)
+{
+    polygon = clip(polygon, glm::dvec3(s.geometric_normal));
+    if (polygon.count < 3) return false;
+    if (s.normal != s.geometric_normal) polygon = clip(polygon, glm::dvec3(s.normal));
+    return polygon.count >= 3;
+}
+
+// Adds up what the parts of faces give.
+class Sum {
+ public:
+    Sum(const SurfacePoint& s, bool lobe) : s_(s)
+    {
+        if (lobe) lobe_.emplace(s);
+    }
+    void add(Clipped polygon, const glm::vec3& radiance)
+    {
+        if (radiance == glm::vec3(0) || !clip_at_horizons(s_, polygon)) return;
+        irradiance_ += k_pi * form_factor(polygon, glm::dvec3(s_.normal)) * glm::dvec3(radiance);
+        if (lobe_) reflected_ += lobe_->share(polygon) * glm::dvec3(radiance);
+    }
+    UnshadowedLight result() const
+    {
+        UnshadowedLight light;
+        light.irradiance = glm::vec3(irradiance_);
+        if (lobe_) light.lobe = lobe_->albedo * glm::vec3(reflected_);
+        return light;
+    }
+
+ private:
+    const SurfacePoint& s_;
+    std::optional<Lobe> lobe_;
+    glm::dvec3 irradiance_{0}, reflected_{0};
+};
+
+// What the places of a light bring to a point, one by one.
+class PlaceWeights {
+ public:
+    PlaceWeights(const SurfacePoint& s, const scene::SizedLight& light, bool lobe, float least_roughness)
+        : s_(s), light_(light), lobe_(lobe)
+    {
+        if (lobe_ && s.roughness < least_roughness) widened_ = s, widened_->roughness = least_roughness;
+    }
+    /// @return  false if the place brings nothing
+    bool at(const scene::SizedPlace& place, glm::vec3& irradiance, glm::vec3& lobe) const
+    {
+        const glm::vec3 to_place = place.position - s_.position;
+        const float square = glm::dot(to_place, to_place);
+        if (!(square > 0)) return false;
+        const glm::vec3 direction = to_place / std::sqrt(square);
+        const float cosine = glm::dot(direction, s_.normal);
+        if (!(cosine > 0) || !(glm::dot(direction, s_.geometric_normal) > 0)) return false;
+        const scene::SizedFace& face = light_.faces[place.face];
+        const float emitted = -glm::dot(direction, face.normal);
+        if (!(face.two_sided ? std::abs(emitted) > 0 : emitted > 0)) return false;
+        const glm::vec3 radiance = place.radiance * (std::abs(emitted) * place.area / square);
+        irradiance = radiance * cosine;
+        if (lobe_) lobe = radiance * reflect_glossy(widened_ ? *widened_ : s_, direction);
+        return true;
+    }
+
+ private:
+    const SurfacePoint& s_;
+    const scene::SizedLight& light_;
+    bool lobe_;
+    std::optional<SurfacePoint> widened_;
+};
+
+glm::vec3 ratio(const glm::dvec3& part, const glm::dvec3& whole)
+{
+    glm::vec3 result(0);
+    for (int i = 0; i < 3; ++i)
+        if (whole[i] > 0) result[i] = static_cast<float>(std::min(part[i] / whole[i], 1.0));
+    return result;
+}
+
+}   // namespace
+
+UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light, bool lobe,
+                           const PolygonLightOptions& options)
+{
+    // Nothing of a light behind the horizon arrives.
+    const glm::vec3 to_centre = light.centre - s.position;
+    if (glm::dot(to_centre, s.geometric_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius) return {};
+
+    // Sum a distant cluster of many faces over its places.
+    if (light.faces.size() > light.places.size() && glm::length(to_centre) > options.far * light.radius) {
+        const PlaceWeights weights(s, light, lobe, 0);
+        UnshadowedLight sum;
+        glm::vec3 irradiance(0), reflected(0);
+        for (const scene::SizedPlace& place : light.places)
+            if (weights.at(place, irradiance, reflected)) sum.irradiance += irradiance, sum.lobe += reflected;
+        return sum;
+    }
+
+    std::optional<Sum> sum;
+    for (const scene::SizedFace& face : light.faces) {
+        if (!emits_towards(s, face)) continue;
+        if (!sum) sum.emplace(s, lobe);
+        if (light.cell_radiance.empty()) {
+            sum->add(seen_from(s.position, face.corner.data(), face.corners), face.radiance);
+            continue;
+        }
+        const float size = 1 / static_cast<float>(light.cells);
+        for (int j = 0; j < light.cells; ++j)
+            for (int i = 0; i < light.cells; ++i) {
+                const float u = static_cast<float>(i) * size, v = static_cast<float>(j) * size;
+                const glm::vec3 corner[4] = {face.at(u, v), face.at(u + size, v), face.at(u + size, v + size),
+                                             face.at(u, v + size)};
+                sum->add(seen_from(s.position, corner, 4),
+                         light.cell_radiance[static_cast<std::size_t>(j * light.cells + i)]);
+            }
+    }
+    return sum ? sum->result() : UnshadowedLight{};
+}
+
+VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light, std::span<const std::uint64_t> mask,
+                           bool lobe, const PolygonLightOptions& options)
+{
+    const PlaceWeights weights(s, light, lobe, options.least_roughness);
+    glm::dvec3 seen[2]{}, all[2]{};
+    for (std::size_t i = 0; i < light.places.size(); ++i) {
+        glm::vec3 irradiance(0), reflected(0);
+        if (!weights.at(light.places[i], irradiance, reflected)) continue;
+        all[0] += glm::dvec3(irradiance), all[1] += glm::dvec3(reflected);
+        if ((mask[i / 64] >> (i % 64) & 1) == 0) continue;
+        seen[0] += glm::dvec3(irradiance), seen[1] += glm::dvec3(reflected);
+    }
+    return {ratio(seen[0], all[0]), ratio(seen[1], all[1])};
+}
+
+}   // namespace gnomon::shading

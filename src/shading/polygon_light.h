@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Light with size at a surface point, without occlusion: in closed form for planar polygons, and point by point for the
+// sample places of a light (scene/sized_light.h).
+//
+// Diffuse: the polygon is clipped at the horizons of the geometric and of the shading normal; its irradiance is
+// Lambert's sum over the edges of what is left [Lambert 1760; Baum et al. 1989], cell by cell where the emission is
+// textured. Glossy: the same sum after the transform of a linearly transformed cosine (transformed_cosines.h).
+//
+// How much of the light is visible is a ratio of sums: the weights of the visible places over those of all places. The
+// ratio estimator has no error where all or nothing is visible, whatever the places.
+//
+// In double precision, because a form factor below 1e-4 loses its last digits in single precision.
+// Cost: one arc tangent per edge, face and cell.
+
+#include "scene/sized_light.h"
+#include "shading/surface.h"
+
+namespace gnomon::shading {
+
+struct PolygonLightOptions {
+    // A cluster that is farther away than this many radii is summed over its sample places, if it has fewer of them than
+    // faces.
+    float far = 4;
+    // Lobes are widened to this roughness at least for the ratio of visible weights, because the places of a light
+    // cannot resolve a sharper one.
+    float least_roughness = 0.25f;
+};
+
+/// A light as a point sees it, without occlusion.
+struct UnshadowedLight {
+    glm::vec3 irradiance{0};   // on the shading normal's plane
+    glm::vec3 lobe{0};         // radiance that the glossy lobe reflects to the viewer, for has_glossy_lobe() surfaces
+};
+
+/// Light that reaches a point if nothing occludes it.
+/// @param lobe  whether the surface's lobe is asked for as well
+UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light, bool lobe,
+                           const PolygonLightOptions& options = {});
+
+/// How much of a light's contributions is left if only some of its places are visible.
+struct VisibleShare {
+    glm::vec3 irradiance{0}, lobe{0};   // fractions, 0 to 1
+};
+/// @param mask  the visible places, place 0 in the lowest bit
+VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light, std::span<const std::uint64_t> mask,
+                           bool lobe, const PolygonLightOptions& options = {});
+
+}   // namespace gnomon::shading

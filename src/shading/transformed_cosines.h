@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The glossy lobe of glossy.h as a linearly transformed cosine [Heitz et al. 2016]: the clamped cosine distribution,
+// transformed by a matrix, so that its integral over a polygon is Lambert's sum over the transformed polygon.
+//
+// The matrices are fitted to the lobe when they are first needed, by maximum likelihood: over a fixed pattern of
+// directions of the lobe, the mean logarithm of the transformed distribution is largest. They are stored relative to
+// the mirror direction and to the lobe's width, which vary slowly, so that a small table suffices. The fit is
+// deterministic.
+//
+// Cost: some tenths of a second once; a bilinear look-up per point.
+
+#include "base/math.h"
+
+namespace gnomon::shading {
+
+/// The lobe of one view direction and roughness, in the surface's frame: z is the shading normal, and the viewer's
+/// direction lies in the plane of x and z, at x >= 0.
+struct TransformedCosine {
+    glm::dmat3 to_cosine{1};   // from directions of the lobe to those of the clamped cosine about z
+    double scale = 1;          // of the integral, so that all of the hemisphere above the surface has 1
+};
+
+/// @param n_v        cosine of the view, above 0
+/// @param roughness  perceptual, 0.05 to 1
+TransformedCosine transformed_cosine(float n_v, float roughness);
+
+}   // namespace gnomon::shading

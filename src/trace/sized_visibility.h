@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Interface of the techniques that find how much of a light with size the points of the traced frame see, and the
+// technique that remembers nothing: SampledVisibility, a shadow ray to every sample place.
+//
+// The answer for a point is one of: the whole light is visible (lit), none of it is (dark), or a mask of the light's
+// sample places (scene/sized_light.h). The caller multiplies the light's unshadowed contribution by the ratio of the
+// visible places' weights to all places' weights, each for the diffuse and for the glossy lobe.
+//
+// Cost of SampledVisibility: a ray per point and place that face each other.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "scene/sized_light.h"
+#include "trace/point_batch.h"
+
+namespace gnomon::trace {
+
+/// What the asked points of a batch see of one light.
+struct SizedVisible {
+    enum class Answer : std::uint8_t {
+        dark,      // no place of the light is visible
+        lit,       // every place that faces the point, and that the point faces, is visible
+        partial,   // those whose bits are set
+    };
+    std::vector<Answer> answer;         // by asked point
+    std::vector<std::uint64_t> masks;   // `words` for each asked point, place 0 in the lowest bit; only for `partial`
+    std::size_t words = 0;              // (places + 63) / 64
+
+    std::span<const std::uint64_t> mask(std::size_t asked) const { return {masks.data() + asked * words, words}; }
+    /// Sizes the lists; every answer is dark, every mask 0.
+    void reset(std::size_t asked, std::size_t places)
+    {
+        words = (places + 63) / 64;
+        answer.assign(asked, Answer::dark);
+        masks.assign(asked * words, 0);
+    }
+};
+
+class SizedVisibility {
+ public:
+    virtual ~SizedVisibility() = default;
+
+    /// After the state advanced, and the ray scene and the lights followed. Outside the frame's parallel part, as
+    /// end_frame(). All arguments outlive the frame.
+    virtual void begin_frame(const FrameContext& frame, const scene::SizedLights& lights) = 0;
+
+    /// The scratch memory of one thread, for one frame.
+    class Worker {
+     public:
+        virtual ~Worker() = default;
+        /// Prepares for all lights of a batch; called once, before its find_visible().
+        virtual void prepare(const PointBatch&) {}
+        /// Finds what points of the prepared batch see of a light. Rays start at PointBatch::shadow_points[].origin.
+        /// @param light   index in SizedLights::lights()
+        /// @param points  of the batch, ascending; each has some of the light above its horizons
+        /// @param result  overwritten; by index in `points`
+        virtual void find_visible(const PointBatch& batch, std::uint32_t light, std::span<const std::uint32_t> points,
+                                  SizedVisible& result) = 0;
+    };
+    virtual std::unique_ptr<Worker> make_worker() = 0;
+
+    /// @param workers  those that took part
+    virtual FrameCounters::Shadow end_frame(std::span<const std::unique_ptr<Worker>> workers, Tasks& tasks) = 0;
+};
+
+/// Traces a shadow ray to every sample place that faces the point: the reference of the techniques that remember.
+class SampledVisibility final : public SizedVisibility {
+ public:
+    void begin_frame(const FrameContext& frame, const scene::SizedLights& lights) override;
+    std::unique_ptr<Worker> make_worker() override;
+    FrameCounters::Shadow end_frame(std::span<const std::unique_ptr<Worker>> workers, Tasks& tasks) override;
+
+ private:
+    class Work;
+    const scene::SizedLights* lights_ = nullptr;
+    const ray::RayScene* rays_ = nullptr;
+};
+
+}   // namespace gnomon::trace
