@@ -30,10 +30,12 @@
 #include "shadow_culling/certified/look_up.h"
 #include "shadow_culling/certified/shadow_memory.h"
 #include "shadow_culling/certified/shadow_point.h"
-#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
+#include "visibility/dynamic_bounds.h"
 #include "shadow_culling/dynamic_mask/dynamic_mask.h"
 
 namespace gnomon::shadow_culling {
+
+using visibility::DynamicBounds;
 
 struct CertifiedOptions {
     double pixels_per_part = 8;        // parts are refined until they cover about so many pixels

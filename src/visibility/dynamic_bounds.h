@@ -11,7 +11,7 @@
 #include "base/box_tree.h"
 #include "ray/ray_scene.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 class DynamicBounds {
  public:
@@ -24,6 +24,8 @@ class DynamicBounds {
     /// @param light  its position, or for a directional light the direction towards it
     /// @return how many boxes were tested
     std::size_t select(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
+    /// The same for rays to anywhere in a box around a light with size.
+    std::size_t select(const Box3& points, const Box3& light, std::vector<Box3>& selected) const;
     /// The reference implementation, which tests all boxes. Returns them in another order.
     void select_of_all(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
 
@@ -48,8 +50,10 @@ class DynamicBounds {
 
 /// Whether a segment from anywhere in `points` to the light may intersect the blocker's box. Conservative.
 bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light, bool directional);
+/// The same for segments to anywhere in a box around a light with size.
+bool may_shadow(const Box3& blocker, const Box3& points, const Box3& light);
 
 /// Whether the segment origin + direction * [0, end] intersects a box, with a margin for rounding.
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end);
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility

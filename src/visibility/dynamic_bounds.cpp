@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
+#include "visibility/dynamic_bounds.h"
 
 #include <algorithm>
 
 #include "base/volume.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 namespace {
 
@@ -174,6 +174,26 @@ bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light,
     return true;
 }
 
+bool may_shadow(const Box3& blocker, const Box3& points, const Box3& light)
+{
+    const float room = k_widen * std::max({largest_of(points.low), largest_of(points.high), largest_of(light.low),
+                                           largest_of(light.high)});
+    const glm::vec3 slope_low = light.low - points.low, slope_high = light.high - points.high;
+    float first = 0, last = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis], blocker.low[axis] - room,
+                    blocker.high[axis] + room, first, last))
+            return false;
+    return true;
+}
+
+std::size_t DynamicBounds::select(const Box3& points, const Box3& light, std::vector<Box3>& selected) const
+{
+    selected.clear();
+    return tree_.find([&](const Box3& box) { return may_shadow(box, points, light); },
+                      [&](std::uint32_t dynamic_object) { selected.push_back(dynamic_[dynamic_object].world); });
+}
+
 std::size_t DynamicBounds::select(const Box3& points, const glm::vec3& light, bool directional,
                                   std::vector<Box3>& selected) const
 {
@@ -203,4 +223,4 @@ bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& di
     return true;
 }
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility

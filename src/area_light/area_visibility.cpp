@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "area_light/area_visibility.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "ray/origin.h"
+
+namespace gnomon::area_light {
+
+namespace {
+
+using visibility::ShadowPoint;
+using visibility::TriangleId;
+
+constexpr std::size_t k_rays_at_once = 1 << 14;
+
+bool same_bits(const LightPolygon& a, const LightPolygon& b)
+{
+    return a.corners == b.corners && std::memcmp(a.corner.data(), b.corner.data(), sizeof a.corner) == 0 &&
+           std::memcmp(&a.normal, &b.normal, sizeof a.normal) == 0;
+}
+
+LightPolygon turned(const LightPolygon& polygon)
+{
+    LightPolygon back = polygon;
+    std::reverse(back.corner.begin(), back.corner.begin() + back.corners);
+    for (auto k = static_cast<std::size_t>(back.corners); k < back.corner.size(); ++k)
+        back.corner[k] = back.corner[static_cast<std::size_t>(back.corners - 1)];
+    back.normal = -back.normal;
+    return back;
+}
+
+Box3 box_of(const LightPolygon& polygon)
+{
+    Box3 box;
+    for (int k = 0; k < polygon.corners; ++k) box.add(polygon.corner[static_cast<std::size_t>(k)]);
+    return box;
+}
+
+}   // namespace
+
+struct AreaVisibility::Side {
+    AreaShadows shadows;
+    LightCells cells;
+    Side(const visibility::StaticTriangles& triangles, const LightPolygon& polygon, const AreaOptions& options)
+        : shadows(triangles, polygon, options), cells(shadows.places())
+    {
+    }
+};
+
+struct AreaVisibility::Light {
+    AreaLight light;
+    Box3 box;
+    std::unique_ptr<Side> front, back;   // back: of a light that emits there, too
+};
+
+struct AreaVisibility::Scratch {
+    VisibilityCounters counters;
+    TriangleList list;
+    const void* listed = nullptr;   // what `list` was made from
+    ray::RayQueue queue;
+    struct Target {
+        std::uint32_t cells;
+        std::uint16_t cell;
+    };
+    std::vector<Target> targets;
+    std::vector<std::uint8_t> occluded;
+    std::vector<Box3> blockers;
+    std::vector<std::uint32_t> all_rays, dynamic_rays;   // asked points
+};
+
+void VisibilityCounters::add(const VisibilityCounters& other)
+{
+    for (std::size_t k = 0; k < std::size(points); ++k) points[k] += other.points[k];
+    rays += other.rays, dynamic_rays += other.dynamic_rays, triangles += other.triangles;
+}
+
+AreaVisibility::AreaVisibility(const scene::SceneState& state, const ray::RayScene& rays, const AreaOptions& options)
+    : options_(options),
+      rays_(&rays),
+      triangles_(std::make_unique<visibility::StaticTriangles>(state, rays)),
+      dynamic_(std::make_unique<visibility::DynamicBounds>(state, rays))
+{
+}
+
+AreaVisibility::~AreaVisibility() = default;
+
+void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene& rays,
+                            std::span<const AreaLight> lights)
+{
+    rays_ = &rays;
+    const scene::FrameChanges& changes = state.changes();
+    if (!changes.promoted.empty()) {
+        lights_.clear();
+        triangles_ = std::make_unique<visibility::StaticTriangles>(state, rays);
+        dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
+    } else {
+        triangles_->follow(state.scene());
+        dynamic_->update(state, rays);
+    }
+    // Keep what is known of lights that are the same.
+    std::vector<std::unique_ptr<Light>> before = std::exchange(lights_, {});
+    std::size_t next = 0;
+    for (const AreaLight& light : lights) {
+        const auto same = [&](const std::unique_ptr<Light>& old) {
+            return old && old->light.two_sided == light.two_sided && old->light.dynamic == light.dynamic &&
+                   same_bits(old->light.polygon, light.polygon);
+        };
+        // Most often all are, and in the same order.
+        auto at = next < before.size() && same(before[next]) ? before.begin() + static_cast<std::ptrdiff_t>(next)
+                                                             : std::find_if(before.begin(), before.end(), same);
+        if (at != before.end()) {
+            next = static_cast<std::size_t>(at - before.begin()) + 1;
+            lights_.push_back(std::move(*at));
+            continue;
+        }
+        auto made = std::make_unique<Light>(Light{light, box_of(light.polygon), nullptr, nullptr});
+        made->front = std::make_unique<Side>(*triangles_, light.polygon, options_);
+        if (light.two_sided) made->back = std::make_unique<Side>(*triangles_, turned(light.polygon), options_);
+        lights_.push_back(std::move(made));
+    }
+}
+
+std::unique_ptr<AreaVisibility::Scratch> AreaVisibility::make_scratch() const
+{
+    auto scratch = std::make_unique<Scratch>();
+    scratch->queue.purpose = ray::RayClass::shadow;
+    return scratch;
+}
+
+const VisibilityCounters& AreaVisibility::counters(const Scratch& scratch)
+{
+    return scratch.counters;
+}
+
+const LightCells& AreaVisibility::cells(std::size_t light, bool back) const
+{
+    const Light& of = *lights_[light];
+    return back && of.back ? of.back->cells : of.front->cells;
+}
+
+void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
+                          std::size_t light_index, Answers& answers) const
+{
+    const Light& light = *lights_[light_index];
+    answers.answer.assign(asked.size(), Answer::dark);
+    answers.at.assign(asked.size(), 0);
+    answers.back.assign(asked.size(), 0);
+    answers.cells.clear();
+    scratch.all_rays.clear();
+    scratch.listed = nullptr;   // lists may have moved since the last call
+
+    // Find the dynamic objects that may lie between any of the points and the light.
+    Box3 box;
+    for (const std::uint32_t p : asked) box.add(points[p].origin);
+    if (!box.empty()) dynamic_->select(box, light.box, scratch.blockers);
+    const auto may_meet_dynamic = [&](const ShadowPoint& p) {
+        return std::any_of(scratch.blockers.begin(), scratch.blockers.end(), [&](const Box3& blocker) {
+            return visibility::may_shadow(blocker, Box3{p.origin, p.origin}, light.box);
+        });
+    };
+    const auto cells_of = [&](std::uint32_t k) -> VisibleCells& {
+        if (answers.answer[k] != Answer::partial) {
+            answers.answer[k] = Answer::partial;
+            answers.at[k] = static_cast<std::uint32_t>(answers.cells.size());
+            answers.cells.emplace_back();
+        }
+        return answers.cells[answers.at[k]];
+    };
+    const auto all_visible = [&](std::uint32_t k, const Side& side) {
+        VisibleCells& cells = cells_of(k);
+        for (int c = 0; c < k_cells; ++c)
+            cells[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(side.cells.count(c));
+    };
+
+    // Look static shadows up.
+    scratch.dynamic_rays.clear();
+    for (std::uint32_t k = 0; k < asked.size(); ++k) {
+        const ShadowPoint& p = points[asked[k]];
+        const bool behind = glm::dot(light.light.polygon.normal, p.origin - light.light.polygon.corner[0]) < 0;
+        if (behind && !light.back) continue;
+        Side& side = behind ? *light.back : *light.front;
+        answers.back[k] = behind;
+        const TriangleId first = p.object == scene::none ? visibility::no_triangle : triangles_->first_of(p.object);
+        if (light.light.dynamic || first == visibility::no_triangle) {
+            all_visible(k, side);
+            scratch.all_rays.push_back(k);
+            continue;
+        }
+        const Part part = side.shadows.part_at(first + p.triangle, p.front, p.u, p.v);
+        ++scratch.counters.points[static_cast<std::size_t>(part.state)];
+        switch (part.state) {
+            case PartState::unlit:
+            case PartState::dark:
+                continue;
+            case PartState::open:
+                all_visible(k, side);
+                scratch.all_rays.push_back(k);
+                continue;
+            case PartState::lit:
+                answers.answer[k] = Answer::lit;
+                break;
+            case PartState::listed: {
+                if (scratch.listed != part.list) {
+                    scratch.list.clear();
+                    for (const TriangleId id : *part.list) scratch.list.push((*triangles_)[id].p);
+                    scratch.list.pad();
+                    scratch.listed = part.list;
+                }
+                scratch.counters.triangles += scratch.list.count;
+                PlaceMask blocked{};
+                add_blocked(p.origin, scratch.list, side.shadows.places(), blocked);
+                VisibleCells cells;
+                const int visible = count_visible(side.shadows.places(), blocked, cells);
+                if (visible == 0) continue;
+                if (visible == side.shadows.places().count())
+                    answers.answer[k] = Answer::lit;
+                else
+                    cells_of(k) = cells;
+                break;
+            }
+        }
+        if (scratch.blockers.empty() || !may_meet_dynamic(p)) continue;
+        if (answers.answer[k] == Answer::lit) all_visible(k, side);
+        scratch.dynamic_rays.push_back(k);
+    }
+
+    // Trace rays where these are not enough.
+    const auto trace_all = [&](const std::vector<std::uint32_t>& of, ray::Against against, std::uint64_t& count) {
+        const auto flush = [&] {
+            const std::size_t rays = scratch.queue.size();
+            if (rays == 0) return;
+            count += rays;
+            scratch.occluded.resize(rays + ray::k_packet_pad);
+            rays_->occluded(scratch.queue, 0, rays, scratch.occluded.data(), against);
+            for (std::size_t r = 0; r < rays; ++r)
+                if (scratch.occluded[r]) answers.cells[scratch.targets[r].cells][scratch.targets[r].cell] = 0;
+            scratch.queue.clear(), scratch.targets.clear();
+        };
+        for (const std::uint32_t k : of) {
+            const ShadowPoint& p = points[asked[k]];
+            const Side& side = answers.back[k] ? *light.back : *light.front;
+            const VisibleCells& visible = answers.cells[answers.at[k]];
+            for (int c = 0; c < k_cells; ++c) {
+                if (visible[static_cast<std::size_t>(c)] == 0) continue;
+                const glm::vec3 way = side.cells.position(c) - p.origin;
+                if (!(glm::dot(way, p.normal) > 0)) continue;   // it brings nothing
+                scratch.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
+                scratch.targets.push_back({answers.at[k], static_cast<std::uint16_t>(c)});
+            }
+            if (scratch.queue.size() >= k_rays_at_once) flush();
+        }
+        flush();
+    };
+    trace_all(scratch.all_rays, ray::Against::everything, scratch.counters.rays);
+    trace_all(scratch.dynamic_rays, ray::Against::dynamic_only, scratch.counters.dynamic_rays);
+}
+
+AreaCounters AreaVisibility::parts() const
+{
+    AreaCounters sum;
+    for (const auto& light : lights_)
+        for (const Side* side : {light->front.get(), light->back.get()}) {
+            if (!side) continue;
+            const AreaCounters c = side->shadows.counters();
+            sum.parts += c.parts, sum.listed_triangles += c.listed_triangles;
+            for (std::size_t k = 0; k < std::size(sum.states); ++k) sum.states[k] += c.states[k];
+        }
+    return sum;
+}
+
+std::size_t AreaVisibility::bytes() const
+{
+    std::size_t bytes = triangles_->bytes();
+    for (const auto& light : lights_)
+        for (const Side* side : {light->front.get(), light->back.get()})
+            if (side) bytes += side->shadows.bytes() + sizeof *side;
+    return bytes;
+}
+
+}   // namespace gnomon::area_light

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What points of a frame see of planar lights, from remembered shadows of the static scene and rays against what moves.
+//
+// A light that rests keeps the shadows of static triangles (area_shadows.h) for as long as it keeps its shape. A point
+// in a lit part, or in a dark one, needs no ray; one in a listed part needs its list. Only where the segments from a
+// point to the light may meet a dynamic object are rays traced, against dynamic objects alone. Points on dynamic
+// objects and in open parts trace rays against static ones as well, and so do all points for a light that may move.
+// Rays go to the middle of each cell of places (visible_cells.h).
+//
+// The answer to a point does not depend on what was remembered, nor on the order of questions.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "area_light/area_shadows.h"
+#include "area_light/visible_cells.h"
+#include "ray/ray_scene.h"
+#include "visibility/dynamic_bounds.h"
+#include "visibility/shadow_point.h"
+
+namespace gnomon::area_light {
+
+/// A light of a frame.
+struct AreaLight {
+    LightPolygon polygon;
+    bool two_sided = false;   // also emits at the back
+    bool dynamic = false;     // may move: nothing is remembered
+};
+
+struct VisibilityCounters {
+    std::uint64_t points[5] = {};   // by PartState, of static points; without those of lights that may move
+    std::uint64_t rays = 0;         // against static objects
+    std::uint64_t dynamic_rays = 0;
+    std::uint64_t triangles = 0;   // tested for points in listed parts
+    void add(const VisibilityCounters& other);
+};
+
+class AreaVisibility {
+ public:
+    AreaVisibility(const scene::SceneState& state, const ray::RayScene& rays, const AreaOptions& options = {});
+    ~AreaVisibility();
+
+    /// Follows one advance() of the state, after the ray scene did. All lights of this frame, in any order: what is
+    /// remembered of a light that has the same polygon as before is kept.
+    void follow(const scene::SceneState& state, const ray::RayScene& rays, std::span<const AreaLight> lights);
+
+    enum class Answer : std::uint8_t { dark, lit, partial };
+    struct Answers {
+        std::vector<Answer> answer;      // by asked point
+        std::vector<std::uint32_t> at;   // by asked point that sees a part: index in `cells`
+        std::vector<VisibleCells> cells;
+        std::vector<char> back;   // by asked point: it is behind the light; cells are those of the back
+    };
+    /// Scratch memory of one thread.
+    struct Scratch;
+    std::unique_ptr<Scratch> make_scratch() const;
+
+    /// Finds what points see of a light. Thread-safe.
+    /// @param asked  indices of points
+    void find(Scratch& scratch, std::span<const visibility::ShadowPoint> points, std::span<const std::uint32_t> asked,
+              std::size_t light, Answers& answers) const;
+    /// The cells of a light's front, or of its back.
+    const LightCells& cells(std::size_t light, bool back) const;
+
+    static const VisibilityCounters& counters(const Scratch& scratch);
+    /// Sums over the lights' remembered parts.
+    AreaCounters parts() const;
+    std::size_t bytes() const;
+
+ private:
+    struct Side;
+    struct Light;
+
+    AreaOptions options_;
+    const ray::RayScene* rays_;
+    std::unique_ptr<visibility::StaticTriangles> triangles_;
+    std::unique_ptr<visibility::DynamicBounds> dynamic_;
+    std::vector<std::unique_ptr<Light>> lights_;
+};
+
+}   // namespace gnomon::area_light
