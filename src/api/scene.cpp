@@ -160,15 +160,25 @@ Scene Scene::with_lights(int count) const
     if (count < 0) throw UsageError(fmt::format("{} lights: expected 0 or more", count));
     if (static_cast<std::size_t>(count) >= impl_->scene->lights.size()) return *this;
     Changed changed(*impl_);
-    changed->lights.resize(static_cast<std::size_t>(count));
-    while (changed.stamps.lights.size() > static_cast<std::size_t>(count))
-        changed.stamps.lights.erase(changed.stamps.lights.size() - 1);
+    // Emissive surfaces keep the lights that approximate them.
+    std::size_t kept = 0;
+    for (std::size_t l = 0; l < changed->lights.size();) {
+        if (changed->lights[l].of_surface || kept++ < static_cast<std::size_t>(count)) {
+            ++l;
+            continue;
+        }
+        changed->lights.erase(changed->lights.begin() + static_cast<std::ptrdiff_t>(l));
+        changed.stamps.lights.erase(l);
+    }
     return changed.finished();
 }
 
 Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
 {
     Changed changed(*impl_);
+    // Emissive surfaces keep the lights that approximate them, after the others.
+    std::vector<scene::Light> kept = std::move(changed->lights);
+    std::erase_if(kept, [](const scene::Light& light) { return !light.of_surface; });
     changed->lights.clear();
     api::forget_default_light(*changed.scene);
     for (const std::string& spec : specs) {
@@ -178,6 +188,7 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
         light.node = api::add_root(*changed.scene, light.name, api::looking_matrix(position, direction));
         changed->lights.push_back(std::move(light));
     }
+    changed->lights.insert(changed->lights.end(), kept.begin(), kept.end());
     changed.stamps.lights = api::StampList(changed->lights.size());
     return changed.finished();
 }

@@ -270,10 +270,8 @@ Scene SceneBuilder::finish(const FinishOptions& options)
         Impl& in = impl();
         in.scene.finish();
         auto made = std::make_shared<scene::Scene>(in.scene);
-        if (options.default_light) {
-            scene::add_emitter_lights(*made);
-            scene::add_default_light(*made);
-        }
+        scene::add_emitter_lights(*made, {.fill = options.default_light});
+        if (options.default_light) scene::add_default_light(*made);
         if (options.default_camera) scene::add_default_camera(*made);
         // Number what was added.
         api::SceneStamps stamps = in.stamps;

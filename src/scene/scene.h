@@ -141,7 +141,7 @@ class Scene {
     glm::dmat4 world_matrix(NodeId node, double time) const;
 };
 
-/// Adds a sky and a sun to a scene without lights, and a camera that frames the scene to a scene without cameras; each
+/// Adds a sky and a sun to a scene without lights and emissive surfaces, and a camera that frames the scene to a scene without cameras; each
 /// adds a warning. The result depends on the scene only. Call after finish().
 void add_default_light(Scene& scene);
 void add_default_camera(Scene& scene);

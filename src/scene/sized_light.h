@@ -4,9 +4,9 @@
 //
 // Every triangle of an emissive material (textured or not, whatever other lights there are; unlit materials show a
 // colour and emit nothing) belongs to one light. Two triangles of a part that share an edge and lie in one plane become
-// one quadrilateral if that is convex. As long as a scene has no more polygons than SizedLightOptions::most_lights, each
-// is a light of its own. Beyond that, a tree over them groups static and dynamic polygons by place, and each of its
-// leaves is one light.
+// one quadrilateral if that is convex. As long as a scene has no more polygons than SizedLightOptions::most_lights,
+// each is a light of its own. Beyond that, a tree over them groups static and dynamic polygons by place, and each of
+// its leaves is one light.
 //
 // A light has a fixed set of sample places, for its visibility: a (0, 2)-sequence [Sobol' 1967], the same for every
 // point that the light is seen from. Place i is bit i of a visibility mask. Places are in Morton order, so that
@@ -14,48 +14,30 @@
 //
 // Cost: one pass over the emissive triangles, in frames in which one of them changed. Memory: 48 bytes a place.
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "scene/sized_face.h"
 #include "scene/state.h"
 
 namespace gnomon::scene {
 
 struct SizedLightOptions {
-    int most_lights = 64;      // exact polygons; a scene with more polygons has most_clusters lights at the most
+    int most_lights = 64;   // exact polygons; a scene with more polygons has most_clusters lights at the most
     int most_clusters = 16;
-    int places = 256;          // of a light at the most; a power of two
-    int places_in_all = 1024;  // of all lights together; halved places until they fit
-    int least_places = 16;     // of a light, however many lights there are
-    int cells = 8;             // a side, of the grid of mean radiances over a textured polygon
-};
-
-/// A planar convex emitter: a triangle or a quadrilateral, in world space.
-struct SizedFace {
-    std::array<glm::vec3, 4> corner{};   // counter-clockwise seen from the front; of a triangle, the last two are equal
-    int corners = 3;
-    glm::vec3 normal{0};     // unit, the front
-    float area = 0;
-    glm::vec3 radiance{0};   // mean over the face
-    bool two_sided = false;  // also emits at the back
-    bool dynamic = false;    // its object may move or deform
-    ObjectId object = none;
-    std::uint32_t triangle[2] = {none, none};   // of the object's mesh; the second of a quadrilateral only
-
-    /// The point at a place of the unit square: uniform in area over a triangle or a parallelogram.
-    glm::vec3 at(float u, float v) const;
-    /// The area of the face that a unit of the square's area stands for at a place.
-    float area_at(float u, float v) const;
+    int places = 256;           // of a light at the most; a power of two
+    int places_in_all = 1024;   // of all lights together; halved places until they fit
+    int least_places = 16;      // of a light, however many lights there are
+    int cells = 8;              // a side, of the grid of mean radiances over a textured polygon
 };
 
 /// A sample place of a light.
 struct SizedPlace {
     glm::vec3 position{0};
-    std::uint32_t face = 0;    // of SizedLight::faces
-    glm::vec3 radiance{0};     // there, filtered over the part that the place stands for
-    float area = 0;            // of that part; the sum over all places is the light's area, up to rounding
+    std::uint32_t face = 0;   // of SizedLight::faces
+    glm::vec3 radiance{0};    // there, filtered over the part that the place stands for
+    float area = 0;           // of that part; the sum over all places is the light's area, up to rounding
 };
 
 struct SizedLight {
@@ -109,12 +91,6 @@ class SizedLights {
     SizedLightCounts counts_;
     std::uint32_t version_ = 0;
 };
-
-/// Whether a material emits light: it shows more than a colour, and its emission is not 0.
-bool may_emit(const Material& material);
-
-/// Whether any surface of a scene emits light, textures regarded.
-bool emits_light(const Scene& scene);
 
 /// Point i of the (0, 2)-sequence of `count` points in Morton order, in [0, 1); `count` is a power of two.
 std::vector<glm::vec2> sequence_in_morton_order(int count);

@@ -27,7 +27,8 @@ Clipped clip(const Clipped& from, const glm::dvec3& normal)
         const glm::dvec3& b = from.corner[static_cast<std::size_t>((i + 1) % from.count)];
         const double at_a = glm::dot(normal, a), at_b = glm::dot(normal, b);
         if (at_a >= 0) to.corner[static_cast<std::size_t>(to.count++)] = a;
-        if ((at_a < 0) != (at_b < 0)) to.corner[static_cast<std::size_t>(to.count++)] = a + (at_a / (at_a - at_b)) * (b - a);
+        if ((at_a < 0) != (at_b < 0))
+            to.corner[static_cast<std::size_t>(to.count++)] = a + (at_a / (at_a - at_b)) * (b - a);
     }
     return to;
 }
@@ -190,7 +191,8 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
 {
     // Nothing of a light behind the horizon arrives.
     const glm::vec3 to_centre = light.centre - s.position;
-    if (glm::dot(to_centre, s.geometric_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius) return {};
+    if (glm::dot(to_centre, s.geometric_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius)
+        return {};
 
     // Sum a distant cluster of many faces over its places.
     if (light.faces.size() > light.places.size() && glm::length(to_centre) > options.far * light.radius) {

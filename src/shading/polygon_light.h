@@ -19,8 +19,8 @@
 namespace gnomon::shading {
 
 struct PolygonLightOptions {
-    // A cluster that is farther away than this many radii is summed over its sample places, if it has fewer of them than
-    // faces.
+    // A cluster that is farther away than this many radii is summed over its sample places, if it has fewer of them
+    // than faces.
     float far = 4;
     // Lobes are widened to this roughness at least for the ratio of visible weights, because the places of a light
     // cannot resolve a sharper one.

@@ -102,7 +102,8 @@ Point search(const std::vector<Direction>& lobe, double alpha, double mirror_ang
         return p;
     };
     for (int step = 0; step < k_steps; ++step) {
-        std::stable_sort(simplex.begin(), simplex.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        std::stable_sort(simplex.begin(), simplex.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
         Point centre{};
         for (std::size_t i = 0; i < n; ++i)
             for (std::size_t k = 0; k < n; ++k) centre[k] += simplex[i].second[k] / static_cast<double>(n);
@@ -129,7 +130,8 @@ Point search(const std::vector<Direction>& lobe, double alpha, double mirror_ang
         }
     }
     return std::min_element(simplex.begin(), simplex.end(),
-                            [](const auto& a, const auto& b) { return a.first < b.first; })->second;
+                            [](const auto& a, const auto& b) { return a.first < b.first; })
+        ->second;
 }
 
 // The fraction of the transformed cosine that lies above the surface: all directions of the cosine, transformed.

@@ -10,8 +10,8 @@ namespace gnomon::trace {
 
 namespace {
 
-constexpr float k_sharp_roughness = 0.05f;    // up to here, reflected rays show lights
-constexpr float k_blurred_roughness = 0.15f;  // from here on, lobes do
+constexpr float k_sharp_roughness = 0.05f;     // up to here, reflected rays show lights
+constexpr float k_blurred_roughness = 0.15f;   // from here on, lobes do
 
 }   // namespace
 
@@ -59,8 +59,8 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
             }
             glm::vec3 radiance(0);
             if (highlight < 1)
-                radiance += (1 - highlight) *
-                            shading::reflect_irradiance(s, point.next, glm::vec3(0), light_here.irradiance);
+                radiance +=
+                    (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), light_here.irradiance);
             if (highlight > 0) {
                 // What the lobe does not reflect reaches the diffuse layer.
                 const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(s);

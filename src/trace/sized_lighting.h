@@ -34,9 +34,9 @@ class SizedLighting {
  private:
     const scene::SizedLights& lights_;
     std::unique_ptr<SizedVisibility::Worker> visibility_;
-    std::vector<float> highlight_;                     // by point of the batch
-    std::vector<std::uint32_t> asked_;                 // points that the present light could reach
-    std::vector<shading::UnshadowedLight> arrives_;    // by asked point
+    std::vector<float> highlight_;                    // by point of the batch
+    std::vector<std::uint32_t> asked_;                // points that the present light could reach
+    std::vector<shading::UnshadowedLight> arrives_;   // by asked point
     SizedVisible visible_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights with size: faces, closed forms at a point, visibility by sample places, and frames of which the light is known.
+// Lights with size: faces, closed forms at a point, visibility by sample places, and frames of which the light is
+// known.
 #include "scene/sized_light.h"
 
 #include <gtest/gtest.h>
@@ -140,8 +141,7 @@ TEST(SizedLights, TexturedEmissionIsAveragedByCells)
     const scene::SizedLight& light = lights.lights()[0];
     ASSERT_EQ(light.cell_radiance.size(), 64u);
     EXPECT_NEAR(light.faces[0].radiance.x, 1, 0.02);
-    for (const glm::vec3& cell : light.cell_radiance)
-        EXPECT_TRUE(cell.x < 0.15f || cell.x > 1.85f) << cell.x;
+    for (const glm::vec3& cell : light.cell_radiance) EXPECT_TRUE(cell.x < 0.15f || cell.x > 1.85f) << cell.x;
 }
 
 shading::SurfacePoint surface(float roughness, float cosine, const glm::vec3& specular)
@@ -184,7 +184,8 @@ float integrated(const shading::SurfacePoint& s, const scene::SizedLight& light)
     const scene::SizedFace& face = light.faces[0];
     for (int i = 0; i < k_side; ++i)
         for (int j = 0; j < k_side; ++j) {
-            const glm::vec3 p = face.at((static_cast<float>(i) + 0.5f) / k_side, (static_cast<float>(j) + 0.5f) / k_side);
+            const glm::vec3 p =
+                face.at((static_cast<float>(i) + 0.5f) / k_side, (static_cast<float>(j) + 0.5f) / k_side);
             const float square = glm::dot(p, p);
             const glm::vec3 direction = p / std::sqrt(square);
             const float emitted = -glm::dot(direction, face.normal);
@@ -195,7 +196,6 @@ float integrated(const shading::SurfacePoint& s, const scene::SizedLight& light)
 
 TEST(PolygonLight, TransformedCosinesReflectLightsAsTheLobeDoes)
 {
-    double worst = 0;
     for (const float roughness : {0.15f, 0.2f, 0.3f, 0.4f, 0.6f, 0.8f, 1.0f})
         for (const float cosine : {1.0f, 0.9f, 0.7f, 0.45f, 0.25f}) {
             const shading::SurfacePoint s = surface(roughness, cosine, glm::vec3(1));
@@ -204,13 +204,12 @@ TEST(PolygonLight, TransformedCosinesReflectLightsAsTheLobeDoes)
                 for (const float half : {0.15f, 0.5f}) {
                     const scene::SizedLight light = square_light(2.0f * glm::normalize(mirror + off), half);
                     const float truth = integrated(s, light), found = shading::unshadowed(s, light, true).lobe.x;
-                    EXPECT_NEAR(found, truth, 0.02f + 0.05f * truth)
+                    // Near grazing, the lobe is least like a cosine.
+                    const float least = cosine < 0.3f ? 0.05f : 0.02f;
+                    EXPECT_NEAR(found, truth, least + 0.05f * truth)
                         << roughness << ' ' << cosine << ' ' << off.x << ' ' << off.y << ' ' << half;
-                    worst = std::max(worst, static_cast<double>(std::abs(found - truth)));
                 }
         }
-    RecordProperty("worst", std::to_string(worst));
-    std::printf("worst %g\n", worst);
 }
 
 TEST(PolygonLight, LobesSeeAllOfAnEvenSurrounding)
@@ -226,6 +225,176 @@ TEST(PolygonLight, LobesSeeAllOfAnEvenSurrounding)
             const glm::vec3 albedo = shading::glossy_albedo(s);
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], albedo[c], 0.02f * albedo[c]) << roughness << ' ' << cosine;
         }
+}
+
+// Frames.
+
+// Irradiance at a place of the floor y = 0 under a square emitter of half-width .5 and radiance 1 at some height, of
+// its part from x = `from` on [Lambert 1760].
+double under_square(const glm::dvec2& place, double height, double from = -0.5)
+{
+    from = std::clamp(from, -0.5, 0.5);
+    if (!(from < 0.5)) return 0;
+    const glm::dvec3 corner[4] = {{from - place.x, height, -0.5 - place.y},
+                                  {0.5 - place.x, height, -0.5 - place.y},
+                                  {0.5 - place.x, height, 0.5 - place.y},
+                                  {from - place.x, height, 0.5 - place.y}};
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        const glm::dvec3 a = glm::normalize(corner[i]), b = glm::normalize(corner[(i + 1) % 4]);
+        const glm::dvec3 axis = glm::cross(a, b);
+        const double sine = glm::length(axis);
+        if (sine > 0) sum += std::atan2(sine, glm::dot(a, b)) * axis.y / sine;
+    }
+    return std::abs(sum) / 2;
+}
+
+const std::vector<Vec3> k_square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+const std::vector<Vec2> k_square_texcoords{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+const std::vector<std::uint32_t> k_down{0, 1, 2, 0, 2, 3}, k_up{0, 2, 1, 0, 3, 2};
+constexpr float k_albedo = 0.5f;
+constexpr double k_side = 3;   // of the floor that the camera sees
+
+Material matte(float albedo)
+{
+    // Without a specular reflection.
+    return {.base_color = {albedo, albedo, albedo}, .roughness = 1, .ior = 1};
+}
+
+struct FloorOptions {
+    float radiance = 1, height = 1, size = 20;
+    bool weak_light = false, edge = false, textured = false;
+};
+
+// A floor seen from above, through the back of a square emitter that faces down.
+Scene floor_scene(const FloorOptions& o)
+{
+    SceneBuilder builder;
+    Material shining{.base_color = {0, 0, 0}, .emissive = {o.radiance, o.radiance, o.radiance}};
+    if (o.textured) {
+        const std::vector<std::uint8_t> white(4 * 4 * 3, 255);
+        shining.emissive_texture.texture = builder.texture({.width = 4, .height = 4, .channels = 3, .pixels = white});
+    }
+    const MaterialId emitter = builder.material(shining), floor = builder.material(matte(k_albedo));
+    builder.instance(builder.mesh({.positions = k_square, .indices = k_down, .texcoords = {k_square_texcoords}}),
+                     emitter, Transform::translation(0, o.height, 0));
+    const MeshId plane = builder.mesh({.positions = k_square, .indices = k_up});
+    builder.instance(plane, floor, Transform::scaling(o.size, 1, o.size));
+    // A half-plane over x < 0, seen from below alone.
+    if (o.edge) {
+        const MeshId blind = builder.mesh({.positions = k_square, .indices = k_down});
+        builder.instance(blind, floor, Transform::translation(-50, 0.5, 0) * Transform::scaling(100, 1, 100));
+    }
+    if (o.weak_light) builder.light({.color = {1e-3f, 1e-3f, 1e-3f}}, Transform::translation(0.2, 0.5, 0));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, -1});
+    camera.orthographic_height = k_side;
+    builder.camera(camera);
+    return builder.finish();
+}
+
+// Root of the mean squared difference from the truth, over the mean truth.
+double floor_error(const FloorOptions& o, int size = 40)
+{
+    RenderOptions options;
+    options.size = {size, size};
+    options.indirect = Indirect::off;
+    const Frame frame = Renderer(options).render(floor_scene(o), 1);
+    const auto values = frame.layers.front().values();
+    double square = 0, sum = 0;
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            const glm::dvec2 place = k_side * ((glm::dvec2(x, y) + 0.5) / static_cast<double>(size) - 0.5);
+            // A ray to the emitter passes the edge's height at a place between: it must lie beyond the edge.
+            const double from = o.edge ? place.x - place.x * static_cast<double>(o.height) / 0.5 : -0.5;
+            const double truth = static_cast<double>(k_albedo * o.radiance) / k_pi *
+                                 under_square(place, static_cast<double>(o.height), from);
+            const double value = static_cast<double>(values[static_cast<std::size_t>(3 * (y * size + x))]);
+            square += (value - truth) * (value - truth), sum += truth;
+        }
+    const double count = size * size;
+    return std::sqrt(square / count) / (sum / count);
+}
+
+TEST(SizedLightFrame, SquareLightGivesTheFloorWhatLambertSays)
+{
+    EXPECT_LE(floor_error({.height = 2}), 0.01);
+    EXPECT_LE(floor_error({.height = 0.5f}), 0.02);
+    EXPECT_LE(floor_error({.height = 0.15f}), 0.05);
+}
+
+TEST(SizedLightFrame, PenumbraOfAStraightEdgeIsTheVisiblePartOfTheLight)
+{
+    EXPECT_LE(floor_error({.edge = true}), 0.02);
+}
+
+TEST(SizedLightFrame, EmissionLightsHoweverDimAndBesideAnyOtherLight)
+{
+    EXPECT_LE(floor_error({.radiance = 4, .weak_light = true}), 0.02);
+    EXPECT_LE(floor_error({.radiance = 0.99f}), 0.02);
+    EXPECT_LE(floor_error({.radiance = 0.99f, .textured = true}), 0.02);
+    EXPECT_LE(floor_error({.radiance = 0.99f, .size = 100}), 0.02);
+}
+
+// A square emitter as a metal plane shows it: as bright as it is.
+TEST(SizedLightFrame, MetalShowsAnAreaLightAsBrightAsItIs)
+{
+    for (const float roughness : {0.0f, 0.04f, 0.06f, 0.1f, 0.14f, 0.2f, 0.3f, 0.4f}) {
+        SceneBuilder builder;
+        const MaterialId emitter = builder.material({.base_color = {0, 0, 0}, .emissive = {1, 1, 1}});
+        const MaterialId metal = builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness});
+        builder.instance(builder.mesh({.positions = k_square, .indices = k_down}), emitter,
+                         Transform::translation(0, 1, 0) * Transform::scaling(12, 1, 12));
+        builder.instance(builder.mesh({.positions = k_square, .indices = k_up}), metal, Transform::scaling(20, 1, 20));
+        Camera camera;
+        camera.transform = Transform::look_at({-0.4f, 0.8f, 0}, {0, 0, 0});
+        camera.vertical_fov = 0.02;
+        builder.camera(camera);
+        RenderOptions options;
+        options.size = {4, 4};
+        options.indirect = Indirect::off;
+        const Frame frame = Renderer(options).render(builder.finish(), 1);
+        for (const float value : frame.layers.front().values()) {
+            EXPECT_GE(value, 0.95f) << roughness;
+            EXPECT_LE(value, 1.05f) << roughness;
+        }
+    }
+}
+
+// In a closed box of emissive walls, every point gets pi of each wall's radiance, and that of one bounce: e (1 +
+// albedo) is the radiance that the walls show beside their own.
+TEST(SizedLightFrame, ClosedBoxOfEmissiveWalls)
+{
+    for (const Indirect indirect : {Indirect::off, Indirect::visible}) {
+        SceneBuilder builder;
+        Material wall = matte(k_albedo);
+        wall.emissive = {1, 1, 1};
+        const MaterialId material = builder.material(wall);
+        const MeshId mesh = builder.mesh({.positions = k_square, .indices = k_up});
+        for (const Transform& turn :
+             {Transform(), Transform::rotation({1, 0, 0}, k_pi), Transform::rotation({1, 0, 0}, k_pi / 2),
+              Transform::rotation({1, 0, 0}, -k_pi / 2), Transform::rotation({0, 0, 1}, k_pi / 2),
+              Transform::rotation({0, 0, 1}, -k_pi / 2)})
+            builder.instance(mesh, material, turn * Transform::translation(0, -1, 0) * Transform::scaling(2, 1, 2));
+        Camera camera;
+        camera.transform = Transform::look_at({0.2f, 0.1f, 0.7f}, {-0.3f, -0.2f, -1});
+        camera.vertical_fov = 1;
+        builder.camera(camera);
+        RenderOptions options;
+        options.size = {24, 24};
+        options.indirect = indirect;
+        const Frame frame = Renderer(options).render(builder.finish(), 1);
+        double square = 0, sum = 0;
+        const double truth = 1 + static_cast<double>(k_albedo) + (indirect == Indirect::off ? 0 : 0.25);
+        const auto values = frame.layers.front().values();
+        for (const float value : values) {
+            square += std::pow(static_cast<double>(value) - truth, 2);
+            sum += static_cast<double>(value);
+        }
+        const auto count = static_cast<double>(values.size());
+        EXPECT_NEAR(sum / count, truth, 0.02 * truth) << static_cast<int>(indirect);
+        EXPECT_LE(std::sqrt(square / count) / truth, 0.03) << static_cast<int>(indirect);
+    }
 }
 
 }   // namespace

@@ -110,16 +110,14 @@ TEST(Emitters, ManyEmittersKeepTheFlux)
         add_quad(scene, emitter, {static_cast<float>(2 * i), 5, 0}, {1, 0, 0},
                  {0, 0, 1 + 0.1f * static_cast<float>(i)});
     scene.finish();
-    EmitterOptions options;
-    options.least_irradiance = 0;
-    add_emitter_lights(scene, options);
+    add_emitter_lights(scene);
     EXPECT_EQ(scene.lights.size(), 16u);
     float area = 0;
     for (int i = 0; i < 40; ++i) area += 1 + 0.1f * static_cast<float>(i);
     EXPECT_NEAR(total_flux(scene).x, 50 * area * k_pi, 1e-3 * 50 * area * k_pi);
 }
 
-TEST(Emitters, IgnoresDimAndSmallEmitters)
+TEST(Emitters, LightHoweverDimAndSmallAndBesideOtherLights)
 {
     const auto lights = [](const glm::vec3& emissive, float size, bool has_light) {
         Scene scene;
@@ -135,24 +133,32 @@ TEST(Emitters, IgnoresDimAndSmallEmitters)
         return scene.lights.size();
     };
     EXPECT_EQ(lights(glm::vec3(10), 2, false), 16u);
-    EXPECT_EQ(lights(glm::vec3(0.5f), 2, false), 0u);     // too dim
-    EXPECT_EQ(lights(glm::vec3(10), 0.01f, false), 0u);   // too small
-    EXPECT_EQ(lights(glm::vec3(10), 2, true), 1u);        // there is a light already
+    EXPECT_EQ(lights(glm::vec3(0.5f), 2, false), 16u);
+    EXPECT_EQ(lights(glm::vec3(10), 0.01f, false), 16u);
+    EXPECT_EQ(lights(glm::vec3(10), 2, true), 17u);
+    EXPECT_EQ(lights(glm::vec3(0), 2, false), 0u);
 }
 
-TEST(Emitters, TwoSidedEmittersShineTowardsOpenSpace)
+TEST(Emitters, TwoSidedEmittersShineToBothSidesButNotIntoWhatTheyLieOn)
 {
-    // Wound to face up, right under a ceiling: it must emit downwards.
-    Scene scene;
-    add_quad(scene, add_material(scene, glm::vec3(10), true), {4, 9.7f, 4}, {0, 0, 2}, {2, 0, 0});
-    const MaterialId white = add_material(scene, glm::vec3(0));
-    add_quad(scene, white, {0, 10, 0}, {10, 0, 0}, {0, 0, 10});
-    add_quad(scene, white, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
-    scene.finish();
-    add_emitter_lights(scene);
-    const SceneState state(std::make_shared<const Scene>(scene), 0);
-    ASSERT_FALSE(scene.lights.empty());
-    EXPECT_NEAR(state.light(0).direction.y, -1, 1e-5f);
+    const auto directions = [](float height) {
+        Scene scene;
+        add_quad(scene, add_material(scene, glm::vec3(10), true), {4, height, 4}, {0, 0, 2}, {2, 0, 0});
+        const MaterialId white = add_material(scene, glm::vec3(0));
+        add_quad(scene, white, {0, 10, 0}, {10, 0, 0}, {0, 0, 10});
+        add_quad(scene, white, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
+        scene.finish();
+        add_emitter_lights(scene);
+        const SceneState state(std::make_shared<const Scene>(scene), 0);
+        glm::vec2 up_and_down(0);
+        for (LightId l = 0; l < scene.lights.size(); ++l)
+            (state.light(l).direction.y > 0 ? up_and_down.x : up_and_down.y) += scene.lights[l].color.x;
+        return up_and_down;
+    };
+    EXPECT_NEAR(directions(5).x, 40, 0.01);   // radiance times area, per side
+    EXPECT_NEAR(directions(5).y, 40, 0.01);
+    EXPECT_EQ(directions(9.99f).x, 0);   // right under the ceiling
+    EXPECT_NEAR(directions(9.99f).y, 40, 0.01);
 }
 
 TEST(Emitters, HandlesADeepNodeHierarchyQuickly)

@@ -60,12 +60,6 @@ class Palette {
         scene_.materials[id].ior = 1.5f;
         return id;
     }
-    MaterialId glowing(const char* name, const glm::vec3& light)
-    {
-        const MaterialId id = add(name, glm::vec3(0.5f), 0.8f);
-        scene_.materials[id].emissive = light;
-        return id;
-    }
     MaterialId unlit(const char* name, const glm::vec3& color)
     {
         const MaterialId id = add(name, color, 1);
@@ -128,7 +122,8 @@ Materials add_materials(Scene& scene)
     m.lily = palette.leaf("lily pad", {0.12f, 0.24f, 0.06f}, 0.35f);
     m.blossom = palette.leaf("blossom", {0.62f, 0.05f, 0.30f}, 0.6f);
     m.orange = palette.add("orange", {0.95f, 0.36f, 0.03f}, 0.4f);
-    m.flame = palette.glowing("flame", {14.0f, 8.0f, 3.2f});
+    // The light of a flame is a point light within it; the flame itself shows its colour.
+    m.flame = palette.unlit("flame", {14.0f, 8.0f, 3.2f});
     m.grass = palette.add("meadow", {0.20f, 0.22f, 0.08f}, 1);
     m.hill_near = palette.unlit("near hills", {0.26f, 0.32f, 0.33f});
     m.hill_far = palette.unlit("far hills", {0.42f, 0.50f, 0.58f});

@@ -6,6 +6,7 @@
 #include "scene/defaults/emissive_lights.h"
 #include "scene/defaults/framing.h"
 #include "scene/defaults/interior.h"
+#include "scene/emission.h"
 #include "scene/scene.h"
 
 namespace gnomon::scene {
@@ -68,7 +69,7 @@ NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, c
 
 void add_default_light(Scene& scene)
 {
-    if (!scene.lights.empty()) return;
+    if (!scene.lights.empty() || emits_light(scene)) return;
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
     // Light a closed room from its ceiling; no sun reaches it.
     const auto interior = find_interior(scene);

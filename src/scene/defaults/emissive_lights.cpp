@@ -13,13 +13,13 @@
 #include "base/check.h"
 #include "scene/defaults/interior.h"
 #include "scene/defaults/space_grid.h"
+#include "scene/emission.h"
 
 namespace gnomon::scene {
 
 namespace {
 
-constexpr int k_grid = 4;           // lights along each side of a rectangle, where there are enough
-constexpr double k_open_side = 4;   // a two-sided emitter shines to its back if there is this many times more room
+constexpr int k_grid = 4;   // lights along each side of a rectangle, where there are enough
 
 float area_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
 {
@@ -98,6 +98,7 @@ void collect(const Scene& scene, const Object& object, const MeshPart& part, con
              std::vector<EmitterPatch>& patches)
 {
     const Mesh& mesh = scene.meshes[object.mesh];
+    const Emission emission(scene, mesh, scene.materials[part.material]);
     const bool mirrored = glm::determinant(glm::mat3(world)) < 0;
 
     // Join triangles that share the position of a corner.
@@ -125,6 +126,8 @@ void collect(const Scene& scene, const Object& object, const MeshPart& part, con
         const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
         const float area = 0.5f * glm::length(cross);
         if (!(area > 0) || !std::isfinite(area)) continue;
+        const glm::vec3 radiance = emission.mean(part.first_triangle + i);
+        if (radiance == glm::vec3(0)) continue;
         int axis = 0;
         for (int a = 1; a < 3; ++a)
             if (std::abs(cross[a]) > std::abs(cross[axis])) axis = a;
@@ -133,13 +136,34 @@ void collect(const Scene& scene, const Object& object, const MeshPart& part, con
         if (added) {
             patches.emplace_back();
             patches.back().node = object.node;
-            patches.back().radiance = scene.materials[part.material].emissive;
+            patches.back().two_sided = !scene.materials[part.material].one_sided();
         }
         EmitterPatch& patch = patches[at->second];
         patch.triangles.insert(patch.triangles.end(), p, p + 3);
         patch.area += area;
+        patch.radiance += area * radiance;   // divided by the area below
         patch.normal += 0.5f * cross;
     }
+}
+
+// The sides of a patch that emit into open space: the front, and the back of a two-sided one. A side that lies on
+// another surface lights nothing.
+std::vector<EmitterPatch> open_sides(const EmitterPatch& patch, const SpaceGrid* grid)
+{
+    std::vector<EmitterPatch> sides{patch};
+    sides[0].normal = glm::normalize(patch.normal);
+    if (!patch.two_sided) return sides;
+    sides.push_back(sides[0]);
+    sides[1].normal = -sides[0].normal;
+    if (!grid || grid->empty()) return sides;
+    const glm::vec3 middle = (patch.triangles[0] + patch.triangles[1] + patch.triangles[2]) / 3.0f;
+    const double front = grid->cast(middle, sides[0].normal).distance,
+                 back = grid->cast(middle, sides[1].normal).distance;
+    const double least = static_cast<double>(grid->cell());
+    if (std::max(front, back) <= least) return sides;
+    if (back <= least) sides.pop_back();
+    if (front <= least) sides.erase(sides.begin());
+    return sides;
 }
 
 }   // namespace
@@ -177,7 +201,7 @@ void add_room_fill(Scene& scene, const glm::vec3& flux)
 
 void add_emitter_lights(Scene& scene, const EmitterOptions& options)
 {
-    if (!scene.lights.empty()) return;
+    const bool alone = scene.lights.empty();
     std::vector<EmitterPatch> patches;
     std::vector<glm::dmat4> world;   // by node, because walking up from each object is too slow in deep hierarchies
     bool two_sided = false;
@@ -185,44 +209,38 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
         if (object.deforming) continue;
         for (const MeshPart& part : scene.meshes[object.mesh].parts) {
             const Material& material = scene.materials[part.material];
-            if (material.model != ShadingModel::metallic_roughness || material.emissive_texture.used()) continue;
-            if (luminance(material.emissive) < options.least_radiance) continue;
-            two_sided |= material.double_sided;
+            if (!may_emit(material)) continue;
+            two_sided |= !material.one_sided();
             if (world.empty()) world = scene.world_matrices(scene.timeline.start);
             collect(scene, object, part, glm::mat4(world[object.node]), patches);
         }
     }
     if (patches.empty()) return;
 
-    // Drop patches that are too weak; keep the strongest.
-    const float reach = 0.5f * scene.bounds(scene.timeline.start).diagonal();
-    const auto power = [](const EmitterPatch& patch) { return luminance(patch.radiance) * patch.area; };
-    std::erase_if(patches, [&](const EmitterPatch& patch) {
-        return !(power(patch) >= options.least_irradiance * reach * reach) || glm::length(patch.normal) == 0;
-    });
+    // Find the sides that emit; keep the strongest.
+    std::optional<SpaceGrid> grid;
+    if (two_sided) grid.emplace(scene, scene.timeline.start);
+    std::erase_if(patches, [](const EmitterPatch& patch) { return !(glm::length(patch.normal) > 0); });
+    const std::size_t found = patches.size();
+    std::vector<EmitterPatch> sides;
+    for (EmitterPatch& patch : patches) {
+        patch.radiance /= patch.area;
+        const std::vector<EmitterPatch> open = open_sides(patch, grid ? &*grid : nullptr);
+        sides.insert(sides.end(), open.begin(), open.end());
+    }
+    patches = std::move(sides);
     if (patches.empty()) return;
+    const auto power = [](const EmitterPatch& patch) { return luminance(patch.radiance) * patch.area; };
     std::stable_sort(patches.begin(), patches.end(),
                      [&](const EmitterPatch& a, const EmitterPatch& b) { return power(a) > power(b); });
     float all = 0, kept = 0;
     for (const EmitterPatch& patch : patches) all += power(patch);
-    const std::size_t found = patches.size();
-    if (found > static_cast<std::size_t>(options.most_lights)) patches.resize(options.most_lights);
+    if (patches.size() > static_cast<std::size_t>(options.most_lights)) patches.resize(options.most_lights);
     for (const EmitterPatch& patch : patches) kept += power(patch);
 
-    std::optional<SpaceGrid> grid;
-    if (two_sided) grid.emplace(scene, scene.timeline.start);
     glm::vec3 flux(0);
     const int each = std::max(1, options.most_lights / static_cast<int>(patches.size()));
-    for (EmitterPatch& patch : patches) {
-        patch.normal = glm::normalize(patch.normal);
-        // The front side of emitters is unreliable in files without sides. Let each shine to the side that has more
-        // room.
-        if (grid && !grid->empty()) {
-            const glm::vec3 middle = (patch.triangles[0] + patch.triangles[1] + patch.triangles[2]) / 3.0f;
-            const double front = grid->cast(middle, patch.normal).distance;
-            const double back = grid->cast(middle, -patch.normal).distance;
-            if (back > k_open_side * std::max(front, static_cast<double>(grid->cell()))) patch.normal = -patch.normal;
-        }
+    for (const EmitterPatch& patch : patches) {
         flux += patch.radiance * (static_cast<float>(k_pi) * patch.area * all / kept);
         Light like;
         like.name = "emitter";
@@ -230,9 +248,12 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
         add_patch_lights(scene, patch, each, all / kept, options.lift, like);
     }
     scene.finish();
-    add_room_fill(scene, flux);
-    scene.warnings.push_back(fmt::format("no light in the scene: {} point lights approximate its {} emissive surface{}",
-                                         scene.lights.size(), found, found == 1 ? "" : "s"));
+    if (!alone) return;
+    if (options.fill) add_room_fill(scene, flux);
+    scene.warnings.push_back(
+        fmt::format("{} emissive surface{} the scene; {} point lights approximate {} where light "
+                    "bounces and in rasterised frames",
+                    found, found == 1 ? " lights" : "s light", scene.lights.size(), found == 1 ? "it" : "them"));
 }
 
 }   // namespace gnomon::scene

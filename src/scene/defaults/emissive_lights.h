@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Approximates emissive surfaces by point-like lights with the same total flux.
+// Approximates emissive surfaces by point-like lights with the same total flux, for what cannot use them as they are:
+// light maps, from which bounced light starts, and rasterised frames. The direct light of traced frames comes from the
+// surfaces themselves (scene/sized_light.h), which leaves these lights out.
 //
 // A Lambertian emitter of radiance L and area A has an intensity of L A cos(t) candela. n spot lights with the cosine
 // profile, a half-angle of 90 degrees and L A / n each have the same flux, pi L A, and nearly the same shadows where n
@@ -11,14 +13,14 @@
 namespace gnomon::scene {
 
 struct EmitterOptions {
-    float least_radiance = 1;         // luminance; dimmer surfaces are visible but give no light
-    float least_irradiance = 0.01f;   // at half the scene's diagonal; weaker emitters are dropped
-    int most_lights = 16;             // in the whole scene
-    float lift = 0.01f;               // distance from the surface, as a fraction of the square root of its area
+    int most_lights = 16;   // in the whole scene
+    float lift = 0.01f;     // distance from the surface, as a fraction of the square root of its area
+    bool fill = true;       // add_room_fill(), in a scene without other lights
 };
 
-/// If a scene has no lights but untextured emissive surfaces, adds lights that approximate them, and a warning. The
-/// flux of surfaces that are dropped because of most_lights is distributed over the others. Call after finish(), before
+/// Adds lights that approximate the emissive surfaces of a scene, whatever other lights it has (Light::of_surface), and
+/// a warning if it has none. Textured surfaces count with their mean radiance. The flux of surfaces that are dropped
+/// because of most_lights is distributed over the others. Deforming surfaces are left out. Call after finish(), before
 /// add_default_light.
 void add_emitter_lights(Scene& scene, const EmitterOptions& options = {});
 
@@ -29,6 +31,7 @@ struct EmitterPatch {
     glm::vec3 radiance{0};
     std::vector<glm::vec3> triangles;   // three corners each
     float area = 0;
+    bool two_sided = false;   // emits on the other side as well
 };
 
 /// Adds `count` spot lights over a patch; call finish() afterwards.
