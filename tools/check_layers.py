@@ -16,7 +16,7 @@ import sys
 # src/ first, from the lowest layer up; then those beside src/.
 k_scene = {"base", "scene"}
 k_rays = k_scene | {"ray"}
-k_techniques = {"shadow_culling", "shadow_textures", "light_quadtree", "irradiance_cache"}
+k_techniques = {"shadow_culling", "area_light", "shadow_textures", "light_quadtree", "irradiance_cache"}
 k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "shading", "light_views",
                                    "trace", "raster", "reference"}
 k_may_include = {
@@ -38,7 +38,7 @@ k_may_include = {
     "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting"},
     "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan"},
     "reference": k_rays | {"lighting", "visibility", "shading"},
-    "trace": k_rays | {"lighting", "visibility", "shading", "shadow_culling", "light_quadtree", "irradiance_cache"},
+    "trace": k_rays | {"lighting", "visibility", "shading", "shadow_culling", "area_light", "light_quadtree", "irradiance_cache"},
     "raster": k_rays | {"vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "shadow_textures",
                         "light_quadtree", "irradiance_cache"},
     "frame": k_frame,

@@ -55,21 +55,6 @@ struct AreaVisibility::Light {
     std::unique_ptr<Side> front, back;   // back: of a light that emits there, too
 };
 
-struct AreaVisibility::Scratch {
-    VisibilityCounters counters;
-    TriangleList list;
-    const void* listed = nullptr;   // what `list` was made from
-    ray::RayQueue queue;
-    struct Target {
-        std::uint32_t cells;
-        std::uint16_t cell;
-    };
-    std::vector<Target> targets;
-    std::vector<std::uint8_t> occluded;
-    std::vector<Box3> blockers;
-    std::vector<std::uint32_t> all_rays, dynamic_rays;   // asked points
-};
-
 void VisibilityCounters::add(const VisibilityCounters& other)
 {
     for (std::size_t k = 0; k < std::size(points); ++k) points[k] += other.points[k];
@@ -120,18 +105,6 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
         if (light.two_sided) made->back = std::make_unique<Side>(*triangles_, turned(light.polygon), options_);
         lights_.push_back(std::move(made));
     }
-}
-
-std::unique_ptr<AreaVisibility::Scratch> AreaVisibility::make_scratch() const
-{
-    auto scratch = std::make_unique<Scratch>();
-    scratch->queue.purpose = ray::RayClass::shadow;
-    return scratch;
-}
-
-const VisibilityCounters& AreaVisibility::counters(const Scratch& scratch)
-{
-    return scratch.counters;
 }
 
 const LightCells& AreaVisibility::cells(std::size_t light, bool back) const

@@ -53,9 +53,24 @@ class AreaVisibility {
         std::vector<VisibleCells> cells;
         std::vector<char> back;   // by asked point: it is behind the light; cells are those of the back
     };
-    /// Scratch memory of one thread.
-    struct Scratch;
-    std::unique_ptr<Scratch> make_scratch() const;
+    /// Scratch memory of one thread, and what it counted.
+    struct Scratch {
+        VisibilityCounters counters;
+
+     private:
+        friend class AreaVisibility;
+        struct Target {
+            std::uint32_t cells;
+            std::uint16_t cell;
+        };
+        TriangleList list;
+        const void* listed = nullptr;   // what `list` was made from
+        ray::RayQueue queue;
+        std::vector<Target> targets;   // by ray
+        std::vector<std::uint8_t> occluded;
+        std::vector<Box3> blockers;
+        std::vector<std::uint32_t> all_rays, dynamic_rays;   // asked points
+    };
 
     /// Finds what points see of a light. Thread-safe.
     /// @param asked  indices of points
@@ -64,7 +79,6 @@ class AreaVisibility {
     /// The cells of a light's front, or of its back.
     const LightCells& cells(std::size_t light, bool back) const;
 
-    static const VisibilityCounters& counters(const Scratch& scratch);
     /// Sums over the lights' remembered parts.
     AreaCounters parts() const;
     std::size_t bytes() const;

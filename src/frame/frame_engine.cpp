@@ -123,6 +123,7 @@ void FrameEngine::use_threads(int threads)
 
 void FrameEngine::discard_caches()
 {
+    proven_.reset();
     certified_.reset();
     nah_.reset();
     cache_.reset();
@@ -287,6 +288,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     // states.
     if (!plan_.raster) raster_.reset();
     if (!plan_.certified) certified_.reset();
+    if (plan_.raster || sized_.empty()) proven_.reset();
     if (!plan_.nah || (nah_ && nah_->options().writes_at_once != options.as_printed)) nah_.reset();
     const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
     if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
@@ -489,7 +491,15 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     }
 
     // The reference samples emissive surfaces by itself.
-    if (!plan_.reference && !sized_.empty()) techniques.sized = &sized_;
+    if (!plan_.reference && !sized_.empty()) {
+        // Without culling, nothing is remembered from frame to frame; the answers are the same.
+        if (!proven_ || options_.shadow_culling != ShadowCulling::certified)
+            proven_ = std::make_unique<trace::ProvenVisibility>();
+        techniques.sized = &sized_;
+        techniques.sized_visibility = proven_.get();
+    } else {
+        proven_.reset();
+    }
 
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
@@ -538,6 +548,7 @@ std::string FrameEngine::device() const
 std::size_t FrameEngine::cached_bytes() const
 {
     std::size_t bytes = sized_.bytes();
+    if (proven_) bytes += proven_->bytes();
     if (certified_) bytes += certified_->bytes();
     if (cache_) bytes += cache_->bytes();
     if (map_) bytes += map_->bytes();

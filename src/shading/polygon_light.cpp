@@ -225,19 +225,21 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
     return sum ? sum->result() : UnshadowedLight{};
 }
 
-VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light, std::span<const std::uint64_t> mask,
+VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light,
+                           std::span<const scene::SizedPlace> places, std::span<const std::uint8_t> seen, int whole,
                            bool lobe, const PolygonLightOptions& options)
 {
     const PlaceWeights weights(s, light, lobe, options.least_roughness);
-    glm::dvec3 seen[2]{}, all[2]{};
-    for (std::size_t i = 0; i < light.places.size(); ++i) {
+    glm::dvec3 part[2]{}, all[2]{};
+    for (std::size_t i = 0; i < places.size(); ++i) {
         glm::vec3 irradiance(0), reflected(0);
-        if (!weights.at(light.places[i], irradiance, reflected)) continue;
+        if (!weights.at(places[i], irradiance, reflected)) continue;
         all[0] += glm::dvec3(irradiance), all[1] += glm::dvec3(reflected);
-        if ((mask[i / 64] >> (i % 64) & 1) == 0) continue;
-        seen[0] += glm::dvec3(irradiance), seen[1] += glm::dvec3(reflected);
+        if (seen[i] == 0) continue;
+        const double share = static_cast<double>(seen[i]) / whole;
+        part[0] += share * glm::dvec3(irradiance), part[1] += share * glm::dvec3(reflected);
     }
-    return {ratio(seen[0], all[0]), ratio(seen[1], all[1])};
+    return {ratio(part[0], all[0]), ratio(part[1], all[1])};
 }
 
 }   // namespace gnomon::shading

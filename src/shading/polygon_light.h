@@ -42,8 +42,9 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
 struct VisibleShare {
     glm::vec3 irradiance{0}, lobe{0};   // fractions, 0 to 1
 };
-/// @param mask  the visible places, place 0 in the lowest bit
-VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light, std::span<const std::uint64_t> mask,
+/// @param places  of the light, by which visibility is known; `seen` says how much of each is visible, up to `whole`
+VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light,
+                           std::span<const scene::SizedPlace> places, std::span<const std::uint8_t> seen, int whole,
                            bool lobe, const PolygonLightOptions& options = {});
 
 }   // namespace gnomon::shading

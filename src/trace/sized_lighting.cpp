@@ -54,8 +54,14 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
             const float highlight = highlight_[asked_[k]];
             shading::UnshadowedLight light_here = arrives_[k];
             if (visible_.answer[k] == SizedVisible::Answer::partial) {
-                const shading::VisibleShare share = shading::visible_share(s, light, visible_.mask(k), highlight > 0);
-                light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
+                const bool known = visible_.share[k] >= 0;
+                if (!known || highlight > 0) {
+                    const shading::VisibleShare share = shading::visible_share(
+                        s, light, *visible_.places[k], visible_.seen_by(k), SizedVisible::k_whole, highlight > 0);
+                    light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
+                } else {
+                    light_here.irradiance *= visible_.share[k];
+                }
             }
             glm::vec3 radiance(0);
             if (highlight < 1)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "trace/sized_visibility.h"
 
+#include <algorithm>
+
 #include "ray/origin.h"
 
 namespace gnomon::trace {
@@ -19,9 +21,10 @@ class SampledVisibility::Work final : public Worker {
                       SizedVisible& result) override
     {
         const scene::SizedLight& light = owner_.lights_->lights()[light_index];
-        result.reset(points.size(), light.places.size());
+        result.reset(points.size());
         queue_.clear(), targets_.clear();
         for (std::uint32_t asked = 0; asked < points.size(); ++asked) {
+            result.add_partial(asked, light.places);
             const shadow_culling::ShadowPoint& here = batch.shadow_points[points[asked]];
             const glm::vec3& normal = batch.normals[points[asked]];
             for (std::uint32_t i = 0; i < light.places.size(); ++i) {
@@ -38,8 +41,8 @@ class SampledVisibility::Work final : public Worker {
         }
         trace(result);
         for (std::size_t asked = 0; asked < points.size(); ++asked)
-            for (const std::uint64_t word : result.mask(asked))
-                if (word != 0) result.answer[asked] = SizedVisible::Answer::partial;
+            if (std::ranges::all_of(result.seen_by(asked), [](std::uint8_t seen) { return seen == 0; }))
+                result.answer[asked] = SizedVisible::Answer::dark;
     }
     std::uint64_t traced() const { return traced_; }
 
@@ -54,7 +57,7 @@ class SampledVisibility::Work final : public Worker {
         for (std::size_t r = 0; r < count; ++r) {
             if (occluded_[r]) continue;
             const auto [asked, place] = targets_[r];
-            result.masks[asked * result.words + place / 64] |= std::uint64_t{1} << (place % 64);
+            result.seen[result.first[asked] + place] = SizedVisible::k_whole;
         }
         queue_.clear(), targets_.clear();
     }

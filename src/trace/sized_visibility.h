@@ -3,9 +3,10 @@
 // Interface of the techniques that find how much of a light with size the points of the traced frame see, and the
 // technique that remembers nothing: SampledVisibility, a shadow ray to every sample place.
 //
-// The answer for a point is one of: the whole light is visible (lit), none of it is (dark), or a mask of the light's
-// sample places (scene/sized_light.h). The caller multiplies the light's unshadowed contribution by the ratio of the
-// visible places' weights to all places' weights, each for the diffuse and for the glossy lobe.
+// The answer for a point is one of: the whole light is visible (lit), none of it is (dark), or how much of each of the
+// light's sample places (scene/sized_light.h, or finer ones of the technique's own). The caller multiplies the light's
+// unshadowed contribution by the ratio of the visible places' weights to all places' weights, each for the diffuse and
+// for the glossy lobe; or by the diffuse share that the technique has computed.
 //
 // Cost of SampledVisibility: a ray per point and place that face each other.
 
@@ -23,19 +24,42 @@ struct SizedVisible {
     enum class Answer : std::uint8_t {
         dark,      // no place of the light is visible
         lit,       // every place that faces the point, and that the point faces, is visible
-        partial,   // those whose bits are set
+        partial,   // some are, as a whole or in part
     };
-    std::vector<Answer> answer;         // by asked point
-    std::vector<std::uint64_t> masks;   // `words` for each asked point, place 0 in the lowest bit; only for `partial`
-    std::size_t words = 0;              // (places + 63) / 64
+    static constexpr std::uint8_t k_whole = 16;   // a place that is visible as a whole
 
-    std::span<const std::uint64_t> mask(std::size_t asked) const { return {masks.data() + asked * words, words}; }
-    /// Sizes the lists; every answer is dark, every mask 0.
-    void reset(std::size_t asked, std::size_t places)
+    std::vector<Answer> answer;   // by asked point
+    /// The places that `seen` is about, by asked point: the light's own, or the technique's. Valid until its
+    /// end_frame().
+    std::vector<const std::vector<scene::SizedPlace>*> places;
+    /// Only for `partial`: where the point's numbers begin in `seen`; one for each place, up to k_whole.
+    std::vector<std::size_t> first;
+    std::vector<std::uint8_t> seen;
+    /// Only for `partial`: the visible share of the irradiance, if the light has one radiance; negative: not computed.
+    std::vector<float> share;
+
+    std::span<const std::uint8_t> seen_by(std::size_t asked) const
     {
-        words = (places + 63) / 64;
+        return {seen.data() + first[asked], places[asked]->size()};
+    }
+    /// Sizes the lists; every answer is dark.
+    void reset(std::size_t asked)
+    {
         answer.assign(asked, Answer::dark);
-        masks.assign(asked * words, 0);
+        places.assign(asked, nullptr);
+        first.assign(asked, 0);
+        share.assign(asked, -1);
+        seen.clear();
+    }
+    /// Makes a point's answer partial, with nothing visible.
+    /// @return  its numbers; valid until the next call
+    std::uint8_t* add_partial(std::size_t asked, const std::vector<scene::SizedPlace>& of)
+    {
+        answer[asked] = Answer::partial;
+        places[asked] = &of;
+        first[asked] = seen.size();
+        seen.resize(seen.size() + of.size());
+        return seen.data() + first[asked];
     }
 };
 

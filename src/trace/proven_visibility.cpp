@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace/proven_visibility.h"
+
+#include <algorithm>
+
+namespace gnomon::trace {
+
+namespace {
+
+using area_light::AreaVisibility;
+
+area_light::AreaLight area_light_of(const scene::SizedLight& light)
+{
+    const scene::SizedFace& face = light.faces.front();
+    area_light::AreaLight area;
+    area.polygon.corner = face.corner;
+    area.polygon.corners = face.corners;
+    area.polygon.normal = face.normal;
+    area.two_sided = face.two_sided;
+    area.dynamic = light.dynamic;
+    return area;
+}
+
+// The radiance of the light's own sample place that is nearest.
+glm::vec3 radiance_near(const scene::SizedLight& light, const glm::vec3& position)
+{
+    const scene::SizedPlace* nearest = nullptr;
+    float least = k_infinity;
+    for (const scene::SizedPlace& place : light.places) {
+        const glm::vec3 way = place.position - position;
+        const float square = glm::dot(way, way);
+        if (square < least) least = square, nearest = &place;
+    }
+    return nearest ? nearest->radiance : light.faces.front().radiance;
+}
+
+}   // namespace
+
+class ProvenVisibility::Work final : public Worker {
+ public:
+    explicit Work(ProvenVisibility& owner) : owner_(owner), sampled_(owner.sampled_.make_worker()) {}
+
+    void prepare(const PointBatch& batch) override { sampled_->prepare(batch); }
+
+    void find_visible(const PointBatch& batch, std::uint32_t light, std::span<const std::uint32_t> points,
+                      SizedVisible& result) override
+    {
+        const std::uint32_t planar = owner_.planar_[light];
+        if (planar == k_sampled) return sampled_->find_visible(batch, light, points, result);
+        owner_.visibility_->find(scratch_, batch.shadow_points, points, planar, answers_);
+        result.reset(points.size());
+        const Places& places = owner_.places_[planar];
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            if (answers_.answer[k] == AreaVisibility::Answer::lit) result.answer[k] = SizedVisible::Answer::lit;
+            if (answers_.answer[k] != AreaVisibility::Answer::partial) continue;
+            const std::size_t side = answers_.back[k] ? 1 : 0;
+            const area_light::VisibleCells& cells = answers_.cells[answers_.at[k]];
+            const area_light::LightCells& of = owner_.visibility_->cells(planar, answers_.back[k] != 0);
+            std::uint8_t* seen = result.add_partial(k, places.of[side]);
+            for (std::size_t i = 0; i < places.of[side].size(); ++i) {
+                const std::uint16_t cell = places.cell[side][i];
+                const int count = of.count(cell);
+                seen[i] = static_cast<std::uint8_t>((SizedVisible::k_whole * cells[cell] + count / 2) / count);
+            }
+            if (places.one_radiance) {
+                const visibility::ShadowPoint& p = batch.shadow_points[points[k]];
+                result.share[k] = of.share(p.origin, batch.normals[points[k]], p.normal, cells);
+            }
+        }
+    }
+
+    const area_light::VisibilityCounters& counters() const { return scratch_.counters; }
+    std::unique_ptr<Worker>& sampled() { return sampled_; }
+
+ private:
+    ProvenVisibility& owner_;
+    std::unique_ptr<Worker> sampled_;
+    AreaVisibility::Scratch scratch_;
+    AreaVisibility::Answers answers_;
+};
+
+void ProvenVisibility::begin_frame(const FrameContext& frame, const scene::SizedLights& lights)
+{
+    sampled_.begin_frame(frame, lights);
+    const bool first = !visibility_;
+    if (first) visibility_ = std::make_unique<AreaVisibility>(frame.state, frame.rays, options_);
+    std::vector<area_light::AreaLight> planar;
+    planar_.assign(lights.lights().size(), k_sampled);
+    for (std::size_t l = 0; l < lights.lights().size(); ++l) {
+        if (!lights.lights()[l].is_polygon()) continue;
+        planar_[l] = static_cast<std::uint32_t>(planar.size());
+        planar.push_back(area_light_of(lights.lights()[l]));
+    }
+    visibility_->follow(frame.state, frame.rays, planar);
+    if (!first && lights_ == &lights && version_ == lights.version()) return;
+
+    // Make sample places of the cells.
+    lights_ = &lights, version_ = lights.version();
+    places_.assign(planar.size(), {});
+    for (std::size_t l = 0; l < lights.lights().size(); ++l) {
+        if (planar_[l] == k_sampled) continue;
+        const scene::SizedLight& light = lights.lights()[l];
+        Places& places = places_[planar_[l]];
+        places.one_radiance = light.cell_radiance.empty();
+        for (std::size_t side = 0; side < (light.faces.front().two_sided ? 2u : 1u); ++side) {
+            const area_light::LightCells& cells = visibility_->cells(planar_[l], side == 1);
+            for (int c = 0; c < area_light::k_cells; ++c) {
+                if (cells.count(c) == 0) continue;
+                scene::SizedPlace place;
+                place.position = cells.position(c);
+                place.radiance =
+                    places.one_radiance ? light.faces.front().radiance : radiance_near(light, place.position);
+                place.area = cells.area_of_place() * static_cast<float>(cells.count(c));
+                places.of[side].push_back(place);
+                places.cell[side].push_back(static_cast<std::uint16_t>(c));
+            }
+        }
+    }
+}
+
+std::unique_ptr<SizedVisibility::Worker> ProvenVisibility::make_worker()
+{
+    return std::make_unique<Work>(*this);
+}
+
+FrameCounters::Shadow ProvenVisibility::end_frame(std::span<const std::unique_ptr<Worker>> workers, Tasks& tasks)
+{
+    counters_ = {};
+    std::vector<std::unique_ptr<Worker>> sampled;
+    for (const auto& worker : workers) {
+        Work& work = static_cast<Work&>(*worker);
+        counters_.add(work.counters());
+        sampled.push_back(std::move(work.sampled()));
+    }
+    FrameCounters::Shadow sum = sampled_.end_frame(sampled, tasks);
+    sum.rays += counters_.rays + counters_.dynamic_rays;
+    sum.rays_dynamic_only += counters_.dynamic_rays;
+    return sum;
+}
+
+area_light::AreaCounters ProvenVisibility::parts() const
+{
+    return visibility_ ? visibility_->parts() : area_light::AreaCounters{};
+}
+
+std::size_t ProvenVisibility::bytes() const
+{
+    std::size_t bytes = visibility_ ? visibility_->bytes() : 0;
+    for (const Places& places : places_)
+        for (const auto& of : places.of) bytes += of.size() * (sizeof(scene::SizedPlace) + sizeof(std::uint16_t));
+    return bytes;
+}
+
+}   // namespace gnomon::trace

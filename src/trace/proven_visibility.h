@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Visibility of lights with size by remembered, proven shadows (area_light/area_visibility.h).
+//
+// Planar lights of one polygon are answered by it; clusters of polygons, and what the technique cannot decide, by rays.
+// It outlives frames: make one for a scene state, and let it follow.
+
+#include "area_light/area_visibility.h"
+#include "trace/sized_visibility.h"
+
+namespace gnomon::trace {
+
+class ProvenVisibility final : public SizedVisibility {
+ public:
+    explicit ProvenVisibility(const area_light::AreaOptions& options = {}) : options_(options) {}
+
+    /// The state must be the one of the call before, or one that continues it.
+    void begin_frame(const FrameContext& frame, const scene::SizedLights& lights) override;
+    std::unique_ptr<Worker> make_worker() override;
+    FrameCounters::Shadow end_frame(std::span<const std::unique_ptr<Worker>> workers, Tasks& tasks) override;
+
+    /// Of the last frame; all zero before the first.
+    const area_light::VisibilityCounters& counters() const { return counters_; }
+    area_light::AreaCounters parts() const;
+    std::size_t bytes() const;
+
+ private:
+    class Work;
+    static constexpr std::uint32_t k_sampled = 0xffffffffu;
+    // Both sides of a light's cells as sample places.
+    struct Places {
+        std::vector<scene::SizedPlace> of[2];   // front, back
+        std::vector<std::uint16_t> cell[2];     // of each place
+        bool one_radiance = true;
+    };
+
+    area_light::AreaOptions options_;
+    std::unique_ptr<area_light::AreaVisibility> visibility_;
+    SampledVisibility sampled_;
+    const scene::SizedLights* lights_ = nullptr;
+    std::uint32_t version_ = 0;           // of the lights
+    std::vector<std::uint32_t> planar_;   // by light: index among the planar ones; k_sampled: a cluster
+    std::vector<Places> places_;          // by planar light
+    area_light::VisibilityCounters counters_;
+};
+
+}   // namespace gnomon::trace
