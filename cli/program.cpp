@@ -61,6 +61,8 @@ int run_subcommand(const CommandLine& line)
             return run_bench_shadow_textures(line, output);
         case options::Subcommand::bench_indirect:
             return run_bench_indirect(line, output);
+        case options::Subcommand::bench_lights:
+            return run_bench_lights(line, output);
         default:
             throw UsageError(fmt::format("{}: not built yet", line.subcommand->name));
     }

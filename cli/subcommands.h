@@ -18,6 +18,7 @@ int run_bench_culling(const CommandLine& line, Output& output);
 int run_bench_all(const CommandLine& line, Output& output);
 int run_bench_shadow_textures(const CommandLine& line, Output& output);
 int run_bench_indirect(const CommandLine& line, Output& output);
+int run_bench_lights(const CommandLine& line, Output& output);
 
 /// Loads the scene named by the first positional argument and applies --fps, --light, --lights and --environment where
 /// the subcommand has them.

@@ -111,21 +111,35 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
         return verdict;
     }
 
-    // Find what meets the shaft.
+    // Find what may meet the shaft.
     bool masked = false;
     const auto take = [&](TriangleId id) {
         const StaticTriangles::Role role = triangles_.role(id);
         if (id == triangle || role == StaticTriangles::Role::transparent) return;
-        if (!shaft.may_meet(triangles_[id])) return;
-        ClippedTriangle inside;
-        if (!shaft.clip(triangles_[id], inside)) return;
-        masked = masked || role == StaticTriangles::Role::masked;
-        verdict.list.push_back(id);
+        if (shaft.may_meet(triangles_[id])) verdict.list.push_back(id);
     };
     if (from)
         for (const TriangleId id : *from) take(id);
     else
         triangles_.visit([&](const glm::vec3& low, const glm::vec3& high) { return shaft.may_meet(low, high); }, take);
+
+    // Among very many triangles, nothing is proven for a part that could be smaller.
+    double size = 0;
+    for (int c = 0; c < 3; ++c) size = std::max(size, glm::length(corner[(c + 1) % 3] - corner[c]));
+    const auto divides = [&] {
+        const bool many = verdict.list.size() > options_.short_list;
+        return static_cast<int>(level) < options_.most_levels &&
+               size > (many ? options_.fine : options_.coarse) * diameter_;
+    };
+    if (verdict.list.size() > options_.hopeless && divides()) {
+        verdict.divides = true;
+        return verdict;
+    }
+    std::erase_if(verdict.list, [&](TriangleId id) {
+        ClippedTriangle inside;
+        return !shaft.clip(triangles_[id], inside);
+    });
+    for (const TriangleId id : verdict.list) masked = masked || triangles_.role(id) == StaticTriangles::Role::masked;
     if (verdict.list.empty()) {
         verdict.state = PartState::lit;
         return verdict;
@@ -151,10 +165,7 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     }
 
     // Divide it if smaller parts may know more.
-    double size = 0;
-    for (int c = 0; c < 3; ++c) size = std::max(size, glm::length(corner[(c + 1) % 3] - corner[c]));
-    const bool many = verdict.list.size() > options_.short_list;
-    if (static_cast<int>(level) < options_.most_levels && size > (many ? options_.fine : options_.coarse) * diameter_) {
+    if (divides()) {
         verdict.divides = true;
         return verdict;
     }

@@ -120,6 +120,7 @@ void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
     answers.answer.assign(asked.size(), Answer::dark);
     answers.at.assign(asked.size(), 0);
     answers.back.assign(asked.size(), 0);
+    answers.state.assign(asked.size(), PartState::open);
     answers.cells.clear();
     scratch.all_rays.clear();
     scratch.listed = nullptr;   // lists may have moved since the last call
@@ -163,6 +164,7 @@ void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
         }
         const Part part = side.shadows.part_at(first + p.triangle, p.front, p.u, p.v);
         ++scratch.counters.points[static_cast<std::size_t>(part.state)];
+        answers.state[k] = part.state;
         switch (part.state) {
             case PartState::unlit:
             case PartState::dark:

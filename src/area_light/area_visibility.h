@@ -51,6 +51,7 @@ class AreaVisibility {
         std::vector<Answer> answer;      // by asked point
         std::vector<std::uint32_t> at;   // by asked point that sees a part: index in `cells`
         std::vector<VisibleCells> cells;
+        std::vector<PartState> state;   // by asked point: of its part; open where none is remembered
         std::vector<char> back;   // by asked point: it is behind the light; cells are those of the back
     };
     /// Scratch memory of one thread, and what it counted.

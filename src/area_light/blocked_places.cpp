@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 
 #include "area_light/blocked_places.h"
+#include "base/math.h"
 #include "ray/origin.h"
 
 #ifndef GNOMON_AREA_LIGHT_BLOCKED_PLACES_ONCE
@@ -18,7 +19,8 @@ struct Functions {
     alignas(64) float at[4][k_lanes];
     alignas(64) float by_s[4][k_lanes];
     alignas(64) float by_t[4][k_lanes];
-    alignas(64) float meets[k_lanes];   // 1: some place may be hidden, else 0
+    alignas(64) float meets[k_lanes];                          // 1: some place may be hidden, else 0
+    alignas(64) float first_row[k_lanes], last_row[k_lanes];   // outside of them, nothing is hidden
 };
 struct Rows {
     alignas(64) std::array<float, k_rows> start, shift;
@@ -75,7 +77,14 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
     };
     const Three<V> p = all(point), to = all(places.origin() - point), s = all(places.side_s()),
                    t = all(places.side_t());
-    const auto zero = hn::Zero(d), end = hn::Set(d, ray::k_shadow_ray_end);
+    const auto zero = hn::Zero(d), end = hn::Set(d, ray::k_shadow_ray_end),
+               all_rows = hn::Set(d, static_cast<float>(k_rows - 1));
+    // The row that the direction r meets the light's plane in: dot(r, by_row) / dot(r, normal_to_light) + row_of_point.
+    const RowPlane plane = places.row_plane();
+    const float above = glm::dot(plane.normal, places.origin() - point);
+    const Three<V> normal_to_light = all(above < 0 ? -plane.normal : plane.normal),
+                   by_row = all(std::abs(above) * plane.row);
+    const auto row_of_point = hn::Set(d, glm::dot(plane.row, point - places.origin()) + LightPlaces::row_at_origin());
     for (std::size_t lane = 0; lane < Functions::k_lanes; lane += hn::Lanes(d)) {
         Three<V> r[3];
         for (std::size_t c = 0; c < 3; ++c)
@@ -87,6 +96,24 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
         // The volume's sign tells on which side of the triangle the point is; turn all functions so that it is
         // positive.
         const V volume = dot(side[0], r[2]);
+        // Project the corners to the light's plane, for the rows that they span.
+        auto before_point = hn::FirstN(d, 0);
+        V first_row = hn::Set(d, k_infinity), last_row = hn::Set(d, -k_infinity);
+        for (const Three<V>& corner : r) {
+            const V along = dot(corner, normal_to_light);
+            before_point = hn::Or(before_point, hn::Not(hn::Gt(along, zero)));
+            const V row = hn::Add(hn::Div(dot(corner, by_row), along), row_of_point);
+            first_row = hn::Min(first_row, row), last_row = hn::Max(last_row, row);
+        }
+        // A corner that is not before the point may be anywhere; a row more on either side covers the rounding.
+        constexpr float k_exact = 1e5f;
+        const auto anywhere =
+            hn::Or(before_point,
+                   hn::Not(hn::And(hn::Gt(first_row, hn::Set(d, -k_exact)), hn::Lt(last_row, hn::Set(d, k_exact)))));
+        first_row = hn::IfThenElse(anywhere, zero, hn::Sub(first_row, hn::Set(d, 1.0f)));
+        last_row = hn::IfThenElse(anywhere, all_rows, hn::Add(last_row, hn::Set(d, 1.0f)));
+        hn::Store(hn::Min(hn::Max(first_row, zero), all_rows), d, out.first_row + lane);
+        hn::Store(hn::Min(hn::Max(last_row, hn::Set(d, -1.0f)), all_rows), d, out.last_row + lane);
         const auto back = hn::Lt(volume, zero);
         auto meets = hn::Ne(volume, zero);
         const auto store = [&](std::size_t e, V at, V by_s, V by_t) HWY_ATTR {
@@ -112,13 +139,15 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
 // Adds the runs of one triangle to all rows.
 void add_runs(const Functions& f, std::size_t lane, PlaceMask& blocked)
 {
+    const auto first_row = static_cast<std::size_t>(f.first_row[lane]),
+               last_row = static_cast<std::size_t>(f.last_row[lane]);
     const hn::CappedTag<float, 16> d;
     const hn::Rebind<std::int32_t, decltype(d)> di;
     const Rows& row = rows();
     alignas(64) std::int32_t begin[k_rows], end[k_rows];
     const auto places = hn::Set(d, static_cast<float>(k_row_places)), before = hn::Set(d, -1.0f), zero = hn::Zero(d),
                last = hn::Set(d, static_cast<float>(k_row_places - 1));
-    for (std::size_t i = 0; i < k_rows; i += hn::Lanes(d)) {
+    for (std::size_t i = first_row / hn::Lanes(d) * hn::Lanes(d); i <= last_row; i += hn::Lanes(d)) {
         const auto start = hn::Load(d, row.start.data() + i), shift = hn::Load(d, row.shift.data() + i);
         auto low = zero, high = last;
         for (std::size_t e = 0; e < 4; ++e) {
@@ -143,7 +172,7 @@ void add_runs(const Functions& f, std::size_t lane, PlaceMask& blocked)
     const hn::Rebind<std::int32_t, decltype(ds)> dh;
     const auto ones = hn::Set(du, ~std::uint64_t{0});
     const auto top = hn::Set(ds, k_row_places - 1);
-    for (std::size_t i = 0; i < k_rows; i += hn::Lanes(du)) {
+    for (std::size_t i = first_row / hn::Lanes(du) * hn::Lanes(du); i <= last_row; i += hn::Lanes(du)) {
         const auto from = hn::PromoteTo(ds, hn::LoadU(dh, begin + i)), to = hn::PromoteTo(ds, hn::LoadU(dh, end + i));
         const auto none = hn::Gt(from, to);
         const auto left = hn::IfThenZeroElse(none, from), right = hn::IfThenZeroElse(none, hn::Sub(top, to));
@@ -161,7 +190,7 @@ void add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const
         find_functions(point, triangles, first, places, f);
         const std::size_t count = std::min(Functions::k_lanes, triangles.count - first);
         for (std::size_t lane = 0; lane < count; ++lane)
-            if (f.meets[lane] != 0) add_runs(f, lane, blocked);
+            if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) add_runs(f, lane, blocked);
     }
 }
 

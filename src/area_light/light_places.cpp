@@ -68,6 +68,10 @@ LightPlaces::LightPlaces(const LightPolygon& polygon) : polygon_(polygon)
     const glm::dvec3 u(side_s_), v(side_t_);
     const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), area = uu * vv - uv * uv;
     if (!(area > 0)) return;
+    // s and t of a point are its products with the dual basis.
+    const glm::dvec3 dual_s = (vv * u - uv * v) / area, dual_t = (uu * v - uv * u) / area;
+    row_plane_ = {glm::vec3(glm::normalize(glm::cross(u, v))),
+                  glm::vec3(static_cast<double>(k_square_rows) * (dual_s - static_cast<double>(slant) * dual_t))};
     std::array<glm::dvec2, 4> corner{};
     for (std::size_t k = 0; k < count; ++k) {
         const glm::dvec3 d = glm::dvec3(polygon.corner[k]) - glm::dvec3(origin_);

@@ -33,6 +33,13 @@ struct LightPolygon {
     glm::vec3 normal{0};                 // unit
 };
 
+/// Rows as a linear function over the light's plane: a point of the plane lies in row
+/// dot(row, point - origin) + LightPlaces::row_at_origin(), a fraction between rows.
+struct RowPlane {
+    glm::vec3 normal{0};
+    glm::vec3 row{0};
+};
+
 class LightPlaces {
  public:
     explicit LightPlaces(const LightPolygon& polygon);
@@ -44,6 +51,8 @@ class LightPlaces {
     const glm::vec3& side_s() const { return side_s_; }
     const glm::vec3& side_t() const { return side_t_; }
 
+    const RowPlane& row_plane() const { return row_plane_; }
+    static constexpr float row_at_origin() { return k_slant - 0.5f; }
     /// s where a row begins (t = 0); it rises by `slant` to t = 1.
     static float row_start(int row);
     static constexpr float slant = static_cast<float>(k_slant) / k_square_rows;
@@ -63,6 +72,7 @@ class LightPlaces {
  private:
     LightPolygon polygon_;
     glm::vec3 origin_{0}, side_s_{0}, side_t_{0};
+    RowPlane row_plane_;
     PlaceMask inside_{};
     int count_ = 0;
 };

@@ -67,17 +67,21 @@ HWY_EXPORT(sum_cells);
 int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCells& visible)
 {
     int count = 0;
-    for (std::size_t r = 0; r < blocked.size(); r += 2) {
-        // The number of set bits of each byte, for both rows.
-        const auto by_byte = [](std::uint64_t bits) {
+    for (std::size_t r = 0; r < blocked.size(); r += 4) {
+        // Sum the set bits of each group of four, over four rows: even and odd groups in the bytes of a word each.
+        constexpr std::uint64_t k_groups = 0x0f0f0f0f0f0f0f0full;
+        std::uint64_t even = 0, odd = 0;
+        for (std::size_t k = r; k < r + 4; ++k) {
+            std::uint64_t bits = places.inside()[k] & ~blocked[k];
+            count += std::popcount(bits);
             bits -= bits >> 1 & 0x5555555555555555ull;
             bits = (bits & 0x3333333333333333ull) + (bits >> 2 & 0x3333333333333333ull);
-            return (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0full;
-        };
-        const std::uint64_t both =
-            by_byte(places.inside()[r] & ~blocked[r]) + by_byte(places.inside()[r + 1] & ~blocked[r + 1]);
-        for (std::size_t k = 0; k < 8; ++k) visible[r / 2 * 8 + k] = static_cast<std::uint8_t>(both >> (8 * k));
-        count += static_cast<int>(both * 0x0101010101010101ull >> 56);
+            even += bits & k_groups, odd += bits >> 4 & k_groups;
+        }
+        for (std::size_t k = 0; k < 8; ++k) {
+            visible[r * 4 + 2 * k] = static_cast<std::uint8_t>(even >> (8 * k));
+            visible[r * 4 + 2 * k + 1] = static_cast<std::uint8_t>(odd >> (8 * k));
+        }
     }
     return count;
 }
@@ -85,11 +89,11 @@ int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCe
 LightCells::LightCells(const LightPlaces& places) : light_normal_(places.polygon().normal)
 {
     for (int cell = 0; cell < k_cells; ++cell) {
-        const int row = cell / 8 * 2, first = cell % 8 * 8;
+        const int row = cell / 16 * 4, first = cell % 16 * 4;
         glm::dvec2 sum(0), middle(0);
         int count = 0;
-        for (int r = row; r < row + 2; ++r)
-            for (int i = first; i < first + 8; ++i) {
+        for (int r = row; r < row + 4; ++r)
+            for (int i = first; i < first + 4; ++i) {
                 const glm::dvec2 st(places.at(r, i));
                 middle += st / 16.0;
                 if ((places.inside()[static_cast<std::size_t>(r)] >> i & 1) == 0) continue;

@@ -2,7 +2,7 @@
 #pragma once
 // How much of a planar light a point sees, from its visible places, weighted by what each brings.
 //
-// 16 neighbouring places (eight each of two rows) make a cell, and the weight of a cell is that of the middle of its
+// 16 neighbouring places (four each of four rows) make a cell, and the weight of a cell is that of the middle of its
 // places: the cosines at the surface and at the light over the squared distance, by the area of the places. The share
 // is the ratio of the visible weight to the whole, so it has no error where all or nothing is visible.
 //
@@ -15,7 +15,7 @@
 
 namespace gnomon::area_light {
 
-inline constexpr int k_cells = k_rows / 2 * 8;   // some without places
+inline constexpr int k_cells = k_rows / 4 * 16;   // some without places
 
 /// By cell: how many of its places are visible, up to 16.
 using VisibleCells = std::array<std::uint8_t, k_cells>;

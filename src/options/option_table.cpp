@@ -11,7 +11,7 @@ using enum Subcommand;
 constexpr std::uint32_t k_every = ~0u;
 constexpr std::uint32_t k_images = bit(render) | bit(view);
 constexpr std::uint32_t k_benches =
-    bit(bench_trace) | bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect);
+    bit(bench_trace) | bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect) | bit(bench_lights);
 constexpr std::uint32_t k_reports = bit(bench_culling) | bit(bench_shadow_textures) | bit(bench_indirect);
 constexpr std::uint32_t k_scened =
     k_images | (k_benches & ~bit(bench_shadow_textures));   // which generates its own scene
@@ -27,6 +27,7 @@ constexpr SubcommandInfo k_subcommands[] = {
     {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures on Vulkan", true},
     {bench_indirect, "bench indirect", "SCENE", 1, "compare methods for indirect light with a path-traced reference",
      true},
+    {bench_lights, "bench lights", "SCENE", 1, "measure proven visibility of lights with size beside shadow rays", true},
     {bench_all, "bench all", "--report DIR", 0, "write one page with measurements for all papers", true},
 };
 
@@ -77,6 +78,8 @@ constexpr Option k_options[] = {
      .help = "first and last frame (default: the whole clip for a video or a numbered set, frame 1 for an image)"},
     {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(bench_culling),
      .group = k_frames, .help = "first and last frame (default: the first 100 frames)"},
+    {.name = "frames", .argument = "A-B", .kind = Kind::range, .range = {1, k_many}, .subcommands = bit(bench_lights),
+     .group = k_frames, .help = "first and last frame (default: the first frame)"},
     {.name = "step", .argument = "SECONDS...", .kind = Kind::number, .range = {0.001, 3600}, .repeats = true,
      .subcommands = bit(bench_culling), .group = k_frames,
      .help = "time between frames, which may lie beyond the clip's ends, instead of the clip's own frames. Several: the "
@@ -125,9 +128,18 @@ constexpr Option k_options[] = {
     {.name = "light", .argument = "\"...\"", .kind = Kind::text, .repeats = true, .subcommands = k_scened, .group = k_scene,
      .help = "replace the file's lights by \"spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B\" or \"point X Y Z R G B\", in "
              "candela; may be repeated"},
+    {.name = "side", .argument = "METRES", .kind = Kind::number, .fallback = "0.3", .range = {1e-4, 1e4},
+     .subcommands = bit(bench_lights), .group = k_scene,
+     .help = "make point and spot lights squares with sides of this length"},
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
      .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg"},
 
+    {.name = "samples", .argument = "N...", .kind = Kind::integer, .range = {4, 65536}, .repeats = true,
+     .subcommands = bit(bench_lights), .group = k_quality,
+     .help = "numbers of shadow rays a point to compare with (default: 16, 64 and 256)"},
+    {.name = "check", .argument = "N", .kind = Kind::integer, .fallback = "64", .range = {0, 65536},
+     .subcommands = bit(bench_lights), .group = k_quality,
+     .help = "trace so many segments for every proven answer, and count those that contradict it"},
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::samples,
      .subcommands = k_images, .group = k_quality, .help = "samples per pixel"},
     {.name = "memory", .argument = "MB", .kind = Kind::integer, .fallback = "0", .range = ranges::memory,

@@ -22,6 +22,7 @@ enum class Subcommand : std::uint8_t {
     bench_culling,
     bench_shadow_textures,
     bench_indirect,
+    bench_lights,
     bench_all,
 };
 
