@@ -40,8 +40,8 @@ struct InstanceOptions {
 
 /// Options of SceneBuilder::finish(): what it adds to the parts.
 struct FinishOptions {
-    /// Add the light that load() adds to files without any, with a warning: lights in place of emissive surfaces; a sky
-    /// and a sun, or a light below the ceiling of a room.
+    /// Add the light that load() adds to files without lights and emissive surfaces, with a warning: a sky and a sun, or
+    /// a light below the ceiling of a room.
     bool default_light = false;
     /// Add the camera that load() adds to files without any: it shows the whole scene.
     bool default_camera = false;

@@ -81,6 +81,8 @@ SceneBuilder::SceneBuilder(const Scene& scene) : impl_(std::make_unique<Impl>())
     impl_->mesh_users.assign(from.stamps.meshes.size(), 0);
     for (const scene::Node& node : from.scene->nodes)
         if (node.mesh != scene::none) ++impl_->mesh_users[node.mesh];
+    // finish() makes the lights anew that approximate emissive surfaces.
+    impl_->remove_lights(&scene::Light::of_surface);
 }
 
 SceneBuilder::~SceneBuilder() = default;
@@ -226,7 +228,7 @@ void SceneBuilder::environment(const EnvironmentImage& image, int lights)
         ImageF pixels(image.width, image.height, 3);
         std::copy(image.pixels.begin(), image.pixels.end(), pixels.data.begin());
         auto environment = std::make_shared<const scene::Environment>(std::move(pixels));
-        in.remove_environment_lights();
+        in.remove_lights(&scene::Light::of_environment);
         api::set_environment(in.scene, in.stamps, std::move(environment), lights,
                              [&](const std::string& name, const glm::dmat4& local) {
                                  return in.add_node(api::transform_of(local), {.name = name}, name);
@@ -239,7 +241,7 @@ void SceneBuilder::background(const Vec3& color)
     if (!is_finite(api::vec(color)) || std::min({color.x, color.y, color.z}) < 0)
         throw UsageError("background: the colour is negative or not finite");
     Impl& in = impl();
-    in.remove_environment_lights();
+    in.remove_lights(&scene::Light::of_environment);
     in.scene.background = {};
     in.scene.background.color = api::vec(color);
 }

@@ -333,11 +333,11 @@ void SceneBuilder::Impl::remove_nodes(const std::vector<scene::NodeId>& nodes)
     }
 }
 
-void SceneBuilder::Impl::remove_environment_lights()
+void SceneBuilder::Impl::remove_lights(bool scene::Light::*mark)
 {
     std::vector<scene::NodeId> nodes;
     for (std::size_t l = scene.lights.size(); l-- > 0;) {
-        if (!scene.lights[l].of_environment) continue;
+        if (!(scene.lights[l].*mark)) continue;
         nodes.push_back(scene.lights[l].node);
         remove_light(l);
     }

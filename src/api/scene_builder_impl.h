@@ -67,8 +67,8 @@ struct SceneBuilder::Impl {
     /// Removes nodes, and what they have.
     /// @param nodes  ascending; with all that is below them
     void remove_nodes(const std::vector<scene::NodeId>& nodes);
-    /// Removes an environment's lights, and those of their nodes that have nothing else.
-    void remove_environment_lights();
+    /// Removes the lights with a mark, and those of their nodes that have nothing else.
+    void remove_lights(bool scene::Light::*mark);
     bool is_joint(scene::NodeId node) const;
     std::vector<scene::NodeId> subtree(scene::NodeId root) const;
     void require_joints(const scene::Mesh& mesh, scene::SkinId skin, const std::string& owner) const;

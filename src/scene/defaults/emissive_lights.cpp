@@ -206,7 +206,7 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
     std::vector<glm::dmat4> world;   // by node, because walking up from each object is too slow in deep hierarchies
     bool two_sided = false;
     for (const Object& object : scene.objects) {
-        if (object.deforming) continue;
+        if (object.removed || scene.meshes[object.mesh].deforms()) continue;
         for (const MeshPart& part : scene.meshes[object.mesh].parts) {
             const Material& material = scene.materials[part.material];
             if (!may_emit(material)) continue;

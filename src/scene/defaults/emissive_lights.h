@@ -20,7 +20,8 @@ struct EmitterOptions {
 
 /// Adds lights that approximate the emissive surfaces of a scene, whatever other lights it has (Light::of_surface), and
 /// a warning if it has none. Textured surfaces count with their mean radiance. The flux of surfaces that are dropped
-/// because of most_lights is distributed over the others. Deforming surfaces are left out. Call after finish(), before
+/// because of most_lights is distributed over the others. Meshes with keys, targets or
+/// skins are left out; others whose vertices a host hands over count as they are at rest. Call after finish(), before
 /// add_default_light.
 void add_emitter_lights(Scene& scene, const EmitterOptions& options = {});
 
