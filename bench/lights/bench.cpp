@@ -159,169 +159,239 @@ struct LightSums {
     Sums error;
 };
 
+constexpr std::uint32_t k_targets = 1024;   // places that checks choose from
+constexpr int k_truth = 2048;               // places of each half of the truth
+
+class LightsBench {
+ public:
+    LightsBench(const std::shared_ptr<const scene::Scene>& scene, const LightsBenchOptions& options)
+        : scene_(*scene),
+          options_(options),
+          state_(scene, scene->timeline.time_of(options.frames.first)),
+          rays_(state_),
+          visibility_(state_, rays_),
+          opponent_errors_(options.samples.size()),
+          opponent_ms_(options.samples.size())
+    {
+        lights_ = lights_of(state_, sized_, options.side);
+        if (lights_.empty())
+            throw UsageError("bench lights needs a point or spot light, or an emissive surface of few polygons");
+        sums_.resize(lights_.size());
+    }
+
+    LightsBenchResult run(const Progress& progress)
+    {
+        const int frames = options_.frames.count();
+        for (int f = 0; f < frames; ++f) {
+            begin_frame(f);
+            for (std::size_t l = 0; l < lights_.size(); ++l) {
+                const double done = (f + static_cast<double>(l) / static_cast<double>(lights_.size())) / frames;
+                if (progress && !progress({"measuring", done})) throw InterruptedError("interrupted");
+                find_asked(l);
+                time(l, f == 0);
+                check(l, 977 * static_cast<std::uint64_t>(f) + l);
+                compare(l);
+            }
+        }
+        return result(frames);
+    }
+
+ private:
+    void begin_frame(int f)
+    {
+        if (f > 0) {
+            state_.advance(scene_.timeline.time_of(options_.frames.first + f));
+            rays_.update(state_);
+            lights_ = lights_of(state_, sized_, options_.side);
+            if (lights_.size() != sums_.size())
+                throw UsageError("bench lights: the number of lights changes in the clip");
+        }
+        std::vector<AreaLight> plain;
+        for (const NamedLight& light : lights_) plain.push_back(light.light);
+        visibility_.follow(state_, rays_, plain);
+        const scene::View view = scene::make_view(state_, options_.camera, options_.size);
+        // Find the points, tile by tile, as a frame hands them over.
+        tiles_.clear();
+        for (int y = 0; y < options_.size.height; y += PointTracer::k_tile)
+            for (int x = 0; x < options_.size.width; x += PointTracer::k_tile) {
+                BenchPoints points;
+                tracer_.trace(state_, rays_, view, x, y, 0, points);
+                tiles_.push_back(std::move(points.points));
+            }
+    }
+
+    // The points that face the light, and that it faces.
+    void find_asked(std::size_t l)
+    {
+        const area_light::LightPolygon& polygon = lights_[l].light.polygon;
+        asked_.assign(tiles_.size(), {});
+        count_ = 0;
+        for (std::size_t t = 0; t < tiles_.size(); ++t)
+            for (std::uint32_t p = 0; p < tiles_[t].size(); ++p) {
+                const ShadowPoint& point = tiles_[t][p];
+                if (point.normal == glm::vec3(0)) continue;
+                const float side = glm::dot(polygon.normal, point.origin - polygon.corner[0]);
+                if (lights_[l].light.two_sided ? side == 0 : side <= 0) continue;
+                bool above = false;
+                for (int k = 0; k < polygon.corners; ++k)
+                    above =
+                        above || glm::dot(point.normal, polygon.corner[static_cast<std::size_t>(k)] - point.origin) > 0;
+                if (above) asked_[t].push_back(p), ++count_;
+            }
+        answers_.resize(tiles_.size());
+    }
+
+    void find_shares(std::size_t l)
+    {
+        shares_.clear();
+        for (std::size_t t = 0; t < tiles_.size(); ++t) {
+            AreaVisibility::Answers& answers = answers_[t];
+            visibility_.find(scratch_, tiles_[t], asked_[t], l, answers);
+            for (std::size_t k = 0; k < asked_[t].size(); ++k) {
+                const ShadowPoint& p = tiles_[t][asked_[t][k]];
+                float share = answers.answer[k] == AreaVisibility::Answer::lit ? 1.0f : 0.0f;
+                if (answers.answer[k] == AreaVisibility::Answer::partial)
+                    share = visibility_.cells(l, answers.back[k] != 0)
+                                .share(p.origin, p.normal, p.normal, answers.cells[answers.at[k]]);
+                shares_.push_back(share);
+            }
+        }
+    }
+
+    // The first time, and when everything is known.
+    void time(std::size_t l, bool first_frame)
+    {
+        LightSums& sum = sums_[l];
+        scratch_ = {};
+        double least = milliseconds_of([&] { find_shares(l); });
+        sum.triangles += scratch_.counters.triangles;
+        if (first_frame) {
+            sum.cold = least;
+            for (int r = 0; r < options_.repeats; ++r) {
+                const double again = milliseconds_of([&] { find_shares(l); });
+                least = r == 0 ? again : std::min(least, again);
+            }
+        }
+        sum.steady += least, ++sum.steady_frames;
+    }
+
+    // Counts the states, and checks what is proven with rays past static objects.
+    void check(std::size_t l, std::uint64_t seed)
+    {
+        LightSums& sum = sums_[l];
+        Random random(seed);
+        const std::vector<glm::vec3> targets = places_of(lights_[l].light.polygon, k_targets, 2);
+        for (std::size_t t = 0; t < tiles_.size(); ++t)
+            for (std::size_t k = 0; k < asked_[t].size(); ++k) {
+                const ShadowPoint& p = tiles_[t][asked_[t][k]];
+                const PartState part = answers_[t].state[k];
+                sum.lit += part == PartState::lit, sum.dark += part == PartState::dark || part == PartState::unlit;
+                sum.penumbra += part == PartState::listed, sum.unproven += part == PartState::open;
+                if (part != PartState::lit && part != PartState::dark) continue;
+                for (int s = 0; s < options_.check; ++s) {
+                    const glm::vec3 way = targets[random.below(k_targets)] - p.origin;
+                    if (!(glm::dot(way, p.normal) > 0)) continue;
+                    ++sum.segments;
+                    sum.wrong += rays_.occluded_single(p.origin, 0, way, ray::k_shadow_ray_end,
+                                                       ray::Against::static_only) != (part == PartState::dark);
+                }
+            }
+    }
+
+    // Compares some of the points with the truth, and the opponents with both.
+    void compare(std::size_t l)
+    {
+        const area_light::LightPolygon& polygon = lights_[l].light.polygon;
+        glm::vec3 centre(0);
+        for (int k = 0; k < polygon.corners; ++k)
+            centre += polygon.corner[static_cast<std::size_t>(k)] / static_cast<float>(polygon.corners);
+        const std::size_t stride = std::max<std::size_t>(1, count_ / static_cast<std::size_t>(options_.truth_points));
+        std::vector<const ShadowPoint*> compared;
+        std::vector<double> truth;
+        RayShares one(rays_, polygon, places_of(polygon, k_truth, 3)),
+            two(rays_, polygon, places_of(polygon, k_truth, 4));
+        std::size_t number = 0;
+        for (std::size_t t = 0; t < tiles_.size(); ++t)
+            for (const std::uint32_t asked : asked_[t]) {
+                const ShadowPoint& p = tiles_[t][asked];
+                const std::size_t at = number++;
+                // Where most of the light is below the horizon, or is seen edge-on, shares are of next to nothing.
+                const glm::vec3 to_centre = centre - p.origin;
+                constexpr float k_edge_on = 0.01f;   // sine
+                if (at % stride != 0 || !(glm::dot(p.normal, to_centre) > 0) ||
+                    !(std::abs(glm::dot(polygon.normal, to_centre)) > k_edge_on * glm::length(to_centre)))
+                    continue;
+                const double x = one.share(p), y = two.share(p);
+                compared.push_back(&p);
+                truth.push_back(0.5 * (x + y));
+                truth_noise_.add(0.5 * (x - y));
+                sums_[l].error.add(static_cast<double>(shares_[at]) - truth.back());
+            }
+        for (std::size_t s = 0; s < options_.samples.size(); ++s) {
+            RayShares opponent(rays_, polygon, places_of(polygon, options_.samples[s], 5));
+            for (std::size_t k = 0; k < compared.size(); ++k)
+                opponent_errors_[s].add(opponent.share(*compared[k]) - truth[k]);
+            opponent_ms_[s] += milliseconds_of([&] {
+                for (std::size_t t = 0; t < tiles_.size(); ++t)
+                    for (const std::uint32_t p : asked_[t]) opponent.share(tiles_[t][p]);
+            });
+        }
+    }
+
+    LightsBenchResult result(int frames) const
+    {
+        LightsBenchResult result;
+        for (std::size_t l = 0; l < lights_.size(); ++l) {
+            const LightSums& s = sums_[l];
+            LightsBenchResult::Row row;
+            row.light = lights_[l].name;
+            row.points = s.lit + s.dark + s.penumbra + s.unproven;
+            const auto share = [&](std::uint64_t count) {
+                return row.points ? static_cast<double>(count) / static_cast<double>(row.points) : 0;
+            };
+            row.lit = share(s.lit), row.dark = share(s.dark);
+            row.penumbra = share(s.penumbra), row.unproven = share(s.unproven);
+            row.wrong = s.wrong, row.segments = s.segments;
+            row.ms_cold = s.cold, row.ms_steady = s.steady / s.steady_frames;
+            row.error = s.error.error();
+            row.triangles = s.penumbra ? static_cast<double>(s.triangles) / static_cast<double>(s.penumbra) : 0;
+            result.rows.push_back(row);
+        }
+        for (std::size_t s = 0; s < options_.samples.size(); ++s)
+            result.opponents.push_back({options_.samples[s],
+                                        opponent_ms_[s] / (static_cast<double>(lights_.size()) * frames),
+                                        opponent_errors_[s].error()});
+        result.truth_rmse = truth_noise_.error().rmse;
+        result.bytes = visibility_.bytes();
+        return result;
+    }
+
+    const scene::Scene& scene_;
+    const LightsBenchOptions& options_;
+    scene::SceneState state_;
+    ray::RayScene rays_;
+    AreaVisibility visibility_;
+    scene::SizedLights sized_;
+    std::vector<NamedLight> lights_;
+    std::vector<LightSums> sums_;
+    std::vector<Sums> opponent_errors_;
+    std::vector<double> opponent_ms_;
+    Sums truth_noise_;
+    PointTracer tracer_;
+    std::vector<std::vector<ShadowPoint>> tiles_;     // of the present frame
+    std::vector<std::vector<std::uint32_t>> asked_;   // by tile, of the present light
+    std::size_t count_ = 0;                           // of these
+    std::vector<AreaVisibility::Answers> answers_;    // by tile
+    std::vector<float> shares_;                       // of all asked points
+    AreaVisibility::Scratch scratch_;
+};
+
 }   // namespace
 
 LightsBenchResult bench_lights(const std::shared_ptr<const scene::Scene>& scene, const LightsBenchOptions& options,
                                const Progress& progress)
 {
-    scene::SceneState state(scene, scene->timeline.time_of(options.frames.first));
-    ray::RayScene rays(state);
-    AreaVisibility visibility(state, rays);
-    scene::SizedLights sized;
-    LightsBenchResult result;
-    std::vector<NamedLight> lights = lights_of(state, sized, options.side);
-    if (lights.empty())
-        throw UsageError("bench lights needs a point or spot light, or an emissive surface of few polygons");
-    std::vector<LightSums> sums(lights.size());
-    std::vector<Sums> opponent_errors(options.samples.size());
-    std::vector<double> opponent_ms(options.samples.size());
-    Sums truth_noise;
-    PointTracer tracer;
-    const int frames = options.frames.count();
-    for (int f = 0; f < frames; ++f) {
-        if (f > 0) {
-            state.advance(scene->timeline.time_of(options.frames.first + f));
-            rays.update(state);
-            lights = lights_of(state, sized, options.side);
-            if (lights.size() != sums.size())
-                throw UsageError("bench lights: the number of lights changes in the clip");
-        }
-        std::vector<AreaLight> plain;
-        for (const NamedLight& light : lights) plain.push_back(light.light);
-        visibility.follow(state, rays, plain);
-        const scene::View view = scene::make_view(state, options.camera, options.size);
-
-        // Find the points, tile by tile, as a frame hands them over.
-        std::vector<std::vector<ShadowPoint>> tiles;
-        for (int y = 0; y < options.size.height; y += PointTracer::k_tile)
-            for (int x = 0; x < options.size.width; x += PointTracer::k_tile) {
-                BenchPoints points;
-                tracer.trace(state, rays, view, x, y, 0, points);
-                tiles.push_back(std::move(points.points));
-            }
-        for (std::size_t l = 0; l < lights.size(); ++l) {
-            const double done = (f + static_cast<double>(l) / static_cast<double>(lights.size())) / frames;
-            if (progress && !progress({"measuring", done})) throw InterruptedError("interrupted");
-            const area_light::LightPolygon& polygon = lights[l].light.polygon;
-            LightSums& sum = sums[l];
-            // The points that face the light, and that it faces.
-            std::vector<std::vector<std::uint32_t>> asked(tiles.size());
-            std::size_t count = 0;
-            for (std::size_t t = 0; t < tiles.size(); ++t)
-                for (std::uint32_t p = 0; p < tiles[t].size(); ++p) {
-                    const ShadowPoint& point = tiles[t][p];
-                    if (point.normal == glm::vec3(0)) continue;
-                    const float side = glm::dot(polygon.normal, point.origin - polygon.corner[0]);
-                    if (lights[l].light.two_sided ? side == 0 : side <= 0) continue;
-                    bool above = false;
-                    for (int k = 0; k < polygon.corners; ++k)
-                        above = above ||
-                                glm::dot(point.normal, polygon.corner[static_cast<std::size_t>(k)] - point.origin) > 0;
-                    if (above) asked[t].push_back(p), ++count;
-                }
-
-            // Time it: the first time, and when everything is known.
-            std::vector<AreaVisibility::Answers> answers(tiles.size());
-            std::vector<float> shares;
-            AreaVisibility::Scratch scratch;
-            const auto all = [&] {
-                shares.clear();
-                for (std::size_t t = 0; t < tiles.size(); ++t) {
-                    visibility.find(scratch, tiles[t], asked[t], l, answers[t]);
-                    for (std::size_t k = 0; k < asked[t].size(); ++k) {
-                        const ShadowPoint& p = tiles[t][asked[t][k]];
-                        float share = answers[t].answer[k] == AreaVisibility::Answer::lit ? 1.0f : 0.0f;
-                        if (answers[t].answer[k] == AreaVisibility::Answer::partial)
-                            share = visibility.cells(l, answers[t].back[k] != 0)
-                                        .share(p.origin, p.normal, p.normal, answers[t].cells[answers[t].at[k]]);
-                        shares.push_back(share);
-                    }
-                }
-            };
-            const double first = milliseconds_of(all);
-            if (f == 0) sum.cold = first;
-            double least = first;
-            if (f == 0)
-                for (int r = 0; r < options.repeats; ++r)
-                    least = r == 0 ? milliseconds_of(all) : std::min(least, milliseconds_of(all));
-            sum.steady += least, ++sum.steady_frames;
-
-            // Count the states, and check what is proven with rays past static objects.
-            glm::vec3 centre(0);
-            for (int k = 0; k < polygon.corners; ++k)
-                centre += polygon.corner[static_cast<std::size_t>(k)] / static_cast<float>(polygon.corners);
-            constexpr std::uint32_t k_targets = 1024;
-            const std::vector<glm::vec3> targets = places_of(polygon, k_targets, 2);
-            Random random(977 * static_cast<std::uint64_t>(f) + l);
-            std::size_t number = 0;
-            std::vector<std::pair<const ShadowPoint*, float>> compared;
-            const std::size_t stride = std::max<std::size_t>(1, count / static_cast<std::size_t>(options.truth_points));
-            for (std::size_t t = 0; t < tiles.size(); ++t)
-                for (std::size_t k = 0; k < asked[t].size(); ++k, ++number) {
-                    const ShadowPoint& p = tiles[t][asked[t][k]];
-                    const PartState part = answers[t].state[k];
-                    sum.lit += part == PartState::lit, sum.dark += part == PartState::dark || part == PartState::unlit;
-                    sum.penumbra += part == PartState::listed, sum.unproven += part == PartState::open;
-                    // Where most of the light is below the horizon, or is seen edge-on, shares are of next to nothing.
-                    const glm::vec3 to_centre = centre - p.origin;
-                    constexpr float k_edge_on = 0.01f;   // sine
-                    if (number % stride == 0 && glm::dot(p.normal, to_centre) > 0 &&
-                        std::abs(glm::dot(polygon.normal, to_centre)) > k_edge_on * glm::length(to_centre))
-                        compared.emplace_back(&p, shares[number]);
-                    if (part != PartState::lit && part != PartState::dark) continue;
-                    for (int s = 0; s < options.check; ++s) {
-                        const glm::vec3 way = targets[random.below(k_targets)] - p.origin;
-                        if (!(glm::dot(way, p.normal) > 0)) continue;
-                        ++sum.segments;
-                        sum.wrong += rays.occluded_single(p.origin, 0, way, ray::k_shadow_ray_end,
-                                                          ray::Against::static_only) != (part == PartState::dark);
-                    }
-                }
-
-            // Compare with the truth.
-            constexpr int k_truth = 2048;
-            RayShares one(rays, polygon, places_of(polygon, k_truth, 3)),
-                two(rays, polygon, places_of(polygon, k_truth, 4));
-            std::vector<double> truth;
-            for (const auto& [p, share] : compared) {
-                const double x = one.share(*p), y = two.share(*p);
-                truth.push_back(0.5 * (x + y));
-                truth_noise.add(0.5 * (x - y));
-                sum.error.add(static_cast<double>(share) - truth.back());
-            }
-            for (std::size_t s = 0; s < options.samples.size(); ++s) {
-                RayShares opponent(rays, polygon, places_of(polygon, options.samples[s], 5));
-                for (std::size_t k = 0; k < compared.size(); ++k)
-                    opponent_errors[s].add(opponent.share(*compared[k].first) - truth[k]);
-                opponent_ms[s] += milliseconds_of([&] {
-                    for (std::size_t t = 0; t < tiles.size(); ++t)
-                        for (const std::uint32_t p : asked[t]) opponent.share(tiles[t][p]);
-                });
-            }
-            sum.triangles += scratch.counters.triangles / static_cast<std::uint64_t>(f == 0 ? options.repeats + 1 : 1);
-        }
-    }
-    for (std::size_t l = 0; l < lights.size(); ++l) {
-        const LightSums& s = sums[l];
-        LightsBenchResult::Row row;
-        row.light = lights[l].name;
-        row.points = s.lit + s.dark + s.penumbra + s.unproven;
-        const double points = std::max<double>(1, static_cast<double>(row.points));
-        row.lit = static_cast<double>(s.lit) / points, row.dark = static_cast<double>(s.dark) / points;
-        row.penumbra = static_cast<double>(s.penumbra) / points,
-        row.unproven = static_cast<double>(s.unproven) / points;
-        row.wrong = s.wrong, row.segments = s.segments;
-        row.ms_cold = s.cold, row.ms_steady = s.steady / s.steady_frames;
-        row.error = s.error.error();
-        row.triangles = s.penumbra ? static_cast<double>(s.triangles) / static_cast<double>(s.penumbra) : 0;
-        result.rows.push_back(row);
-    }
-    for (std::size_t s = 0; s < options.samples.size(); ++s)
-        result.opponents.push_back({options.samples[s], opponent_ms[s] / (static_cast<double>(lights.size()) * frames),
-                                    opponent_errors[s].error()});
-    result.truth_rmse = truth_noise.error().rmse;
-    result.bytes = visibility.bytes();
-    return result;
+    return LightsBench(scene, options).run(progress);
 }
 
 }   // namespace gnomon::bench

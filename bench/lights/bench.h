@@ -4,9 +4,9 @@
 // right it is, and what it costs.
 //
 // The points are the primary hits of each frame. Every point and spot light of the scene becomes a square at its place,
-// facing along its node's -Z; every emissive polygon stays what it is. Times are process CPU time of one thread, for all
-// points of a frame and one light, points known. The opponent traces rays to stratified places of the light, all of a
-// point together, in Embree's widest native packets. The truth for both are rays to 4,096 places, for some of the
+// facing along its node's -Z; every emissive polygon stays what it is. Times are process CPU time of one thread, for
+// all points of a frame and one light, points known. The opponent traces rays to stratified places of the light, all of
+// a point together, in Embree's widest native packets. The truth for both are rays to 4,096 places, for some of the
 // points.
 
 #include <memory>
@@ -40,7 +40,6 @@ struct LightsBenchResult {
         double ms_cold = 0, ms_steady = 0;
         Error error;
         double triangles = 0;   // tested for a point in a listed part, mean
-        std::size_t parts = 0;
     };
     struct Opponent {
         int samples = 0;

@@ -36,7 +36,7 @@ struct AreaOptions {
     ShaftRules shaft;
     DarkOptions dark;
     double coarse = 0.125;   // parts are divided down to this fraction of the light's diameter,
-    double fine = 0.125;    // and where more than `short_list` triangles meet the shaft, down to this one
+    double fine = 0.125;     // and where more than `short_list` triangles meet the shaft, down to this one
     std::size_t short_list = 24;
     std::size_t hopeless = 96;         // with more, a part that can be divided is divided at once
     std::size_t longest_list = 2048;   // of a listed part

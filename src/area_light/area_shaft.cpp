@@ -27,7 +27,7 @@ AreaShaft::AreaShaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, co
 {
     for (const glm::dvec3& c : corner) hull_[hull_count_++] = c;
     for (int k = 0; k < light.count; ++k) hull_[hull_count_++] = light.corner[static_cast<std::size_t>(k)];
-    const std::span<const glm::dvec3> piece(hull_.data(), 3), lamp(hull_.data() + 3, hull_count_ - 3);
+    const std::span<const glm::dvec3> piece(hull_.data(), 3), emitter(hull_.data() + 3, hull_count_ - 3);
 
     // The base, and the top: segments end at a fraction of their way, so below the light by that of their height.
     const auto lowest = [](const glm::dvec3& n, std::span<const glm::dvec3> points) {
@@ -36,7 +36,7 @@ AreaShaft::AreaShaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, co
         return least;
     };
     planes_[count_++] = {normal, -lowest(normal, piece)};
-    light_plane_ = {front, -lowest(front, lamp)};
+    light_plane_ = {front, -lowest(front, emitter)};
     double least_height = std::numeric_limits<double>::infinity();
     for (const glm::dvec3& p : piece) {
         least_height = std::min(least_height, light_plane_.at(p));
@@ -45,8 +45,8 @@ AreaShaft::AreaShaft(const glm::dvec3 (&corner)[3], const glm::dvec3& normal, co
     end_gap_ = (1 - static_cast<double>(ray::k_shadow_ray_end)) * std::max(least_height, 0.0);
     planes_[count_++] = {front, light_plane_.distance - end_gap_};
 
-    for (std::size_t e = 0; e < piece.size(); ++e) add_side(piece[e], piece[(e + 1) % piece.size()], lamp);
-    for (std::size_t e = 0; e < lamp.size(); ++e) add_side(lamp[e], lamp[(e + 1) % lamp.size()], piece);
+    for (std::size_t e = 0; e < piece.size(); ++e) add_side(piece[e], piece[(e + 1) % piece.size()], emitter);
+    for (std::size_t e = 0; e < emitter.size(); ++e) add_side(emitter[e], emitter[(e + 1) % emitter.size()], piece);
 
     low_ = high_ = hull_[0];
     for (std::size_t k = 1; k < hull_count_; ++k) low_ = glm::min(low_, hull_[k]), high_ = glm::max(high_, hull_[k]);

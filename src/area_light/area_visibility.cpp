@@ -113,123 +113,150 @@ const LightCells& AreaVisibility::cells(std::size_t light, bool back) const
     return back && of.back ? of.back->cells : of.front->cells;
 }
 
-void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
-                          std::size_t light_index, Answers& answers) const
-{
-    const Light& light = *lights_[light_index];
-    answers.answer.assign(asked.size(), Answer::dark);
-    answers.at.assign(asked.size(), 0);
-    answers.back.assign(asked.size(), 0);
-    answers.state.assign(asked.size(), PartState::open);
-    answers.cells.clear();
-    scratch.all_rays.clear();
-    scratch.listed = nullptr;   // lists may have moved since the last call
+// The answers to one call of find().
+class AreaVisibility::Query {
+ public:
+    Query(const AreaVisibility& owner, Scratch& scratch, std::span<const ShadowPoint> points,
+          std::span<const std::uint32_t> asked, const Light& light, Answers& answers)
+        : owner_(owner), scratch_(scratch), points_(points), asked_(asked), light_(light), answers_(answers)
+    {
+        answers.answer.assign(asked.size(), Answer::dark);
+        answers.at.assign(asked.size(), 0);
+        answers.back.assign(asked.size(), 0);
+        answers.state.assign(asked.size(), PartState::open);
+        answers.cells.clear();
+        scratch.all_rays.clear(), scratch.dynamic_rays.clear();
+        scratch.listed = nullptr;   // lists may have moved since the last call
+        // Find the dynamic objects that may lie between any of the points and the light.
+        Box3 box;
+        for (const std::uint32_t p : asked) box.add(points[p].origin);
+        scratch.blockers.clear();
+        if (!box.empty()) owner.dynamic_->select(box, light.box, scratch.blockers);
+    }
 
-    // Find the dynamic objects that may lie between any of the points and the light.
-    Box3 box;
-    for (const std::uint32_t p : asked) box.add(points[p].origin);
-    if (!box.empty()) dynamic_->select(box, light.box, scratch.blockers);
-    const auto may_meet_dynamic = [&](const ShadowPoint& p) {
-        return std::any_of(scratch.blockers.begin(), scratch.blockers.end(), [&](const Box3& blocker) {
-            return visibility::may_shadow(blocker, Box3{p.origin, p.origin}, light.box);
-        });
-    };
-    const auto cells_of = [&](std::uint32_t k) -> VisibleCells& {
-        if (answers.answer[k] != Answer::partial) {
-            answers.answer[k] = Answer::partial;
-            answers.at[k] = static_cast<std::uint32_t>(answers.cells.size());
-            answers.cells.emplace_back();
+    // Looks up what static objects hide from a point, and notes it where rays must decide.
+    void look_up(std::uint32_t k)
+    {
+        const ShadowPoint& p = points_[asked_[k]];
+        const LightPolygon& polygon = light_.light.polygon;
+        const bool behind = glm::dot(polygon.normal, p.origin - polygon.corner[0]) < 0;
+        if (behind && !light_.back) return;
+        Side& side = behind ? *light_.back : *light_.front;
+        answers_.back[k] = behind;
+        const TriangleId first =
+            p.object == scene::none ? visibility::no_triangle : owner_.triangles_->first_of(p.object);
+        Part part;
+        if (!light_.light.dynamic && first != visibility::no_triangle) {
+            part = side.shadows.part_at(first + p.triangle, p.front, p.u, p.v);
+            ++scratch_.counters.points[static_cast<std::size_t>(part.state)];
         }
-        return answers.cells[answers.at[k]];
-    };
-    const auto all_visible = [&](std::uint32_t k, const Side& side) {
-        VisibleCells& cells = cells_of(k);
-        for (int c = 0; c < k_cells; ++c)
-            cells[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(side.cells.count(c));
-    };
-
-    // Look static shadows up.
-    scratch.dynamic_rays.clear();
-    for (std::uint32_t k = 0; k < asked.size(); ++k) {
-        const ShadowPoint& p = points[asked[k]];
-        const bool behind = glm::dot(light.light.polygon.normal, p.origin - light.light.polygon.corner[0]) < 0;
-        if (behind && !light.back) continue;
-        Side& side = behind ? *light.back : *light.front;
-        answers.back[k] = behind;
-        const TriangleId first = p.object == scene::none ? visibility::no_triangle : triangles_->first_of(p.object);
-        if (light.light.dynamic || first == visibility::no_triangle) {
-            all_visible(k, side);
-            scratch.all_rays.push_back(k);
-            continue;
-        }
-        const Part part = side.shadows.part_at(first + p.triangle, p.front, p.u, p.v);
-        ++scratch.counters.points[static_cast<std::size_t>(part.state)];
-        answers.state[k] = part.state;
+        answers_.state[k] = part.state;
         switch (part.state) {
             case PartState::unlit:
             case PartState::dark:
-                continue;
+                return;
             case PartState::open:
-                all_visible(k, side);
-                scratch.all_rays.push_back(k);
-                continue;
+                set_all_visible(k, side);
+                scratch_.all_rays.push_back(k);
+                return;
             case PartState::lit:
-                answers.answer[k] = Answer::lit;
+                answers_.answer[k] = Answer::lit;
                 break;
-            case PartState::listed: {
-                if (scratch.listed != part.list) {
-                    scratch.list.clear();
-                    for (const TriangleId id : *part.list) scratch.list.push((*triangles_)[id].p);
-                    scratch.list.pad();
-                    scratch.listed = part.list;
-                }
-                scratch.counters.triangles += scratch.list.count;
-                PlaceMask blocked{};
-                add_blocked(p.origin, scratch.list, side.shadows.places(), blocked);
-                VisibleCells cells;
-                const int visible = count_visible(side.shadows.places(), blocked, cells);
-                if (visible == 0) continue;
-                if (visible == side.shadows.places().count())
-                    answers.answer[k] = Answer::lit;
-                else
-                    cells_of(k) = cells;
+            case PartState::listed:
+                if (!look_through(k, side, *part.list)) return;
                 break;
-            }
         }
-        if (scratch.blockers.empty() || !may_meet_dynamic(p)) continue;
-        if (answers.answer[k] == Answer::lit) all_visible(k, side);
-        scratch.dynamic_rays.push_back(k);
+        if (scratch_.blockers.empty() || !may_meet_dynamic(p)) return;
+        if (answers_.answer[k] == Answer::lit) set_all_visible(k, side);
+        scratch_.dynamic_rays.push_back(k);
     }
 
-    // Trace rays where these are not enough.
-    const auto trace_all = [&](const std::vector<std::uint32_t>& of, ray::Against against, std::uint64_t& count) {
-        const auto flush = [&] {
-            const std::size_t rays = scratch.queue.size();
-            if (rays == 0) return;
-            count += rays;
-            scratch.occluded.resize(rays + ray::k_packet_pad);
-            rays_->occluded(scratch.queue, 0, rays, scratch.occluded.data(), against);
-            for (std::size_t r = 0; r < rays; ++r)
-                if (scratch.occluded[r]) answers.cells[scratch.targets[r].cells][scratch.targets[r].cell] = 0;
-            scratch.queue.clear(), scratch.targets.clear();
-        };
+    // Traces rays from points to the cells that are visible so far, and clears those that are hidden.
+    void trace(const std::vector<std::uint32_t>& of, ray::Against against, std::uint64_t& count)
+    {
         for (const std::uint32_t k : of) {
-            const ShadowPoint& p = points[asked[k]];
-            const Side& side = answers.back[k] ? *light.back : *light.front;
-            const VisibleCells& visible = answers.cells[answers.at[k]];
+            const ShadowPoint& p = points_[asked_[k]];
+            const Side& side = answers_.back[k] ? *light_.back : *light_.front;
+            const VisibleCells& visible = answers_.cells[answers_.at[k]];
             for (int c = 0; c < k_cells; ++c) {
                 if (visible[static_cast<std::size_t>(c)] == 0) continue;
                 const glm::vec3 way = side.cells.position(c) - p.origin;
                 if (!(glm::dot(way, p.normal) > 0)) continue;   // it brings nothing
-                scratch.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
-                scratch.targets.push_back({answers.at[k], static_cast<std::uint16_t>(c)});
+                scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
+                scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(c)});
             }
-            if (scratch.queue.size() >= k_rays_at_once) flush();
+            if (scratch_.queue.size() >= k_rays_at_once) flush(against, count);
         }
-        flush();
-    };
-    trace_all(scratch.all_rays, ray::Against::everything, scratch.counters.rays);
-    trace_all(scratch.dynamic_rays, ray::Against::dynamic_only, scratch.counters.dynamic_rays);
+        flush(against, count);
+    }
+
+ private:
+    VisibleCells& make_partial(std::uint32_t k)
+    {
+        answers_.answer[k] = Answer::partial;
+        answers_.at[k] = static_cast<std::uint32_t>(answers_.cells.size());
+        return answers_.cells.emplace_back();
+    }
+    void set_all_visible(std::uint32_t k, const Side& side)
+    {
+        VisibleCells& cells = make_partial(k);
+        for (int c = 0; c < k_cells; ++c)
+            cells[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(side.cells.count(c));
+    }
+    // @return  whether the point sees any of the light past the triangles of a list
+    bool look_through(std::uint32_t k, const Side& side, const std::vector<TriangleId>& list)
+    {
+        if (scratch_.listed != &list) {
+            scratch_.list.clear();
+            for (const TriangleId id : list) scratch_.list.push((*owner_.triangles_)[id].p);
+            scratch_.list.pad();
+            scratch_.listed = &list;
+        }
+        scratch_.counters.triangles += scratch_.list.count;
+        const LightPlaces& places = side.shadows.places();
+        PlaceMask blocked{};
+        add_blocked(points_[asked_[k]].origin, scratch_.list, places, blocked);
+        VisibleCells cells;
+        const int visible = count_visible(places, blocked, cells);
+        if (visible == places.count())
+            answers_.answer[k] = Answer::lit;
+        else if (visible > 0)
+            make_partial(k) = cells;
+        return visible > 0;
+    }
+    bool may_meet_dynamic(const ShadowPoint& p) const
+    {
+        return std::any_of(scratch_.blockers.begin(), scratch_.blockers.end(), [&](const Box3& blocker) {
+            return visibility::may_shadow(blocker, Box3{p.origin, p.origin}, light_.box);
+        });
+    }
+    void flush(ray::Against against, std::uint64_t& count)
+    {
+        const std::size_t rays = scratch_.queue.size();
+        if (rays == 0) return;
+        count += rays;
+        scratch_.occluded.resize(rays + ray::k_packet_pad);
+        owner_.rays_->occluded(scratch_.queue, 0, rays, scratch_.occluded.data(), against);
+        for (std::size_t r = 0; r < rays; ++r)
+            if (scratch_.occluded[r]) answers_.cells[scratch_.targets[r].cells][scratch_.targets[r].cell] = 0;
+        scratch_.queue.clear(), scratch_.targets.clear();
+    }
+
+    const AreaVisibility& owner_;
+    Scratch& scratch_;
+    std::span<const ShadowPoint> points_;
+    std::span<const std::uint32_t> asked_;
+    const Light& light_;
+    Answers& answers_;
+};
+
+void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
+                          std::size_t light, Answers& answers) const
+{
+    Query query(*this, scratch, points, asked, *lights_[light], answers);
+    for (std::uint32_t k = 0; k < asked.size(); ++k) query.look_up(k);
+    query.trace(scratch.all_rays, ray::Against::everything, scratch.counters.rays);
+    query.trace(scratch.dynamic_rays, ray::Against::dynamic_only, scratch.counters.dynamic_rays);
 }
 
 AreaCounters AreaVisibility::parts() const

@@ -52,7 +52,7 @@ class AreaVisibility {
         std::vector<std::uint32_t> at;   // by asked point that sees a part: index in `cells`
         std::vector<VisibleCells> cells;
         std::vector<PartState> state;   // by asked point: of its part; open where none is remembered
-        std::vector<char> back;   // by asked point: it is behind the light; cells are those of the back
+        std::vector<char> back;         // by asked point: it is behind the light; cells are those of the back
     };
     /// Scratch memory of one thread, and what it counted.
     struct Scratch {
@@ -87,6 +87,7 @@ class AreaVisibility {
  private:
     struct Side;
     struct Light;
+    class Query;
 
     AreaOptions options_;
     const ray::RayScene* rays_;
