@@ -56,7 +56,12 @@ class Host {
     Host(std::uint64_t seed, Edits edits)
         : random_(seed, 11), edits_(edits == Edits::all), adds_and_removes_(edits != Edits::none)
     {
-        for (int m = 0; m < 4; ++m) materials_.push_back(builder_.material(random_material()));
+        for (int m = 0; m < 4; ++m) {
+            Material material = random_material();
+            // Parts that emit light and come or go bring lights, and so a new scene.
+            if (edits == Edits::movable) material.emissive = {};
+            materials_.push_back(builder_.material(material));
+        }
         const Grid ball = sphere(6, 8, 0.5f), flat = sphere(2, 4, 0.7f);
         vertex_count_ = ball.positions.size();
         meshes_.push_back(
