@@ -207,6 +207,55 @@ void compare_with_items(const ReceiverTexture& texture, const light_views::Softw
         }
 }
 
+// What the device decided, against the reference by the same texels.
+struct Decisions {
+    std::uint64_t compared = 0, different = 0, lit = 0, dark = 0, between = 0;
+    std::uint64_t without_texture = 0;      // of objects that cast no shadow
+    std::uint64_t results = 0, wrong = 0;   // by the reference: shared::LookupCounts
+};
+struct Texels {   // by view; the textures by object
+    const std::vector<light_views::SoftwareBuffer>& buffers;
+    const std::vector<std::vector<ReceiverTexture>>& textures;
+};
+// @param seen  the device's results for a light, by point
+template <class Seen>
+void compare_decisions(const light_views::LightViews& views, std::uint32_t light, const Points& points,
+                       const Texels& texels, const LookupOptions& options, const Seen& seen, Decisions& found)
+{
+    const std::uint32_t first = views.first_view(light), end = views.atlas().first_tile[light + 1];
+    for (std::size_t i = 0; i < points.positions.size(); ++i) {
+        const glm::vec3 point(points.positions[i]), normal(points.normals[i]);
+        const scene::ObjectId object = points.objects[i] - 1;
+        float expected = 0;
+        if (views.views()[first].shown) {
+            const auto* at = view_of(std::span(views.views()).subspan(first, end - first), point);
+            const light_views::ViewProjection& view = at->projection;
+            const auto v = static_cast<std::size_t>(at - views.views().data());
+            const float by_distance = visibility(view, texels.buffers[v], point, normal, object, options);
+            const bool casts = views.casters().casts(object);
+            expected =
+                casts ? visibility_as_printed(view, texels.textures[v][object], point, normal, options) : by_distance;
+            found.without_texture += !casts;
+            if (glm::dot(normal, view.perspective ? view.origin - point : -view.forward) > 0)
+                ++found.results, found.wrong += (expected >= 0.5f) != (by_distance >= 0.5f);
+        }
+        found.lit += expected == 1, found.dark += expected == 0, found.between += expected > 0 && expected < 1;
+        ++found.compared;
+        constexpr float step = 1.0f / 255;
+        found.different += std::abs(static_cast<float>(seen[i]) / 255 - expected) > step;
+    }
+}
+
+raster::ShadowOptions printed_options(int filter)
+{
+    raster::ShadowOptions options;
+    options.method = ShadowTextures::coherent;
+    options.look_up.filter = static_cast<float>(filter);
+    options.look_up.as_printed = true;
+    options.atlas.view_size = 128;
+    return options;
+}
+
 // `--shadow-textures coherent --as-printed`, as the rasterised frame does it, over frames in which the textures are
 // kept: the same texels, the same decisions, and the same counts as the CPU reference.
 TEST_F(ShadowLookUpVulkan, AsPrintedEqualsTheCpuReference)
@@ -219,17 +268,11 @@ TEST_F(ShadowLookUpVulkan, AsPrintedEqualsTheCpuReference)
     const std::array<glm::vec4, 6> everywhere{glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1),
                                               glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1)};
     std::vector<std::unique_ptr<raster::ShadowVisibility>> shadows;   // by filter: hard, one texel, two
-    for (int filter = 0; filter < 3; ++filter) {
-        raster::ShadowOptions options;
-        options.method = ShadowTextures::coherent;
-        options.look_up.filter = static_cast<float>(filter);
-        options.look_up.as_printed = true;
-        options.atlas.view_size = 128;
-        shadows.push_back(std::make_unique<raster::ShadowVisibility>(device_, state, options));
-    }
+    for (int filter = 0; filter < 3; ++filter)
+        shadows.push_back(std::make_unique<raster::ShadowVisibility>(device_, state, printed_options(filter)));
     TexelCounts texels;
-    std::uint64_t compared = 0, different = 0, lit = 0, dark = 0, between = 0, without_texture = 0, kept = 0;
-    std::uint64_t results = 0, wrong = 0, device_results = 0, device_wrong = 0;
+    Decisions found;
+    std::uint64_t kept = 0, device_results = 0, device_wrong = 0;
     for (int frame = 0; frame < frames; ++frame) {
         state.advance(script.time(frame));
         const Points points = points_of(state, shadows[0]->views().casters(), static_cast<std::uint64_t>(frame), true);
@@ -289,36 +332,10 @@ TEST_F(ShadowLookUpVulkan, AsPrintedEqualsTheCpuReference)
                 kept += made - std::min<std::uint64_t>(made, counters.shadow.textures);
             }
 
-            // Compare the decisions.
             LookupOptions options;
             options.filter = static_cast<float>(&shadow - shadows.data());
-            for (std::uint32_t l = 0; l < lights; ++l) {
-                const std::uint32_t first = views.first_view(l), end = views.atlas().first_tile[l + 1];
-                for (std::size_t i = 0; i < points.positions.size(); ++i) {
-                    const glm::vec3 point(points.positions[i]), normal(points.normals[i]);
-                    const scene::ObjectId object = points.objects[i] - 1;
-                    float expected = 0;
-                    if (views.views()[first].shown) {
-                        const auto* view = view_of(std::span(views.views()).subspan(first, end - first), point);
-                        const auto v = static_cast<std::size_t>(view - views.views().data());
-                        const float by_distance =
-                            visibility(view->projection, squares[v], point, normal, object, options);
-                        const bool casts = views.casters().casts(object);
-                        expected =
-                            casts ? visibility_as_printed(view->projection, of_view[v][object], point, normal, options)
-                                  : by_distance;
-                        without_texture += !casts;
-                        const glm::vec3 to_light =
-                            view->projection.perspective ? view->projection.origin - point : -view->projection.forward;
-                        if (glm::dot(normal, to_light) > 0)
-                            ++results, wrong += (expected >= 0.5f) != (by_distance >= 0.5f);
-                    }
-                    lit += expected == 1, dark += expected == 0, between += expected > 0 && expected < 1;
-                    ++compared;
-                    constexpr float step = 1.0f / 255;
-                    different += std::abs(static_cast<float>(seen[l].as<std::uint8_t>()[i]) / 255 - expected) > step;
-                }
-            }
+            for (std::uint32_t l = 0; l < lights; ++l)
+                compare_decisions(views, l, points, {squares, of_view}, options, seen[l].as<std::uint8_t>(), found);
         }
     }
     EXPECT_EQ(texels.faults, 0u);
@@ -326,18 +343,20 @@ TEST_F(ShadowLookUpVulkan, AsPrintedEqualsTheCpuReference)
     EXPECT_GT(texels.black, 10000u);
     EXPECT_GT(texels.ties, 0u);   // the script's exact duplicates
     EXPECT_GT(kept, 0u);
-    EXPECT_GT(lit, compared / 20);
-    EXPECT_GT(dark, compared / 20);
-    EXPECT_GT(between, 100u);
-    EXPECT_GT(without_texture, 100u);
+    EXPECT_GT(found.lit, found.compared / 20);
+    EXPECT_GT(found.dark, found.compared / 20);
+    EXPECT_GT(found.between, 100u);
+    EXPECT_GT(found.without_texture, 100u);
     // One texel may differ where a border lies within rounding.
-    EXPECT_LT(different, compared / 5000) << compared;
-    EXPECT_GT(wrong, results / 100);
-    EXPECT_NEAR(static_cast<double>(device_results), static_cast<double>(results), static_cast<double>(results) / 5000);
-    EXPECT_NEAR(static_cast<double>(device_wrong), static_cast<double>(wrong), static_cast<double>(results) / 5000);
-    RecordProperty("different", std::to_string(different) + " of " + std::to_string(compared));
-    RecordProperty("wrong", std::to_string(device_wrong) + ", " + std::to_string(wrong) + " of " +
-                                std::to_string(results) + ", " + std::to_string(device_results));
+    EXPECT_LT(found.different, found.compared / 5000) << found.compared;
+    EXPECT_GT(found.wrong, found.results / 100);
+    EXPECT_NEAR(static_cast<double>(device_results), static_cast<double>(found.results),
+                static_cast<double>(found.results) / 5000);
+    EXPECT_NEAR(static_cast<double>(device_wrong), static_cast<double>(found.wrong),
+                static_cast<double>(found.results) / 5000);
+    RecordProperty("different", std::to_string(found.different) + " of " + std::to_string(found.compared));
+    RecordProperty("wrong", std::to_string(device_wrong) + ", " + std::to_string(found.wrong) + " of " +
+                                std::to_string(found.results) + ", " + std::to_string(device_results));
 }
 
 }   // namespace
