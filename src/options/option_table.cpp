@@ -234,7 +234,7 @@ constexpr Option k_options[] = {
     {.name = "validity-margin", .argument = "X", .kind = Kind::number, .fallback = "0", .range = ranges::validity_margin,
      .subcommands = k_images, .group = k_indirect,
      .help = "quadtree: fraction of the thresholds around them within which a cluster and the four below it share the "
-             "light, against flicker; 0: as published"},
+             "light; 0: as published"},
     {.name = "separate-trees", .subcommands = k_images, .group = k_indirect,
      .help = "quadtree, traced: clusters of static and of dynamic objects are kept apart, against flicker; not in the "
              "paper"},
