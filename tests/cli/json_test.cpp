@@ -219,6 +219,31 @@ TEST(Json, BenchCullingAtStepsWithReadings)
     expect_failure(run({"render", "builtin:cornell", "--as-printed", "-o", "x.png"}), 2, "--shadow-culling paper");
 }
 
+TEST(Json, BenchLights)
+{
+    const Outcome outcome = run({"bench", "lights", "builtin:cornell", "--size", "48x32", "--frames", "1-2",
+                                 "--samples", "4", "16", "--check", "8", "--side", "0.5", "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json document = outcome.json();
+    EXPECT_EQ(keys_of(document), (Keys{"bytes", "opponents", "rows", "truth_rmse"}));
+    ASSERT_EQ(document["rows"].size(), 1u);
+    const json row = document["rows"][0];
+    EXPECT_EQ(keys_of(row), (Keys{"dark", "light", "listed_triangles", "lit", "max_abs", "ms_cold", "ms_steady",
+                                  "penumbra", "points", "rmse", "segments", "unproven", "wrong"}));
+    EXPECT_GT(row["segments"], 1000);
+    EXPECT_EQ(row["wrong"], 0);
+    EXPECT_NEAR(row["lit"].get<double>() + row["dark"].get<double>() + row["penumbra"].get<double>() +
+                    row["unproven"].get<double>(),
+                1, 1e-9);
+    EXPECT_GT(row["lit"], 0.2);
+    EXPECT_GT(row["penumbra"], 0.05);
+    EXPECT_LE(row["rmse"], 0.02);
+    ASSERT_EQ(document["opponents"].size(), 2u);
+    EXPECT_EQ(document["opponents"][1]["samples"], 16);
+    EXPECT_GT(document["opponents"][0]["rmse"], document["opponents"][1]["rmse"]);
+    expect_failure(run({"bench", "lights", "builtin:cornell", "--frames", "41-41"}), 2, "--frames");
+}
+
 TEST(Json, WrittenToAFileLeavesTextOnStandardOutput)
 {
     const ScratchFolder folder;
