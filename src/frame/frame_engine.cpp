@@ -488,8 +488,8 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
             &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
-    // The reference samples emissive surfaces by itself.
-    if (!plan_.reference && !sized_.empty()) techniques.sized = &sized_;
+    // The reference samples emissive surfaces by itself. The overlay of shadow states shows the lights of the scene.
+    if (plan_.shown == Shown::light && !plan_.reference && !sized_.empty()) techniques.sized = &sized_;
 
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
