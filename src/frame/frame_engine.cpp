@@ -491,8 +491,8 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
             &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
-    // The reference samples emissive surfaces by itself.
-    if (!plan_.reference && !sized_.empty()) {
+    // The reference samples emissive surfaces by itself. The overlay of shadow states shows the lights of the scene.
+    if (plan_.shown == Shown::light && !plan_.reference && !sized_.empty()) {
         // Without culling, nothing is remembered from frame to frame; the answers are the same.
         if (!proven_ || options_.shadow_culling != ShadowCulling::certified)
             proven_ = std::make_unique<trace::ProvenVisibility>();

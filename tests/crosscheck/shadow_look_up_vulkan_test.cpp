@@ -260,7 +260,7 @@ raster::ShadowOptions printed_options(int filter)
 // kept: the same texels, the same decisions, and the same counts as the CPU reference.
 TEST_F(ShadowLookUpVulkan, AsPrintedEqualsTheCpuReference)
 {
-    constexpr int frames = 12;
+    constexpr int frames = 12;   // the exact duplicates meet in the later ones
     const test::LightScript script = test::make_light_script(5, frames);
     scene::SceneState state(script.scene, 0);
     const auto lights = static_cast<std::uint32_t>(script.scene->lights.size());

@@ -149,7 +149,9 @@ TEST(AreaShadows, AnswersDoNotDependOnTheOrderInWhichPointsAreAsked)
             const Part fresh = kept.judged_anew(world.id_of(p), p.front, p.u, p.v, list);
             const Part remembered = kept.part_at(world.id_of(p), p.front, p.u, p.v);
             ASSERT_EQ(fresh.state, remembered.state) << "seed " << seed;
-            if (fresh.list) EXPECT_EQ(*fresh.list, *remembered.list) << "seed " << seed;
+            if (fresh.list) {
+                EXPECT_EQ(*fresh.list, *remembered.list) << "seed " << seed;
+            }
         }
     }
 }
