@@ -16,22 +16,6 @@ bool may_emit(const Material& material)
     return material.emissive != glm::vec3(0) && material.model == ShadingModel::metallic_roughness;
 }
 
-bool emits_light(const Scene& scene)
-{
-    for (const Object& object : scene.objects) {
-        if (object.removed) continue;
-        const Mesh& mesh = scene.meshes[object.mesh];
-        for (const MeshPart& part : mesh.parts) {
-            const Material& material = scene.materials[part.material];
-            if (!may_emit(material)) continue;
-            const Emission emission(scene, mesh, material);
-            for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
-                if (emission.mean(t) != glm::vec3(0)) return true;
-        }
-    }
-    return false;
-}
-
 Emission::Emission(const Scene& scene, const Mesh& mesh, const Material& material)
     : scene_(scene), mesh_(mesh), material_(material)
 {

@@ -11,9 +11,6 @@ namespace gnomon::scene {
 /// Whether a material may emit light: its emission is not 0, and it shows more than a colour.
 bool may_emit(const Material& material);
 
-/// Whether any surface of a scene emits light, textures regarded.
-bool emits_light(const Scene& scene);
-
 /// The emission of a material on a mesh. All arguments must outlive it.
 class Emission {
  public:

@@ -141,8 +141,8 @@ class Scene {
     glm::dmat4 world_matrix(NodeId node, double time) const;
 };
 
-/// Adds a sky and a sun to a scene without lights and emissive surfaces, and a camera that frames the scene to a scene without cameras; each
-/// adds a warning. The result depends on the scene only. Call after finish().
+/// Adds a sky and a sun, or the light of a room, to a scene without lights whose emission shines on less than a quarter
+/// of its surfaces, and a camera that frames the scene to a scene without cameras; each adds a warning. The result depends on the scene only. Call after finish().
 void add_default_light(Scene& scene);
 void add_default_camera(Scene& scene);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -6,6 +8,7 @@
 #include "scene/defaults/emissive_lights.h"
 #include "scene/defaults/framing.h"
 #include "scene/defaults/interior.h"
+#include "scene/defaults/space_grid.h"
 #include "scene/emission.h"
 #include "scene/scene.h"
 
@@ -35,7 +38,9 @@ constexpr float k_room_light_size = 0.25f;     // of the room's shorter side
 constexpr float k_room_light_drop = 0.02f;     // below the highest point, as a fraction of the height
 constexpr int k_room_light_lights = 16;
 
-void add_room_light(Scene& scene)
+constexpr float k_enough_lit = 0.25f;   // of all surfaces
+
+void add_room_light(Scene& scene, const char* why)
 {
     const Box3 box = scene.bounds(scene.timeline.start);
     const glm::vec3 size = box.size();
@@ -55,7 +60,61 @@ void add_room_light(Scene& scene)
     add_patch_lights(scene, patch, k_room_light_lights, 1, 0, like);
     scene.finish();
     add_room_fill(scene, patch.radiance * (static_cast<float>(k_pi) * patch.area));
-    scene.warnings.emplace_back("no light in the scene: added a default light below the ceiling");
+    scene.warnings.push_back(fmt::format("{}: added a default light below the ceiling", why));
+}
+
+// How much of the surfaces the points that stand for emission shine on, by area: of the sides that surfaces show, or of
+// both. Without them, nothing.
+float share_lit_by_emission(const Scene& scene)
+{
+    const double start = scene.timeline.start;
+    const std::vector<glm::dmat4> world = scene.world_matrices(start);
+    std::vector<const Light*> emitters;
+    for (const Light& light : scene.lights)
+        if (light.of_surface) emitters.push_back(&light);
+    if (emitters.empty()) return 0;
+    const SpaceGrid grid(scene, start);
+    if (grid.empty()) return 0;
+    const auto shines_on = [&](const glm::vec3& point, const glm::vec3& normal) {
+        const glm::vec3 from = point + 2.0f * grid.cell() * normal;
+        return std::any_of(emitters.begin(), emitters.end(), [&](const Light* light) {
+            const glm::vec3 at(world[light->node][3]), way = at - from;
+            if (!(glm::dot(way, normal) > 0) || !(glm::dot(way, glm::vec3(world[light->node][2])) > 0)) return false;
+            const float distance = glm::length(way);
+            // Grid cells at both ends are filled by the surfaces themselves.
+            return grid.cast(from, way / distance).distance > distance - 2 * grid.cell();
+        });
+    };
+    // Ask at points that are spread by area.
+    constexpr double k_points = 2048;
+    double all = 0, next = 0;
+    std::uint32_t lit = 0, asked = 0;
+    for (const bool measures : {true, false}) {
+        const double step = all / k_points;
+        double sum = 0;
+        for (const Object& object : scene.objects) {
+            const Mesh& mesh = scene.meshes[object.mesh];
+            const glm::mat4 m(world[object.node]);
+            for (const MeshPart& part : mesh.parts)
+                for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
+                    glm::vec3 p[3];
+                    for (int c = 0; c < 3; ++c) p[c] = transform_point(m, mesh.positions[mesh.triangles[t][c]]);
+                    const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+                    const auto area = static_cast<double>(0.5f * glm::length(cross));
+                    if (!(area > 0) || !std::isfinite(area)) continue;
+                    sum += area;
+                    if (measures) continue;
+                    for (; next < sum; next += step) {
+                        const glm::vec3 middle = (p[0] + p[1] + p[2]) / 3.0f, normal = glm::normalize(cross);
+                        ++asked;
+                        lit += shines_on(middle, normal) ||
+                               (!scene.materials[part.material].one_sided() && shines_on(middle, -normal));
+                    }
+                }
+        }
+        if (measures && !((all = sum) > 0)) return 0;
+    }
+    return asked > 0 ? static_cast<float>(lit) / static_cast<float>(asked) : 0;
 }
 
 NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, const glm::dvec3& direction)
@@ -69,11 +128,16 @@ NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, c
 
 void add_default_light(Scene& scene)
 {
-    if (!scene.lights.empty() || emits_light(scene)) return;
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
+    if (std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.of_surface; })) return;
+    // Emission is light enough, however dim, if it shines on enough of the scene; a glowing sign or a headlight does
+    // not.
+    const bool emits = !scene.lights.empty();
+    if (emits && share_lit_by_emission(scene) >= k_enough_lit) return;
+    const char* const why = emits ? "emissive surfaces light little of the scene" : "no light in the scene";
     // Light a closed room from its ceiling; no sun reaches it.
     const auto interior = find_interior(scene);
-    if (interior && interior->covered) return add_room_light(scene);
+    if (interior && interior->covered) return add_room_light(scene, why);
     glm::dvec3 to_sun = k_to_sun;
     if (interior) {
         scene.background.color = k_fill_of_court;
@@ -92,7 +156,7 @@ void add_default_light(Scene& scene)
     scene.background.kind = Background::Kind::sky;
     scene.background.zenith = k_zenith, scene.background.horizon = k_horizon, scene.background.ground = k_ground;
     scene.background.sun_direction = glm::vec3(to_sun);
-    scene.warnings.emplace_back("no light in the scene: added a default sky and sun");
+    scene.warnings.push_back(fmt::format("{}: added a default sky and sun", why));
 }
 
 void add_default_camera(Scene& scene)
