@@ -211,9 +211,11 @@ void ViewSession::load_loop(const std::stop_token& stop)
         std::exception_ptr trouble;
         try {
             const auto time = time_of_file(recipe.what);
-            if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time) {
-                loaded_ = gnomon::load(recipe.what, {.progress = progress, .threads = threads_});
+            if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time || loaded_strict_ != recipe.strict) {
+                loaded_ =
+                    gnomon::load(recipe.what, {.progress = progress, .threads = threads_, .strict = recipe.strict});
                 loaded_file_ = recipe.what;
+                loaded_strict_ = recipe.strict;
                 loaded_time_ = time;
             }
             Scene made = *loaded_;

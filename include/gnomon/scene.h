@@ -140,6 +140,8 @@ class Scene {
 struct LoadOptions {
     Progress progress;   // optional
     int threads = 0;     // 0: all
+    /// Refuses a glTF file with any error. Otherwise harmless errors are repaired, with one warning for each cause.
+    bool strict = false;
 };
 
 /// Loads a scene: a file by its extension (.aff, ...), or "builtin:NAME".

@@ -19,7 +19,7 @@ Scene load(const std::string& what, const LoadOptions& options)
     report_progress("loading", 0);
     constexpr std::string_view builtin = "builtin:";
     scene::Scene loaded = what.starts_with(builtin) ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
-                                                    : io::load_scene(what);
+                                                    : io::load_scene(what, {}, options.strict);
     scene::add_emitter_lights(loaded);
     scene::add_default_light(loaded);
     scene::add_default_camera(loaded);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Loads scene files by extension. Every importer is strict: a file that it accepts is complete and safe to use;
-// otherwise InputError names the file, the place and the fault. The size of every allocation is bounded by input that
-// exists.
+// Loads scene files by extension. A file that an importer accepts is complete and safe to use; otherwise InputError
+// names the file, the place and the fault. The size of every allocation is bounded by input that exists.
 
 #include <filesystem>
 
@@ -12,8 +11,9 @@
 namespace gnomon::io {
 
 /// The scene is finished (Scene::finish was called) and has no default light or camera.
+/// @param strict  see load_gltf; the other formats have no repairs
 /// @throws InputError, UsageError (unknown extension), InterruptedError
-scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress = {});
+scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress = {}, bool strict = false);
 
 /// BART's AFF, the animated file format.
 scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
@@ -24,6 +24,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
 
 /// glTF 2.0: .gltf with its buffers and images in its folder or below, or .glb. Places in errors are JSON pointers
 /// (line:column if the JSON itself is invalid, "byte N" in the container of a GLB).
-scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress = {});
+/// @param strict  refuses every error; otherwise those that io/gltf/repairs.h lists are repaired with a warning
+scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress = {}, bool strict = false);
 
 }   // namespace gnomon::io

@@ -270,6 +270,8 @@ constexpr Option k_options[] = {
      .help = "file with options as a JSON object, such as {\"size\": \"640x360\"}; the command line takes precedence"},
     {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .range = ranges::threads,
      .subcommands = k_every & ~(bit(bench_culling) | bit(bench_shadow_textures)), .group = k_common, .help = "number of threads, 0: all; does not change images"},
+    {.name = "strict", .subcommands = k_scened | bit(info), .group = k_common,
+     .help = "refuse a glTF file with any error, instead of repairing harmless ones with a warning"},
     {.name = "quiet", .subcommands = k_every, .group = k_common, .help = "print only errors"},
     {.name = "verbose", .letter = 'v', .subcommands = k_every, .group = k_common, .help = "print more details"},
     {.name = "help", .letter = 'h', .subcommands = k_every, .group = k_common, .help = "show this help"},

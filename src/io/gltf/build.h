@@ -5,6 +5,7 @@
 // of the file (see Limits), because an accessor or an image may be used often, and accessors without data need no bytes
 // at all.
 
+#include <array>
 #include <map>
 #include <tuple>
 #include <vector>
@@ -18,8 +19,10 @@ namespace gnomon::io::gltf {
 class Materials {
  public:
     Materials(const Model& model, Data& data, scene::Scene& out, Context& context);
-    /// @param material  or k_absent: the specification's default material
-    scene::MaterialId get(Index material);
+    /// @param material       or k_absent: the specification's default material
+    /// @param has_texcoords  whether the primitive has TEXCOORD_0 and TEXCOORD_1; textures that need others are left
+    /// out
+    scene::MaterialId get(Index material, const std::array<bool, 2>& has_texcoords);
 
     /// Checks the headers of images that are not used.
     void check_unused();
@@ -27,9 +30,11 @@ class Materials {
  private:
     struct DecodedImage {
         bool read = false;
+        bool missing = false;   // there is no such file
         Image8 image;
     };
     scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
+    bool is_missing(const TextureInfo& info);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
     const Image8& decoded_image(Index image);
@@ -39,7 +44,11 @@ class Materials {
     scene::Scene& out_;
     Context& context_;
     std::uint64_t pixels_left_ = 0, view_bytes_left_ = 0;
-    std::vector<scene::MaterialId> made_;
+    // scene::none until the material is made.
+    struct Made {
+        scene::MaterialId id = scene::none;
+    };
+    std::map<std::pair<Index, std::array<bool, 2>>, Made> made_;   // by material and sets of textures left out
     scene::MaterialId default_ = scene::none;
     std::map<std::string, Index> by_source_;   // the first image with each source (a file or a range of a buffer)
     std::vector<Index> first_;                 // by image, filled on first use

@@ -127,7 +127,8 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             const Index view = model.accessors[accessor].view;
             if (view == k_absent) continue;
             if (model.views[view].stride != 0)
-                context.fail(pointer, "the buffer view of animation data cannot have a stride");
+                context.repair(Fault::animation_stride, pointer,
+                               [] { return "the buffer view of animation data cannot have a stride"; });
             uses.view(view, Uses::ViewRole::other, pointer);
         }
         const Accessor& input = model.accessors[sampler.input];

@@ -133,8 +133,9 @@ class Check {
         if (p.material == k_absent) return;
         for (const TextureBinding* binding : bindings[p.material])
             if (!p.attributes.contains(fmt::format("TEXCOORD_{}", binding->texcoord)))
-                fail(at(here, "material"),
-                     fmt::format("the texture {} requires 'TEXCOORD_{}'", binding->pointer, binding->texcoord));
+                context_.repair(Fault::missing_texcoord, at(here, "material"), [&] {
+                    return fmt::format("the texture {} requires 'TEXCOORD_{}'", binding->pointer, binding->texcoord);
+                });
     }
 
  private:
@@ -168,7 +169,7 @@ class Check {
         if (!matches(accessor, allowed_formats(semantic.base, morph, quantized_)))
             fail(place, fmt::format("cannot be {}", accessor.format()));
         if (semantic.base == "POSITION" && (accessor.min.empty() || accessor.max.empty()))
-            fail(place, "POSITION must declare min and max");
+            context_.repair(Fault::position_bounds, place, [] { return "POSITION must declare min and max"; });
         if (semantic.base == "NORMAL" && !morph) use.unit = true;
         if (semantic.base == "TANGENT" && !morph) use.tangent = true;
         return accessor.count;
@@ -245,7 +246,9 @@ void Uses::view(Index view, ViewRole role, const std::string& pointer)
 {
     if (views_[view] == ViewRole::none) views_[view] = role;
     if (views_[view] != role)
-        context_.fail(pointer, fmt::format("buffer view {} is declared or used for another kind of data", view));
+        context_.repair(Fault::buffer_target, pointer, [&] {
+            return fmt::format("buffer view {} is declared or used for another kind of data", view);
+        });
 }
 
 void Uses::vertex_view(Index accessor, const std::string& pointer)

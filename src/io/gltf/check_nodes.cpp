@@ -128,7 +128,8 @@ void check_skins(const Model& model, const Forest& forest, Context& context)
         if (skin.skeleton == k_absent) continue;
         for (const Index joint : skin.joints)
             if (forest.first[joint] < forest.first[skin.skeleton] || forest.first[joint] >= forest.last[skin.skeleton])
-                context.fail(at(here, "skeleton"), fmt::format("joint {} is not below the skeleton's root", joint));
+                context.repair(Fault::skeleton, at(here, "skeleton"),
+                               [&] { return fmt::format("joint {} is not below the skeleton's root", joint); });
     }
 }
 
@@ -154,11 +155,17 @@ void check_scenes(const Model& model, const std::vector<Index>& parent, const Fo
     std::vector<std::size_t> in_scene(model.nodes.size());   // scene number from 1 that a root was last seen in
     for (std::size_t s = 0; s < model.scenes.size(); ++s) {
         const std::string here = at(at("/scenes", s), "nodes");
+        bool all_roots = true;
         for (std::size_t k = 0; k < model.scenes[s].nodes.size(); ++k) {
             const Index node = model.scenes[s].nodes[k];
-            if (parent[node] != k_absent) context.fail(at(here, k), fmt::format("node {} is not a root", node));
+            if (parent[node] != k_absent) {
+                all_roots = false;
+                context.repair(Fault::scene_root, at(here, k),
+                               [&] { return fmt::format("node {} is not a root", node); });
+            }
             in_scene[node] = s + 1;
         }
+        if (!all_roots) continue;   // build_scene() checks the joints of such a scene
         for (const Index root : model.scenes[s].nodes)
             for (const auto& [other, node] : needed[root])
                 if (in_scene[other] != s + 1)

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/gltf/repairs.h"
+
 namespace gnomon::io::gltf {
 
 /// Limits on memory and time, in proportion to the file's size. A file beyond them is rejected with the reason.
@@ -33,23 +35,35 @@ struct Limits {
     std::size_t warnings = 24;
 };
 
-/// Reports errors and warnings for one file.
+/// Reports errors, repairs and warnings for one file.
 class Context {
  public:
-    explicit Context(std::string file) : file_(std::move(file)) {}
+    /// @param strict  faults that could be repaired are errors
+    explicit Context(std::string file, bool strict = false) : file_(std::move(file)), strict_(strict) {}
 
     const std::string& file() const { return file_; }
     /// @param pointer  JSON pointer [RFC 6901] into the document
     [[noreturn]] void fail(const std::string& pointer, const std::string& problem) const;
+    bool strict() const { return strict_; }
+    /// Counts a fault that the caller then repairs; fails if strict.
+    /// @param problem  called for the text of the error
+    template <class Problem>
+    void repair(Fault fault, const std::string& pointer, Problem problem)
+    {
+        if (strict_) fail(pointer, problem());
+        repairs_.count(fault, pointer);
+    }
     /// Adds a warning to the scene; beyond the limit, warnings are only counted.
     void warn(const std::string& pointer, const std::string& problem);
-    /// Returns all warnings, with a final line if some were omitted.
+    /// Returns all warnings: one for each cause of repairs, then the others, with a final line if some were omitted.
     std::vector<std::string> take_warnings();
 
     Limits limits;
 
  private:
     std::string file_;
+    bool strict_ = false;
+    Repairs repairs_;
     std::vector<std::string> warnings_;
     std::size_t omitted_ = 0;
 };

@@ -119,9 +119,16 @@ std::filesystem::path Data::find_file(const std::string& path, const std::string
     return found;
 }
 
-std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer) const
+std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer, bool& missing) const
 {
     const Resource resource = parse_uri(uri, pointer, context_);
+    const std::filesystem::path relative = std::filesystem::path(resource.path).lexically_normal();
+    const bool below = resource.kind == Resource::Kind::file && !relative.empty() && relative.is_relative() &&
+                       *relative.begin() != ".." && resource.path.find('\0') == std::string::npos;
+    std::error_code error;
+    missing = below &&
+              std::filesystem::status(folder_ / resource.path, error).type() == std::filesystem::file_type::not_found;
+    if (missing) return {};
     return resource.kind == Resource::Kind::file ? find_file(resource.path, pointer) : std::filesystem::path();
 }
 

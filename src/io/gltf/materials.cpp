@@ -103,12 +103,7 @@ scene::Sampler sampler_of(const Sampler& s)
 }   // namespace
 
 Materials::Materials(const Model& model, Data& data, scene::Scene& out, Context& context)
-    : model_(model),
-      data_(data),
-      out_(out),
-      context_(context),
-      made_(model.materials.size(), scene::none),
-      first_(model.images.size(), k_absent)
+    : model_(model), data_(data), out_(out), context_(context), first_(model.images.size(), k_absent)
 {
     // Images may overlap in a buffer, as accessors may.
     pixels_left_ = context.limits.pixels + context.limits.pixels_per_byte * data.total_bytes();
@@ -123,7 +118,14 @@ Index Materials::first_of(Index index)
     const Image& image = model_.images[index];
     std::string source;
     if (image.uri) {
-        source = data_.resource_file(*image.uri, at(at("/images", index), "uri")).string();
+        const std::string place = at(at("/images", index), "uri");
+        bool missing = false;
+        source = data_.resource_file(*image.uri, place, missing).string();
+        if (missing) {
+            context_.repair(Fault::missing_image, place,
+                            [&] { return fmt::format("'{}' does not exist", image.uri->substr(0, 200)); });
+            images_[index].read = images_[index].missing = true;
+        }
     } else if (image.view != k_absent) {
         const BufferView& view = model_.views[image.view];
         // Paths are absolute, so this key differs from every path.
@@ -241,12 +243,27 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
     return result;
 }
 
-scene::MaterialId Materials::get(Index index)
+bool Materials::is_missing(const TextureInfo& info)
 {
-    scene::MaterialId& id = index == k_absent ? default_ : made_[index];
+    if (info.texture == k_absent || model_.textures[info.texture].source == k_absent) return false;
+    return images_[first_of(model_.textures[info.texture].source)].missing;
+}
+
+scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_texcoords)
+{
+    Material m = index == k_absent ? Material() : model_.materials[index];
+    // Leave out the textures whose coordinates the primitive lacks.
+    std::array<bool, 2> without{};
+    for (TextureInfo* info : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                              &m.occlusion_texture, &m.emissive_texture}) {
+        if (info->texture == k_absent || info->texcoord >= 2 || has_texcoords[info->texcoord]) continue;
+        without[info->texcoord] = true;
+        if (info == &m.emissive_texture) m.emissive = {0, 0, 0};   // only the texture says where it emits
+        info->texture = k_absent;
+    }
+    scene::MaterialId& id = index == k_absent ? default_ : made_[{index, without}].id;
     if (id != scene::none) return id;
-    const Material fallback;
-    const Material& m = index == k_absent ? fallback : model_.materials[index];
+    if (is_missing(m.emissive_texture)) m.emissive = {0, 0, 0};
     const std::string here = at("/materials", index);
     const std::string pbr = at(here, "pbrMetallicRoughness");
 

@@ -67,9 +67,32 @@ std::optional<scene::Light> make_light(const Light& source, scene::NodeId node, 
     return light;
 }
 
+// Leaves out the listed nodes that are below others: they belong to the scene already, at their place in the hierarchy.
+std::vector<Index> without_descendants(const std::vector<Index>& listed, const std::vector<Index>& parent)
+{
+    enum class Covered : std::uint8_t { unknown, no, yes };   // whether the node or an ancestor is listed
+    std::vector<Covered> covered(parent.size(), Covered::unknown);
+    std::vector<char> is_listed(parent.size());
+    for (const Index node : listed) is_listed[node] = 1;
+    std::vector<Index> result, path;
+    for (const Index node : listed) {
+        // Walk up to a node that is known, and note the answer along the way.
+        path.clear();
+        Index above = parent[node];
+        while (above != k_absent && covered[above] == Covered::unknown && !is_listed[above]) {
+            path.push_back(above);
+            above = parent[above];
+        }
+        const bool below_another = above != k_absent && (is_listed[above] || covered[above] == Covered::yes);
+        for (const Index passed : path) covered[passed] = below_another ? Covered::yes : Covered::no;
+        if (!below_another) result.push_back(node);
+    }
+    return result;
+}
+
 std::vector<Index> roots_of(const Model& model, const std::vector<Index>& parent)
 {
-    if (!model.scenes.empty()) return model.scenes[model.scene.value_or(0)].nodes;
+    if (!model.scenes.empty()) return without_descendants(model.scenes[model.scene.value_or(0)].nodes, parent);
     std::vector<Index> roots;
     for (Index i = 0; i < model.nodes.size(); ++i)
         if (parent[i] == k_absent) roots.push_back(i);
@@ -84,7 +107,11 @@ void build_skins(const Model& model, const Data& data, const std::vector<scene::
         const Skin& source = model.skins[i];
         scene::Skin skin;
         skin.name = source.name;
-        for (const Index joint : source.joints) skin.joints.push_back(ids[joint]);
+        for (const Index joint : source.joints) {
+            if (ids[joint] == scene::none)
+                context.fail(at("/skins", i), fmt::format("joint {} is not in the scene", joint));
+            skin.joints.push_back(ids[joint]);
+        }
         skin.inverse_bind.assign(skin.joints.size(), glm::dmat4(1));
         if (source.inverse_bind != k_absent) {
             const Accessor& accessor = model.accessors[source.inverse_bind];
@@ -94,7 +121,10 @@ void build_skins(const Model& model, const Data& data, const std::vector<scene::
                 data.for_each(accessor, [&](std::uint64_t k, std::span<const double> m) {
                     if (k >= skin.inverse_bind.size()) return;
                     for (std::size_t e = 0; e < 16; ++e)
-                        skin.inverse_bind[k][static_cast<int>(e / 4)][static_cast<int>(e % 4)] = m[e];
+                        skin.inverse_bind[k][static_cast<int>(e / 4)][static_cast<int>(e % 4)] =
+                            e % 4 != 3 ? m[e]
+                            : e == 15  ? 1
+                                       : 0;   // the last row is 0 0 0 1
                 });
         }
         out.skins[skin_ids[i]] = std::move(skin);
@@ -154,14 +184,14 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
 
 }   // namespace gltf
 
-scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress)
+scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress, bool strict)
 {
     using namespace gltf;
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     const auto step = [](double done) { report_progress("loading", done); };
     step(0);
-    Context context(file.string());
+    Context context(file.string(), strict);
     const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::string extension = file.extension().string();
@@ -173,7 +203,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     Model model;
     std::vector<TextureBinding> bindings;
     {
-        const nlohmann::json document = parse_json(container, context);
+        nlohmann::json document = parse_json(container, context);
         bindings = check_schema(document, context);
         model = read_model(document);
     }

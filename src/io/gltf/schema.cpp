@@ -17,6 +17,7 @@ namespace {
 
 using json = nlohmann::json;
 
+constexpr double k_range_slack = 0.01;   // how far a number may lie out of its range and still be clamped
 constexpr double k_exact_integers = 9007199254740992.0;   // 2^53: integers that JSON numbers represent exactly
 
 const char* type_name(const json& value)
@@ -37,7 +38,7 @@ struct Step {
 
 class Walk {
  public:
-    Walk(const json& document, Context& context) : document_(document), context_(context) {}
+    Walk(json& document, Context& context) : document_(document), context_(context) {}
 
     std::vector<TextureBinding> run()
     {
@@ -78,7 +79,7 @@ class Walk {
         path_.pop_back();
     }
 
-    void check_object(const json& value, const Table& table)
+    void check_object(json& value, const Table& table)
     {
         if (!value.is_object()) wrong_type(value, "an object");
         for (const Rule& rule : table.rules) {
@@ -87,15 +88,36 @@ class Walk {
                 if (rule.required) fail(fmt::format("'{}' is missing", rule.name));
                 continue;
             }
+            bool absent = false;
             below(rule.name, [&] {
+                if (repaired_as_absent(*found, rule)) {
+                    absent = true;
+                    return;
+                }
                 if (rule.needs && !value.contains(rule.needs)) fail(fmt::format("requires '{}'", rule.needs));
                 check_value(*found, rule);
             });
+            if (absent) value.erase(found);
         }
         check_names(value, table);
         if (const auto extensions = value.find("extensions"); extensions != value.end())
             below("extensions", [&] { check_extensions(*extensions, table); });
         note_texture(value, table);
+    }
+
+    // Whether the property is one of those faults that are repaired by leaving it out. Where an empty array stands for
+    // a required one, only those that mean "nothing to do" are taken (an animation without channels).
+    bool repaired_as_absent(const json& value, const Rule& rule)
+    {
+        if (value.is_array() && value.empty() && (!rule.required || rule.may_be_empty)) {
+            context_.repair(Fault::empty_array, pointer(), [] { return "must not be empty"; });
+            return true;
+        }
+        if (rule.number_as_default && value.is_number()) {
+            context_.repair(Fault::interpolation_type, pointer(), [] { return "expected a string, found a number"; });
+            return true;
+        }
+        return false;
     }
 
     // Names that are in no table are harmless, but may be misspelt.
@@ -113,7 +135,7 @@ class Walk {
         }
     }
 
-    void check_extensions(const json& value, const Table& owner)
+    void check_extensions(json& value, const Table& owner)
     {
         if (!value.is_object()) wrong_type(value, "an object");
         const auto places = extension_places();
@@ -153,7 +175,7 @@ class Walk {
             {std::move(place), path_[1].index, set ? static_cast<std::uint64_t>(set->get<double>()) : 0});
     }
 
-    void check_value(const json& value, const Rule& rule)
+    void check_value(json& value, const Rule& rule)
     {
         switch (rule.kind) {
             case Kind::boolean:
@@ -198,7 +220,7 @@ class Walk {
         }
     }
 
-    void check_array(const json& value, const Rule& rule)
+    void check_array(json& value, const Rule& rule)
     {
         // Check the length.
         if (!value.is_array()) wrong_type(value, "an array");
@@ -214,7 +236,7 @@ class Walk {
         std::unordered_set<std::uint64_t> seen;
         std::unordered_set<std::string_view> seen_text;
         for (std::size_t i = 0; i < value.size(); ++i) {
-            const json& element = value[i];
+            json& element = value[i];
             below(i, [&] {
                 switch (rule.kind) {
                     case Kind::numbers:
@@ -247,13 +269,18 @@ class Walk {
             below(item.key(), [&] { check_index(item.value(), rule); });
     }
 
-    void check_number(const json& value, const Rule& rule)
+    void check_number(json& value, const Rule& rule)
     {
         if (!value.is_number()) wrong_type(value, "a number");
         const double number = value.get<double>();
         if (!std::isfinite(number)) fail("is not finite");
-        if (number < rule.low || (rule.above_low && number == rule.low) || number > rule.high)
-            fail(fmt::format("{} is out of range", number));
+        if (number >= rule.low && !(rule.above_low && number == rule.low) && number <= rule.high) return;
+        // Clamp what exceeds a range by little, such as a factor of 1.00000012.
+        const auto problem = [&] { return fmt::format("{} is out of range", number); };
+        const double nearest = std::clamp(number, rule.low, rule.high);
+        if (std::abs(number - nearest) > k_range_slack || (rule.above_low && nearest == rule.low)) fail(problem());
+        context_.repair(Fault::factor_range, pointer(), problem);
+        value = nearest;
     }
 
     void check_integer(const json& value, const Rule& rule)
@@ -302,7 +329,7 @@ class Walk {
         return sizes_[target] = size;
     }
 
-    const json& document_;
+    json& document_;
     Context& context_;
     std::vector<Step> path_;
     std::unordered_set<std::string> used_;
@@ -312,7 +339,7 @@ class Walk {
 
 }   // namespace
 
-std::vector<TextureBinding> check_schema(const json& document, Context& context)
+std::vector<TextureBinding> check_schema(json& document, Context& context)
 {
     return Walk(document, context).run();
 }
