@@ -26,9 +26,13 @@ class HostileGltf : public testing::Test {
     }
     void expect_refused(const std::string& text, const std::string& place, const std::string& name = "scene.gltf")
     {
-        const Outcome outcome = load(text, name);
-        EXPECT_EQ(outcome.kind, Kind::refused) << text.substr(0, 200) << " signal " << outcome.signal << outcome.what;
-        EXPECT_EQ(outcome.place, place) << outcome.what;
+        std::ofstream(folder_ / name, std::ios::binary) << text;
+        for (const bool strict : {false, true}) {
+            const Outcome outcome = test::load_in_child(folder_ / name, strict);
+            EXPECT_EQ(outcome.kind, Kind::refused)
+                << text.substr(0, 200) << " signal " << outcome.signal << outcome.what << " strict " << strict;
+            EXPECT_EQ(outcome.place, place) << outcome.what;
+        }
     }
     test::ScratchFolder folder_;
 };
