@@ -7,14 +7,14 @@
 
 namespace gnomon::io {
 
-scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress, bool strict)
+scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress, const ReadOptions& options)
 {
     std::string extension = file.extension().string();
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     if (extension == ".aff") return load_aff(file, progress);
     if (extension == ".obj") return load_obj(file, progress);
-    if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress, strict);
+    if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress, options);
     throw UsageError(
         fmt::format("{}: unknown scene format '{}'; use .aff, .obj, .gltf or .glb", file.string(), extension));
 }

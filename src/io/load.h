@@ -4,16 +4,24 @@
 // names the file, the place and the fault. The size of every allocation is bounded by input that exists.
 
 #include <filesystem>
+#include <string>
 
 #include "gnomon/types.h"
 #include "scene/scene.h"
 
 namespace gnomon::io {
 
+/// How a file is read; see LoadOptions. Formats that have no repairs, clips or variants ignore these.
+struct ReadOptions {
+    bool strict = false;       // glTF: refuse every error, instead of repairing those that io/gltf/repairs.h lists
+    std::string animation{};   // glTF: name or number of the clip that plays, "all", or empty
+    std::string variant{};     // glTF: name of a variant, or empty
+};
+
 /// The scene is finished (Scene::finish was called) and has no default light or camera.
-/// @param strict  see load_gltf; the other formats have no repairs
-/// @throws InputError, UsageError (unknown extension), InterruptedError
-scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress = {}, bool strict = false);
+/// @throws InputError, UsageError (unknown extension, or no such clip or variant), InterruptedError
+scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress = {},
+                        const ReadOptions& options = {});
 
 /// BART's AFF, the animated file format.
 scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
@@ -24,7 +32,8 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
 
 /// glTF 2.0: .gltf with its buffers and images in its folder or below, or .glb. Places in errors are JSON pointers
 /// (line:column if the JSON itself is invalid, "byte N" in the container of a GLB).
-/// @param strict  refuses every error; otherwise those that io/gltf/repairs.h lists are repaired with a warning
-scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress = {}, bool strict = false);
+/// @throws UsageError  no such clip or variant
+scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress = {},
+                       const ReadOptions& options = {});
 
 }   // namespace gnomon::io

@@ -90,6 +90,9 @@ constexpr Option k_options[] = {
     {.name = "fps", .argument = "F", .kind = Kind::number, .range = {0.001, 1000},
      .subcommands = k_images | bit(info), .group = k_frames,
      .help = "frames per second (default: that of the file, else 24)"},
+    {.name = "animation", .argument = "NAME|N|all", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_frames,
+     .help = "animation of a glTF file that plays, by name or by number from 0; all: all of them (default: the first, and "
+             "each further one that animates nothing that one before it animates)"},
     {.name = "chunk", .argument = "I/N", .kind = Kind::chunk, .subcommands = bit(render), .group = k_frames,
      .help = "render only the I-th of N contiguous parts of the range; for a video, only write its frames"},
     {.name = "resume", .subcommands = bit(render), .group = k_frames,
@@ -128,6 +131,8 @@ constexpr Option k_options[] = {
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
      .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg"},
 
+    {.name = "variant", .argument = "NAME", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_scene,
+     .help = "variant of a glTF file's materials (default: the materials without a variant)"},
     {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::samples,
      .subcommands = k_images, .group = k_quality, .help = "samples per pixel"},
     {.name = "memory", .argument = "MB", .kind = Kind::integer, .fallback = "0", .range = ranges::memory,

@@ -192,14 +192,14 @@ std::string run_mtl(Input bytes)
 std::string run_gltf(Input bytes)
 {
     const fs::path file = folder().put("main.gltf", bytes);
-    reads([&] { check_scene(io::load_gltf(file, {}, true)); });
+    reads([&] { check_scene(io::load_gltf(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_gltf(file)); });
 }
 
 std::string run_glb(Input bytes)
 {
     const fs::path file = folder().put("main.glb", bytes);
-    reads([&] { check_scene(io::load_gltf(file, {}, true)); });
+    reads([&] { check_scene(io::load_gltf(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_gltf(file)); });
 }
 

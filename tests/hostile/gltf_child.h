@@ -42,7 +42,7 @@ inline Outcome load_in_child(const std::filesystem::path& file, bool strict = fa
         alarm(static_cast<unsigned>(seconds));
         std::string answer;
         try {
-            const scene::Scene scene = io::load_gltf(file, {}, strict);
+            const scene::Scene scene = io::load_gltf(file, {}, {.strict = strict});
             answer = "L" + std::to_string(scene.warnings.size());
         } catch (const InputError& error) {
             answer = "R" + error.file() + '\n' + error.place() + '\n' + error.what();

@@ -29,12 +29,10 @@ class Materials {
 
  private:
     struct DecodedImage {
-        bool read = false;
-        bool missing = false;   // there is no such file
+        bool read = false;   // empty after that: there is no such file, or its format is not known
         Image8 image;
     };
     scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
-    bool is_missing(const TextureInfo& info);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
     const Image8& decoded_image(Index image);
@@ -76,11 +74,14 @@ class Meshes {
 };
 
 /// Adds the nodes of the default scene with meshes, skins, cameras and lights, then the animations.
+/// @param animation  see ReadOptions
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
-                 scene::Scene& out, Context& context);
+                 const std::string& animation, scene::Scene& out, Context& context);
 /// @param node_ids  ids in the scene by node of the document; scene::none: not in the scene
+/// @param chosen    the clip that plays, see ReadOptions::animation
+/// @throws UsageError  there is no such clip
 void build_animations(const Model& model, const Data& data, const std::vector<scene::NodeId>& node_ids,
-                      scene::Scene& out, Context& context);
+                      const std::string& chosen, scene::Scene& out, Context& context);
 
 /// Translation, rotation and scale of a node; the identity for a node with a matrix.
 scene::TransformParts rest_parts(const Node& node);

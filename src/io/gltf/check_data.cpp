@@ -62,9 +62,11 @@ class ElementCheck {
             const double d = accessor_.component == Component::f32
                                  ? static_cast<double>(static_cast<float>(declared[c]))
                                  : declared[c];
-            if (d != actual[c])
-                context_.fail(at(at(here_, name), c),
-                              fmt::format("{} is declared, but the actual {} is {}", declared[c], word, actual[c]));
+            if (d == actual[c]) continue;
+            context_.repair(Fault::bounds, at(at(here_, name), c), [&] {
+                return fmt::format("{} is declared, but the actual {} is {}", declared[c], word, actual[c]);
+            });
+            return;   // one repair for each list
         }
     }
 
@@ -86,7 +88,9 @@ class ElementCheck {
         double square = 0;
         for (const double c : v) square += value(c) * value(c);
         if (!(std::abs(std::sqrt(square) - 1) <= k_unit_tolerance4))
-            fail(fmt::format("quaternion {} is not of unit length: {}", i, std::sqrt(square)));
+            context_.repair(Fault::rotation_length, use_.user, [&] {
+                return fmt::format("quaternion {} is not of unit length: {}", i, std::sqrt(square));
+            });
     }
 
     void index(std::uint64_t i, double v) const
@@ -156,12 +160,13 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
         data.read(w, weights.emplace_back());
     }
     const auto place = [&](const char* what, std::size_t set) { return at(here, fmt::format("{}_{}", what, set)); };
-    const std::string weights_place = place("WEIGHTS", 0);
+    const std::string weights_place = place("WEIGHTS", 0), joints_place = place("JOINTS", 0);
     const std::size_t vertices = joints.empty() ? 0 : joints[0].size() / 4;
     for (std::size_t v = 0; v < vertices; ++v) {
         ++joint_uses.vertex;
         std::size_t used = 0;
         double sum = 0;
+        bool twice = false;
         for (std::size_t set = 0; set < joints.size(); ++set) {
             for (std::size_t k = 4 * v; k < 4 * v + 4; ++k) {
                 const std::uint32_t joint = joints[set][k];
@@ -172,8 +177,11 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
                 if (weight < 0)
                     context.fail(place("WEIGHTS", set), fmt::format("vertex {} has the negative weight {}", v, weight));
                 if (weight == 0) continue;
-                if (std::exchange(joint_uses.last[joint], joint_uses.vertex) == joint_uses.vertex)
-                    context.fail(place("JOINTS", set), fmt::format("vertex {} uses joint {} twice", v, joint));
+                if (std::exchange(joint_uses.last[joint], joint_uses.vertex) == joint_uses.vertex && !twice) {
+                    twice = true;
+                    context.repair(Fault::joint_twice, joints_place,
+                                   [&] { return fmt::format("vertex {} uses joint {} twice", v, joint); });
+                }
                 ++used;
                 sum += weight;
             }

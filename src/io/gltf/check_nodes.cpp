@@ -45,20 +45,23 @@ void check_node(const Model& model, Index index, Context& context)
     if (node.matrix && (node.translation || node.rotation || node.scale))
         context.fail(at(here, "matrix"), "a node has either a matrix or translation, rotation and scale");
     if (node.matrix && !is_trs(*node.matrix))
-        context.fail(at(here, "matrix"), "is not made of translation, rotation and scale");
+        context.repair(Fault::shear, at(here, "matrix"),
+                       [] { return "is not made of translation, rotation and scale"; });
     if (node.rotation) {
         const auto& q = *node.rotation;
         const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
         if (std::abs(length - 1) > k_unit_tolerance)
-            context.fail(at(here, "rotation"), fmt::format("is not of unit length: {}", length));
+            context.repair(Fault::rotation_length, at(here, "rotation"),
+                           [&] { return fmt::format("is not of unit length: {}", length); });
     }
     if (node.mesh == k_absent) return;
 
     const Mesh& mesh = model.meshes[node.mesh];
     const std::size_t targets = mesh.primitives.front().targets.size();
     if (node.weights && node.weights->size() != targets)
-        context.fail(at(here, "weights"),
-                     fmt::format("{} weights, but the mesh has {} morph targets", node.weights->size(), targets));
+        context.repair(Fault::weight_count, at(here, "weights"), [&] {
+            return fmt::format("{} weights, but the mesh has {} morph targets", node.weights->size(), targets);
+        });
     if (node.weights)
         for (const float w : *node.weights)
             if (!std::isfinite(w)) context.fail(at(here, "weights"), "a weight is too large");
@@ -122,9 +125,9 @@ void check_skins(const Model& model, const Forest& forest, Context& context)
     for (Index i = 0; i < model.skins.size(); ++i) {
         const Skin& skin = model.skins[i];
         const std::string here = at("/skins", i);
-        for (const Index joint : skin.joints)
-            if (forest.root[joint] != forest.root[skin.joints.front()])
-                context.fail(at(here, "joints"), "the joints have no common root");
+        if (std::any_of(skin.joints.begin(), skin.joints.end(),
+                        [&](Index joint) { return forest.root[joint] != forest.root[skin.joints.front()]; }))
+            context.repair(Fault::joint_roots, at(here, "joints"), [] { return "the joints have no common root"; });
         if (skin.skeleton == k_absent) continue;
         for (const Index joint : skin.joints)
             if (forest.first[joint] < forest.first[skin.skeleton] || forest.first[joint] >= forest.last[skin.skeleton])
@@ -194,7 +197,8 @@ std::vector<Index> check_nodes(const Model& model, Context& context)
         check_node(model, i, context);
         const Node& node = model.nodes[i];
         if (node.skin != k_absent && node.mesh != k_absent && !skinned[node.mesh])
-            context.fail(at("/nodes", i), "has a skin, but its mesh has no JOINTS");
+            context.repair(Fault::unused_skin, at("/nodes", i),
+                           [] { return "has a skin, but its mesh has no JOINTS"; });
     }
     check_skins(model, forest, context);
     check_scenes(model, parent, forest, context);

@@ -91,7 +91,8 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
             }
             if (resource.kind == Resource::Kind::data) {
                 if (resource.mime_type != "application/octet-stream" && resource.mime_type != "application/gltf-buffer")
-                    context.fail(uri_place, fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
+                    context.repair(Fault::buffer_type, uri_place,
+                                   [&] { return fmt::format("a buffer cannot be of type '{}'", resource.mime_type); });
                 bytes.owned = std::move(resource.bytes);
                 bytes.span = bytes.owned;
             } else {

@@ -124,7 +124,7 @@ Index Materials::first_of(Index index)
         if (missing) {
             context_.repair(Fault::missing_image, place,
                             [&] { return fmt::format("'{}' does not exist", image.uri->substr(0, 200)); });
-            images_[index].read = images_[index].missing = true;
+            images_[index].read = true;
         }
     } else if (image.view != k_absent) {
         const BufferView& view = model_.views[image.view];
@@ -243,12 +243,6 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
     return result;
 }
 
-bool Materials::is_missing(const TextureInfo& info)
-{
-    if (info.texture == k_absent || model_.textures[info.texture].source == k_absent) return false;
-    return images_[first_of(model_.textures[info.texture].source)].missing;
-}
-
 scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_texcoords)
 {
     Material m = index == k_absent ? Material() : model_.materials[index];
@@ -263,7 +257,6 @@ scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_tex
     }
     scene::MaterialId& id = index == k_absent ? default_ : made_[{index, without}].id;
     if (id != scene::none) return id;
-    if (is_missing(m.emissive_texture)) m.emissive = {0, 0, 0};
     const std::string here = at("/materials", index);
     const std::string pbr = at(here, "pbrMetallicRoughness");
 
@@ -289,6 +282,8 @@ scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_tex
     out.occlusion_strength = m.occlusion_texture.factor;
     out.emissive = m.emissive_strength * glm::vec3(m.emissive[0], m.emissive[1], m.emissive[2]);
     out.emissive_texture = use(m.emissive_texture, true, false, at(here, "emissiveTexture"));
+    // Only the texture says where the surface emits.
+    if (m.emissive_texture.texture != k_absent && out.emissive_texture.texture == scene::none) out.emissive = {0, 0, 0};
     out.transmission = m.transmission;
     out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 selects an old gloss model [KHR_materials_ior]
 

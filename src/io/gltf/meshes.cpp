@@ -6,15 +6,14 @@
 
 #include "base/check.h"
 #include "io/gltf/build.h"
+#include "scene/mesh_repairs.h"
 
 namespace gnomon::io::gltf {
 
 namespace {
 
 constexpr int k_triangles = 4, k_strip = 5, k_fan = 6;
-constexpr int k_joint_sets = 2;           // eight joints per vertex
-constexpr float k_least_length = 1e-4f;   // of a normal or tangent: what is shorter is rounding, not a direction
-constexpr float k_usual_weight = 2;       // a weight that is greater is scaled down before weights are summed
+constexpr int k_joint_sets = 2;   // eight joints per vertex
 
 // Vertices and triangles of one primitive, before it is merged into its mesh.
 struct Piece {
@@ -75,14 +74,15 @@ class PieceReader {
         piece.positions = vec3(p.find("POSITION"), at(attributes, "POSITION"));
         if (p.has("NORMAL")) {
             piece.normals = vec3(p.find("NORMAL"), at(attributes, "NORMAL"));
-            for (glm::vec3& n : piece.normals) n = unit_or(n, glm::vec3(0));
+            for (glm::vec3& n : piece.normals) n = scene::unit_or(n, glm::vec3(0));
         }
         if (p.has("TANGENT") && p.has("NORMAL")) {
             piece.tangents = vec4(p.find("TANGENT"), at(attributes, "TANGENT"), 1);
             for (std::size_t i = 0; i < piece.tangents.size(); ++i) {
                 glm::vec4& t = piece.tangents[i];
-                const glm::vec3 across = i < piece.normals.size() ? across_of(piece.normals[i]) : glm::vec3(1, 0, 0);
-                t = glm::vec4(unit_or(glm::vec3(t), across), t.w < 0 ? -1 : 1);
+                const glm::vec3 across =
+                    i < piece.normals.size() ? scene::perpendicular_to(piece.normals[i]) : glm::vec3(1, 0, 0);
+                t = glm::vec4(scene::unit_or(glm::vec3(t), across), t.w < 0 ? -1 : 1);
             }
         }
         for (int set = 0; set < 2; ++set) {
@@ -104,45 +104,11 @@ class PieceReader {
             piece.targets.push_back(std::move(target));
         }
         read_triangles(p, here, piece);
-        fill_normals(piece);
+        scene::fill_normals(piece.positions, piece.triangles, piece.normals);
         return piece;
     }
 
  private:
-    // In double precision, because a vector of any finite length may be given.
-    static glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
-    {
-        const float single = glm::length(v);
-        if (single > k_least_length && std::isfinite(single)) return v / single;
-        const double length = glm::length(glm::dvec3(v));
-        return length > k_least_length ? glm::vec3(glm::dvec3(v) / length) : otherwise;
-    }
-    // A unit vector that is perpendicular to a normal.
-    static glm::vec3 across_of(const glm::vec3& n)
-    {
-        const glm::vec3 axis = std::abs(n.x) < std::abs(n.y) ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-        return unit_or(glm::cross(axis, n), glm::vec3(1, 0, 0));
-    }
-
-    // Gives normals that have no direction that of the triangles around the vertex, weighted by their areas.
-    static void fill_normals(Piece& p)
-    {
-        const auto missing = [&](std::uint32_t v) { return p.normals[v] == glm::vec3(0); };
-        if (p.normals.size() != p.positions.size()) return;
-        std::vector<glm::dvec3> sums;
-        for (const glm::uvec3& t : p.triangles) {
-            if (!missing(t.x) && !missing(t.y) && !missing(t.z)) continue;
-            sums.resize(p.normals.size());
-            const glm::dvec3 a(p.positions[t.x]), b(p.positions[t.y]), c(p.positions[t.z]);
-            for (int k = 0; k < 3; ++k) sums[t[k]] += glm::cross(b - a, c - a);
-        }
-        for (std::uint32_t v = 0; v < p.normals.size(); ++v) {
-            if (!missing(v)) continue;
-            const double length = sums.empty() ? 0 : glm::length(sums[v]);
-            p.normals[v] = length > 0 && std::isfinite(length) ? glm::vec3(sums[v] / length) : glm::vec3(0, 0, 1);
-        }
-    }
-
     // Subtracts the memory that an accessor will need from the limit.
     const Accessor& open(Index index, const std::string& pointer)
     {
@@ -208,23 +174,7 @@ class PieceReader {
             const std::string other = fmt::format("WEIGHTS_{}", set);
             piece.weights[set] = vec4(p.find(other), at(attributes, other), 0);
         }
-        // Normalise the weights' sum to one. If all are zero, use the first joint. The largest weight is divided out
-        // first, because a sum that is not declared to be one may overflow.
-        for (std::size_t v = 0; v < piece.weights[0].size(); ++v) {
-            float largest = 0;
-            for (const std::vector<glm::vec4>& set : piece.weights)
-                for (int k = 0; k < 4 && !set.empty(); ++k) largest = std::max(largest, set[v][k]);
-            const float unit = largest > k_usual_weight ? largest : 1;
-            const auto sum_of = [&](int set) {
-                if (piece.weights[set].empty()) return 0.0f;
-                const glm::vec4 w = piece.weights[set][v] / unit;
-                return w.x + w.y + w.z + w.w;
-            };
-            const float sum = sum_of(0) + sum_of(1);
-            for (std::vector<glm::vec4>& set : piece.weights)
-                if (!set.empty() && sum > 0) set[v] = set[v] / unit / sum;
-            if (!(sum > 0)) piece.weights[0][v] = {1, 0, 0, 0};
-        }
+        scene::normalize_weights(piece.weights, -1);
     }
 
     void read_triangles(const Primitive& p, const std::string& here, Piece& piece)

@@ -134,7 +134,7 @@ void build_skins(const Model& model, const Data& data, const std::vector<scene::
 }   // namespace
 
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
-                 scene::Scene& out, Context& context)
+                 const std::string& animation, scene::Scene& out, Context& context)
 {
     // Visit parents before children, siblings in the file's order; without recursion, because hierarchies can be deep.
     std::vector<scene::NodeId> ids(model.nodes.size(), scene::none);
@@ -179,19 +179,19 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
             if (auto light = make_light(model.lights[source.light], id, source.name)) out.lights.push_back(*light);
     }
     build_skins(model, data, ids, skin_ids, out, context);
-    build_animations(model, data, ids, out, context);
+    build_animations(model, data, ids, animation, out, context);
 }
 
 }   // namespace gltf
 
-scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress, bool strict)
+scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progress, const ReadOptions& options)
 {
     using namespace gltf;
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     const auto step = [](double done) { report_progress("loading", done); };
     step(0);
-    Context context(file.string(), strict);
+    Context context(file.string(), options.strict);
     const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::string extension = file.extension().string();
@@ -212,6 +212,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     check_layout(model, context);
     const std::vector<AccessorUse> uses = check_links(model, bindings, context);
     const std::vector<Index> parent = check_nodes(model, context);
+    repair_model(model);
     Data data(model, file, container.bin, container.binary, context);
     decode_meshopt(model, data, context);
     decode_draco(model, data, context);
@@ -223,7 +224,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     scene.name = file.stem().string();
     Materials materials(model, data, scene, context);
     Meshes meshes(model, data, materials, scene, context);
-    build_scene(model, data, parent, meshes, scene, context);
+    build_scene(model, data, parent, meshes, options.animation, scene, context);
     materials.check_unused();
     step(0.9);
     scene.warnings = context.take_warnings();

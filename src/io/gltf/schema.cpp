@@ -17,7 +17,6 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double k_range_slack = 0.01;   // how far a number may lie out of its range and still be clamped
 constexpr double k_exact_integers = 9007199254740992.0;   // 2^53: integers that JSON numbers represent exactly
 
 const char* type_name(const json& value)
@@ -117,6 +116,17 @@ class Walk {
             context_.repair(Fault::interpolation_type, pointer(), [] { return "expected a string, found a number"; });
             return true;
         }
+        if (rule.zero_as_absent && value.is_number() && value.get<double>() == 0) {
+            context_.repair(Fault::stride, pointer(), [] { return "0 is out of range"; });
+            return true;
+        }
+        // A number that must be greater than a bound has no nearest value to which it could be clamped.
+        if (rule.kind == Kind::number && rule.above_low && !rule.required && value.is_number() &&
+            value.get<double>() <= rule.low && std::isfinite(value.get<double>())) {
+            context_.repair(Fault::factor_range, pointer(),
+                            [&] { return fmt::format("{} is out of range", value.get<double>()); });
+            return true;
+        }
         return false;
     }
 
@@ -139,14 +149,22 @@ class Walk {
     {
         if (!value.is_object()) wrong_type(value, "an object");
         const auto places = extension_places();
-        for (auto item = value.begin(); item != value.end(); ++item) {
+        for (auto item = value.begin(); item != value.end();) {
+            bool misplaced = false;
             below(item.key(), [&] {
-                if (!used_.contains(item.key())) fail("the extension is not declared in 'extensionsUsed'");
+                if (!used_.contains(item.key()))
+                    context_.repair(Fault::extension_list, pointer(),
+                                    [] { return "the extension is not declared in 'extensionsUsed'"; });
                 const auto names = [&](const ExtensionPlace& place) { return item.key() == place.extension; };
                 if (std::none_of(places.begin(), places.end(), names)) return;   // unknown to us
                 const auto place = std::find_if(places.begin(), places.end(),
                                                 [&](const ExtensionPlace& p) { return names(p) && p.owner == &owner; });
-                if (place == places.end()) fail(fmt::format("the extension is not allowed in a {}", owner.name));
+                if (place == places.end()) {
+                    misplaced = true;
+                    context_.repair(Fault::extension_place, pointer(),
+                                    [&] { return fmt::format("the extension is not allowed in a {}", owner.name); });
+                    return;
+                }
                 check_object(item.value(), *place->inner);
                 if (item.key() == "KHR_materials_ior" && item->contains("ior")) {
                     const double ior = item->at("ior").get<double>();
@@ -154,6 +172,7 @@ class Walk {
                         below("ior", [&] { fail(fmt::format("{} is neither 0 nor at least 1", ior)); });
                 }
             });
+            item = misplaced ? value.erase(item) : std::next(item);
         }
     }
 
@@ -244,7 +263,8 @@ class Walk {
                         break;
                     case Kind::strings:
                         if (!element.is_string()) wrong_type(element, "a string");
-                        if (!seen_text.insert(element.get_ref<const std::string&>()).second) fail("is a duplicate");
+                        if (!seen_text.insert(element.get_ref<const std::string&>()).second)
+                            context_.repair(Fault::extension_list, pointer(), [] { return "is a duplicate"; });
                         break;
                     case Kind::indices:
                         check_index(element, rule);
@@ -275,10 +295,10 @@ class Walk {
         const double number = value.get<double>();
         if (!std::isfinite(number)) fail("is not finite");
         if (number >= rule.low && !(rule.above_low && number == rule.low) && number <= rule.high) return;
-        // Clamp what exceeds a range by little, such as a factor of 1.00000012.
+        // Clamp what exceeds a range, such as a factor of 1.00000012.
         const auto problem = [&] { return fmt::format("{} is out of range", number); };
         const double nearest = std::clamp(number, rule.low, rule.high);
-        if (std::abs(number - nearest) > k_range_slack || (rule.above_low && nearest == rule.low)) fail(problem());
+        if (rule.above_low && nearest == rule.low) fail(problem());
         context_.repair(Fault::factor_range, pointer(), problem);
         value = nearest;
     }

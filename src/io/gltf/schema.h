@@ -53,8 +53,8 @@ struct Rule {
     const char* target = nullptr;   // JSON pointer of an array; nullptr: checked elsewhere
     const Table* inner = nullptr;
     const char* needs = nullptr;   // another property that must be present
-    // Repairs: a required array may be empty; a number in the place of a word stands for the default.
-    bool may_be_empty = false, number_as_default = false;
+    // Repairs: a required array may be empty; a number in the place of a word stands for the default; so does 0.
+    bool may_be_empty = false, number_as_default = false, zero_as_absent = false;
 };
 
 struct Table {

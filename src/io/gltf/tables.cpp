@@ -82,6 +82,11 @@ constexpr Rule or_number(Rule rule)
     return rule.number_as_default = true, rule;
 }
 
+constexpr Rule or_zero(Rule rule)
+{
+    return rule.zero_as_absent = true, rule;
+}
+
 constexpr std::size_t k_most_extensions = 1000;   // they are compared with each other
 constexpr const char* k_accessors = "/accessors";
 constexpr const char* k_buffer_views = "/bufferViews";
@@ -114,7 +119,7 @@ constexpr Table accessor{"accessor", accessor_rules};
 constexpr Rule buffer_rules[] = {text("uri"), need(integer("byteLength", 1)), text("name")};
 constexpr Table buffer{"buffer", buffer_rules};
 constexpr Rule view_rules[] = {need(index("buffer", "/buffers")), integer("byteOffset"),
-                               need(integer("byteLength", 1)),    integer("byteStride", 4, 252),
+                               need(integer("byteLength", 1)),    or_zero(integer("byteStride", 4, 252)),
                                code("target", view_targets),      text("name")};
 constexpr Table buffer_view{"buffer view", view_rules};
 
@@ -292,7 +297,7 @@ constexpr Table glossiness{"specular-glossiness", glossiness_rules};
 // Other extensions
 constexpr Rule variant_rules[] = {need(text("name"))};
 constexpr Table variant{"variant", variant_rules};
-constexpr Rule variants_rules[] = {need(objects("variants", variant))};
+constexpr Rule variants_rules[] = {or_empty(need(objects("variants", variant)))};
 constexpr Table variants{"variants", variants_rules};
 constexpr Rule mapping_rules[] = {need(index("material", "/materials")),
                                   need(indices("variants", "/extensions/KHR_materials_variants/variants")),
