@@ -19,6 +19,9 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
                                     "KHR_materials_ior",
                                     "KHR_materials_transmission",
                                     "KHR_materials_emissive_strength",
+                                    "KHR_materials_pbrSpecularGlossiness",
+                                    "KHR_materials_variants",
+                                    "EXT_mesh_gpu_instancing",
                                     "KHR_draco_mesh_compression",
                                     "EXT_texture_webp",
                                     "EXT_meshopt_compression"};
@@ -26,6 +29,17 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
 bool supported(const std::string& name)
 {
     return std::find(k_supported.begin(), k_supported.end(), name) != k_supported.end();
+}
+
+constexpr const char* k_basisu = "KHR_texture_basisu";
+
+// Whether every texture that is compressed with Basis Universal has another image beside it.
+bool has_fallbacks(const Model& model)
+{
+    const auto compressed = [](const Texture& t) { return t.compressed; };
+    return std::any_of(model.textures.begin(), model.textures.end(), compressed) &&
+           std::none_of(model.textures.begin(), model.textures.end(),
+                        [&](const Texture& t) { return t.compressed && t.source == k_absent; });
 }
 
 // The smallest and largest number that a component can hold.
@@ -195,13 +209,18 @@ void check_extensions(const Model& model, Context& context)
         if (std::find(used.begin(), used.end(), name) == used.end())
             context.repair(Fault::extension_list, at("/extensionsRequired", i),
                            [&] { return fmt::format("'{}' is required but not used", name.substr(0, 80)); });
+        if (name == k_basisu && has_fallbacks(model)) continue;
+        if (name == k_basisu)
+            context.fail(at("/extensionsRequired", i),
+                         "needs the extension 'KHR_texture_basisu', which is not supported: export the file with PNG, "
+                         "JPEG or WebP textures, or convert it, for example with 'gltf-transform ktxdecompress'");
         if (!supported(name))
             context.fail(at("/extensionsRequired", i),
                          fmt::format("needs the extension '{}', which is not supported", name.substr(0, 80)));
     }
     for (std::size_t i = 0; i < model.extensions_used.size(); ++i) {
         const std::string& name = model.extensions_used[i];
-        if (!supported(name))
+        if (!supported(name) && !(name == k_basisu && has_fallbacks(model)))
             context.warn(at("/extensionsUsed", i), fmt::format("the extension '{}' is ignored", name.substr(0, 80)));
         const auto& required = model.extensions_required;
         if (name == "KHR_mesh_quantization" && std::find(required.begin(), required.end(), name) == required.end())

@@ -86,8 +86,11 @@ void check_material(const Material& material, const std::string& here, const Con
         {&material.metallic_roughness_texture, "metallicRoughnessTexture"},
         {&material.normal_texture, "normalTexture"},
         {&material.occlusion_texture, "occlusionTexture"},
-        {&material.emissive_texture, "emissiveTexture"}};
+        {&material.emissive_texture, "emissiveTexture"},
+        {material.glossiness ? &material.glossiness->diffuse_texture : nullptr, "diffuseTexture"},
+        {material.glossiness ? &material.glossiness->specular_texture : nullptr, "specularGlossinessTexture"}};
     for (const auto& [info, name] : uses) {
+        if (!info) continue;
         const float sum =
             info->offset.x + info->offset.y + info->scale.x + info->scale.y + info->rotation + info->factor;
         if (!std::isfinite(sum)) context.fail(at(here, name), "a number is too large");

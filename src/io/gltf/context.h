@@ -29,6 +29,8 @@ struct Limits {
     std::uint64_t geometry_bytes_per_byte = 64;
     // Triangles drawn by repeated instances of meshes; an instance takes only a few bytes in the file.
     std::uint64_t repeated_triangles = 1ull << 27;
+    // Instances of EXT_mesh_gpu_instancing, plus one for so many bytes of buffers.
+    std::uint64_t instances = 64 << 10, bytes_per_instance = 8;
     // The same for images, in pixels: a byte of deflated data expands to at most 1032 bytes.
     std::uint64_t pixels = 4ull << 20;
     std::uint64_t pixels_per_byte = 1032;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/interruption.h"
+#include "base/one_line.h"
 #include "gnomon/error.h"
 #include "io/file/read_file.h"
 #include "io/gltf/build.h"
@@ -99,6 +100,67 @@ std::vector<Index> roots_of(const Model& model, const std::vector<Index>& parent
     return roots;
 }
 
+// Gives each primitive the material that it has in a variant.
+void choose_variant(Model& model, const std::string& name)
+{
+    if (name.empty() || model.variants.empty()) return;
+    const auto found = std::find(model.variants.begin(), model.variants.end(), name);
+    if (found == model.variants.end()) {
+        std::string names;
+        for (const std::string& variant : model.variants)
+            if (names.size() < 500) names += (names.empty() ? "" : ", ") + shown_name(variant);
+        throw UsageError(fmt::format("no variant '{}'; there are: {}", shown_name(name), names));
+    }
+    const auto variant = static_cast<Index>(found - model.variants.begin());
+    for (Mesh& mesh : model.meshes)
+        for (Primitive& p : mesh.primitives)
+            for (const Primitive::Mapping& m : p.mappings)
+                if (std::find(m.variants.begin(), m.variants.end(), variant) != m.variants.end()) {
+                    p.material = m.material;
+                    break;
+                }
+}
+
+// Reads the transforms of a node's instances.
+std::vector<glm::dmat4> instance_matrices(const Model& model, const Data& data, const Attributes& attributes,
+                                          std::uint64_t& left, const std::string& here, Context& context)
+{
+    std::vector<scene::TransformParts> parts;
+    for (const auto& [name, index] : attributes) {
+        const std::string place = at(here, name);
+        const Accessor& accessor = model.accessors[index];
+        const bool rotation = name == "ROTATION";
+        if (!rotation && name != "TRANSLATION" && name != "SCALE") continue;   // attributes of shaders
+        const bool whole = accessor.component == Component::f32 && !accessor.normalized;
+        const bool fraction =
+            accessor.normalized && (accessor.component == Component::i8 || accessor.component == Component::i16);
+        if (accessor.shape != (rotation ? Shape::vec4 : Shape::vec3) || !(whole || (rotation && fraction)))
+            context.fail(place, fmt::format("cannot be {}", accessor.format()));
+        if (const std::string reason = data.unreachable(accessor); !reason.empty() || !data.has_bytes(accessor))
+            context.fail(place, fmt::format("accessor {} {}", index, reason.empty() ? "has no data" : reason));
+        if (!parts.empty() && parts.size() != accessor.count)
+            context.fail(place, fmt::format("{} elements, another attribute has {}", accessor.count, parts.size()));
+        if (parts.empty() && accessor.count > left)
+            context.fail(place, "far more instances than the size of the file allows");
+        if (parts.empty()) left -= accessor.count, parts.resize(accessor.count);
+        std::vector<double> v;
+        data.read_double(accessor, v);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            if (rotation) {
+                const glm::dquat q(v[4 * i + 3], v[4 * i], v[4 * i + 1], v[4 * i + 2]);
+                const double length = glm::length(q);
+                parts[i].rotation = length > 0 && std::isfinite(length) ? q * (1 / length) : glm::dquat(1, 0, 0, 0);
+            } else {
+                (name == "SCALE" ? parts[i].scale : parts[i].translation) = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+            }
+        }
+    }
+    std::vector<glm::dmat4> matrices;
+    matrices.reserve(parts.size());
+    for (const scene::TransformParts& p : parts) matrices.push_back(p.matrix());
+    return matrices;
+}
+
 void build_skins(const Model& model, const Data& data, const std::vector<scene::NodeId>& ids,
                  const std::vector<scene::SkinId>& skin_ids, scene::Scene& out, Context& context)
 {
@@ -143,6 +205,7 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
     std::reverse(stack.begin(), stack.end());
     std::set<scene::MeshId> placed;
     std::uint64_t repeated = 0;
+    std::uint64_t instances_left = context.limits.instances + data.total_bytes() / context.limits.bytes_per_instance;
     while (!stack.empty()) {
         const Index index = stack.back();
         stack.pop_back();
@@ -156,15 +219,33 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
 
         if (source.mesh != k_absent) {
             const scene::MeshId mesh = meshes.get(source.mesh);
+            const auto count = [&](std::uint64_t times) {
+                if (mesh != scene::none)
+                    repeated += times * std::max(out.meshes[mesh].triangles.size(), out.meshes[mesh].positions.size());
+            };
+            if (source.instances && mesh != scene::none) {
+                // Each instance is a node below this one.
+                const std::vector<glm::dmat4> places = instance_matrices(
+                    model, data, *source.instances, instances_left,
+                    at(at(at(at("/nodes", index), "extensions"), "EXT_mesh_gpu_instancing"), "attributes"), context);
+                count(places.size());
+                if (repeated > context.limits.repeated_triangles)
+                    context.fail(at("/nodes", index), fmt::format("more than {} triangles or vertices in instances",
+                                                                  context.limits.repeated_triangles));
+                for (const glm::dmat4& place : places) {
+                    const scene::NodeId instance = out.add_node(source.name, id, place);
+                    out.nodes[instance].mesh = mesh;
+                    if (source.weights) out.nodes[instance].morph_weights = *source.weights;
+                }
+            }
             scene::Node& node = out.nodes[id];
-            node.mesh = mesh;
-            if (mesh != scene::none && !placed.insert(mesh).second)
-                repeated += std::max(out.meshes[mesh].triangles.size(), out.meshes[mesh].positions.size());
+            node.mesh = source.instances ? scene::none : mesh;
+            if (!placed.insert(mesh).second && !source.instances) count(1);
             if (repeated > context.limits.repeated_triangles)
                 context.fail(at("/nodes", index), fmt::format("more than {} triangles or vertices in repeated meshes",
                                                               context.limits.repeated_triangles));
-            if (source.weights && mesh != scene::none) node.morph_weights = *source.weights;
-            if (source.skin != k_absent && mesh != scene::none && out.meshes[mesh].skin) {
+            if (source.weights && node.mesh != scene::none) node.morph_weights = *source.weights;
+            if (source.skin != k_absent && node.mesh != scene::none && out.meshes[mesh].skin) {
                 if (skin_ids[source.skin] == scene::none) {
                     skin_ids[source.skin] = static_cast<scene::SkinId>(out.skins.size());
                     out.skins.emplace_back();
@@ -207,6 +288,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
         bindings = check_schema(document, context);
         model = read_model(document);
     }
+    choose_variant(model, options.variant);
     step(0.1);
     check_extensions(model, context);
     check_layout(model, context);
@@ -222,6 +304,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
 
     scene::Scene scene;
     scene.name = file.stem().string();
+    scene.variants = model.variants;
     Materials materials(model, data, scene, context);
     Meshes meshes(model, data, materials, scene, context);
     build_scene(model, data, parent, meshes, options.animation, scene, context);
