@@ -159,7 +159,7 @@ struct LoadOptions {
     std::string variant{};
 };
 
-/// Loads a scene: a file by its extension (.aff, ...), or "builtin:NAME".
+/// Loads a scene: a file by its extension (.gltf, .glb, .obj, .ply, .stl, .aff), or "builtin:NAME".
 /// @throws InputError        a file is missing or invalid; the message names file, place and fault
 /// @throws UsageError        unknown extension or built-in scene, or no such animation or variant
 /// @throws InterruptedError  progress returned false

@@ -15,8 +15,10 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
     if (extension == ".aff") return load_aff(file, progress);
     if (extension == ".obj") return load_obj(file, progress);
     if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress, options);
-    throw UsageError(
-        fmt::format("{}: unknown scene format '{}'; use .aff, .obj, .gltf or .glb", file.string(), extension));
+    if (extension == ".ply") return load_ply(file, progress);
+    if (extension == ".stl") return load_stl(file, progress);
+    throw UsageError(fmt::format("{}: unknown scene format '{}'; use .gltf, .glb, .obj, .ply, .stl or .aff",
+                                 file.string(), extension));
 }
 
 }   // namespace gnomon::io

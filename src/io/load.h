@@ -30,6 +30,12 @@ scene::Scene load_aff(const std::filesystem::path& file, const Progress& progres
 /// with a warning. Statements that are not supported (lines, curves) give a warning, too.
 scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress = {});
 
+/// PLY meshes, as text or binary in either byte order. Point clouds are rejected.
+scene::Scene load_ply(const std::filesystem::path& file, const Progress& progress = {});
+
+/// STL meshes, as text or binary.
+scene::Scene load_stl(const std::filesystem::path& file, const Progress& progress = {});
+
 /// glTF 2.0: .gltf with its buffers and images in its folder or below, or .glb. Places in errors are JSON pointers
 /// (line:column if the JSON itself is invalid, "byte N" in the container of a GLB).
 /// @throws UsageError  no such clip or variant
