@@ -33,6 +33,7 @@ k_may_include = {
     "ray/vulkan": k_rays | {"vk", "gpu_scene"},
     "light_views": k_rays | {"vk", "gpu_scene"},
     "shadow_culling": k_rays | {"visibility"},
+    "area_light": k_rays | {"visibility"},
     "shadow_textures": k_rays | {"vk", "gpu_scene", "light_views"},
     "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting"},
     "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan"},

@@ -360,6 +360,16 @@ void SceneState::note_lists()
     for (const GroupId group : groups_toggled_)
         for (const ObjectId object : scene_->groups[group].objects)
             if (group_of_[object] == group && object_visible(object)) changes_.moved.push_back(object);
+    // An object that was added appears, even where the same node had another object.
+    for (const ObjectId object : changes_.added) {
+        if (!object_visible(object)) continue;
+        changes_.appeared.push_back(object);
+        if (group_of_[object] != none) changes_.groups_moved.push_back(group_of_[object]);
+    }
+    if (!changes_.added.empty())
+        std::erase_if(changes_.moved, [&](ObjectId object) {
+            return std::binary_search(changes_.added.begin(), changes_.added.end(), object);
+        });
     sort_unique(changes_.moved);
     sort_unique(changes_.appeared);
     sort_unique(changes_.vanished);

@@ -314,7 +314,7 @@ TEST(DynamicMaskCulling, LeastHeightEqualsALinearSearchOfAllTriangles)
             depth.normal = {0, 0, 1};
             depth = space.in_world(face, depth);
             double least = std::numeric_limits<double>::infinity();
-            for (TriangleId t = 0; t < triangles.size(); ++t) {
+            for (visibility::TriangleId t = 0; t < triangles.size(); ++t) {
                 const glm::dvec3 p[3] = {glm::dvec3(triangles[t].p[0]), glm::dvec3(triangles[t].p[1]),
                                          glm::dvec3(triangles[t].p[2])};
                 visibility::ClippedPolygon inside;

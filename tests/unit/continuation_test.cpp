@@ -214,6 +214,27 @@ TEST(Continuation, AStateListsWhatCameAndWent)
     EXPECT_TRUE(state.changes().added.empty());
 }
 
+TEST(Continuation, WhatIsNumberedAnewAppears)
+{
+    // Object 4 rode on object 3; now it may move by itself, so both get other numbers and groups.
+    const auto before = std::make_shared<Scene>(made());
+    SceneState state(before, 0);
+    Scene wanted = *before;
+    wanted.nodes[5].animated = true;
+    const auto next = continued(*before, wanted);
+    ASSERT_TRUE(next);
+    state.continue_with(*next);
+    glm::dmat4 place(1);
+    place[3] = glm::dvec4(1, 2, 3, 1);
+    state.override_transform(5, &place);
+    const FrameChanges& changes = state.advance(0);
+    EXPECT_EQ(changes.vanished, (std::vector<ObjectId>{3, 4}));
+    EXPECT_EQ(changes.added, (std::vector<ObjectId>{5, 6}));
+    EXPECT_EQ(changes.appeared, changes.added) << "one of them stands where it was, the other moves";
+    EXPECT_TRUE(changes.moved.empty());
+    EXPECT_EQ(changes.groups_moved.size(), 2u);
+}
+
 TEST(Continuation, AStateKeepsTheOverridesThatAHostStillHas)
 {
     const auto before = std::make_shared<Scene>(made());

@@ -10,7 +10,7 @@ namespace gnomon::io::gltf {
 
 namespace {
 
-using Compression = BufferView::Compression;
+using Compression = Compression;
 
 // The reason why a view's numbers break the rules of its mode and filter, or empty [EXT_meshopt_compression].
 std::string fault_of(const Compression& c)

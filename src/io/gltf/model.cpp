@@ -162,7 +162,7 @@ BufferView read_view(const json& j)
     v.stride = integer(j, "byteStride");
     v.target = static_cast<int>(integer(j, "target"));
     if (const json* e = extension(j, "EXT_meshopt_compression")) {
-        BufferView::Compression& c = v.compression.emplace();
+        Compression& c = v.compression.emplace();
         c.buffer = index(*e, "buffer");
         c.offset = integer(*e, "byteOffset", 0), c.length = integer(*e, "byteLength", 0);
         c.stride = integer(*e, "byteStride", 1), c.count = integer(*e, "count", 0);

@@ -53,16 +53,17 @@ struct Accessor {
     std::string format() const;
 };
 
+/// By EXT_meshopt_compression: where the compressed bytes of a buffer view are. The uncompressed ones may be missing.
+struct Compression {
+    Index buffer = 0;
+    std::uint64_t offset = 0, length = 0, stride = 1, count = 0;
+    std::string mode, filter = "NONE";
+};
+
 struct BufferView {
     Index buffer = 0;
     std::uint64_t offset = 0, length = 0, stride = 0;   // 0: tightly packed
     int target = 0;
-    /// By EXT_meshopt_compression: where the compressed bytes are. The uncompressed ones may be missing.
-    struct Compression {
-        Index buffer = 0;
-        std::uint64_t offset = 0, length = 0, stride = 1, count = 0;
-        std::string mode, filter = "NONE";
-    };
     std::optional<Compression> compression;
 };
 

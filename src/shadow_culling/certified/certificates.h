@@ -11,11 +11,18 @@
 // The receiver is tested like any other triangle; it lies below its own shaft. A failed proof implies nothing. Cost per
 // proof: a few microseconds (a tree traversal with a tetrahedron, or up to `max_patch` triangles).
 
-#include "shadow_culling/certified/checks.h"
-#include "shadow_culling/certified/static_triangles.h"
+#include "visibility/checks.h"
 #include "visibility/shaft.h"
+#include "visibility/static_triangles.h"
 
 namespace gnomon::shadow_culling {
+
+using visibility::Check;
+using visibility::LeftOut;
+using visibility::no_triangle;
+using visibility::StaticTriangle;
+using visibility::StaticTriangles;
+using visibility::TriangleId;
 
 struct CertificateOptions {
     visibility::ShaftRules shaft;

@@ -26,12 +26,14 @@
 #include <span>
 #include <vector>
 
-#include "shadow_culling/certified/static_triangles.h"
 #include "shadow_culling/dynamic_mask/dynamic_shapes.h"
 #include "shadow_culling/dynamic_mask/light_space.h"
 #include "shadow_culling/dynamic_mask/texels.h"
+#include "visibility/static_triangles.h"
 
 namespace gnomon::shadow_culling {
+
+using visibility::StaticTriangles;
 
 struct MaskOptions {
     float texel_pixels = 2;       // width of a texel, in the pixels of the view

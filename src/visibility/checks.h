@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 enum class Check : std::uint8_t {
     // NONE
@@ -43,4 +43,4 @@ struct LeftOut {
     constexpr bool has(Check check) const { return (bits >> static_cast<unsigned>(check)) & 1; }
 };
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility

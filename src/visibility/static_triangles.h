@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The static triangles for certificates: their adjacency, and a tree to find those that intersect a shaft.
+// The static triangles for proofs: their adjacency, and a tree to find those that intersect a shaft.
 //
 // Built once per scene; promoted objects are removed. World positions are the floats that rays are tested against,
 // except for static instances, where rays are transformed to the space of the mesh. Edges match if the bits of their
@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "ray/ray_scene.h"
-#include "shadow_culling/certified/checks.h"
+#include "visibility/checks.h"
 #include "visibility/shaft.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 using TriangleId = std::uint32_t;   // index among all static triangles
 inline constexpr TriangleId no_triangle = 0xffffffffu;
@@ -71,11 +71,11 @@ class StaticTriangles {
 
     /// Whether any triangle that can block light, opaque or masked, intersects the shaft. Conservative: may be true
     /// where none does.
-    bool any_in(const visibility::Shaft& shaft) const;
+    bool any_in(const Shaft& shaft) const;
 
     /// The least height over `plane` of all triangles that can block light, clipped to the four `sides`; infinite if
     /// none is left.
-    double least_height(const std::array<visibility::Plane, 4>& sides, const visibility::Plane& plane) const;
+    double least_height(const std::array<Plane, 4>& sides, const Plane& plane) const;
 
     /// Finds opaque triangles that intersect the segment origin + [0, 1] * to_end, at most `most`, in no particular
     /// order.
@@ -129,4 +129,4 @@ void StaticTriangles::visit(const Meets& meets, const Take& take) const
     }
 }
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility

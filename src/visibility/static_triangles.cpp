@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shadow_culling/certified/static_triangles.h"
+#include "visibility/static_triangles.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "base/interruption.h"
 #include "visibility/shaft.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 namespace {
 
@@ -259,7 +259,7 @@ void StaticTriangles::remove_from_tree(TriangleId id)
     }
 }
 
-bool StaticTriangles::any_in(const visibility::Shaft& shaft) const
+bool StaticTriangles::any_in(const Shaft& shaft) const
 {
     if (nodes_.empty() || !shaft.may_meet(nodes_[0].low, nodes_[0].high)) return false;
     std::array<std::uint32_t, 128> stack;
@@ -277,15 +277,14 @@ bool StaticTriangles::any_in(const visibility::Shaft& shaft) const
             if (order_[i] == no_triangle) continue;
             const StaticTriangle& t = triangles_[order_[i]];
             const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
-            visibility::ClippedPolygon clipped;
-            if (shaft.clip(p, shaft.room_for(shadow_culling::largest_coordinate(t)), clipped)) return true;
+            ClippedPolygon clipped;
+            if (shaft.clip(p, shaft.room_for(visibility::largest_coordinate(t)), clipped)) return true;
         }
     }
     return false;
 }
 
-double StaticTriangles::least_height(const std::array<visibility::Plane, 4>& sides,
-                                     const visibility::Plane& plane) const
+double StaticTriangles::least_height(const std::array<Plane, 4>& sides, const Plane& plane) const
 {
     double least = std::numeric_limits<double>::infinity();
     // The corner of a box that is lowest or highest over a plane.
@@ -296,7 +295,7 @@ double StaticTriangles::least_height(const std::array<visibility::Plane, 4>& sid
         return p;
     };
     const auto may_matter = [&](const Node& node) {
-        for (const visibility::Plane& side : sides)
+        for (const Plane& side : sides)
             if (side.at(corner(node, side.normal, true)) < 0) return false;
         return plane.at(corner(node, plane.normal, false)) < least;
     };
@@ -319,8 +318,8 @@ double StaticTriangles::least_height(const std::array<visibility::Plane, 4>& sid
             if (order_[i] == no_triangle) continue;
             const StaticTriangle& t = triangles_[order_[i]];
             const glm::dvec3 p[3] = {glm::dvec3(t.p[0]), glm::dvec3(t.p[1]), glm::dvec3(t.p[2])};
-            visibility::ClippedPolygon clipped;
-            if (!visibility::clip_triangle(sides, p, clipped)) continue;
+            ClippedPolygon clipped;
+            if (!clip_triangle(sides, p, clipped)) continue;
             for (int c = 0; c < clipped.count; ++c)
                 least = std::min(least, plane.at(clipped.corner[static_cast<std::size_t>(c)]));
         }
@@ -385,4 +384,4 @@ std::size_t StaticTriangles::bytes() const
            nodes_.size() * sizeof(Node) + order_.size() * sizeof(TriangleId);
 }
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "area_light/visible_cells.cpp"
+#include <hwy/foreach_target.h>   // first of all
+
+#include <hwy/highway.h>
+
+#include "area_light/visible_cells.h"
+
+#ifndef GNOMON_AREA_LIGHT_VISIBLE_CELLS_ONCE
+#define GNOMON_AREA_LIGHT_VISIBLE_CELLS_ONCE
+namespace gnomon::area_light {
+// Sums by lane of a vector of 16, whatever the processor's vectors are, so that the bits are the same.
+inline constexpr std::size_t k_lanes = 16;
+struct CellSums {
+    alignas(64) float seen[k_lanes]{};
+    alignas(64) float all[k_lanes]{};
+};
+struct CellArrays {
+    const float *x, *y, *z, *count;
+    const float* visible;
+};
+}   // namespace gnomon::area_light
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace gnomon::area_light::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+void sum_cells(const CellArrays& cells, const glm::vec3& point, const glm::vec3& normal, const glm::vec3& horizon,
+               const glm::vec3& light_normal, CellSums& sums)
+{
+    const hn::CappedTag<float, k_lanes> d;
+    const auto zero = hn::Zero(d);
+    const auto px = hn::Set(d, point.x), py = hn::Set(d, point.y), pz = hn::Set(d, point.z);
+    for (std::size_t i = 0; i < k_cells; i += hn::Lanes(d)) {
+        const auto x = hn::Sub(hn::LoadU(d, cells.x + i), px), y = hn::Sub(hn::LoadU(d, cells.y + i), py),
+                   z = hn::Sub(hn::LoadU(d, cells.z + i), pz);
+        const auto along = [&](const glm::vec3& n) HWY_ATTR {
+            return hn::Add(hn::Add(hn::Mul(x, hn::Set(d, n.x)), hn::Mul(y, hn::Set(d, n.y))),
+                           hn::Mul(z, hn::Set(d, n.z)));
+        };
+        const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+        const auto here = along(normal), there = hn::Neg(along(light_normal));
+        const auto arrives = hn::And(hn::And(hn::Gt(here, zero), hn::Gt(there, zero)), hn::Gt(along(horizon), zero));
+        const auto weight = hn::IfThenElseZero(arrives, hn::Div(hn::Mul(here, there), hn::Mul(square, square)));
+        const std::size_t lane = i % k_lanes;
+        hn::Store(hn::Add(hn::Load(d, sums.seen + lane), hn::Mul(weight, hn::LoadU(d, cells.visible + i))), d,
+                  sums.seen + lane);
+        hn::Store(hn::Add(hn::Load(d, sums.all + lane), hn::Mul(weight, hn::LoadU(d, cells.count + i))), d,
+                  sums.all + lane);
+    }
+}
+
+}   // namespace gnomon::area_light::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <bit>
+
+namespace gnomon::area_light {
+
+HWY_EXPORT(sum_cells);
+
+int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCells& visible)
+{
+    int count = 0;
+    for (std::size_t r = 0; r < blocked.size(); r += 2) {
+        // The number of set bits of each byte, for both rows.
+        const auto by_byte = [](std::uint64_t bits) {
+            bits -= bits >> 1 & 0x5555555555555555ull;
+            bits = (bits & 0x3333333333333333ull) + (bits >> 2 & 0x3333333333333333ull);
+            return (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0full;
+        };
+        const std::uint64_t both =
+            by_byte(places.inside()[r] & ~blocked[r]) + by_byte(places.inside()[r + 1] & ~blocked[r + 1]);
+        for (std::size_t k = 0; k < 8; ++k) visible[r / 2 * 8 + k] = static_cast<std::uint8_t>(both >> (8 * k));
+        count += static_cast<int>(both * 0x0101010101010101ull >> 56);
+    }
+    return count;
+}
+
+LightCells::LightCells(const LightPlaces& places) : light_normal_(places.polygon().normal)
+{
+    for (int cell = 0; cell < k_cells; ++cell) {
+        const int row = cell / 8 * 2, first = cell % 8 * 8;
+        glm::dvec2 sum(0), middle(0);
+        int count = 0;
+        for (int r = row; r < row + 2; ++r)
+            for (int i = first; i < first + 8; ++i) {
+                const glm::dvec2 st(places.at(r, i));
+                middle += st / 16.0;
+                if ((places.inside()[static_cast<std::size_t>(r)] >> i & 1) == 0) continue;
+                sum += st;
+                ++count;
+            }
+        const glm::dvec2 st = count > 0 ? sum / static_cast<double>(count) : middle;
+        const glm::dvec3 p =
+            glm::dvec3(places.origin()) + st.x * glm::dvec3(places.side_s()) + st.y * glm::dvec3(places.side_t());
+        const auto c = static_cast<std::size_t>(cell);
+        x_[c] = static_cast<float>(p.x), y_[c] = static_cast<float>(p.y), z_[c] = static_cast<float>(p.z);
+        count_[c] = static_cast<float>(count);
+    }
+    area_ = glm::length(glm::cross(places.side_s(), places.side_t())) / (k_square_rows * k_row_places);
+}
+
+float LightCells::share(const glm::vec3& point, const glm::vec3& normal, const glm::vec3& horizon,
+                        const VisibleCells& visible) const
+{
+    alignas(64) std::array<float, k_cells> seen;
+    for (std::size_t c = 0; c < seen.size(); ++c) seen[c] = visible[c];
+    CellSums sums;
+    HWY_DYNAMIC_DISPATCH(sum_cells)
+    ({x_.data(), y_.data(), z_.data(), count_.data(), seen.data()}, point, normal, horizon, light_normal_, sums);
+    double part = 0, whole = 0;
+    for (std::size_t lane = 0; lane < k_lanes; ++lane)
+        part += static_cast<double>(sums.seen[lane]), whole += static_cast<double>(sums.all[lane]);
+    return whole > 0 ? static_cast<float>(part / whole) : 0;
+}
+
+}   // namespace gnomon::area_light
+#endif
