@@ -35,7 +35,7 @@ k_may_include = {
     "shadow_culling": k_rays | {"visibility"},
     "area_light": k_rays | {"visibility"},
     "shadow_textures": k_rays | {"vk", "gpu_scene", "light_views"},
-    "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting"},
+    "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility"},
     "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan"},
     "reference": k_rays | {"lighting", "visibility", "shading"},
     "trace": k_rays | {"lighting", "visibility", "shading", "shadow_culling", "light_quadtree", "irradiance_cache"},

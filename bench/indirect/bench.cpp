@@ -280,6 +280,7 @@ class Bench {
             if (counts) {
                 moving += whole, repair += begun, walls.push_back(whole.wall);
                 row.work.clusters += work.clusters, row.work.rays += work.rays;
+                row.work.rays_left_out += work.rays_left_out;
                 row.work.dirty_pixels += work.dirty_pixels, row.work.dirty_nodes += work.dirty_nodes;
             }
 
@@ -334,8 +335,8 @@ class Bench {
         const auto a_frame = [&](std::uint64_t n) {
             return static_cast<std::uint64_t>(static_cast<double>(n) / later);
         };
-        row.work = {a_frame(row.work.clusters), a_frame(row.work.rays), a_frame(row.work.dirty_pixels),
-                    a_frame(row.work.dirty_nodes), row.work.bytes};
+        row.work = {a_frame(row.work.clusters),    a_frame(row.work.rays), a_frame(row.work.dirty_pixels),
+                    a_frame(row.work.dirty_nodes), row.work.bytes,         a_frame(row.work.rays_left_out)};
         std::sort(walls.begin(), walls.end());
         row.ms_moving_median = walls[walls.size() / 2], row.ms_moving_worst = walls.back();
         if (reference_sum > 0) {

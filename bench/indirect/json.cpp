@@ -52,6 +52,7 @@ Json row_json(const IndirectRow& r)
             {"view_change_largest", r.view_change ? Json(r.view_change->largest) : Json(nullptr)},
             {"rays", r.work.rays},
             {"rays_cold", r.rays_cold},
+            {"rays_left_out", r.work.rays_left_out},
             {"bytes", r.work.bytes}};
 }
 

@@ -99,6 +99,7 @@ class MapMethod final : public IndirectMethod {
 
     void light(const SeenImage& image, Tasks& tasks, glm::vec3* irradiance) override
     {
+        map_.begin_image(image.size.width, image.size.height);
         if (const int step = grid_step(image.size); step > 0)
             map_.set_grid(image.grid.receivers, image.grid.columns, step, tasks);
         tasks.for_each(image.tiles.size(), [&](std::size_t t, int worker) {
@@ -125,8 +126,8 @@ class MapMethod final : public IndirectMethod {
         map_.end_frame(batches_);
         const light_quadtree::LightMap::Work& work = map_.map().work();
         const light_quadtree::ShadowCounters& shadow = map_.counters().shadow;
-        return {map_.counters().lights, work.cast + shadow.rays - shadow.rays_skipped, work.dirty_texels,
-                work.dirty_nodes, map_.bytes()};
+        return {map_.counters().lights, work.cast + shadow.cast(), work.dirty_texels, work.dirty_nodes, map_.bytes(),
+                shadow.left_out};
     }
 
  private:
@@ -163,14 +164,17 @@ std::unique_ptr<IndirectMethod> make_map_method(const IndirectMethodInfo& info,
     return std::make_unique<MapMethod>(options, state, rays, tasks);
 }
 
-template <bool printed, bool shadowed>
+enum class Gathered : std::uint8_t { as_published, as_printed, with_shadows };
+
+template <Gathered gathered, bool separate_trees = false>
 std::unique_ptr<IndirectMethod> make_quadtree(const IndirectMethodInfo& info, const scene::SceneState& state,
                                               const ray::RayScene& rays, Tasks& tasks)
 {
     light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::quadtree);
     options.levels.limit = info.number;
-    options.as_printed = printed;
-    options.shadows = shadowed;
+    options.as_printed = gathered == Gathered::as_printed;
+    options.shadows = gathered == Gathered::with_shadows;
+    options.map.separate_trees = separate_trees;
     return make_map_method(info, options, state, rays, tasks);
 }
 
@@ -182,23 +186,31 @@ struct Row {
     int least, most;                    // range of the number; 0, 0 if there is none
     double IndirectSettings::*second;   // what the second number sets; null if there is none
     double highest;                     // of the second number
-    bool visible, walks;
+    bool visible, walks, on_device;
     decltype(IndirectMethodInfo::make) make;
 };
 constexpr Row k_methods[] = {
-    {"visible", "", "cached visibility", 0, 0, nullptr, 0, true, true,
+    {"visible", "", "cached visibility", 0, 0, nullptr, 0, true, true, false,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          return std::make_unique<VisibleMethod>(info.settings, state, rays, tasks);
      }},
     {"quadtree", ":LEVEL[:MARGIN]", "quad-tree, limit level {}, margin of validity {}", 1, 7, &IndirectSettings::margin,
-     1, false, true, make_quadtree<false, false>},
+     1, false, true, true, make_quadtree<Gathered::as_published>},
+    {"separate", ":LEVEL[:MARGIN]",
+     "separate quad-trees of static and dynamic objects, limit level {}, margin of "
+     "validity {}",
+     1, 7, &IndirectSettings::margin, 1, false, true, false, make_quadtree<Gathered::as_published, true>},
     {"printed", ":LEVEL", "quad-tree as printed, one pass a level, limit level {}", 1, 7, nullptr, 0, false, false,
-     make_quadtree<true, false>},
+     true, make_quadtree<Gathered::as_printed>},
     {"shadowed", ":LEVEL[:MARGIN]", "quad-tree with shadows of clusters, limit level {}, margin of validity {}", 1, 7,
-     &IndirectSettings::margin, 1, true, true, make_quadtree<false, true>},
+     &IndirectSettings::margin, 1, true, true, false, make_quadtree<Gathered::with_shadows>},
+    {"separate-shadowed", ":LEVEL[:MARGIN]",
+     "separate quad-trees with shadows of clusters, limit level {}, margin of "
+     "validity {}",
+     1, 7, &IndirectSettings::margin, 1, true, true, false, make_quadtree<Gathered::with_shadows, true>},
     {"rsm", ":SAMPLES[:RADIUS]", "sampling, {} samples within {} of the map's side", 1, 65536,
-     &IndirectSettings::radius, k_widest, false, false,
+     &IndirectSettings::radius, k_widest, false, false, true,
      [](const IndirectMethodInfo& info, const scene::SceneState& state, const ray::RayScene& rays,
         Tasks& tasks) -> std::unique_ptr<IndirectMethod> {
          light_quadtree::MapLightOptions options = map_options(info, light_quadtree::MapMethod::rsm);
@@ -218,7 +230,7 @@ IndirectMethodInfo find_indirect_method(const std::string& name, const IndirectS
         const bool numbered = row.most > 0;
         known += fmt::format("{}{}{}", known.empty() ? "" : ", ", row.name, row.form);
         if (name.substr(0, colon) != row.name || numbered != (colon != std::string::npos)) continue;
-        IndirectMethodInfo info{name,        "",       settings, row.make, 0, settings.vulkan && !row.visible,
+        IndirectMethodInfo info{name,        "",       settings, row.make, 0, settings.vulkan && row.on_device,
                                 row.visible, row.walks};
         if (numbered) {
             const char* const end = name.data() + name.size();

@@ -20,6 +20,7 @@ struct IndirectWork {
     std::uint64_t rays = 0;
     std::uint64_t dirty_pixels = 0, dirty_nodes = 0;   // texels of light maps and nodes of light trees that changed
     std::uint64_t bytes = 0;                           // memory in use
+    std::uint64_t rays_left_out = 0;                   // with shadows of clusters: pairs known without a ray
 };
 
 /// Milliseconds measured by the method itself, because a clock around its calls would not measure the device's work.
@@ -59,7 +60,7 @@ struct IndirectSettings {
     bool vulkan = false;              // rsm, quadtree: run on a Vulkan device
     std::size_t memory = 16u << 20;   // visible: size of the irradiance cache, in bytes
     double radius = 0.3;              // rsm: radius of the disk in sides of the light map, unless the name states one
-    double margin = 0;                // quadtree, shadowed: margin of validity, unless the name states one
+    double margin = 0;                // quadtree, separate, shadowed: margin of validity, unless the name states one
 };
 
 struct IndirectMethodInfo {

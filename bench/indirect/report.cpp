@@ -41,6 +41,7 @@ std::string times_text(double kept, double not_kept)
 constexpr double k_margin = 0.5;
 constexpr int k_margin_level = 6;
 constexpr int k_shadowed_levels[] = {6, 5};
+constexpr int k_separate_levels[] = {6, 5, 4};
 
 // The section of one study.
 class Section {
@@ -140,13 +141,16 @@ class Section {
                         settings_.depth_threshold, settings_.normal_threshold));
     }
 
-    // Compares the published method with what we added: shares near the thresholds, and shadows of clusters.
+    // Compares the published method with what we added: shares near the thresholds, separate trees, and shadows of
+    // clusters.
     void beyond_the_paper()
     {
         ReportTable table;
         table.caption =
             "Beyond the paper. A margin of validity: near the thresholds, a node and its children share the light, so "
-            "that it does not change abruptly. Shadows: clusters are occluded by rays from the receivers; what static "
+            "that it does not change abruptly. Separate trees: static and dynamic objects have clusters of their own, "
+            "so that no cluster is the mean of an object and the wall behind it. Shadows: clusters are occluded by "
+            "rays from the receivers; what static "
             "geometry does to the path between a receiver and a cluster that stay is remembered. Printed: the cut as "
             "the paper finds it, one pass a level at every receiver; its light is that of the compacted cut.";
         table.columns = {"",
@@ -156,18 +160,21 @@ class Section {
                          "total light",
                          "flicker, percent",
                          "kept / not kept / repaired, ms",
-                         "rays per frame"};
+                         "rays per frame",
+                         "rays left out"};
         for (const IndirectRow& r : result_.rows) {
-            const bool printed = r.method.starts_with("printed"), shadowed = r.method.starts_with("shadowed");
-            const bool plain = std::any_of(std::begin(k_shadowed_levels), std::end(k_shadowed_levels), [&](int level) {
+            const bool printed = r.method.starts_with("printed"), separate = r.method.starts_with("separate"),
+                       shadowed = r.method.find("shadowed") != std::string::npos;
+            const bool plain = std::any_of(std::begin(k_separate_levels), std::end(k_separate_levels), [&](int level) {
                 return r.method == quadtree_name(level) && find(r.method) == &r;
             });
-            if (!printed && !shadowed && !(r.settings.margin > 0) && !plain) continue;
+            if (!printed && !separate && !shadowed && !(r.settings.margin > 0) && !plain) continue;
             table.rows.push_back(
                 {{name_with_thresholds(r), fmt::format("{}", r.work.clusters), optional_number(r.nrmse_brute, "{:.3f}"),
                   optional_number(r.nrmse, "{:.3f}"), optional_number(r.energy_ratio, "{:.3f}"),
                   r.flicker ? fmt::format("{:.2f}", 100 * *r.flicker) : "-", kept_times(r),
-                  shadowed ? fmt::format("{}", r.work.rays) : "-"},
+                  shadowed ? fmt::format("{}", r.work.rays) : "-",
+                  shadowed ? fmt::format("{}", r.work.rays_left_out) : "-"},
                  false});
         }
         if (table.rows.size() > 1) page_.table(table);
@@ -512,10 +519,13 @@ std::vector<IndirectMethodInfo> indirect_methods_of_paper(const IndirectSettings
     }
     if (!settings.vulkan) {
         methods.push_back(find_indirect_method(fmt::format("quadtree:{}:{}", k_margin_level, k_margin), settings));
+        for (const int level : k_separate_levels)
+            methods.push_back(find_indirect_method(fmt::format("separate:{}", level), settings));
         // At every pixel, rays to all clusters would take most of the report's time.
         if (!settings.full) {
             for (const int level : k_shadowed_levels)
-                methods.push_back(find_indirect_method(fmt::format("shadowed:{}", level), settings));
+                for (const char* name : {"shadowed", "separate-shadowed"})
+                    methods.push_back(find_indirect_method(fmt::format("{}:{}", name, level), settings));
         }
     }
     methods.push_back(find_indirect_method(fmt::format("printed:{}", k_margin_level), settings));

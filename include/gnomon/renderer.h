@@ -63,6 +63,9 @@ struct RenderOptions {
     /// Indirect::quadtree: fraction of the thresholds around them within which a cluster and the four below it share
     /// the light, so that it does not change abruptly; 0: as published.
     double validity_margin = 0;
+    /// Indirect::quadtree of traced frames: static and dynamic objects have light trees of their own, so that motion
+    /// changes no static cluster's place, which would flicker; false: as published.
+    bool separate_trees = false;
     /// Indirect::quadtree of traced frames: clusters are occluded, by rays from the receivers; false: as published.
     bool cluster_shadows = false;
     /// Indirect::rsm, quadtree: gather at every pixel. Otherwise, gather at 64 receivers along the longer side, and

@@ -83,6 +83,10 @@ void check_options(const RenderOptions& o)
         throw UsageError("the reference is traced: not with the rasteriser");
     if (o.cluster_shadows && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))
         throw UsageError("shadows of clusters are traced: they need the traced frame, with indirect light by quadtree");
+    if (o.separate_trees && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))
+        throw UsageError(
+            "separate trees are those of a traced light map: they need the traced frame, with indirect light by "
+            "quadtree");
     if (o.overlay == Overlay::redrawn &&
         (o.renderer == RenderMethod::trace || o.shadow_textures == ShadowTextures::off))
         throw UsageError("an overlay of what was redrawn shows light views: it needs the rasteriser, with shadows");

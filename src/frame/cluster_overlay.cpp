@@ -34,11 +34,13 @@ std::optional<Cluster> cluster_at(const LightMap& map, const light_quadtree::Cut
         const light_quadtree::LightNode& texel = map.node(view.node(view.levels, x, y));
         if (texel.flux == glm::vec3(0)) continue;
         if (!(glm::length(texel.position - position) < k_nearness * std::sqrt(texel.area))) continue;
+        const LightMap::Tree tree = map.tree_of(view, x, y);
         const int limit = std::min(light_quadtree::grid_of_paper_level(levels.limit), view.levels);
         for (int grid = light_quadtree::grid_of_paper_level(levels.start); grid <= limit; ++grid) {
             const int up = view.levels - grid;
-            const std::size_t id = view.node(grid, x >> up, y >> up);
-            if (grid == limit || map.valid(id)) return Cluster{id, grid};
+            const std::size_t id = map.number(tree, view.node(grid, x >> up, y >> up));
+            if (grid == limit || map.share(tree, view, grid, x >> up, y >> up) == light_quadtree::k_whole_share)
+                return Cluster{id, grid};
         }
     }
     return {};

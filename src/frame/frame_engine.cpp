@@ -64,6 +64,7 @@ light_quadtree::MapLightOptions map_options(const RenderOptions& options)
     result.levels.limit = options.indirect_level;
     result.map.validity = {static_cast<float>(options.depth_threshold), static_cast<float>(options.normal_threshold),
                            static_cast<float>(options.validity_margin)};
+    result.map.separate_trees = options.separate_trees;
     result.shadows = options.cluster_shadows;
     result.rsm.samples = options.rsm_samples;
     if (options.indirect_at_every_pixel) result.grid = 0;
@@ -79,7 +80,7 @@ auto cache_key(const RenderOptions& o)
 auto map_key(const RenderOptions& o)
 {
     return std::tuple(o.indirect, o.rsm_samples, o.indirect_level, o.depth_threshold, o.normal_threshold,
-                      o.validity_margin, o.cluster_shadows, o.indirect_at_every_pixel);
+                      o.validity_margin, o.separate_trees, o.cluster_shadows, o.indirect_at_every_pixel);
 }
 
 auto raster_key(const RenderOptions& o)

@@ -37,27 +37,31 @@ void find_clusters(const LightMap& map, const CutLevels& levels, Clusters& out)
     std::vector<Place> here, below;
     const int start = grid_of_paper_level(levels.start);
     GNOMON_CHECK(start >= 0 && levels.limit <= levels.start && (1 << start) <= map.options().least_side);
-    for (const LightMap::View& view : map.views()) {
-        if (!view.on) continue;
-        for (int y = 0; y < 1 << start; ++y)
-            for (int x = 0; x < 1 << start; ++x) here.push_back({&view, x, y, 1});
-    }
-    for (int grid = start; !here.empty(); ++grid) {
-        below.clear();
-        for (const Place& place : here) {
-            // The cut of a map smaller than the limit level ends at its texels.
-            const int limit = std::min(grid_of_paper_level(levels.limit), place.view->levels);
-            const std::size_t id = place.view->node(grid, place.x, place.y);
-            const Share share = grid < limit ? map.share(id) : k_whole_share;
-            if (share < k_whole_share) {
-                const float rest = place.rest * left_by(share);
-                for (int child = 0; child < 4; ++child)
-                    below.push_back({place.view, 2 * place.x + child % 2, 2 * place.y + child / 2, rest});
-            }
-            const LightNode& light = map.node(id);
-            if (share > 0 && light.flux != glm::vec3(0)) out.push(light, id, grid, place.rest * taken_by(share));
+    for (const LightMap::Tree tree : map.trees()) {
+        for (const LightMap::View& view : map.views()) {
+            if (!view.on) continue;
+            for (int y = 0; y < 1 << start; ++y)
+                for (int x = 0; x < 1 << start; ++x) here.push_back({&view, x, y, 1});
         }
-        std::swap(here, below);
+        for (int grid = start; !here.empty(); ++grid) {
+            below.clear();
+            for (const Place& place : here) {
+                // The cut of a map smaller than the limit level ends at its texels.
+                const LightMap::View& view = *place.view;
+                const int limit = std::min(grid_of_paper_level(levels.limit), view.levels);
+                const Share share = grid < limit ? map.share(tree, view, grid, place.x, place.y) : k_whole_share;
+                if (share < k_whole_share) {
+                    const float rest = place.rest * left_by(share);
+                    for (int child = 0; child < 4; ++child)
+                        below.push_back({&view, 2 * place.x + child % 2, 2 * place.y + child / 2, rest});
+                }
+                const LightNode light = map.node(tree, view, grid, place.x, place.y);
+                if (share > 0 && light.flux != glm::vec3(0))
+                    out.push(light, map.number(tree, view.node(grid, place.x, place.y)), grid,
+                             place.rest * taken_by(share));
+            }
+            std::swap(here, below);
+        }
     }
 }
 

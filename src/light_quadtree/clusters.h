@@ -6,7 +6,8 @@
 // replaced by its four children; at the limit level every node becomes a cluster. A node that is valid in part
 // (Validity::margin) becomes a cluster with its share of the light, and its children have the rest. Validity depends on
 // the lights only, so one cut serves all receivers, while the published method finds it again at every receiver, level
-// by level (gather_as_printed).
+// by level (gather_as_printed). Of separate trees (LightMapOptions::separate_trees) the cut of static objects comes
+// first, and stays as it is while the lights stay, but for the flux of its clusters.
 //
 // DEVIATION(Ki 2007, 3.2): the cut is computed once per light and frame and stored as a list. The sums are the same,
 // bit for bit.
@@ -36,7 +37,7 @@ struct Clusters {
     std::vector<float> nx, ny, nz;    // shorter than 1 where normals vary
     std::vector<float> disk;          // area / pi
     std::vector<float> r, g, b;       // flux / pi
-    std::vector<std::size_t> node;    // index in the light map
+    std::vector<std::size_t> node;    // LightMap::number()
     std::vector<std::uint8_t> grid;   // log2 of the nodes a side of its level
 
     std::size_t size() const { return x.size(); }

@@ -105,6 +105,7 @@ glm::vec3 gather_one(const Clusters& clusters, const glm::vec3& position, const 
 glm::vec3 gather_as_printed(const LightMap& map, const CutLevels& levels, const glm::vec3& position,
                             const glm::vec3& normal, std::uint64_t* nodes_looked_at)
 {
+    GNOMON_CHECK(!map.options().separate_trees);
     const int start = grid_of_paper_level(levels.start), limit = grid_of_paper_level(levels.limit);
     glm::vec3 irradiance(0);
     Clusters light;

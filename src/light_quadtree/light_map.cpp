@@ -50,6 +50,15 @@ LightMap::LightMap(const scene::SceneState& state, const ray::RayScene& rays, co
     const std::size_t end = views_.empty() ? 0 : views_.back().end();
     nodes_.resize(end);
     share_.assign(end, 0);
+    if (options.separate_trees) {
+        std::size_t uppers = 0;
+        for (const View& view : views_) {
+            first_upper_.push_back(uppers);
+            uppers += view.node(view.levels, 0, 0) - view.first;
+        }
+        dynamic_nodes_.resize(uppers);
+        dynamic_share_.assign(uppers, k_whole_share);
+    }
     layers_.resize(views_.size());
     std::vector<Work> works(views_.size());
     tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(v, state, rays, works[v]); });
@@ -86,6 +95,11 @@ void LightMap::make_view(std::size_t v, const scene::SceneState& state, const ra
     layers.kept.clear();
     layers.reach.assign(layers.slot.size(), {});
     layers.footprints.assign(ball_.size(), {});
+    if (options_.separate_trees) {
+        const std::size_t first = upper(view, 0, 0, 0), count = view.node(view.levels, 0, 0) - view.first;
+        std::fill_n(dynamic_nodes_.begin() + static_cast<std::ptrdiff_t>(first), count, LightNode{});
+        std::fill_n(dynamic_share_.begin() + static_cast<std::ptrdiff_t>(first), count, k_whole_share);
+    }
     aim_view(view, state, bounds_);
     if (!view.on) return;
 
@@ -194,8 +208,70 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
     }
 }
 
+std::span<const LightMap::Tree> LightMap::trees() const
+{
+    static constexpr Tree k_one[] = {Tree::whole}, k_two[] = {Tree::static_objects, Tree::dynamic_objects};
+    return options_.separate_trees ? std::span<const Tree>(k_two) : std::span<const Tree>(k_one);
+}
+
+// The place of a node above the texels in the tree of dynamic objects.
+std::size_t LightMap::upper(const View& view, int level, int x, int y) const
+{
+    return first_upper_[view_number(view)] + view.node(level, x, y) - view.first;
+}
+
+// The static texel under one that may show a dynamic object; null where none has been.
+const LightNode* LightMap::static_layer(const View& view, int x, int y) const
+{
+    const Layers& layers = layers_[view_number(view)];
+    const int tiles = view.side() / k_tile;
+    const std::int32_t slot = layers.slot[static_cast<std::size_t>(y / k_tile * tiles + x / k_tile)];
+    if (slot < 0) return nullptr;
+    return &layers.kept[static_cast<std::size_t>(slot)][static_cast<std::size_t>(y % k_tile * k_tile + x % k_tile)];
+}
+
+// A texel is of a dynamic object if it differs from the static layer.
+LightMap::Tree LightMap::tree_of(const View& view, int x, int y) const
+{
+    if (!options_.separate_trees) return Tree::whole;
+    const LightNode* const under = static_layer(view, x, y);
+    return under && !same_bits(nodes_[view.node(view.levels, x, y)], *under) ? Tree::dynamic_objects
+                                                                             : Tree::static_objects;
+}
+
+LightNode LightMap::node(Tree tree, const View& view, int level, int x, int y) const
+{
+    const LightNode& own = nodes_[view.node(level, x, y)];
+    if (tree == Tree::whole) return own;
+    if (level < view.levels) return tree == Tree::static_objects ? own : dynamic_nodes_[upper(view, level, x, y)];
+    if (tree_of(view, x, y) == tree) return own;
+    if (tree == Tree::dynamic_objects) return {};
+    LightNode covered = *static_layer(view, x, y);
+    covered.flux = glm::vec3(0);
+    return covered;
+}
+
+Share LightMap::share(Tree tree, const View& view, int level, int x, int y) const
+{
+    return tree == Tree::dynamic_objects && level < view.levels ? dynamic_share_[upper(view, level, x, y)]
+                                                                : share_[view.node(level, x, y)];
+}
+
 void LightMap::make_node(const View& view, int level, int x, int y)
 {
+    if (options_.separate_trees) {
+        for (const Tree tree : trees()) {
+            const LightNode four[4] = {
+                node(tree, view, level + 1, 2 * x, 2 * y), node(tree, view, level + 1, 2 * x + 1, 2 * y),
+                node(tree, view, level + 1, 2 * x, 2 * y + 1), node(tree, view, level + 1, 2 * x + 1, 2 * y + 1)};
+            const bool dynamic = tree == Tree::dynamic_objects;
+            LightNode& mean = dynamic ? dynamic_nodes_[upper(view, level, x, y)] : nodes_[view.node(level, x, y)];
+            mean = mean_of(four);
+            (dynamic ? dynamic_share_[upper(view, level, x, y)] : share_[view.node(level, x, y)]) =
+                share_of(four, mean, options_.validity);
+        }
+        return;
+    }
     const LightNode four[4] = {
         nodes_[view.node(level + 1, 2 * x, 2 * y)], nodes_[view.node(level + 1, 2 * x + 1, 2 * y)],
         nodes_[view.node(level + 1, 2 * x, 2 * y + 1)], nodes_[view.node(level + 1, 2 * x + 1, 2 * y + 1)]};
@@ -338,7 +414,7 @@ void LightMap::remake(const scene::SceneState& state, const ray::RayScene& rays,
 
 std::size_t LightMap::bytes() const
 {
-    std::size_t bytes = nodes_.size() * (sizeof(LightNode) + 1);
+    std::size_t bytes = (nodes_.size() + dynamic_nodes_.size()) * (sizeof(LightNode) + 1);
     for (const Layers& layers : layers_)
         bytes += layers.slot.size() * (sizeof(std::int32_t) + sizeof(Distances)) + layers.kept.size() * sizeof(Tile);
     return bytes;

@@ -13,9 +13,16 @@
 // was updated over any number of frames equals a new one, bit for bit, because a tile's rays always form the same
 // packets. Rays at dynamic objects end at the static layer, so static objects are not traced again.
 //
+// With LightMapOptions::separate_trees there are two pyramids. That of static objects has all static texels, those that
+// a dynamic object covers as well, but these without flux: its means and its validity change only with the light. The
+// other one has the texels of dynamic objects. So no node is a mean over an object and the wall behind it, which moves
+// as the object passes and was what flickered.
+//
 // Cost: construction, a light that moved or was relit, or a material that changed: a ray per texel. A frame: rays at
-// texels that dynamic objects may cover, in the tiles that they left or entered. Memory: 68 bytes per texel.
+// texels that dynamic objects may cover, in the tiles that they left or entered. Memory: 68 bytes per texel, and 17
+// more with separate trees.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -36,14 +43,30 @@ class LightMap {
     /// Makes everything anew, whatever changed.
     void remake(const scene::SceneState& state, const ray::RayScene& rays, Tasks& tasks);
 
+    /// The pyramids: one over the whole map, or two (LightMapOptions::separate_trees).
+    enum class Tree : std::uint8_t { whole, static_objects, dynamic_objects };
+    std::span<const Tree> trees() const;
+
     using View = MapView;
     std::span<const View> views() const { return views_; }
     std::span<const LightNode> nodes() const { return nodes_; }
+    /// Of separate trees, that of static objects; its texels are those of the whole map.
     const LightNode& node(std::size_t id) const { return nodes_[id]; }
     /// Whether a node stands for everything below it: all of the light is its own.
     bool valid(std::size_t id) const { return share_[id] == k_whole_share; }
     Share share(std::size_t id) const { return share_[id]; }
     const LightMapOptions& options() const { return options_; }
+
+    /// A node of a tree, and its share; `view` is one of views().
+    LightNode node(Tree tree, const View& view, int level, int x, int y) const;
+    Share share(Tree tree, const View& view, int level, int x, int y) const;
+    /// A number of a node, unique among those of all trees.
+    std::size_t number(Tree tree, std::size_t id) const
+    {
+        return tree == Tree::dynamic_objects ? nodes_.size() + id : id;
+    }
+    /// The tree that a texel's light belongs to.
+    Tree tree_of(const View& view, int x, int y) const;
 
     /// Increases with every change of the map.
     std::uint32_t version() const { return version_; }
@@ -73,6 +96,9 @@ class LightMap {
     void cast_tile(const View& view, int tile, TexelMask which, const scene::SceneState& state,
                    const ray::RayScene& rays, ray::Against against, Tile& texels, Distances& reach) const;
     void make_node(const View& view, int level, int x, int y);
+    std::size_t view_number(const View& view) const { return static_cast<std::size_t>(&view - views_.data()); }
+    std::size_t upper(const View& view, int level, int x, int y) const;
+    const LightNode* static_layer(const View& view, int x, int y) const;
     light_views::Rect footprint(const View& view, const scene::SceneState& state, scene::ObjectId object) const;
 
     LightMapOptions options_;
@@ -82,6 +108,10 @@ class LightMap {
     std::vector<Layers> layers_;   // by view
     std::vector<LightNode> nodes_;
     std::vector<Share> share_;
+    // Separate trees: nodes above the texels of the tree of dynamic objects, view by view.
+    std::vector<std::size_t> first_upper_;   // by view
+    std::vector<LightNode> dynamic_nodes_;
+    std::vector<Share> dynamic_share_;
     std::vector<float> ball_;   // by SceneState::dynamic_index(): radius about the centre of its box; 0: it deforms
     std::uint32_t version_ = 1;
     Work work_;

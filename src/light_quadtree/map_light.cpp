@@ -9,21 +9,11 @@
 
 namespace gnomon::light_quadtree {
 
-namespace {
-
-void add(ShadowCounters& sum, const ShadowCounters& more)
-{
-    sum.rays += more.rays;
-    sum.rays_skipped += more.rays_skipped;
-    sum.rays_dynamic_only += more.rays_dynamic_only;
-}
-
-}   // namespace
-
 MapLight::MapLight(const scene::SceneState& state, const ray::RayScene& rays, const MapLightOptions& options,
                    Tasks& tasks)
     : options_(options), map_(state, rays, options.map, tasks), rays_(&rays)
 {
+    if (options_.shadows) dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
     find_lights();
 }
 
@@ -33,11 +23,18 @@ void MapLight::begin_frame(const scene::SceneState& state, const ray::RayScene& 
     const std::uint32_t before = map_.version();
     if (forgotten_) {
         map_.remake(state, rays, tasks);
-        grid_modes_.clear();
+        grid_modes_.forget(), pixel_modes_.forget();
         forgotten_ = false;
     } else {
         map_.update(state, rays, tasks);
     }
+    if (dynamic_) dynamic_->update(state, rays);
+    // Static geometry changed: what it does to paths is not known any longer.
+    if (const scene::FrameChanges& changes = state.changes(); !changes.promoted.empty() ||
+                                                              !changes.materials_changed.empty() ||
+                                                              !changes.added.empty() || !changes.removed.empty())
+        grid_modes_.forget(), pixel_modes_.forget();
+    grid_modes_.begin_frame(), pixel_modes_.begin_frame();
     find_lights();
     counters_.kept_map = map_.version() == before;
     // With shadows, what moves occludes without changing the map.
@@ -57,6 +54,7 @@ void MapLight::find_lights()
         else
             all_texels(map_, clusters_);
         clusters_version_ = map_.version();
+        if (options_.shadows) grid_modes_.follow(clusters_), pixel_modes_.follow(clusters_);
     }
     counters_.lights = clusters_.size();
 }
@@ -68,17 +66,17 @@ int MapLight::grid_step(int width, int height) const
 
 void MapLight::gather_all(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch) const
 {
-    gather_some(receivers, begin, end, batch, nullptr);
+    gather_some(receivers, begin, end, batch, {});
 }
 
 void MapLight::gather_some(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch,
-                           PathModes* modes) const
+                           std::span<PathModes::Row* const> rows) const
 {
     const bool quadtree = options_.method == MapMethod::quadtree;
     if (options_.method == MapMethod::rsm) {
         sample_map(map_, options_.rsm, receivers, begin, end, batch.places);
     } else if (quadtree && options_.shadows) {
-        gather_with_shadows(clusters_, receivers, begin, end, *rays_, modes, batch.shadows);
+        gather_with_shadows(clusters_, receivers, begin, end, *rays_, {rows, dynamic_.get()}, batch.shadows);
     } else if (quadtree && options_.as_printed) {
         for (std::size_t i = begin; i < end; ++i) {
             const glm::vec3 light =
@@ -107,15 +105,39 @@ void MapLight::set_grid(std::span<const MapReceiver> points, int columns, int st
     for (std::size_t i = 0; i < grid_.size(); ++i) receivers.set(i, grid_[i].position, grid_[i].normal);
     constexpr std::size_t k_part = 8 * k_receiver_step;
     const std::size_t padded = receivers.x.size(), parts = (padded + k_part - 1) / k_part;
-    if (options_.shadows) grid_modes_.follow(clusters_, receivers);
+    if (options_.shadows) grid_modes_.resize(grid_.size());
     std::vector<Batch> batches(parts);
     tasks.for_each(parts, [&](std::size_t part, int) {
-        gather_some(receivers, part * k_part, std::min(padded, (part + 1) * k_part), batches[part], &grid_modes_);
+        const std::size_t begin = part * k_part, end = std::min(padded, begin + k_part);
+        Batch& batch = batches[part];
+        if (options_.shadows) {
+            batch.rows.assign(end - begin, nullptr);
+            for (std::size_t i = begin; i < std::min(end, grid_.size()); ++i)
+                batch.rows[i - begin] = grid_modes_.of(i, grid_[i].position, grid_[i].normal);
+        }
+        gather_some(receivers, begin, end, batch, batch.rows);
     });
-    for (const Batch& batch : batches) add(counters_.shadow, batch.shadows.counters);
+    for (const Batch& batch : batches) counters_.shadow += batch.shadows.counters;
     grid_light_.resize(grid_.size());
     for (std::size_t i = 0; i < grid_.size(); ++i) grid_light_[i] = receivers.irradiance(i);
     counters_.gathered += grid_.size();
+}
+
+void MapLight::begin_image(int width, int height)
+{
+    if (!options_.shadows || (width == width_ && height == height_)) return;
+    width_ = width, height_ = height;
+    pixel_modes_.forget();
+    pixel_modes_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+}
+
+// What is remembered of a point's paths; null if it is not a pixel's own, or not the first of several in its pixel.
+PathModes::Row* MapLight::row_of(const MapReceiver& point) const
+{
+    if (point.pixel.x < 0 || point.pixel.y < 0 || point.pixel.x >= width_ || point.pixel.y >= height_) return nullptr;
+    return pixel_modes_.of(static_cast<std::size_t>(point.pixel.y) * static_cast<std::size_t>(width_) +
+                               static_cast<std::size_t>(point.pixel.x),
+                           point.position, point.normal);
 }
 
 // Interpolates from the four surrounding receivers of the grid if enough of them lie on the pixel's surface.
@@ -159,10 +181,17 @@ void MapLight::shade(Batch& batch, std::span<const MapReceiver> points, glm::vec
     receivers.resize(batch.waiting.size());
     for (std::size_t k = 0; k < batch.waiting.size(); ++k)
         receivers.set(k, points[batch.waiting[k]].position, points[batch.waiting[k]].normal);
+    if (options_.shadows) {
+        batch.rows.assign(receivers.x.size(), nullptr);
+        for (std::size_t k = 0; k < batch.waiting.size(); ++k) batch.rows[k] = row_of(points[batch.waiting[k]]);
+    }
     constexpr std::size_t k_part = 8 * k_receiver_step;   // between interruption points
     for (std::size_t begin = 0; begin < receivers.x.size(); begin += k_part) {
         interruption_point();
-        gather_all(receivers, begin, std::min(begin + k_part, receivers.x.size()), batch);
+        const std::size_t end = std::min(begin + k_part, receivers.x.size());
+        gather_some(
+            receivers, begin, end, batch,
+            options_.shadows ? std::span(batch.rows).subspan(begin, end - begin) : std::span<PathModes::Row*>());
     }
     for (std::size_t k = 0; k < batch.waiting.size(); ++k) irradiance[batch.waiting[k]] = receivers.irradiance(k);
     batch.counters.gathered += batch.waiting.size();
@@ -173,7 +202,7 @@ void MapLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
     for (const auto& batch : batches) {
         counters_.gathered += batch->counters.gathered;
         counters_.interpolated += batch->counters.interpolated;
-        add(counters_.shadow, batch->shadows.counters);
+        counters_.shadow += batch->shadows.counters;
         batch->counters = {};
         batch->shadows.counters = {};
     }
@@ -182,7 +211,7 @@ void MapLight::end_frame(std::span<const std::unique_ptr<Batch>> batches)
 std::size_t MapLight::bytes() const
 {
     return map_.bytes() + clusters_.size() * (10 * sizeof(float) + sizeof(std::size_t) + 1) +
-           grid_.size() * (sizeof(MapReceiver) + sizeof(glm::vec3)) + grid_modes_.bytes();
+           grid_.size() * (sizeof(MapReceiver) + sizeof(glm::vec3)) + grid_modes_.bytes() + pixel_modes_.bytes();
 }
 
 }   // namespace gnomon::light_quadtree

@@ -68,6 +68,9 @@ class MapLight {
 
     /// Pixels between two receivers of the grid, for an image of that size; 0: no grid.
     int grid_step(int width, int height) const;
+    /// With shadows: what static geometry does is also remembered for pixels of an image of that size, which the points
+    /// of shade() name. Without it, for the grid alone. Call after begin_frame().
+    void begin_image(int width, int height);
     /// Gathers at the grid's receivers, given row by row from pixel (0, 0) on, `columns` per row. Call after
     /// begin_frame().
     void set_grid(std::span<const MapReceiver> receivers, int columns, int step, Tasks& tasks);
@@ -77,10 +80,12 @@ class MapLight {
         Receivers receivers;
         RsmPlaces places;
         std::vector<std::uint32_t> waiting;
+        std::vector<PathModes::Row*> rows;
         ShadowScratch shadows;
         MapLightCounters counters;
     };
-    /// Irradiance at points. Thread-safe if every thread uses its own batch.
+    /// Irradiance at points. Thread-safe if every thread uses its own batch, and the points of a pixel are in those of
+    /// one thread.
     void shade(Batch& batch, std::span<const MapReceiver> points, glm::vec3* irradiance) const;
     /// Irradiance at receivers as a structure of arrays, all gathered without interpolation. begin, end: as for
     /// gather().
@@ -95,8 +100,10 @@ class MapLight {
 
  private:
     bool interpolate(const MapReceiver& point, glm::vec3& irradiance) const;
-    void gather_some(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch, PathModes* modes) const;
+    void gather_some(Receivers& receivers, std::size_t begin, std::size_t end, Batch& batch,
+                     std::span<PathModes::Row* const> rows) const;
     void find_lights();
+    PathModes::Row* row_of(const MapReceiver& point) const;
 
     MapLightOptions options_;
     LightMap map_;
@@ -107,7 +114,11 @@ class MapLight {
     int grid_columns_ = 0, grid_step_ = 0;
     std::uint32_t grid_version_ = 0;   // of the map
     const ray::RayScene* rays_;
-    PathModes grid_modes_;   // with shadows: of the grid's receivers
+    // With shadows: paths of the grid's receivers and of pixels, and the boxes of dynamic objects.
+    PathModes grid_modes_;
+    mutable PathModes pixel_modes_;   // a pixel belongs to one thread
+    int width_ = 0, height_ = 0;      // of the image; 0: pixels are not remembered
+    std::unique_ptr<visibility::DynamicBounds> dynamic_;
     bool forgotten_ = false;
     MapLightCounters counters_;
 };

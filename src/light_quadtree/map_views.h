@@ -18,6 +18,8 @@ struct LightMapOptions {
     float least_cosine = 0.05f;   // limits the area of a texel on surfaces at grazing angles
     int most_transparent = 16;    // surfaces that a ray passes through at most
     Validity validity;
+    /// Static and dynamic texels form trees of their own (LightMap::Tree); false: one tree, as published. Traced maps.
+    bool separate_trees = false;
     bool against_everything = false;   // ignore the static layer for dynamic objects; slow, for tests
 };
 

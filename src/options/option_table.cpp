@@ -205,10 +205,11 @@ constexpr Option k_options[] = {
     {.name = "moving-lights", .subcommands = bit(bench_culling) | bit(bench_indirect), .group = k_shadows,
      .help = "move every light along a small circle, so that no cached result can be reused"},
 
-    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|printed|shadowed|rsm",
+    {.name = "method", .argument = "HOW...", .kind = Kind::text, .choices = "visible|quadtree|separate|printed|shadowed|separate-shadowed|rsm",
      .repeats = true, .subcommands = bit(bench_indirect), .group = k_indirect,
      .help = "methods to measure: visible; quadtree:LEVEL, quadtree:LEVEL:MARGIN (see --validity-margin of render); "
-             "printed:LEVEL, the same by one pass a level; shadowed:LEVEL, with shadows of clusters; rsm:SAMPLES, "
+             "separate:LEVEL, with separate trees of static and dynamic objects; printed:LEVEL, the published one by one pass "
+             "a level; shadowed:LEVEL, separate-shadowed:LEVEL, with shadows of clusters; rsm:SAMPLES, "
              "rsm:SAMPLES:RADIUS (radius of the disk in sides of the light map; 0.3); may be repeated (default: visible; "
              "with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
@@ -238,7 +239,10 @@ constexpr Option k_options[] = {
     {.name = "validity-margin", .argument = "X", .kind = Kind::number, .fallback = "0", .range = ranges::validity_margin,
      .subcommands = k_images, .group = k_indirect,
      .help = "quadtree: fraction of the thresholds around them within which a cluster and the four below it share the "
-             "light, against flicker; 0: as published"},
+             "light; 0: as published"},
+    {.name = "separate-trees", .subcommands = k_images, .group = k_indirect,
+     .help = "quadtree, traced: clusters of static and of dynamic objects are kept apart, against flicker; not in the "
+             "paper"},
     {.name = "cluster-shadows", .subcommands = k_images, .group = k_indirect,
      .help = "quadtree, traced: clusters are occluded, by rays from the receivers; not in the paper"},
     {.name = "receivers", .argument = "HOW", .kind = Kind::choice, .fallback = "64", .choices = "64|full",

@@ -24,6 +24,7 @@ RenderOptions read_render_options(const OptionValues& values)
     options.depth_threshold = values.number("depth-threshold");
     options.normal_threshold = values.number("normal-threshold");
     options.validity_margin = values.number("validity-margin");
+    options.separate_trees = values.flag("separate-trees");
     options.cluster_shadows = values.flag("cluster-shadows");
     options.indirect_at_every_pixel = values.text("receivers") == "full";
     options.accelerator = values.choice<Accelerator>("accelerator");

@@ -38,6 +38,9 @@ class ShadowVisibility final : public LightVisibility {
     void count(FrameCounters& counters) const override;
 
     const light_views::LightViews& views() const { return views_; }
+    /// What look-ups read: the depths and items of the views, and the receivers' textures. New after an update() that
+    /// changed the layout of the views.
+    const shadow_textures::MethodTextures& method() const { return *method_; }
 
  private:
     void make_buffers();

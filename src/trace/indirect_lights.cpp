@@ -109,6 +109,7 @@ class MapIndirect::Work final : public Worker {
 void MapIndirect::begin_frame(const FrameContext& frame)
 {
     light_.begin_frame(frame.state, frame.rays, frame.tasks);
+    light_.begin_image(frame.view.size.width, frame.view.size.height);
     const int step = light_.grid_step(frame.view.size.width, frame.view.size.height);
     if (step == 0) return;
     const IndirectGrid grid = cast_indirect_grid(frame.state.scene(), frame.rays, frame.view, step, frame.tasks);
@@ -127,7 +128,7 @@ FrameCounters::Indirect MapIndirect::end_frame(std::span<const std::unique_ptr<W
     light_.end_frame(batches);
     const light_quadtree::MapLightCounters& counters = light_.counters();
     return {.clusters = counters.lights,
-            .rays = light_.map().work().cast + counters.shadow.rays - counters.shadow.rays_skipped,
+            .rays = light_.map().work().cast + counters.shadow.cast(),
             .kept_map = counters.kept_map,
             .kept_receivers = counters.kept_grid};
 }

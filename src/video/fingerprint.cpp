@@ -210,6 +210,7 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     print.add(options.indirect), print.add(options.indirect_on);
     print.add(options.renderer), print.add(options.shadow_textures), print.add(options.shadow_filter);
     print.add(options.as_printed), print.add(options.validity_margin), print.add(options.cluster_shadows);
+    print.add(options.separate_trees);
     print.add(options.rsm_samples), print.add(options.indirect_level), print.add(options.indirect_at_every_pixel);
     print.add(options.depth_threshold), print.add(options.normal_threshold);
     print.add(options.ids), print.add(options.motion);

@@ -199,6 +199,8 @@ TEST(VulkanProgram, RefusesOptionsOfTheOtherRenderer)
     EXPECT_EQ(code({"--as-printed"}), 2);
     EXPECT_EQ(code({"--cluster-shadows"}), 2);
     EXPECT_EQ(code({"--cluster-shadows", "--indirect", "quadtree", "--renderer", "raster"}), 2);
+    EXPECT_EQ(code({"--separate-trees"}), 2);
+    EXPECT_EQ(code({"--separate-trees", "--indirect", "quadtree", "--renderer", "raster"}), 2);
     EXPECT_EQ(code({"--indirect", "quadtree", "--indirect-level", "8"}), 2);
     EXPECT_EQ(code({"--renderer", "raster", "--overlay", "shadow-states"}), 2);
     EXPECT_EQ(code({"--renderer", "raster", "--overlay", "redrawn", "--lights", "0"}), 2);

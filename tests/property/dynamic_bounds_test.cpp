@@ -2,7 +2,7 @@
 // Selects the dynamic objects that can shadow a patch of points: the tree of bounding boxes against a linear search,
 // while objects move, deform, hide and are moved by user override. No ray that a dynamic object occludes may be left
 // out.
-#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
+#include "visibility/dynamic_bounds.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace gnomon::test {
 namespace {
 
-using shadow_culling::DynamicBounds;
+using visibility::DynamicBounds;
 
 using Corners = std::array<float, 6>;
 
@@ -73,7 +73,7 @@ TEST(DynamicBounds, EqualsALinearSearchOfAllBoxes)
                 const float end = query.directional ? k_infinity : 1;
                 if (rays.occluded_single(from, 0, along, end, ray::Against::dynamic_only))
                     missed += std::none_of(by_tree.begin(), by_tree.end(), [&](const Box3& box) {
-                        return shadow_culling::segment_meets(box, from, along, end);
+                        return visibility::segment_meets(box, from, along, end);
                     });
             }
             if (step == 5)   // one object is moved out of its group
@@ -118,7 +118,7 @@ TEST(DynamicBounds, DistantRaysHitTheBoxesOfTheirOccluders)
         std::vector<Box3> boxes;
         bounds.select({from, from}, glm::vec3(light), false, boxes);
         selected += !boxes.empty();
-        missed += boxes.empty() || !shadow_culling::segment_meets(boxes[0], from, along, 0.9999f);
+        missed += boxes.empty() || !visibility::segment_meets(boxes[0], from, along, 0.9999f);
     }
     EXPECT_GT(occluded, 10'000u);
     EXPECT_EQ(selected, occluded);

@@ -17,22 +17,32 @@ using light_quadtree::LightMapOptions;
 using light_quadtree::LightNode;
 using test::World;
 
-// The number of nodes or validity bits that differ.
+// The number of nodes or validity bits that differ, in all trees.
 std::size_t differing(const LightMap& a, const LightMap& b)
 {
-    if (a.nodes().size() != b.nodes().size()) return ~std::size_t{0};
+    if (a.nodes().size() != b.nodes().size() || a.trees().size() != b.trees().size()) return ~std::size_t{0};
     std::size_t count = 0;
     for (std::size_t id = 0; id < a.nodes().size(); ++id)
         count += !same_bits(a.node(id), b.node(id)) || a.valid(id) != b.valid(id);
+    if (a.trees().size() == 1) return count;
+    for (const LightMap::Tree tree : a.trees())
+        for (std::size_t v = 0; v < a.views().size(); ++v)
+            for (int level = 0; level <= a.views()[v].levels; ++level)
+                for (int y = 0; y < 1 << level; ++y)
+                    for (int x = 0; x < 1 << level; ++x)
+                        count += !same_bits(a.node(tree, a.views()[v], level, x, y),
+                                            b.node(tree, b.views()[v], level, x, y)) ||
+                                 a.share(tree, a.views()[v], level, x, y) != b.share(tree, b.views()[v], level, x, y);
     return count;
 }
 
 // Steps through random frames and compares with a rebuilt map in each.
-void follow_random_frames(const char* name, int frames, int side, std::uint64_t seed)
+void follow_random_frames(const char* name, int frames, int side, std::uint64_t seed, bool separate_trees = false)
 {
     World world(scene::make_builtin(name));
     LightMapOptions options;
     options.side = side;
+    options.separate_trees = separate_trees;
     LightMap repaired(world.state, world.rays, options, world.tasks);
     Random random(seed);
     std::uint64_t dirty = 0;
@@ -52,6 +62,13 @@ TEST(LightMap, UpdateEqualsARebuild)
     follow_random_frames("cornell", 12, 256, 1);
     follow_random_frames("spheres?objects=40&dynamic=25", 6, 128, 2);
     follow_random_frames("kinetic", 3, 64, 3);
+}
+
+TEST(LightMap, UpdateOfSeparateTreesEqualsARebuild)
+{
+    follow_random_frames("cornell", 8, 128, 1, true);
+    follow_random_frames("spheres?objects=40&dynamic=25", 4, 128, 2, true);
+    follow_random_frames("kinetic", 2, 64, 3, true);
 }
 
 // Random spheres, and places within them, as seen by spot and directional lights.
@@ -220,6 +237,57 @@ TEST(LightMap, NodeIsInvalidIfItsChildrenDiffer)
     EXPECT_FLOAT_EQ(mean_of(four).normal.z, 1);   // means are taken over texels with a hit
     for (LightNode& child : four) child = {};
     EXPECT_TRUE(is_valid(four, mean_of(four), validity));
+}
+
+// While objects move, the tree of static objects keeps its means and its validity; only flux comes and goes. Both trees
+// together have the light of the map, and each texel's light is in one of them.
+TEST(LightMap, SeparateTreesKeepStaticNodesWhereTheyAre)
+{
+    for (const char* name : {"cornell", "spheres?objects=40&dynamic=25"}) {
+        World world(scene::make_builtin(name));
+        LightMapOptions options;
+        options.side = 128;
+        options.separate_trees = true;
+        LightMap map(world.state, world.rays, options, world.tasks);
+        const LightMap first = map;
+        std::size_t flux_changed = 0, dynamic = 0, moved = 0;
+        for (const int frame : {2, 5, 9}) {
+            world.go(frame);
+            map.update(world.state, world.rays, world.tasks);
+            using Tree = LightMap::Tree;
+            for (std::size_t v = 0; v < map.views().size(); ++v) {
+                const LightMap::View &view = map.views()[v], &then = first.views()[v];
+                for (int level = 0; level <= view.levels; ++level)
+                    for (int y = 0; y < 1 << level; ++y)
+                        for (int x = 0; x < 1 << level; ++x) {
+                            LightNode now = map.node(Tree::static_objects, view, level, x, y),
+                                      before = first.node(Tree::static_objects, then, level, x, y);
+                            flux_changed += now.flux != before.flux;
+                            now.flux = before.flux = glm::vec3(0);
+                            moved +=
+                                !same_bits(now, before) || map.share(Tree::static_objects, view, level, x, y) !=
+                                                               first.share(Tree::static_objects, then, level, x, y);
+                        }
+                double whole = 0;
+                for (int y = 0; y < view.side(); ++y)
+                    for (int x = 0; x < view.side(); ++x) {
+                        const LightNode& texel = map.node(view.node(view.levels, x, y));
+                        whole += static_cast<double>(texel.flux.y);
+                        const Tree tree = map.tree_of(view, x, y);
+                        dynamic += tree == Tree::dynamic_objects;
+                        ASSERT_EQ(map.node(tree, view, view.levels, x, y).flux, texel.flux);
+                        const Tree other = tree == Tree::dynamic_objects ? Tree::static_objects : Tree::dynamic_objects;
+                        ASSERT_EQ(map.node(other, view, view.levels, x, y).flux, glm::vec3(0));
+                    }
+                const double both = static_cast<double>(map.node(Tree::static_objects, view, 0, 0, 0).flux.y) +
+                                    static_cast<double>(map.node(Tree::dynamic_objects, view, 0, 0, 0).flux.y);
+                EXPECT_NEAR(both, whole, 1e-4 * whole) << name;
+            }
+        }
+        EXPECT_EQ(moved, 0u) << name;
+        EXPECT_GT(flux_changed, 50u) << name;
+        EXPECT_GT(dynamic, 50u) << name;
+    }
 }
 
 // Every texel with flux lies below exactly one cluster, and the flux of the clusters is that of the map.

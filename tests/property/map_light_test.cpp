@@ -62,6 +62,26 @@ TEST(MapLight, SameBytesColdAndWarmForAnyThreadCount)
     }
 }
 
+// Clusters with shadows, whose visibility is remembered for sparse receivers and for pixels.
+TEST(MapLight, RememberedShadowsGiveTheSameBytes)
+{
+    for (const int grid : {0, 16}) {
+        for (const bool separate : {false, true}) {
+            MapLightOptions options = small(MapMethod::quadtree, grid);
+            options.shadows = true;
+            options.levels.limit = 6;
+            options.map.separate_trees = separate;
+            const Lit cold = lit_after({8}, 1, options, 64), warm = lit_after({6, 7, 8}, 3, options, 64);
+            EXPECT_EQ(cold.indirect, warm.indirect) << grid << separate;
+            EXPECT_EQ(cold.counters.shadow.pairs, warm.counters.shadow.pairs);
+            EXPECT_GE(cold.counters.shadow.cast(), cold.counters.shadow.pairs * 9 / 10);
+            EXPECT_LT(warm.counters.shadow.cast(), cold.counters.shadow.cast() / (separate ? 4 : 2))
+                << grid << separate;
+            EXPECT_NE(cold.indirect, lit_after({8}, 1, small(MapMethod::quadtree, grid), 64).indirect);
+        }
+    }
+}
+
 TEST(MapLight, SparseReceiversApproximateTheSumAtEveryPixel)
 {
     const Lit sparse = lit_after({1}, 2, small(MapMethod::quadtree, 24)),

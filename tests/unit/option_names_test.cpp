@@ -100,6 +100,7 @@ TEST(OptionDefaults, AreTheLibrarys)
         EXPECT_EQ(read.depth_threshold, own.depth_threshold);
         EXPECT_EQ(read.normal_threshold, own.normal_threshold);
         EXPECT_EQ(read.validity_margin, own.validity_margin);
+        EXPECT_EQ(read.separate_trees, own.separate_trees);
         EXPECT_EQ(read.cluster_shadows, own.cluster_shadows);
         EXPECT_EQ(read.as_printed, own.as_printed);
         EXPECT_EQ(read.indirect_at_every_pixel, own.indirect_at_every_pixel);

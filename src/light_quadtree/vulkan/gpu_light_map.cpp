@@ -84,6 +84,7 @@ GpuLightMap::GpuLightMap(const std::shared_ptr<vk::Device>& device, const scene:
       views_(lay_out_views(state.scene(), bounds_, options))
 {
     GNOMON_CHECK(levels.limit <= levels.start && (1 << start_) <= options.least_side);
+    GNOMON_CHECK(!options.separate_trees);
     make_pipelines();
     make_buffers();
 }

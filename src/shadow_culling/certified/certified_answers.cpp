@@ -41,7 +41,7 @@ bool CertifiedCulling::may_meet_dynamic(const Batch& batch, const FrameLight& li
     const glm::vec3& origin = batch.points[point].origin;
     const glm::vec3 direction = light.reach.from(origin);
     return std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(),
-                       [&](const Box3& box) { return segment_meets(box, origin, direction, light.end); });
+                       [&](const Box3& box) { return visibility::segment_meets(box, origin, direction, light.end); });
 }
 
 // Answers queries with known states, eight points at a time, and lists the others.
@@ -240,7 +240,7 @@ void CertifiedCulling::shadow(Batch& batch, int light, std::uint8_t* occluded, s
     for (std::size_t s = 0; s < batch.strip_open.size(); ++s)
         batch.strip_open[s] =
             std::any_of(batch.dynamic_objects.begin(), batch.dynamic_objects.end(), [&](const Box3& box) {
-                return may_shadow(box, batch.strip_bounds[s], reach.place(), reach.directional());
+                return visibility::may_shadow(box, batch.strip_bounds[s], reach.place(), reach.directional());
             });
     batch.static_rays.clear();
     batch.static_point.clear();

@@ -36,7 +36,7 @@ CertifiedCulling::CertifiedCulling(const scene::SceneState& state, const ray::Ra
     triangles_ = std::make_unique<StaticTriangles>(state, rays, options.certificates.left_out);
     memory_ = std::make_unique<ShadowMemory>(2 * triangles_->size(), lights, options.memory);
     light_on_.assign(static_cast<std::size_t>(lights), 1);
-    dynamic_ = std::make_unique<DynamicBounds>(state, rays);
+    dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
     mask_ = std::make_unique<DynamicMask>(state, rays, *triangles_, options.mask);
 }
 

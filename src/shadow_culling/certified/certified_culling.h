@@ -30,8 +30,8 @@
 #include "shadow_culling/certified/look_up.h"
 #include "shadow_culling/certified/shadow_memory.h"
 #include "shadow_culling/certified/shadow_point.h"
-#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
 #include "shadow_culling/dynamic_mask/dynamic_mask.h"
+#include "visibility/dynamic_bounds.h"
 
 namespace gnomon::shadow_culling {
 
@@ -123,7 +123,7 @@ class CertifiedCulling {
     CullingView view_;
     std::unique_ptr<StaticTriangles> triangles_;
     std::unique_ptr<ShadowMemory> memory_;
-    std::unique_ptr<DynamicBounds> dynamic_;
+    std::unique_ptr<visibility::DynamicBounds> dynamic_;
     std::unique_ptr<DynamicMask> mask_;
     std::vector<char> light_on_;   // the light rests, so its states are valid
     bool any_light_on_ = true;

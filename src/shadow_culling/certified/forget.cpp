@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
+#include "visibility/dynamic_bounds.h"
 
 namespace gnomon::shadow_culling {
 
@@ -48,10 +48,10 @@ Forgotten forget_object(scene::ObjectId object, std::span<const RememberedLight>
         const Box3 blocker{footprint.low - widen, footprint.high + widen};
         triangles.visit(
             [&](const glm::vec3& low, const glm::vec3& high) {
-                return may_shadow(blocker, Box3{low, high}, light.to, light.directional);
+                return visibility::may_shadow(blocker, Box3{low, high}, light.to, light.directional);
             },
             [&](TriangleId id) {
-                if (!may_shadow(blocker, box_of(triangles[id]), light.to, light.directional)) return;
+                if (!visibility::may_shadow(blocker, box_of(triangles[id]), light.to, light.directional)) return;
                 ++result.visited;
                 for (const RecordId record : {2 * id, 2 * id + 1}) memory.reopen(record, light.index);
             });

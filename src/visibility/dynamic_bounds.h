@@ -11,7 +11,7 @@
 #include "base/box_tree.h"
 #include "ray/ray_scene.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 class DynamicBounds {
  public:
@@ -52,4 +52,4 @@ bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light,
 /// Whether the segment origin + direction * [0, end] intersects a box, with a margin for rounding.
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end);
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shadow_culling/dynamic_mask/dynamic_bounds.h"
+#include "visibility/dynamic_bounds.h"
 
 #include <algorithm>
 
 #include "base/volume.h"
 
-namespace gnomon::shadow_culling {
+namespace gnomon::visibility {
 
 namespace {
 
@@ -203,4 +203,4 @@ bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& di
     return true;
 }
 
-}   // namespace gnomon::shadow_culling
+}   // namespace gnomon::visibility
