@@ -132,7 +132,7 @@ std::string manual_page()
             text += fmt::format(".B gnomon {}\n{}{}[options]\n.br\n", subcommand.name, roff(subcommand.arguments),
                                 subcommand.arguments.empty() ? "" : " ");
     text +=
-        ".SH DESCRIPTION\nSCENE is a file (.gltf, .glb, .obj, .aff), or builtin:cornell, builtin:kinetic, "
+        ".SH DESCRIPTION\nSCENE is a file (.gltf, .glb, .obj, .ply, .stl, .aff), or builtin:cornell, builtin:kinetic, "
         "builtin:spheres?objects=300&dynamic=10. Defaults are given in parentheses.\n";
     for (const options::SubcommandInfo& subcommand : options::subcommands()) {
         if (!subcommand.built) continue;

@@ -19,6 +19,21 @@ std::string names_of(const std::vector<std::string>& names)
         if (!names[i].empty()) text += fmt::format("{}{}", i == 0 ? "  " : ", ", names[i]);
     return names.size() > shown ? text + ", ..." : text;
 }
+
+std::string animation_line(const AnimationInfo& a, std::size_t number)
+{
+    return fmt::format("{:<10} {}  {}{} frames, {:g} to {:g} s{}", number == 0 ? "animations" : "", number,
+                       a.name.empty() ? "" : a.name + ", ", a.frames, a.start, a.end, a.plays ? ", plays" : "");
+}
+
+nlohmann::json document_of(const std::vector<AnimationInfo>& animations)
+{
+    nlohmann::json list = nlohmann::json::array();
+    for (const AnimationInfo& a : animations)
+        list.push_back(
+            {{"name", a.name}, {"start", a.start}, {"end", a.end}, {"frames", a.frames}, {"plays", a.plays}});
+    return list;
+}
 }   // namespace
 
 int run_info(const CommandLine& line, Output& output)
@@ -34,6 +49,8 @@ int run_info(const CommandLine& line, Output& output)
     output.say(fmt::format("cameras    {}", names_of(info.cameras)));
     output.say(fmt::format("clip       {} frames, {:g} to {:g} s, {:g} frames per second", info.frames, info.start,
                            info.end, info.fps));
+    for (std::size_t i = 0; i < info.animations.size(); ++i) output.say(animation_line(info.animations[i], i));
+    if (!info.variants.empty()) output.say(fmt::format("variants   {}", names_of(info.variants)));
     output.say(fmt::format("bounds     {:g} {:g} {:g} to {:g} {:g} {:g}", info.bounds_low[0], info.bounds_low[1],
                            info.bounds_low[2], info.bounds_high[0], info.bounds_high[1], info.bounds_high[2]));
     output.say(fmt::format("memory     {:.1f} MB at peak", static_cast<double>(peak_memory_bytes()) / 1e6));
@@ -56,6 +73,8 @@ int run_info(const CommandLine& line, Output& output)
                    {"fps", info.fps},
                    {"start", info.start},
                    {"end", info.end},
+                   {"animations", document_of(info.animations)},
+                   {"variants", info.variants},
                    {"bounds", {{"low", info.bounds_low}, {"high", info.bounds_high}}},
                    {"peak_memory_bytes", peak_memory_bytes()},
                    {"warnings", info.warnings}});

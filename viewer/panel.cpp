@@ -21,7 +21,8 @@ constexpr ImU32 k_stage_colors[ViewTimes::k_stages] = {IM_COL32(229, 159, 53, 25
 // Whether the option changes the scene, which then has to be loaded again, and not just a frame of it.
 bool of_scene(std::string_view name)
 {
-    return name == "fps" || name == "lights" || name == "light" || name == "environment";
+    return name == "fps" || name == "lights" || name == "light" || name == "environment" || name == "strict" ||
+           name == "animation" || name == "variant";
 }
 
 std::vector<std::string> split(std::string_view choices)

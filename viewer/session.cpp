@@ -211,9 +211,19 @@ void ViewSession::load_loop(const std::stop_token& stop)
         std::exception_ptr trouble;
         try {
             const auto time = time_of_file(recipe.what);
-            if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time) {
-                loaded_ = gnomon::load(recipe.what, {.progress = progress, .threads = threads_});
+            const LoadOptions options{.progress = progress,
+                                      .threads = threads_,
+                                      .strict = recipe.strict,
+                                      .animation = recipe.animation,
+                                      .variant = recipe.variant};
+            const bool same = loaded_options_.strict == options.strict &&
+                              loaded_options_.animation == options.animation &&
+                              loaded_options_.variant == options.variant;
+            if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time || !same) {
+                loaded_ = gnomon::load(recipe.what, options);
                 loaded_file_ = recipe.what;
+                loaded_options_ = options;
+                loaded_options_.progress = {};
                 loaded_time_ = time;
             }
             Scene made = *loaded_;

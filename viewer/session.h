@@ -100,6 +100,8 @@ struct SceneRecipe {
     std::optional<int> lights;
     std::vector<std::string> light_specs;
     std::string environment;
+    bool strict = false;              // refuses files with errors that could be repaired
+    std::string animation, variant;   // as LoadOptions has them
     friend bool operator==(const SceneRecipe&, const SceneRecipe&) = default;
 };
 
@@ -158,6 +160,7 @@ class ViewSession {
     std::vector<NodeId> held_;                // nodes whose transforms the renderer was given
     // The last file read, so that other lights or rates do not read it again.
     std::string loaded_file_;
+    LoadOptions loaded_options_;   // strict, animation and variant
     std::filesystem::file_time_type loaded_time_{};
     std::optional<Scene> loaded_;
     std::jthread load_thread_, render_thread_;   // last: they use all of the above

@@ -95,8 +95,9 @@ struct Viewer::Impl {
     void open(const std::string& file)
     {
         if (file != what)
-            settings.set(*options::find_option(options::Subcommand::view, "camera"),
-                         "");   // the camera's name belongs to the previous scene
+            // These names belong to the previous scene.
+            for (const char* name : {"camera", "animation", "variant"})
+                settings.set(*options::find_option(options::Subcommand::view, name), "");
         what = file;
         file_time = changed_at(what);
         session.load(settings.recipe(what));

@@ -19,6 +19,14 @@ namespace api {
 class SceneAccess;
 }
 
+/// An animation of a file that may hold several (glTF).
+struct AnimationInfo {
+    std::string name;            // may be empty
+    double start = 0, end = 0;   // of its keys, in seconds
+    int frames = 1;              // at the scene's rate
+    bool plays = false;          // see LoadOptions::animation
+};
+
 /// Statistics of a scene. 'Dynamic' means that it may move or deform at some time in the clip.
 struct SceneInfo {
     std::string name;
@@ -31,6 +39,8 @@ struct SceneInfo {
     double start = 0, end = 0;                 // seconds
     float bounds_low[3]{}, bounds_high[3]{};   // at the start of the clip
     Size resolution{};                         // given by the file; 0 x 0: none
+    std::vector<AnimationInfo> animations;     // in the file's order
+    std::vector<std::string> variants;         // names of the sets of materials that the file offers
     std::vector<std::string> warnings;
 };
 
@@ -140,11 +150,18 @@ class Scene {
 struct LoadOptions {
     Progress progress;   // optional
     int threads = 0;     // 0: all
+    /// Refuses a glTF file with any error. Otherwise harmless errors are repaired, with one warning for each cause.
+    bool strict = false;
+    /// The animation of a glTF file that plays, by name or by number from 0; "all": all of them. Empty: the first, and
+    /// each further one that animates nothing that one before it animates already.
+    std::string animation{};
+    /// The variant of a glTF file's materials, by name. Empty: the materials that the file gives without a variant.
+    std::string variant{};
 };
 
-/// Loads a scene: a file by its extension (.aff, ...), or "builtin:NAME".
+/// Loads a scene: a file by its extension (.gltf, .glb, .obj, .ply, .stl, .aff), or "builtin:NAME".
 /// @throws InputError        a file is missing or invalid; the message names file, place and fault
-/// @throws UsageError        unknown extension or built-in scene
+/// @throws UsageError        unknown extension or built-in scene, or no such animation or variant
 /// @throws InterruptedError  progress returned false
 Scene load(const std::string& what, const LoadOptions& options = {});
 

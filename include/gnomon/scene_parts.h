@@ -45,15 +45,15 @@ struct Mesh {
     std::span<const Vec3> positions{};          // in object space, metres
     std::span<const std::uint32_t> indices{};   // three per triangle, counter-clockwise seen from the front; empty: the
                                                 // vertices in order
-    std::span<const Vec3> normals{};            // empty: faceted
-    std::span<const Vec4> tangents{};           // of normal maps: xyz unit length, w = -1 or 1
+    std::span<const Vec3> normals{};            // scaled to unit length, 0: of the triangles around; empty: faceted
+    std::span<const Vec4> tangents{};           // of normal maps: xyz scaled to unit length, w = -1 or 1
     std::array<std::span<const Vec2>, 2> texcoords{};   // v from the top
     std::span<const Vec4> colors{};                     // linear RGBA; multiplies the base colour
     std::span<const MeshPart> parts{};                  // cover all triangles in order; empty: one material throughout
     std::span<const MorphTarget> morph_targets{};
     std::span<const float> morph_weights{};            // one per target; empty: all 0
     std::array<std::span<const Joints>, 2> joints{};   // of a skin; the second four of a vertex are optional
-    std::array<std::span<const Vec4>, 2> weights{};    // of the joints; their sum is 1
+    std::array<std::span<const Vec4>, 2> weights{};    // of the joints; scaled to a sum of 1
     std::string name{};
 };
 

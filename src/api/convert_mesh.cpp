@@ -7,12 +7,14 @@
 #include "api/convert.h"
 #include "gnomon/error.h"
 #include "gnomon/ranges.h"
+#include "scene/mesh_repairs.h"
 
 namespace gnomon::api {
 
 namespace {
 
-constexpr float k_unit = 1e-3f;   // squares of lengths within this of 1 are left as they are
+constexpr float k_unit = 1e-3f;         // squares of lengths within this of 1 are left as they are
+constexpr float k_weight_sum = 1e-3f;   // sums of weights within this of 1, too
 
 // Rejects an array of a mesh that is neither empty nor as long as its positions.
 void require_length(std::size_t length, std::size_t count, const std::string& owner, const char* what)
@@ -74,11 +76,27 @@ std::vector<To> copied(std::span<const From> from, const std::string& owner, con
     return to;
 }
 
-void make_unit(glm::vec3& v)
+bool is_unit(const glm::vec3& v)
 {
-    const float square = glm::dot(v, v);
-    if (std::abs(square - 1) <= k_unit) return;
-    v = square > 0 && std::isfinite(square) ? v / std::sqrt(square) : glm::vec3(0, 1, 0);
+    return std::abs(glm::dot(v, v) - 1) <= k_unit;
+}
+
+// Gives every normal and tangent unit length. Normals without a direction get that of their triangles.
+void repair_directions(scene::Mesh& mesh)
+{
+    bool repaired = false;
+    for (glm::vec3& normal : mesh.normals) {
+        if (is_unit(normal)) continue;
+        repaired = true;
+        normal = scene::unit_or(normal, glm::vec3(0));
+    }
+    if (repaired) scene::fill_normals(mesh.positions, mesh.triangles, mesh.normals);
+    for (std::size_t i = 0; i < mesh.tangents.size(); ++i) {
+        glm::vec4& tangent = mesh.tangents[i];
+        if (is_unit(glm::vec3(tangent)) && std::abs(tangent.w) == 1) continue;
+        const glm::vec3 across = mesh.normals.empty() ? glm::vec3(1, 0, 0) : scene::perpendicular_to(mesh.normals[i]);
+        tangent = glm::vec4(scene::unit_or(glm::vec3(tangent), across), tangent.w < 0 ? -1 : 1);
+    }
 }
 
 std::vector<glm::uvec3> triangles_of(const Mesh& mesh, const std::string& owner)
@@ -140,6 +158,10 @@ void add_skin(const Mesh& mesh, const std::string& owner, scene::Mesh& result)
             result.skin->joints[group].emplace_back(j.joint[0], j.joint[1], j.joint[2], j.joint[3]);
         result.skin->weights[group] = copied<glm::vec4>(mesh.weights[group], owner, "weights");
     }
+    for (const auto& group : result.skin->weights)
+        for (const glm::vec4& weight : group)
+            if (weight.x < 0 || weight.y < 0 || weight.z < 0 || weight.w < 0) return;   // the host means what it says
+    scene::normalize_weights(result.skin->weights, k_weight_sum);
 }
 
 }   // namespace
@@ -155,8 +177,8 @@ scene::Mesh to_scene(const Mesh& mesh, const SceneStamps& stamps, scene::Materia
     result.parts = parts_of(mesh, result.triangles.size(), stamps, material, owner);
     result.positions = copied<glm::vec3>(mesh.positions, owner, "positions");
     result.normals = copied<glm::vec3>(mesh.normals, owner, "normals");
-    for (glm::vec3& normal : result.normals) make_unit(normal);
     result.tangents = copied<glm::vec4>(mesh.tangents, owner, "tangents");
+    repair_directions(result);
     for (std::size_t set = 0; set < 2; ++set)
         result.texcoords[set] = copied<glm::vec2>(mesh.texcoords[set], owner, "texture coordinates");
     result.colors = copied<glm::vec4>(mesh.colors, owner, "colours");

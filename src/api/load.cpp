@@ -5,6 +5,8 @@
 
 #include "api/scene_access.h"
 #include "base/interruption.h"
+#include "base/one_line.h"
+#include "gnomon/error.h"
 #include "gnomon/scene.h"
 #include "io/load.h"
 #include "scene/builtin/builtin.h"
@@ -18,8 +20,13 @@ Scene load(const std::string& what, const LoadOptions& options)
     const InterruptionScope scope(&interruption);
     report_progress("loading", 0);
     constexpr std::string_view builtin = "builtin:";
-    scene::Scene loaded = what.starts_with(builtin) ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
-                                                    : io::load_scene(what);
+    scene::Scene loaded = what.starts_with(builtin)
+                              ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
+                              : io::load_scene(what, {}, {options.strict, options.animation, options.variant});
+    if (loaded.clips.empty() && !options.animation.empty() && options.animation != "all")
+        throw UsageError(fmt::format("no animation '{}': the scene has none", shown_name(options.animation)));
+    if (loaded.variants.empty() && !options.variant.empty())
+        throw UsageError(fmt::format("no variant '{}': the scene has none", shown_name(options.variant)));
     scene::add_emitter_lights(loaded);
     scene::add_default_light(loaded);
     scene::add_default_camera(loaded);

@@ -126,6 +126,10 @@ SceneInfo Scene::info() const
         info.bounds_high[axis] = box.high[axis];
     }
     if (!scene.cameras.empty()) info.resolution = scene.cameras.front().resolution;
+    for (const scene::Clip& clip : scene.clips)
+        info.animations.push_back(
+            {clip.name, clip.start, clip.end, scene::Timeline::frames_in(clip.end - clip.start, info.fps), clip.plays});
+    info.variants = scene.variants;
     info.warnings = scene.warnings;
     return info;
 }

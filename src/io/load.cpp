@@ -7,16 +7,18 @@
 
 namespace gnomon::io {
 
-scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress)
+scene::Scene load_scene(const std::filesystem::path& file, const Progress& progress, const ReadOptions& options)
 {
     std::string extension = file.extension().string();
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     if (extension == ".aff") return load_aff(file, progress);
     if (extension == ".obj") return load_obj(file, progress);
-    if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress);
-    throw UsageError(
-        fmt::format("{}: unknown scene format '{}'; use .aff, .obj, .gltf or .glb", file.string(), extension));
+    if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress, options);
+    if (extension == ".ply") return load_ply(file, progress);
+    if (extension == ".stl") return load_stl(file, progress);
+    throw UsageError(fmt::format("{}: unknown scene format '{}'; use .gltf, .glb, .obj, .ply, .stl or .aff",
+                                 file.string(), extension));
 }
 
 }   // namespace gnomon::io

@@ -93,6 +93,9 @@ constexpr Option k_options[] = {
     {.name = "fps", .argument = "F", .kind = Kind::number, .range = {0.001, 1000},
      .subcommands = k_images | bit(info), .group = k_frames,
      .help = "frames per second (default: that of the file, else 24)"},
+    {.name = "animation", .argument = "NAME|N|all", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_frames,
+     .help = "animation of a glTF file that plays, by name or by number from 0; all: all of them (default: the first, and "
+             "each further one that animates nothing that one before it animates)"},
     {.name = "chunk", .argument = "I/N", .kind = Kind::chunk, .subcommands = bit(render), .group = k_frames,
      .help = "render only the I-th of N contiguous parts of the range; for a video, only write its frames"},
     {.name = "resume", .subcommands = bit(render), .group = k_frames,
@@ -134,6 +137,8 @@ constexpr Option k_options[] = {
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
      .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg"},
 
+    {.name = "variant", .argument = "NAME", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_scene,
+     .help = "variant of a glTF file's materials (default: the materials without a variant)"},
     {.name = "samples", .argument = "N...", .kind = Kind::integer, .range = {4, 65536}, .repeats = true,
      .subcommands = bit(bench_lights), .group = k_quality,
      .help = "numbers of shadow rays a point to compare with (default: 16, 64 and 256)"},
@@ -286,6 +291,8 @@ constexpr Option k_options[] = {
      .help = "file with options as a JSON object, such as {\"size\": \"640x360\"}; the command line takes precedence"},
     {.name = "threads", .argument = "N", .kind = Kind::integer, .fallback = "0", .range = ranges::threads,
      .subcommands = k_every & ~(bit(bench_culling) | bit(bench_shadow_textures)), .group = k_common, .help = "number of threads, 0: all; does not change images"},
+    {.name = "strict", .subcommands = k_scened | bit(info), .group = k_common,
+     .help = "refuse a glTF file with any error, instead of repairing harmless ones with a warning"},
     {.name = "quiet", .subcommands = k_every, .group = k_common, .help = "print only errors"},
     {.name = "verbose", .letter = 'v', .subcommands = k_every, .group = k_common, .help = "print more details"},
     {.name = "help", .letter = 'h', .subcommands = k_every, .group = k_common, .help = "show this help"},

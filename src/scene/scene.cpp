@@ -51,13 +51,15 @@ Timeline Timeline::at_rate(double new_fps) const
 {
     Timeline result = *this;
     result.fps = new_fps;
-    if (!own_frames) {
-        // The last frame is the last one that is not beyond the end. A small tolerance is needed because clips end
-        // on frames.
-        const double last = std::floor((end - start) * new_fps + 1e-6);
-        result.frames = static_cast<int>(std::clamp(last, 0.0, k_most_frames - 1.0)) + 1;
-    }
+    if (!own_frames) result.frames = frames_in(end - start, new_fps);
     return result;
+}
+
+int Timeline::frames_in(double seconds, double rate)
+{
+    constexpr double k_tolerance = 1e-3;   // frames
+    const double last = std::floor(seconds * rate + k_tolerance);
+    return static_cast<int>(std::clamp(last, 0.0, k_most_frames - 1.0)) + 1;
 }
 
 NodeId Scene::add_node(std::string node_name, NodeId parent, const glm::dmat4& local)

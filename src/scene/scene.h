@@ -62,6 +62,13 @@ struct Camera {
 /// Whether a matrix from camera to clip space (OpenGL's) is a perspective or an orthographic projection, without skew.
 bool is_projection(const glm::dmat4& matrix);
 
+/// An animation of a file. Files may hold several, of which some play.
+struct Clip {
+    std::string name;
+    double start = 0, end = 0;   // of its keys, in seconds
+    bool plays = false;
+};
+
 /// The limit on the frames of a clip; later frames are dropped.
 constexpr int k_most_frames = 1'000'000'001;
 
@@ -76,6 +83,9 @@ struct Timeline {
     double time_of(int frame) const;
     /// The same clip sampled at another rate (glTF). AFF keeps its frames and uses the rate for the video.
     Timeline at_rate(double new_fps) const;
+    /// The number of frames, at a rate, of a clip that lasts so many seconds: the last one is not beyond its end. Times
+    /// that were rounded to single precision count as the frames that they stand for.
+    static int frames_in(double seconds, double rate);
 };
 
 /// An instance of a mesh.
@@ -113,6 +123,8 @@ class Scene {
     Background background;
     glm::vec3 ambient{0};   // AFF `am`, or the fill light of a closed room; used only with indirect light off
     Timeline timeline;
+    std::vector<Clip> clips;             // in the file's order
+    std::vector<std::string> variants;   // names of the sets of materials that the file offers
     std::vector<std::string> warnings;
 
     // Computed by finish():

@@ -16,6 +16,11 @@ std::vector<Bytes> obj_seeds();
 std::vector<Bytes> mtl_seeds();
 std::vector<Bytes> gltf_seeds();
 std::vector<Bytes> glb_seeds();
+std::vector<Bytes> draco_seeds();
+std::vector<Bytes> meshopt_seeds();
+std::vector<Bytes> webp_seeds();
+std::vector<Bytes> ply_seeds();
+std::vector<Bytes> stl_seeds();
 std::vector<Bytes> config_seeds();
 std::vector<Bytes> option_seeds();
 

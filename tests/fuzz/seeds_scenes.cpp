@@ -121,4 +121,55 @@ std::vector<Bytes> mtl_seeds()
     return {bytes_of(k_mtl_all), bytes_of(k_mtl_odd)};
 }
 
+std::vector<Bytes> ply_seeds()
+{
+    const std::string properties =
+        "comment made\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+        "property float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty "
+        "float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nelement tristrips 1\n"
+        "property list int int vertex_indices\nend_header\n";
+    const std::string text = "ply\nformat ascii 1.0\n" + properties +
+                             "0 0 0 0 0 1 255 0 0 0 0\n1 0 0 0 0 1 0 255 0 1 0\n1 1 0 0 0 1 0 0 255 1 1\n"
+                             "0 1 0 0 0 1 9 9 9 0 1\n4 0 1 2 3\n7 0 1 2 3 -1 0 1\n";
+    const auto binary = [&](bool big) {
+        std::string s = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\n" + properties;
+        const auto put = [&](const void* from, std::size_t size) {
+            const char* const bytes = static_cast<const char*>(from);
+            for (std::size_t i = 0; i < size; ++i) s += bytes[big ? size - 1 - i : i];
+        };
+        for (int v = 0; v < 4; ++v) {
+            const float before[] = {v % 2 ? 1.0f : 0.0f, v / 2 ? 1.0f : 0.0f, 0, 0, 0, 1}, after[] = {.5f, .25f};
+            for (const float x : before) put(&x, 4);
+            s += "\x10\x80\xf0";
+            for (const float x : after) put(&x, 4);
+        }
+        const std::int32_t face[] = {0, 1, 3, 2}, strip[] = {7, 0, 1, 2, 3, -1, 0, 1};
+        s += '\4';
+        for (const std::int32_t i : face) put(&i, 4);
+        for (const std::int32_t i : strip) put(&i, 4);
+        return bytes_of(s);
+    };
+    return {bytes_of(text), binary(false), binary(true)};
+}
+
+std::vector<Bytes> stl_seeds()
+{
+    std::string binary(80, ' ');
+    const auto put = [&](const void* from) { binary.append(static_cast<const char*>(from), 4); };
+    const std::uint32_t facets = 2;
+    put(&facets);
+    for (std::uint32_t f = 0; f < facets; ++f) {
+        for (int i = 0; i < 12; ++i) {
+            const float x = static_cast<float>((i * 7 + static_cast<int>(f)) % 5);
+            put(&x);
+        }
+        binary.append(2, '\0');
+    }
+    return {
+        bytes_of(binary),
+        bytes_of("solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1e0 0 0\nvertex 0 1 -.5\nendloop\n"
+                 "endfacet\nendsolid a b\nsolid\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\n"
+                 "VERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID\n")};
+}
+
 }   // namespace gnomon::fuzz

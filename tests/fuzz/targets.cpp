@@ -12,6 +12,7 @@
 #include <string>
 
 #include "cli/command_line.h"
+#include "fuzz/decoders.h"
 #include "fuzz/repair.h"
 #include "fuzz/seeds.h"
 #include "gnomon/error.h"
@@ -192,13 +193,45 @@ std::string run_mtl(Input bytes)
 std::string run_gltf(Input bytes)
 {
     const fs::path file = folder().put("main.gltf", bytes);
+    reads([&] { check_scene(io::load_gltf(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_gltf(file)); });
 }
 
 std::string run_glb(Input bytes)
 {
     const fs::path file = folder().put("main.glb", bytes);
+    reads([&] { check_scene(io::load_gltf(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_gltf(file)); });
+}
+
+std::string run_draco(Input bytes)
+{
+    if (bytes.empty()) return "no bytes";
+    folder().put("draco.bin", bytes);
+    const fs::path file = folder().put("draco.gltf", draco_document(bytes.size(), "draco.bin"));
+    return reads([&] { check_scene(io::load_gltf(file)); });
+}
+
+// The first byte selects mode and filter.
+std::string run_meshopt(Input bytes)
+{
+    if (bytes.size() < 2) return "no bytes";
+    const auto kind = static_cast<MeshoptKind>(bytes[0] % static_cast<int>(MeshoptKind::k_kinds));
+    folder().put("meshopt.bin", bytes.subspan(1));
+    const fs::path file = folder().put("meshopt.gltf", meshopt_document(kind, bytes.size() - 1, "meshopt.bin"));
+    return reads([&] { check_scene(io::load_gltf(file)); });
+}
+
+std::string run_ply(Input bytes)
+{
+    const fs::path file = folder().put("main.ply", bytes);
+    return reads([&] { check_scene(io::load_ply(file)); });
+}
+
+std::string run_stl(Input bytes)
+{
+    const fs::path file = folder().put("main.stl", bytes);
+    return reads([&] { check_scene(io::load_stl(file)); });
 }
 
 // The first byte selects a subcommand.
@@ -231,12 +264,23 @@ std::string run_options(Input bytes)
 }
 
 constexpr Target k_targets[] = {
-    {"gltf", run_gltf, gltf_seeds, nullptr},       {"glb", run_glb, glb_seeds, repair_glb},
-    {"obj", run_obj, obj_seeds, nullptr},          {"mtl", run_mtl, mtl_seeds, nullptr},
-    {"aff", run_aff, aff_seeds, nullptr},          {"png", run_image, png_seeds, repair_png},
-    {"jpeg", run_image, jpeg_seeds, nullptr},      {"ppm", run_image, ppm_seeds, nullptr},
-    {"exr", run_exr, exr_seeds, nullptr},          {"hdr", run_hdr, hdr_seeds, nullptr},
-    {"config", run_config, config_seeds, nullptr}, {"options", run_options, option_seeds, nullptr},
+    {"gltf", run_gltf, gltf_seeds, nullptr},
+    {"glb", run_glb, glb_seeds, repair_glb},
+    {"obj", run_obj, obj_seeds, nullptr},
+    {"mtl", run_mtl, mtl_seeds, nullptr},
+    {"aff", run_aff, aff_seeds, nullptr},
+    {"png", run_image, png_seeds, repair_png},
+    {"jpeg", run_image, jpeg_seeds, nullptr},
+    {"ppm", run_image, ppm_seeds, nullptr},
+    {"exr", run_exr, exr_seeds, nullptr},
+    {"hdr", run_hdr, hdr_seeds, nullptr},
+    {"draco", run_draco, draco_seeds, nullptr},
+    {"meshopt", run_meshopt, meshopt_seeds, nullptr},
+    {"webp", run_image, webp_seeds, nullptr},
+    {"ply", run_ply, ply_seeds, nullptr},
+    {"stl", run_stl, stl_seeds, nullptr},
+    {"config", run_config, config_seeds, nullptr},
+    {"options", run_options, option_seeds, nullptr},
 };
 
 }   // namespace

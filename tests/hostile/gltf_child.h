@@ -27,7 +27,7 @@ struct Outcome {
 };
 
 /// Allows 10 seconds and 512 MiB of address space (200 seconds and unlimited memory with a sanitizer).
-inline Outcome load_in_child(const std::filesystem::path& file)
+inline Outcome load_in_child(const std::filesystem::path& file, bool strict = false)
 {
     constexpr rlim_t seconds = 10 * k_patience, bytes = 512ull << 20;
     int pipe_ends[2];
@@ -42,7 +42,7 @@ inline Outcome load_in_child(const std::filesystem::path& file)
         alarm(static_cast<unsigned>(seconds));
         std::string answer;
         try {
-            const scene::Scene scene = io::load_gltf(file);
+            const scene::Scene scene = io::load_gltf(file, {}, {.strict = strict});
             answer = "L" + std::to_string(scene.warnings.size());
         } catch (const InputError& error) {
             answer = "R" + error.file() + '\n' + error.place() + '\n' + error.what();

@@ -5,6 +5,7 @@
 // of the file (see Limits), because an accessor or an image may be used often, and accessors without data need no bytes
 // at all.
 
+#include <array>
 #include <map>
 #include <tuple>
 #include <vector>
@@ -18,18 +19,25 @@ namespace gnomon::io::gltf {
 class Materials {
  public:
     Materials(const Model& model, Data& data, scene::Scene& out, Context& context);
-    /// @param material  or k_absent: the specification's default material
-    scene::MaterialId get(Index material);
+    /// @param material       or k_absent: the specification's default material
+    /// @param has_texcoords  whether the primitive has TEXCOORD_0 and TEXCOORD_1; textures that need others are left
+    /// out
+    scene::MaterialId get(Index material, const std::array<bool, 2>& has_texcoords);
 
     /// Checks the headers of images that are not used.
     void check_unused();
 
  private:
     struct DecodedImage {
-        bool read = false;
+        bool read = false;   // empty after that: there is no such file, or its format is not known
         Image8 image;
     };
+    /// The image of a texture; null, with a warning, if it is left out.
+    const Image8* image_for(const TextureInfo& info, const std::string& pointer);
+    scene::Sampler sampler_for(const TextureInfo& info) const;
     scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
+    void use_glossiness(const Material::Glossiness& glossiness, bool alpha, const std::string& pointer,
+                        scene::Material& out);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
     const Image8& decoded_image(Index image);
@@ -39,7 +47,11 @@ class Materials {
     scene::Scene& out_;
     Context& context_;
     std::uint64_t pixels_left_ = 0, view_bytes_left_ = 0;
-    std::vector<scene::MaterialId> made_;
+    // scene::none until the material is made.
+    struct Made {
+        scene::MaterialId id = scene::none;
+    };
+    std::map<std::pair<Index, std::array<bool, 2>>, Made> made_;   // by material and sets of textures left out
     scene::MaterialId default_ = scene::none;
     std::map<std::string, Index> by_source_;   // the first image with each source (a file or a range of a buffer)
     std::vector<Index> first_;                 // by image, filled on first use
@@ -67,11 +79,14 @@ class Meshes {
 };
 
 /// Adds the nodes of the default scene with meshes, skins, cameras and lights, then the animations.
+/// @param animation  see ReadOptions
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
-                 scene::Scene& out, Context& context);
+                 const std::string& animation, scene::Scene& out, Context& context);
 /// @param node_ids  ids in the scene by node of the document; scene::none: not in the scene
+/// @param chosen    the clip that plays, see ReadOptions::animation
+/// @throws UsageError  there is no such clip
 void build_animations(const Model& model, const Data& data, const std::vector<scene::NodeId>& node_ids,
-                      scene::Scene& out, Context& context);
+                      const std::string& chosen, scene::Scene& out, Context& context);
 
 /// Translation, rotation and scale of a node; the identity for a node with a matrix.
 scene::TransformParts rest_parts(const Node& node);

@@ -41,6 +41,10 @@ std::vector<AccessorUse> check_links(const Model& model, const std::vector<Textu
 /// @returns the parent of each node, or k_absent
 std::vector<Index> check_nodes(const Model& model, Context& context);
 
+/// Removes from a checked model what was counted as a fault and is not read around: weights without targets, skins
+/// without joints, channels without an effect. A model without faults stays as it is.
+void repair_model(Model& model);
+
 /// Checks the data: bounds as declared, indices in range, unit vectors, increasing key times, weights that sum to one.
 void check_data(const Model& model, const Data& data, const std::vector<AccessorUse>& uses, Context& context);
 

@@ -24,7 +24,7 @@ double restart_value(Component type)
 // Checks the elements of one accessor in one pass.
 class ElementCheck {
  public:
-    ElementCheck(const Accessor& accessor, const AccessorUse& use, std::string here, const Context& context)
+    ElementCheck(const Accessor& accessor, const AccessorUse& use, std::string here, Context& context)
         : accessor_(accessor), use_(use), here_(std::move(here)), context_(context)
     {
     }
@@ -62,20 +62,25 @@ class ElementCheck {
             const double d = accessor_.component == Component::f32
                                  ? static_cast<double>(static_cast<float>(declared[c]))
                                  : declared[c];
-            if (d != actual[c])
-                context_.fail(at(at(here_, name), c),
-                              fmt::format("{} is declared, but the actual {} is {}", declared[c], word, actual[c]));
+            if (d == actual[c]) continue;
+            context_.repair(Fault::bounds, at(at(here_, name), c), [&] {
+                return fmt::format("{} is declared, but the actual {} is {}", declared[c], word, actual[c]);
+            });
+            return;   // one repair for each list
         }
     }
 
-    void vector(std::uint64_t i, std::span<const double> v) const
+    void vector(std::uint64_t i, std::span<const double> v)
     {
         const double x = value(v[0]), y = value(v[1]), z = value(v[2]);
         const double length = std::sqrt(x * x + y * y + z * z);
+        const Fault fault = use_.tangent ? Fault::tangent_length : Fault::normal_length;
         if (!(std::abs(length - 1) <= k_unit_tolerance3))
-            fail(fmt::format("vector {} is not of unit length: {}", i, length));
-        if (use_.tangent && std::abs(value(v[3])) != 1)
-            fail(fmt::format("tangent {} has w = {}, not 1 or -1", i, value(v[3])));
+            context_.repair(fault, use_.user,
+                            [&] { return fmt::format("vector {} is not of unit length: {}", i, length); });
+        else if (use_.tangent && std::abs(value(v[3])) != 1)
+            context_.repair(fault, use_.user,
+                            [&] { return fmt::format("tangent {} has w = {}, not 1 or -1", i, value(v[3])); });
     }
 
     void quaternion(std::uint64_t i, std::span<const double> v) const
@@ -83,7 +88,9 @@ class ElementCheck {
         double square = 0;
         for (const double c : v) square += value(c) * value(c);
         if (!(std::abs(std::sqrt(square) - 1) <= k_unit_tolerance4))
-            fail(fmt::format("quaternion {} is not of unit length: {}", i, std::sqrt(square)));
+            context_.repair(Fault::rotation_length, use_.user, [&] {
+                return fmt::format("quaternion {} is not of unit length: {}", i, std::sqrt(square));
+            });
     }
 
     void index(std::uint64_t i, double v) const
@@ -103,17 +110,17 @@ class ElementCheck {
         time_ = v;
     }
 
-    void inverse_bind(std::uint64_t i, std::span<const double> v) const
+    void inverse_bind(std::uint64_t i, std::span<const double> v)
     {
-        for (std::size_t column = 0; column < 4; ++column)
-            if (v[column * 4 + 3] != (column == 3 ? 1.0 : 0.0))
-                fail(fmt::format("the last row of matrix {} is not 0 0 0 1", i));
+        if (v[3] == 0 && v[7] == 0 && v[11] == 0 && v[15] == 1) return;
+        context_.repair(Fault::inverse_bind_row, use_.user,
+                        [&] { return fmt::format("the last row of matrix {} is not 0 0 0 1", i); });
     }
 
     const Accessor& accessor_;
     const AccessorUse& use_;
     std::string here_;
-    const Context& context_;
+    Context& context_;
     double low_[16] = {}, high_[16] = {};
     double time_ = 0;
 };
@@ -141,7 +148,7 @@ struct JointUses {
 
 // Checks joints and weights of one primitive, vertex by vertex.
 void check_influences(const Model& model, const Data& data, const Primitive& primitive, std::size_t joint_count,
-                      JointUses& joint_uses, const std::string& here, const Context& context)
+                      JointUses& joint_uses, const std::string& here, Context& context)
 {
     std::vector<std::vector<std::uint32_t>> joints;
     std::vector<std::vector<float>> weights;
@@ -153,11 +160,13 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
         data.read(w, weights.emplace_back());
     }
     const auto place = [&](const char* what, std::size_t set) { return at(here, fmt::format("{}_{}", what, set)); };
+    const std::string weights_place = place("WEIGHTS", 0), joints_place = place("JOINTS", 0);
     const std::size_t vertices = joints.empty() ? 0 : joints[0].size() / 4;
     for (std::size_t v = 0; v < vertices; ++v) {
         ++joint_uses.vertex;
         std::size_t used = 0;
         double sum = 0;
+        bool twice = false;
         for (std::size_t set = 0; set < joints.size(); ++set) {
             for (std::size_t k = 4 * v; k < 4 * v + 4; ++k) {
                 const std::uint32_t joint = joints[set][k];
@@ -168,8 +177,11 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
                 if (weight < 0)
                     context.fail(place("WEIGHTS", set), fmt::format("vertex {} has the negative weight {}", v, weight));
                 if (weight == 0) continue;
-                if (std::exchange(joint_uses.last[joint], joint_uses.vertex) == joint_uses.vertex)
-                    context.fail(place("JOINTS", set), fmt::format("vertex {} uses joint {} twice", v, joint));
+                if (std::exchange(joint_uses.last[joint], joint_uses.vertex) == joint_uses.vertex && !twice) {
+                    twice = true;
+                    context.repair(Fault::joint_twice, joints_place,
+                                   [&] { return fmt::format("vertex {} uses joint {} twice", v, joint); });
+                }
                 ++used;
                 sum += weight;
             }
@@ -178,7 +190,8 @@ void check_influences(const Model& model, const Data& data, const Primitive& pri
         const std::size_t pairs = (used + 1) / 2;
         const double steps = std::max(1.0, static_cast<double>(pairs) - 1);
         if (!(std::abs(sum - 1) <= k_sum_step * steps))
-            context.fail(place("WEIGHTS", 0), fmt::format("the weights of vertex {} sum to {}, not 1", v, sum));
+            context.repair(Fault::weights_sum, weights_place,
+                           [&] { return fmt::format("the weights of vertex {} sum to {}, not 1", v, sum); });
     }
 }
 

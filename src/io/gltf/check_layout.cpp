@@ -19,6 +19,9 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
                                     "KHR_materials_ior",
                                     "KHR_materials_transmission",
                                     "KHR_materials_emissive_strength",
+                                    "KHR_materials_pbrSpecularGlossiness",
+                                    "KHR_materials_variants",
+                                    "EXT_mesh_gpu_instancing",
                                     "KHR_draco_mesh_compression",
                                     "EXT_texture_webp",
                                     "EXT_meshopt_compression"};
@@ -26,6 +29,17 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
 bool supported(const std::string& name)
 {
     return std::find(k_supported.begin(), k_supported.end(), name) != k_supported.end();
+}
+
+constexpr const char* k_basisu = "KHR_texture_basisu";
+
+// Whether every texture that is compressed with Basis Universal has another image beside it.
+bool has_fallbacks(const Model& model)
+{
+    const auto compressed = [](const Texture& t) { return t.compressed; };
+    return std::any_of(model.textures.begin(), model.textures.end(), compressed) &&
+           std::none_of(model.textures.begin(), model.textures.end(),
+                        [&](const Texture& t) { return t.compressed && t.source == k_absent; });
 }
 
 // The smallest and largest number that a component can hold.
@@ -79,9 +93,12 @@ class Layout {
         if (view.stride == 0) return;
         const std::string stride = at(here, "byteStride");
         if (view.stride > view.length) fail(stride, fmt::format("{} is greater than the view's length", view.stride));
-        if (view.stride % 4 != 0) fail(stride, fmt::format("{} is not a multiple of 4", view.stride));
+        if (view.stride % 4 != 0)
+            context_.repair(Fault::alignment, stride,
+                            [&] { return fmt::format("{} is not a multiple of 4", view.stride); });
         constexpr int element_array_buffer = 34963;
-        if (view.target == element_array_buffer) fail(stride, "only vertex data can have a stride");
+        if (view.target == element_array_buffer)
+            context_.repair(Fault::stride, stride, [] { return "only vertex data can have a stride"; });
     }
 
     void check_accessor(Index i) const
@@ -93,10 +110,12 @@ class Layout {
         if (accessor.normalized && (accessor.component == Component::f32 || accessor.component == Component::u32))
             fail(at(here, "normalized"), "only byte and short types can be normalized");
         if (accessor.offset % size != 0)
-            fail(at(here, "byteOffset"),
-                 fmt::format("{} is not a multiple of the component's {} bytes", accessor.offset, size));
+            context_.repair(Fault::alignment, at(here, "byteOffset"), [&] {
+                return fmt::format("{} is not a multiple of the component's {} bytes", accessor.offset, size);
+            });
         if (accessor.shape >= Shape::mat2 && accessor.offset % 4 != 0)
-            fail(at(here, "byteOffset"), "matrices must begin at multiples of 4");
+            context_.repair(Fault::alignment, at(here, "byteOffset"),
+                            [] { return "matrices must begin at multiples of 4"; });
         check_bounds(accessor, accessor.min, at(here, "min"), context_);
         check_bounds(accessor, accessor.max, at(here, "max"), context_);
 
@@ -138,7 +157,8 @@ class Layout {
     {
         if (model_.views[view].stride != 0) fail(at(here, "bufferView"), "only vertex data can have a stride");
         if (offset % alignment != 0)
-            fail(at(here, "byteOffset"), fmt::format("{} is not a multiple of {} bytes", offset, alignment));
+            context_.repair(Fault::alignment, at(here, "byteOffset"),
+                            [&] { return fmt::format("{} is not a multiple of {} bytes", offset, alignment); });
         check_fit(view, offset, count, stride, stride, alignment, here, at(here, "byteOffset"));
     }
 
@@ -156,8 +176,10 @@ class Layout {
                  fmt::format("{} elements from {} on do not fit buffer view {} of {} bytes", count, offset, index,
                              view.length));
         if ((view.offset + offset) % alignment != 0)
-            fail(here, fmt::format("begins at byte {} of the buffer, which is not a multiple of {}",
-                                   view.offset + offset, alignment));
+            context_.repair(Fault::alignment, here, [&] {
+                return fmt::format("begins at byte {} of the buffer, which is not a multiple of {}",
+                                   view.offset + offset, alignment);
+            });
     }
 
     const Model& model_;
@@ -185,19 +207,25 @@ void check_extensions(const Model& model, Context& context)
         const std::string& name = model.extensions_required[i];
         const auto& used = model.extensions_used;
         if (std::find(used.begin(), used.end(), name) == used.end())
+            context.repair(Fault::extension_list, at("/extensionsRequired", i),
+                           [&] { return fmt::format("'{}' is required but not used", name.substr(0, 80)); });
+        if (name == k_basisu && has_fallbacks(model)) continue;
+        if (name == k_basisu)
             context.fail(at("/extensionsRequired", i),
-                         fmt::format("'{}' is required but not used", name.substr(0, 80)));
+                         "needs the extension 'KHR_texture_basisu', which is not supported: export the file with PNG, "
+                         "JPEG or WebP textures, or convert it, for example with 'gltf-transform ktxdecompress'");
         if (!supported(name))
             context.fail(at("/extensionsRequired", i),
                          fmt::format("needs the extension '{}', which is not supported", name.substr(0, 80)));
     }
     for (std::size_t i = 0; i < model.extensions_used.size(); ++i) {
         const std::string& name = model.extensions_used[i];
-        if (!supported(name))
+        if (!supported(name) && !(name == k_basisu && has_fallbacks(model)))
             context.warn(at("/extensionsUsed", i), fmt::format("the extension '{}' is ignored", name.substr(0, 80)));
         const auto& required = model.extensions_required;
         if (name == "KHR_mesh_quantization" && std::find(required.begin(), required.end(), name) == required.end())
-            context.fail(at("/extensionsUsed", i), "'KHR_mesh_quantization' must be required where it is used");
+            context.repair(Fault::extension_list, at("/extensionsUsed", i),
+                           [] { return "'KHR_mesh_quantization' must be required where it is used"; });
     }
 }
 

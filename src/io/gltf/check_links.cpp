@@ -21,7 +21,8 @@ void check_camera(const Camera& camera, const std::string& here, Context& contex
         (camera.type == "orthographic" && !camera.has_orthographic))
         context.fail(here, fmt::format("'{}' is missing, though it is the type", camera.type));
     const std::string place = at(here, camera.has_perspective ? "perspective" : "orthographic");
-    if (camera.far && *camera.far <= camera.near) context.fail(place, "zfar must be greater than znear");
+    if (camera.far && *camera.far <= camera.near)
+        context.repair(Fault::camera_depth, place, [] { return "zfar must be greater than znear"; });
     if (camera.has_perspective && camera.yfov >= k_pi) context.warn(at(place, "yfov"), "should be less than pi");
     if (!camera.has_orthographic) return;
     if (camera.xmag == 0) context.fail(at(place, "xmag"), "must not be zero");
@@ -33,7 +34,8 @@ void check_light(const Light& light, const std::string& here, Context& context)
 {
     if (light.type == "spot" && !light.has_spot) context.fail(here, "'spot' is missing, though it is the type");
     if (light.has_spot && light.outer <= light.inner)
-        context.fail(at(here, "spot"), "outerConeAngle must be greater than innerConeAngle");
+        context.repair(Fault::cone, at(here, "spot"),
+                       [] { return "outerConeAngle must be greater than innerConeAngle"; });
     for (const float c : light.color)
         if (!std::isfinite(c * light.intensity)) context.fail(at(here, "intensity"), "is too large");
 }
@@ -42,14 +44,17 @@ void check_image(const Model& model, Index index, Uses& uses, Context& context)
 {
     const Image& image = model.images[index];
     const std::string here = at("/images", index);
-    if (image.uri && image.view != k_absent) context.fail(here, "has both 'uri' and 'bufferView'");
+    if (image.uri && image.view != k_absent)
+        context.repair(Fault::image_source, here, [] { return "has both 'uri' and 'bufferView'"; });
     if (!image.uri && image.view == k_absent && !image.extended)
-        context.fail(here, "has neither 'uri' nor 'bufferView'");
+        context.repair(Fault::image_source, here, [] { return "has neither 'uri' nor 'bufferView'"; });
     if (image.view == k_absent) return;
-    if (image.mime_type.empty()) context.fail(at(here, "bufferView"), "requires 'mimeType'");
+    if (image.mime_type.empty())
+        context.repair(Fault::image_source, at(here, "bufferView"), [] { return "requires 'mimeType'"; });
     uses.view(image.view, Uses::ViewRole::image, at(here, "bufferView"));
     if (model.views[image.view].stride != 0)
-        context.fail(at(here, "bufferView"), "the buffer view of an image cannot have a stride");
+        context.repair(Fault::stride, at(here, "bufferView"),
+                       [] { return "the buffer view of an image cannot have a stride"; });
 }
 
 void check_skin(const Model& model, Index index, Uses& uses, Context& context)
@@ -62,7 +67,8 @@ void check_skin(const Model& model, Index index, Uses& uses, Context& context)
     if (accessor.view != k_absent) {
         uses.view(accessor.view, Uses::ViewRole::inverse_bind, place);
         if (model.views[accessor.view].stride != 0)
-            context.fail(place, "the buffer view of inverse bind matrices cannot have a stride");
+            context.repair(Fault::stride, place,
+                           [] { return "the buffer view of inverse bind matrices cannot have a stride"; });
     }
     if (!accessor.known()) context.fail(place, "has an unknown type");
     if (accessor.shape != Shape::mat4 || accessor.component != Component::f32)
@@ -80,8 +86,11 @@ void check_material(const Material& material, const std::string& here, const Con
         {&material.metallic_roughness_texture, "metallicRoughnessTexture"},
         {&material.normal_texture, "normalTexture"},
         {&material.occlusion_texture, "occlusionTexture"},
-        {&material.emissive_texture, "emissiveTexture"}};
+        {&material.emissive_texture, "emissiveTexture"},
+        {material.glossiness ? &material.glossiness->diffuse_texture : nullptr, "diffuseTexture"},
+        {material.glossiness ? &material.glossiness->specular_texture : nullptr, "specularGlossinessTexture"}};
     for (const auto& [info, name] : uses) {
+        if (!info) continue;
         const float sum =
             info->offset.x + info->offset.y + info->scale.x + info->scale.y + info->rotation + info->factor;
         if (!std::isfinite(sum)) context.fail(at(here, name), "a number is too large");
@@ -127,14 +136,16 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             const Index view = model.accessors[accessor].view;
             if (view == k_absent) continue;
             if (model.views[view].stride != 0)
-                context.fail(pointer, "the buffer view of animation data cannot have a stride");
+                context.repair(Fault::stride, pointer,
+                               [] { return "the buffer view of animation data cannot have a stride"; });
             uses.view(view, Uses::ViewRole::other, pointer);
         }
         const Accessor& input = model.accessors[sampler.input];
         if (!input.known()) continue;
         if (input.shape != Shape::scalar || input.component != Component::f32 || input.normalized)
             context.fail(input_place, fmt::format("key times cannot be {}", input.format()));
-        if (input.min.empty() || input.max.empty()) context.fail(input_place, "key times must declare min and max");
+        if (input.min.empty() || input.max.empty())
+            context.repair(Fault::bounds, input_place, [] { return "key times must declare min and max"; });
         if (sampler.interpolation == Interpolation::cubic_spline && input.count < 2)
             context.fail(input_place, "a cubic spline needs at least 2 keys");
     }
@@ -153,15 +164,20 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
         if (channel.has_pointer && channel.node != k_absent)
             context.fail(at(target, "node"), "cannot be combined with KHR_animation_pointer");
         if (channel.node == k_absent || channel.path == Path::pointer || channel.path == Path::unknown) continue;
-        if (!seen.insert({channel.node, channel.path_word}).second)
-            context.fail(target, "another channel has the same target");
+        if (!seen.insert({channel.node, channel.path_word}).second) {
+            context.repair(Fault::channel, target, [] { return "another channel has the same target"; });
+            continue;
+        }
 
         const Node& node = model.nodes[channel.node];
         const bool moves = channel.path != Path::weights;
         if (moves && node.matrix) context.fail(target, "the node has a matrix, which cannot be animated");
         const std::size_t targets =
             node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
-        if (!moves && targets == 0) context.fail(target, "the node has no morph targets");
+        if (!moves && targets == 0) {
+            context.repair(Fault::channel, target, [] { return "the node has no morph targets"; });
+            continue;
+        }
 
         // Check the output's format and count against the target.
         const AnimationSampler& sampler = animation.samplers[channel.sampler];

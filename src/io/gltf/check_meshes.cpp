@@ -118,9 +118,13 @@ class Check {
         }
         for (const auto& [base, total] : sets)
             for (int set = 0; set < total; ++set)
-                if (!p.attributes.contains(fmt::format("{}_{}", base, set)))
-                    fail(attributes,
-                         fmt::format("'{0}_{1}' is missing, though there are higher sets of {0}", base, set));
+                if (!p.attributes.contains(fmt::format("{}_{}", base, set))) {
+                    const auto problem = [&, name = base, number = set] {
+                        return fmt::format("'{0}_{1}' is missing, though there are higher sets of {0}", name, number);
+                    };
+                    if (base == "JOINTS" || base == "WEIGHTS") fail(attributes, problem());
+                    context_.repair(Fault::attribute_gap, attributes, problem);
+                }
         if (sets["JOINTS"] != sets["WEIGHTS"])
             fail(attributes, fmt::format("{} sets of JOINTS, but {} of WEIGHTS", sets["JOINTS"], sets["WEIGHTS"]));
         if (!p.has("POSITION")) context_.warn(attributes, "no POSITION: not drawn");
@@ -133,8 +137,9 @@ class Check {
         if (p.material == k_absent) return;
         for (const TextureBinding* binding : bindings[p.material])
             if (!p.attributes.contains(fmt::format("TEXCOORD_{}", binding->texcoord)))
-                fail(at(here, "material"),
-                     fmt::format("the texture {} requires 'TEXCOORD_{}'", binding->pointer, binding->texcoord));
+                context_.repair(Fault::missing_texcoord, at(here, "material"), [&] {
+                    return fmt::format("the texture {} requires 'TEXCOORD_{}'", binding->pointer, binding->texcoord);
+                });
     }
 
  private:
@@ -149,7 +154,10 @@ class Check {
         const Accessor& accessor = model_.accessors[index];
         const bool own = !name.empty() && name[0] == '_';
         const Semantic semantic = own ? Semantic{name, -1, true} : parse_semantic(name, morph);
-        if (!semantic.valid) fail(place, "is not an attribute of glTF");
+        if (!semantic.valid) {
+            context_.repair(Fault::unknown_attribute, place, [] { return "is not an attribute of glTF"; });
+            return 0;
+        }
         AccessorUse& use = uses_.accessor(index, Role::vertex, place);
         if (accessor.view != k_absent) {
             const BufferView& view = model_.views[accessor.view];
@@ -158,17 +166,20 @@ class Check {
             const std::uint64_t stride = view.stride ? view.stride : accessor.packed_stride();
             if (accessor.known() &&
                 (accessor.offset % 4 != 0 || (view.offset + accessor.offset) % 4 != 0 || stride % 4 != 0))
-                fail(place, "vertex data must be aligned to multiples of 4 bytes");
+                context_.repair(Fault::alignment, place,
+                                [] { return "vertex data must be aligned to multiples of 4 bytes"; });
         }
         if (!accessor.known()) return 0;
         if (own) {
             if (accessor.component == Component::u32) fail(place, "attributes cannot have the type unsigned int");
             return accessor.count;
         }
-        if (!matches(accessor, allowed_formats(semantic.base, morph, quantized_)))
-            fail(place, fmt::format("cannot be {}", accessor.format()));
+        const auto format_problem = [&] { return fmt::format("cannot be {}", accessor.format()); };
+        if (!matches(accessor, allowed_formats(semantic.base, morph, true))) fail(place, format_problem());
+        if (!quantized_ && !matches(accessor, allowed_formats(semantic.base, morph, false)))
+            context_.repair(Fault::extension_list, place, format_problem);   // of KHR_mesh_quantization
         if (semantic.base == "POSITION" && (accessor.min.empty() || accessor.max.empty()))
-            fail(place, "POSITION must declare min and max");
+            context_.repair(Fault::bounds, place, [] { return "POSITION must declare min and max"; });
         if (semantic.base == "NORMAL" && !morph) use.unit = true;
         if (semantic.base == "TANGENT" && !morph) use.tangent = true;
         return accessor.count;
@@ -181,7 +192,8 @@ class Check {
         if (vertices > 0) use.vertices = use.vertices == 0 ? vertices : std::min(use.vertices, vertices);
         if (accessor.view != k_absent) {
             uses_.view(accessor.view, Uses::ViewRole::index, place);
-            if (model_.views[accessor.view].stride != 0) fail(place, "the buffer view of indices cannot have a stride");
+            if (model_.views[accessor.view].stride != 0)
+                context_.repair(Fault::stride, place, [] { return "the buffer view of indices cannot have a stride"; });
         }
         if (!accessor.known()) return;
         const bool fits = accessor.shape == Shape::scalar && !accessor.normalized &&
@@ -197,7 +209,9 @@ class Check {
             for (const auto& [name, index] : p.targets[t]) {
                 const std::string target = at(place, name);
                 const std::uint64_t have = attribute(name, index, true, target);
-                if (!p.attributes.contains(name)) fail(target, "the primitive itself has no such attribute");
+                if (!p.attributes.contains(name))
+                    context_.repair(Fault::target_attribute, target,
+                                    [] { return "the primitive itself has no such attribute"; });
                 if (have != 0 && count != 0 && have != count)
                     fail(target, fmt::format("has {} elements, the primitive has {} vertices", have, count));
             }
@@ -245,7 +259,9 @@ void Uses::view(Index view, ViewRole role, const std::string& pointer)
 {
     if (views_[view] == ViewRole::none) views_[view] = role;
     if (views_[view] != role)
-        context_.fail(pointer, fmt::format("buffer view {} is declared or used for another kind of data", view));
+        context_.repair(Fault::buffer_target, pointer, [&] {
+            return fmt::format("buffer view {} is declared or used for another kind of data", view);
+        });
 }
 
 void Uses::vertex_view(Index accessor, const std::string& pointer)
@@ -254,7 +270,9 @@ void Uses::vertex_view(Index accessor, const std::string& pointer)
     if (model_.views[view].stride != 0) return;
     if (view_accessor_[view] == k_absent) view_accessor_[view] = accessor;
     if (view_accessor_[view] != accessor)
-        context_.fail(pointer, fmt::format("buffer view {} must have a stride, since several accessors use it", view));
+        context_.repair(Fault::stride, pointer, [&] {
+            return fmt::format("buffer view {} must have a stride, since several accessors use it", view);
+        });
 }
 
 void check_mesh(const Model& model, Index index, const std::vector<std::vector<const TextureBinding*>>& bindings,
@@ -272,8 +290,9 @@ void check_mesh(const Model& model, Index index, const std::vector<std::vector<c
                                                            mesh.primitives[i].targets.size(), targets));
     }
     if (mesh.weights && mesh.weights->size() != targets)
-        context.fail(at(here, "weights"),
-                     fmt::format("has {} weights for {} morph targets", mesh.weights->size(), targets));
+        context.repair(Fault::weight_count, at(here, "weights"), [&] {
+            return fmt::format("has {} weights for {} morph targets", mesh.weights->size(), targets);
+        });
 }
 
 }   // namespace gnomon::io::gltf

@@ -45,20 +45,23 @@ void check_node(const Model& model, Index index, Context& context)
     if (node.matrix && (node.translation || node.rotation || node.scale))
         context.fail(at(here, "matrix"), "a node has either a matrix or translation, rotation and scale");
     if (node.matrix && !is_trs(*node.matrix))
-        context.fail(at(here, "matrix"), "is not made of translation, rotation and scale");
+        context.repair(Fault::shear, at(here, "matrix"),
+                       [] { return "is not made of translation, rotation and scale"; });
     if (node.rotation) {
         const auto& q = *node.rotation;
         const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
         if (std::abs(length - 1) > k_unit_tolerance)
-            context.fail(at(here, "rotation"), fmt::format("is not of unit length: {}", length));
+            context.repair(Fault::rotation_length, at(here, "rotation"),
+                           [&] { return fmt::format("is not of unit length: {}", length); });
     }
     if (node.mesh == k_absent) return;
 
     const Mesh& mesh = model.meshes[node.mesh];
     const std::size_t targets = mesh.primitives.front().targets.size();
     if (node.weights && node.weights->size() != targets)
-        context.fail(at(here, "weights"),
-                     fmt::format("{} weights, but the mesh has {} morph targets", node.weights->size(), targets));
+        context.repair(Fault::weight_count, at(here, "weights"), [&] {
+            return fmt::format("{} weights, but the mesh has {} morph targets", node.weights->size(), targets);
+        });
     if (node.weights)
         for (const float w : *node.weights)
             if (!std::isfinite(w)) context.fail(at(here, "weights"), "a weight is too large");
@@ -122,13 +125,14 @@ void check_skins(const Model& model, const Forest& forest, Context& context)
     for (Index i = 0; i < model.skins.size(); ++i) {
         const Skin& skin = model.skins[i];
         const std::string here = at("/skins", i);
-        for (const Index joint : skin.joints)
-            if (forest.root[joint] != forest.root[skin.joints.front()])
-                context.fail(at(here, "joints"), "the joints have no common root");
+        if (std::any_of(skin.joints.begin(), skin.joints.end(),
+                        [&](Index joint) { return forest.root[joint] != forest.root[skin.joints.front()]; }))
+            context.repair(Fault::joint_roots, at(here, "joints"), [] { return "the joints have no common root"; });
         if (skin.skeleton == k_absent) continue;
         for (const Index joint : skin.joints)
             if (forest.first[joint] < forest.first[skin.skeleton] || forest.first[joint] >= forest.last[skin.skeleton])
-                context.fail(at(here, "skeleton"), fmt::format("joint {} is not below the skeleton's root", joint));
+                context.repair(Fault::skeleton, at(here, "skeleton"),
+                               [&] { return fmt::format("joint {} is not below the skeleton's root", joint); });
     }
 }
 
@@ -154,11 +158,17 @@ void check_scenes(const Model& model, const std::vector<Index>& parent, const Fo
     std::vector<std::size_t> in_scene(model.nodes.size());   // scene number from 1 that a root was last seen in
     for (std::size_t s = 0; s < model.scenes.size(); ++s) {
         const std::string here = at(at("/scenes", s), "nodes");
+        bool all_roots = true;
         for (std::size_t k = 0; k < model.scenes[s].nodes.size(); ++k) {
             const Index node = model.scenes[s].nodes[k];
-            if (parent[node] != k_absent) context.fail(at(here, k), fmt::format("node {} is not a root", node));
+            if (parent[node] != k_absent) {
+                all_roots = false;
+                context.repair(Fault::scene_root, at(here, k),
+                               [&] { return fmt::format("node {} is not a root", node); });
+            }
             in_scene[node] = s + 1;
         }
+        if (!all_roots) continue;   // build_scene() checks the joints of such a scene
         for (const Index root : model.scenes[s].nodes)
             for (const auto& [other, node] : needed[root])
                 if (in_scene[other] != s + 1)
@@ -187,7 +197,8 @@ std::vector<Index> check_nodes(const Model& model, Context& context)
         check_node(model, i, context);
         const Node& node = model.nodes[i];
         if (node.skin != k_absent && node.mesh != k_absent && !skinned[node.mesh])
-            context.fail(at("/nodes", i), "has a skin, but its mesh has no JOINTS");
+            context.repair(Fault::unused_skin, at("/nodes", i),
+                           [] { return "has a skin, but its mesh has no JOINTS"; });
     }
     check_skins(model, forest, context);
     check_scenes(model, parent, forest, context);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+
 #include "gnomon/error.h"
 
 namespace gnomon::io::gltf {
@@ -25,7 +27,10 @@ std::vector<std::string> Context::take_warnings()
 {
     if (omitted_ > 0) warnings_.push_back(fmt::format("{} further warnings were omitted", omitted_));
     omitted_ = 0;
-    return std::move(warnings_);
+    std::vector<std::string> all = repairs_.warnings();
+    all.insert(all.end(), std::make_move_iterator(warnings_.begin()), std::make_move_iterator(warnings_.end()));
+    warnings_.clear();
+    return all;
 }
 
 std::string at(const std::string& pointer, std::string_view name)

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/gltf/repairs.h"
+
 namespace gnomon::io::gltf {
 
 /// Limits on memory and time, in proportion to the file's size. A file beyond them is rejected with the reason.
@@ -27,29 +29,43 @@ struct Limits {
     std::uint64_t geometry_bytes_per_byte = 64;
     // Triangles drawn by repeated instances of meshes; an instance takes only a few bytes in the file.
     std::uint64_t repeated_triangles = 1ull << 27;
+    // Instances of EXT_mesh_gpu_instancing, plus one for so many bytes of buffers.
+    std::uint64_t instances = 64 << 10, bytes_per_instance = 8;
     // The same for images, in pixels: a byte of deflated data expands to at most 1032 bytes.
     std::uint64_t pixels = 4ull << 20;
     std::uint64_t pixels_per_byte = 1032;
     std::size_t warnings = 24;
 };
 
-/// Reports errors and warnings for one file.
+/// Reports errors, repairs and warnings for one file.
 class Context {
  public:
-    explicit Context(std::string file) : file_(std::move(file)) {}
+    /// @param strict  faults that could be repaired are errors
+    explicit Context(std::string file, bool strict = false) : file_(std::move(file)), strict_(strict) {}
 
     const std::string& file() const { return file_; }
     /// @param pointer  JSON pointer [RFC 6901] into the document
     [[noreturn]] void fail(const std::string& pointer, const std::string& problem) const;
+    bool strict() const { return strict_; }
+    /// Counts a fault that the caller then repairs; fails if strict.
+    /// @param problem  called for the text of the error
+    template <class Problem>
+    void repair(Fault fault, const std::string& pointer, Problem problem)
+    {
+        if (strict_) fail(pointer, problem());
+        repairs_.count(fault, pointer);
+    }
     /// Adds a warning to the scene; beyond the limit, warnings are only counted.
     void warn(const std::string& pointer, const std::string& problem);
-    /// Returns all warnings, with a final line if some were omitted.
+    /// Returns all warnings: one for each cause of repairs, then the others, with a final line if some were omitted.
     std::vector<std::string> take_warnings();
 
     Limits limits;
 
  private:
     std::string file_;
+    bool strict_ = false;
+    Repairs repairs_;
     std::vector<std::string> warnings_;
     std::size_t omitted_ = 0;
 };

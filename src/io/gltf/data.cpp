@@ -91,7 +91,8 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
             }
             if (resource.kind == Resource::Kind::data) {
                 if (resource.mime_type != "application/octet-stream" && resource.mime_type != "application/gltf-buffer")
-                    context.fail(uri_place, fmt::format("a buffer cannot be of type '{}'", resource.mime_type));
+                    context.repair(Fault::buffer_type, uri_place,
+                                   [&] { return fmt::format("a buffer cannot be of type '{}'", resource.mime_type); });
                 bytes.owned = std::move(resource.bytes);
                 bytes.span = bytes.owned;
             } else {
@@ -119,9 +120,16 @@ std::filesystem::path Data::find_file(const std::string& path, const std::string
     return found;
 }
 
-std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer) const
+std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer, bool& missing) const
 {
     const Resource resource = parse_uri(uri, pointer, context_);
+    const std::filesystem::path relative = std::filesystem::path(resource.path).lexically_normal();
+    const bool below = resource.kind == Resource::Kind::file && !relative.empty() && relative.is_relative() &&
+                       *relative.begin() != ".." && resource.path.find('\0') == std::string::npos;
+    std::error_code error;
+    missing = below &&
+              std::filesystem::status(folder_ / resource.path, error).type() == std::filesystem::file_type::not_found;
+    if (missing) return {};
     return resource.kind == Resource::Kind::file ? find_file(resource.path, pointer) : std::filesystem::path();
 }
 

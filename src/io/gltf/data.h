@@ -52,7 +52,8 @@ class Data {
     /// Bytes of a buffer view; empty if its buffer has none.
     std::span<const std::uint8_t> view_bytes(Index view) const;
     /// The file that a URI refers to, independent of its spelling. Empty for data URIs and remote resources.
-    std::filesystem::path resource_file(const std::string& uri, const std::string& pointer) const;
+    /// @param missing  set if it names a file below the folder that does not exist; the result is then empty
+    std::filesystem::path resource_file(const std::string& uri, const std::string& pointer, bool& missing) const;
     /// The contents of a file or data URI that an image uses. Empty with a warning for a remote one.
     std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer,
                                              std::string& mime_type);

@@ -6,6 +6,7 @@
 
 #include "gnomon/error.h"
 #include "io/gltf/build.h"
+#include "io/gltf/specular_glossiness.h"
 #include "io/image/image_file.h"
 
 namespace gnomon::io::gltf {
@@ -78,6 +79,17 @@ Image8 without_alpha(const Image8& image)
     return result;
 }
 
+// A use of a texture without the texture: which coordinates, and how they are transformed.
+scene::TextureUse place_of(const TextureInfo& info)
+{
+    scene::TextureUse result;
+    result.texcoord = static_cast<int>(std::min<std::uint64_t>(info.texcoord, 1));
+    result.offset = info.offset;
+    result.scale = info.scale;
+    result.rotation = info.rotation;
+    return result;
+}
+
 scene::Wrap wrap(int code)
 {
     constexpr int clamp_to_edge = 33071, mirrored_repeat = 33648;
@@ -103,12 +115,7 @@ scene::Sampler sampler_of(const Sampler& s)
 }   // namespace
 
 Materials::Materials(const Model& model, Data& data, scene::Scene& out, Context& context)
-    : model_(model),
-      data_(data),
-      out_(out),
-      context_(context),
-      made_(model.materials.size(), scene::none),
-      first_(model.images.size(), k_absent)
+    : model_(model), data_(data), out_(out), context_(context), first_(model.images.size(), k_absent)
 {
     // Images may overlap in a buffer, as accessors may.
     pixels_left_ = context.limits.pixels + context.limits.pixels_per_byte * data.total_bytes();
@@ -123,7 +130,14 @@ Index Materials::first_of(Index index)
     const Image& image = model_.images[index];
     std::string source;
     if (image.uri) {
-        source = data_.resource_file(*image.uri, at(at("/images", index), "uri")).string();
+        const std::string place = at(at("/images", index), "uri");
+        bool missing = false;
+        source = data_.resource_file(*image.uri, place, missing).string();
+        if (missing) {
+            context_.repair(Fault::missing_image, place,
+                            [&] { return fmt::format("'{}' does not exist", image.uri->substr(0, 200)); });
+            images_[index].read = true;
+        }
     } else if (image.view != k_absent) {
         const BufferView& view = model_.views[image.view];
         // Paths are absolute, so this key differs from every path.
@@ -194,26 +208,42 @@ void Materials::check_unused()
     images_.clear();
 }
 
-scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer)
+const Image8* Materials::image_for(const TextureInfo& info, const std::string& pointer)
 {
-    scene::TextureUse result;
-    if (info.texture == k_absent) return result;
+    if (info.texture == k_absent) return nullptr;
     const Texture& texture = model_.textures[info.texture];
     if (texture.source == k_absent) {
-        context_.warn(pointer, fmt::format("texture {} has no image: left out", info.texture));
-        return result;
+        context_.warn(pointer, texture.compressed
+                                   ? fmt::format("texture {} has only a KTX 2 image (KHR_texture_basisu): left out; "
+                                                 "convert it, for example with 'gltf-transform ktxdecompress'",
+                                                 info.texture)
+                                   : fmt::format("texture {} has no image: left out", info.texture));
+        return nullptr;
     }
     constexpr std::uint64_t sets = 2;
     if (info.texcoord >= sets) {
         context_.warn(pointer,
                       fmt::format("uses texture coordinates {}: only 0 and 1 are supported; left out", info.texcoord));
-        return result;
+        return nullptr;
     }
     const Image8& image = decoded_image(texture.source);
-    if (image.empty()) return result;
+    return image.empty() ? nullptr : &image;
+}
 
-    const scene::Sampler sampler =
-        texture.sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[texture.sampler]);
+scene::Sampler Materials::sampler_for(const TextureInfo& info) const
+{
+    const Index sampler = model_.textures[info.texture].sampler;
+    return sampler == k_absent ? scene::Sampler() : sampler_of(model_.samplers[sampler]);
+}
+
+scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer)
+{
+    const Image8* const found = image_for(info, pointer);
+    if (!found) return {};
+    scene::TextureUse result = place_of(info);
+    const Image8& image = *found;
+    const Texture& texture = model_.textures[info.texture];
+    const scene::Sampler sampler = sampler_for(info);
     const Index first = first_of(texture.source);
     // Drop alpha where it is not used, because coarser mip levels would weight the other channels by it.
     const bool drop_alpha = !alpha && (image.channels == 2 || image.channels == 4);
@@ -234,19 +264,65 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
         out_.textures.emplace_back(std::move(name), drop_alpha ? without_alpha(image) : image, srgb, sampler);
     }
     result.texture = made->second;
-    result.texcoord = static_cast<int>(info.texcoord);
-    result.offset = info.offset;
-    result.scale = info.scale;
-    result.rotation = info.rotation;
     return result;
 }
 
-scene::MaterialId Materials::get(Index index)
+// Converts specular-glossiness to metallic-roughness: the factors alone, or new textures.
+void Materials::use_glossiness(const Material::Glossiness& g, bool alpha, const std::string& pointer,
+                               scene::Material& out)
 {
-    scene::MaterialId& id = index == k_absent ? default_ : made_[index];
+    const glm::vec3 diffuse(g.diffuse[0], g.diffuse[1], g.diffuse[2]);
+    const glm::vec3 specular(g.specular[0], g.specular[1], g.specular[2]);
+    out.alpha = g.diffuse[3];
+    const Image8* const diffuse_image = image_for(g.diffuse_texture, at(pointer, "diffuseTexture"));
+    const Image8* const specular_image = image_for(g.specular_texture, at(pointer, "specularGlossinessTexture"));
+    if (!diffuse_image && !specular_image) {
+        const MetallicRoughness converted = metallic_from_specular(diffuse, specular);
+        out.base_color = converted.base_color;
+        out.metallic = converted.metallic;
+        out.roughness = 1 - g.glossiness;
+        return;
+    }
+    // The images are laid over each other, by the coordinates of the first that there is.
+    const Image8 none;
+    const Image8 &first = diffuse_image ? *diffuse_image : none, &second = specular_image ? *specular_image : none;
+    const std::uint64_t pixels = static_cast<std::uint64_t>(std::max(first.width, second.width)) *
+                                 static_cast<std::uint64_t>(std::max(first.height, second.height));
+    if (2 * pixels > pixels_left_)
+        context_.fail(pointer, "the textures are far larger than the size of the file allows");
+    pixels_left_ -= 2 * pixels;
+    ConvertedImages images = metallic_from_specular(first, second, diffuse, specular, g.glossiness);
+    const TextureInfo& shared = diffuse_image ? g.diffuse_texture : g.specular_texture;
+    const auto add = [&](const char* name, const Image8& image, bool srgb) {
+        scene::TextureUse result = place_of(shared);
+        result.texture = static_cast<scene::TextureId>(out_.textures.size());
+        out_.textures.emplace_back(name, image, srgb, sampler_for(shared));
+        return result;
+    };
+    const bool drop = !alpha && images.base_color.channels == 4;
+    out.base_color = glm::vec3(1);
+    out.base_color_texture =
+        add("base colour of specular-glossiness", drop ? without_alpha(images.base_color) : images.base_color, true);
+    out.metallic = out.roughness = 1;
+    out.metallic_roughness_texture = add("metallic-roughness of specular-glossiness", images.metallic_roughness, false);
+}
+
+scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_texcoords)
+{
+    Material m = index == k_absent ? Material() : model_.materials[index];
+    // Leave out the textures whose coordinates the primitive lacks.
+    std::array<bool, 2> without{};
+    for (TextureInfo* info :
+         {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
+          &m.emissive_texture, m.glossiness ? &m.glossiness->diffuse_texture : nullptr,
+          m.glossiness ? &m.glossiness->specular_texture : nullptr}) {
+        if (!info || info->texture == k_absent || info->texcoord >= 2 || has_texcoords[info->texcoord]) continue;
+        without[info->texcoord] = true;
+        if (info == &m.emissive_texture) m.emissive = {0, 0, 0};   // only the texture says where it emits
+        info->texture = k_absent;
+    }
+    scene::MaterialId& id = index == k_absent ? default_ : made_[{index, without}].id;
     if (id != scene::none) return id;
-    const Material fallback;
-    const Material& m = index == k_absent ? fallback : model_.materials[index];
     const std::string here = at("/materials", index);
     const std::string pbr = at(here, "pbrMetallicRoughness");
 
@@ -261,17 +337,24 @@ scene::MaterialId Materials::get(Index index)
                                                : scene::AlphaMode::opaque;
     out.alpha_cutoff = m.alpha_cutoff;
     const bool has_alpha = out.alpha_mode != scene::AlphaMode::opaque;
-    out.base_color_texture = use(m.base_color_texture, true, has_alpha, at(pbr, "baseColorTexture"));
-    out.metallic = m.metallic;
-    out.roughness = m.roughness;
-    out.metallic_roughness_texture =
-        use(m.metallic_roughness_texture, false, false, at(pbr, "metallicRoughnessTexture"));
+    if (!m.glossiness) {
+        out.base_color_texture = use(m.base_color_texture, true, has_alpha, at(pbr, "baseColorTexture"));
+        out.metallic = m.metallic;
+        out.roughness = m.roughness;
+        out.metallic_roughness_texture =
+            use(m.metallic_roughness_texture, false, false, at(pbr, "metallicRoughnessTexture"));
+    }
+    if (m.glossiness)
+        use_glossiness(*m.glossiness, has_alpha, at(at(here, "extensions"), "KHR_materials_pbrSpecularGlossiness"),
+                       out);
     out.normal_texture = use(m.normal_texture, false, false, at(here, "normalTexture"));
     out.normal_scale = m.normal_texture.factor;
     out.occlusion_texture = use(m.occlusion_texture, false, false, at(here, "occlusionTexture"));
     out.occlusion_strength = m.occlusion_texture.factor;
     out.emissive = m.emissive_strength * glm::vec3(m.emissive[0], m.emissive[1], m.emissive[2]);
     out.emissive_texture = use(m.emissive_texture, true, false, at(here, "emissiveTexture"));
+    // Only the texture says where the surface emits.
+    if (m.emissive_texture.texture != k_absent && out.emissive_texture.texture == scene::none) out.emissive = {0, 0, 0};
     out.transmission = m.transmission;
     out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 selects an old gloss model [KHR_materials_ior]
 

@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "io/gltf/build.h"
+#include "scene/mesh_repairs.h"
 
 namespace gnomon::io::gltf {
 
@@ -73,11 +74,16 @@ class PieceReader {
         piece.positions = vec3(p.find("POSITION"), at(attributes, "POSITION"));
         if (p.has("NORMAL")) {
             piece.normals = vec3(p.find("NORMAL"), at(attributes, "NORMAL"));
-            for (glm::vec3& n : piece.normals) n = unit(n);
+            for (glm::vec3& n : piece.normals) n = scene::unit_or(n, glm::vec3(0));
         }
         if (p.has("TANGENT") && p.has("NORMAL")) {
             piece.tangents = vec4(p.find("TANGENT"), at(attributes, "TANGENT"), 1);
-            for (glm::vec4& t : piece.tangents) t = glm::vec4(unit(glm::vec3(t)), t.w < 0 ? -1 : 1);
+            for (std::size_t i = 0; i < piece.tangents.size(); ++i) {
+                glm::vec4& t = piece.tangents[i];
+                const glm::vec3 across =
+                    i < piece.normals.size() ? scene::perpendicular_to(piece.normals[i]) : glm::vec3(1, 0, 0);
+                t = glm::vec4(scene::unit_or(glm::vec3(t), across), t.w < 0 ? -1 : 1);
+            }
         }
         for (int set = 0; set < 2; ++set) {
             const std::string name = fmt::format("TEXCOORD_{}", set);
@@ -98,16 +104,11 @@ class PieceReader {
             piece.targets.push_back(std::move(target));
         }
         read_triangles(p, here, piece);
+        scene::fill_normals(piece.positions, piece.triangles, piece.normals);
         return piece;
     }
 
  private:
-    static glm::vec3 unit(const glm::vec3& v)
-    {
-        const float length = glm::length(v);
-        return length > 0 ? v / length : glm::vec3(0, 0, 1);
-    }
-
     // Subtracts the memory that an accessor will need from the limit.
     const Accessor& open(Index index, const std::string& pointer)
     {
@@ -173,18 +174,7 @@ class PieceReader {
             const std::string other = fmt::format("WEIGHTS_{}", set);
             piece.weights[set] = vec4(p.find(other), at(attributes, other), 0);
         }
-        // Normalise the weights' sum to one. If all are zero (an accessor without data), use the first joint.
-        for (std::size_t v = 0; v < piece.weights[0].size(); ++v) {
-            const auto sum_of = [&](int set) {
-                if (piece.weights[set].empty()) return 0.0f;
-                const glm::vec4& w = piece.weights[set][v];
-                return w.x + w.y + w.z + w.w;
-            };
-            const float sum = sum_of(0) + sum_of(1);
-            for (std::vector<glm::vec4>& set : piece.weights)
-                if (!set.empty() && sum > 0) set[v] /= sum;
-            if (!(sum > 0)) piece.weights[0][v] = {1, 0, 0, 0};
-        }
+        scene::normalize_weights(piece.weights, -1);
     }
 
     void read_triangles(const Primitive& p, const std::string& here, Piece& piece)
@@ -271,6 +261,7 @@ scene::Mesh Meshes::build(Index index)
     // Read the primitives that are made of triangles.
     std::vector<Piece> pieces;
     std::vector<Index> materials;
+    std::vector<std::array<bool, 2>> has_texcoords;
     PieceReader reader(model_, data_, bytes_left_, context_);
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
         const Primitive& p = source.primitives[i];
@@ -282,6 +273,7 @@ scene::Mesh Meshes::build(Index index)
         }
         pieces.push_back(reader.read(p, place));
         materials.push_back(p.material);
+        has_texcoords.push_back({p.has("TEXCOORD_0"), p.has("TEXCOORD_1")});
     }
 
     // Fill in arrays that only some primitives have, and compute missing normals.
@@ -334,7 +326,8 @@ scene::Mesh Meshes::build(Index index)
             append(target.tangents, from.tangents, present[t].tangents, before, count, glm::vec3(0));
         }
         if (p.triangles.empty()) continue;
-        mesh.parts.push_back({materials_.get(materials[i]), static_cast<std::uint32_t>(mesh.triangles.size()),
+        mesh.parts.push_back({materials_.get(materials[i], has_texcoords[i]),
+                              static_cast<std::uint32_t>(mesh.triangles.size()),
                               static_cast<std::uint32_t>(p.triangles.size())});
         for (const glm::uvec3& t : p.triangles) mesh.triangles.push_back(t + static_cast<std::uint32_t>(before));
         p = {};   // frees its memory

@@ -212,6 +212,14 @@ Material read_material(const json& j)
     if (const json* e = extension(j, "KHR_materials_emissive_strength"))
         m.emissive_strength = real(*e, "emissiveStrength", 1);
     if (const json* e = extension(j, "KHR_materials_ior")) m.ior = real(*e, "ior", 1.5f);
+    if (const json* e = extension(j, "KHR_materials_pbrSpecularGlossiness")) {
+        Material::Glossiness& g = m.glossiness.emplace();
+        array(*e, "diffuseFactor", g.diffuse);
+        array(*e, "specularFactor", g.specular);
+        g.glossiness = real(*e, "glossinessFactor", 1);
+        g.diffuse_texture = read_texture_info(*e, "diffuseTexture");
+        g.specular_texture = read_texture_info(*e, "specularGlossinessTexture");
+    }
     if (const json* e = extension(j, "KHR_materials_transmission")) m.transmission = real(*e, "transmissionFactor", 0);
     return m;
 }
@@ -234,6 +242,10 @@ Primitive read_primitive(const json& j)
     each(j, "targets", p.targets, read_attributes);
     if (const json* d = extension(j, "KHR_draco_mesh_compression"))
         p.draco = Primitive::Draco{index(*d, "bufferView"), read_attributes((*d)["attributes"])};
+    if (const json* v = extension(j, "KHR_materials_variants"))
+        each(*v, "mappings", p.mappings, [](const json& m) {
+            return Primitive::Mapping{index(m, "material"), list<Index>(m, "variants").value_or(std::vector<Index>())};
+        });
     return p;
 }
 
@@ -251,6 +263,10 @@ Node read_node(const json& j)
     n.rotation = optional_array<double, 4>(j, "rotation");
     n.scale = optional_array<double, 3>(j, "scale");
     n.weights = list<float>(j, "weights");
+    if (const json* e = extension(j, "EXT_mesh_gpu_instancing")) {
+        const json* attributes = member(*e, "attributes");
+        n.instances = attributes ? read_attributes(*attributes) : Attributes();
+    }
     return n;
 }
 
@@ -412,7 +428,8 @@ Model read_model(const json& document)
         return Sampler{code("magFilter", 0), code("minFilter", 0), code("wrapS", 10497), code("wrapT", 10497)};
     });
     each(document, "textures", m.textures, [](const json& j) {
-        Texture texture{index(j, "sampler"), index(j, "source"), text(j, "name")};
+        Texture texture{index(j, "sampler"), index(j, "source"), text(j, "name"),
+                        extension(j, "KHR_texture_basisu") != nullptr};
         // An image that is there for readers without WebP shows the same.
         if (const json* webp = extension(j, "EXT_texture_webp"); webp && texture.source == k_absent)
             texture.source = index(*webp, "source");
@@ -434,6 +451,8 @@ Model read_model(const json& document)
     each(document, "animations", m.animations, read_animation);
     each(document, "cameras", m.cameras, read_camera);
     if (const json* lights = extension(document, "KHR_lights_punctual")) each(*lights, "lights", m.lights, read_light);
+    if (const json* variants = extension(document, "KHR_materials_variants"))
+        each(*variants, "variants", m.variants, [](const json& j) { return text(j, "name"); });
     each(document, "scenes", m.scenes, [](const json& j) {
         return SceneEntry{text(j, "name"), list<Index>(j, "nodes").value_or(std::vector<Index>())};
     });

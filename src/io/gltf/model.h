@@ -87,6 +87,7 @@ struct Sampler {
 struct Texture {
     Index sampler = k_absent, source = k_absent;
     std::string name;
+    bool compressed = false;   // KHR_texture_basisu; `source` is the fallback
 };
 
 struct TextureInfo {
@@ -108,6 +109,14 @@ struct Material {
     bool double_sided = false;
     bool unlit = false;
     float emissive_strength = 1, ior = 1.5f, transmission = 0;
+    /// KHR_materials_pbrSpecularGlossiness; replaces metallic-roughness.
+    struct Glossiness {
+        std::array<float, 4> diffuse{1, 1, 1, 1};
+        std::array<float, 3> specular{1, 1, 1};
+        float glossiness = 1;
+        TextureInfo diffuse_texture, specular_texture;
+    };
+    std::optional<Glossiness> glossiness;
 };
 
 using Attributes = std::map<std::string, Index>;
@@ -122,6 +131,11 @@ struct Primitive {
         Attributes attributes;   // ids of compressed attributes, not accessors
     };
     std::optional<Draco> draco;   // KHR_draco_mesh_compression
+    struct Mapping {
+        Index material = k_absent;
+        std::vector<Index> variants;
+    };
+    std::vector<Mapping> mappings;   // KHR_materials_variants
     bool has(const char* semantic) const { return attributes.contains(semantic); }
     Index find(const std::string& semantic) const;
 };
@@ -140,6 +154,7 @@ struct Node {
     std::optional<std::array<double, 3>> translation, scale;
     std::optional<std::array<double, 4>> rotation;   // x y z w
     std::optional<std::vector<float>> weights;
+    std::optional<Attributes> instances;   // EXT_mesh_gpu_instancing
 };
 
 struct Skin {
@@ -207,6 +222,7 @@ struct Model {
     std::vector<Animation> animations;
     std::vector<Camera> cameras;
     std::vector<Light> lights;
+    std::vector<std::string> variants;   // names
     std::vector<SceneEntry> scenes;
     std::optional<Index> scene;
 };

@@ -37,7 +37,7 @@ struct Step {
 
 class Walk {
  public:
-    Walk(const json& document, Context& context) : document_(document), context_(context) {}
+    Walk(json& document, Context& context) : document_(document), context_(context) {}
 
     std::vector<TextureBinding> run()
     {
@@ -78,7 +78,7 @@ class Walk {
         path_.pop_back();
     }
 
-    void check_object(const json& value, const Table& table)
+    void check_object(json& value, const Table& table)
     {
         if (!value.is_object()) wrong_type(value, "an object");
         for (const Rule& rule : table.rules) {
@@ -87,15 +87,47 @@ class Walk {
                 if (rule.required) fail(fmt::format("'{}' is missing", rule.name));
                 continue;
             }
+            bool absent = false;
             below(rule.name, [&] {
+                if (repaired_as_absent(*found, rule)) {
+                    absent = true;
+                    return;
+                }
                 if (rule.needs && !value.contains(rule.needs)) fail(fmt::format("requires '{}'", rule.needs));
                 check_value(*found, rule);
             });
+            if (absent) value.erase(found);
         }
         check_names(value, table);
         if (const auto extensions = value.find("extensions"); extensions != value.end())
             below("extensions", [&] { check_extensions(*extensions, table); });
         note_texture(value, table);
+    }
+
+    // Whether the property is one of those faults that are repaired by leaving it out. Where an empty array stands for
+    // a required one, only those that mean "nothing to do" are taken (an animation without channels).
+    bool repaired_as_absent(const json& value, const Rule& rule)
+    {
+        if (value.is_array() && value.empty() && (!rule.required || rule.may_be_empty)) {
+            context_.repair(Fault::empty_array, pointer(), [] { return "must not be empty"; });
+            return true;
+        }
+        if (rule.number_as_default && value.is_number()) {
+            context_.repair(Fault::interpolation_type, pointer(), [] { return "expected a string, found a number"; });
+            return true;
+        }
+        if (rule.zero_as_absent && value.is_number() && value.get<double>() == 0) {
+            context_.repair(Fault::stride, pointer(), [] { return "0 is out of range"; });
+            return true;
+        }
+        // A number that must be greater than a bound has no nearest value to which it could be clamped.
+        if (rule.kind == Kind::number && rule.above_low && !rule.required && value.is_number() &&
+            value.get<double>() <= rule.low && std::isfinite(value.get<double>())) {
+            context_.repair(Fault::factor_range, pointer(),
+                            [&] { return fmt::format("{} is out of range", value.get<double>()); });
+            return true;
+        }
+        return false;
     }
 
     // Names that are in no table are harmless, but may be misspelt.
@@ -113,18 +145,26 @@ class Walk {
         }
     }
 
-    void check_extensions(const json& value, const Table& owner)
+    void check_extensions(json& value, const Table& owner)
     {
         if (!value.is_object()) wrong_type(value, "an object");
         const auto places = extension_places();
-        for (auto item = value.begin(); item != value.end(); ++item) {
+        for (auto item = value.begin(); item != value.end();) {
+            bool misplaced = false;
             below(item.key(), [&] {
-                if (!used_.contains(item.key())) fail("the extension is not declared in 'extensionsUsed'");
+                if (!used_.contains(item.key()))
+                    context_.repair(Fault::extension_list, pointer(),
+                                    [] { return "the extension is not declared in 'extensionsUsed'"; });
                 const auto names = [&](const ExtensionPlace& place) { return item.key() == place.extension; };
                 if (std::none_of(places.begin(), places.end(), names)) return;   // unknown to us
                 const auto place = std::find_if(places.begin(), places.end(),
                                                 [&](const ExtensionPlace& p) { return names(p) && p.owner == &owner; });
-                if (place == places.end()) fail(fmt::format("the extension is not allowed in a {}", owner.name));
+                if (place == places.end()) {
+                    misplaced = true;
+                    context_.repair(Fault::extension_place, pointer(),
+                                    [&] { return fmt::format("the extension is not allowed in a {}", owner.name); });
+                    return;
+                }
                 check_object(item.value(), *place->inner);
                 if (item.key() == "KHR_materials_ior" && item->contains("ior")) {
                     const double ior = item->at("ior").get<double>();
@@ -132,6 +172,7 @@ class Walk {
                         below("ior", [&] { fail(fmt::format("{} is neither 0 nor at least 1", ior)); });
                 }
             });
+            item = misplaced ? value.erase(item) : std::next(item);
         }
     }
 
@@ -153,7 +194,7 @@ class Walk {
             {std::move(place), path_[1].index, set ? static_cast<std::uint64_t>(set->get<double>()) : 0});
     }
 
-    void check_value(const json& value, const Rule& rule)
+    void check_value(json& value, const Rule& rule)
     {
         switch (rule.kind) {
             case Kind::boolean:
@@ -198,7 +239,7 @@ class Walk {
         }
     }
 
-    void check_array(const json& value, const Rule& rule)
+    void check_array(json& value, const Rule& rule)
     {
         // Check the length.
         if (!value.is_array()) wrong_type(value, "an array");
@@ -214,7 +255,7 @@ class Walk {
         std::unordered_set<std::uint64_t> seen;
         std::unordered_set<std::string_view> seen_text;
         for (std::size_t i = 0; i < value.size(); ++i) {
-            const json& element = value[i];
+            json& element = value[i];
             below(i, [&] {
                 switch (rule.kind) {
                     case Kind::numbers:
@@ -222,7 +263,8 @@ class Walk {
                         break;
                     case Kind::strings:
                         if (!element.is_string()) wrong_type(element, "a string");
-                        if (!seen_text.insert(element.get_ref<const std::string&>()).second) fail("is a duplicate");
+                        if (!seen_text.insert(element.get_ref<const std::string&>()).second)
+                            context_.repair(Fault::extension_list, pointer(), [] { return "is a duplicate"; });
                         break;
                     case Kind::indices:
                         check_index(element, rule);
@@ -247,13 +289,18 @@ class Walk {
             below(item.key(), [&] { check_index(item.value(), rule); });
     }
 
-    void check_number(const json& value, const Rule& rule)
+    void check_number(json& value, const Rule& rule)
     {
         if (!value.is_number()) wrong_type(value, "a number");
         const double number = value.get<double>();
         if (!std::isfinite(number)) fail("is not finite");
-        if (number < rule.low || (rule.above_low && number == rule.low) || number > rule.high)
-            fail(fmt::format("{} is out of range", number));
+        if (number >= rule.low && !(rule.above_low && number == rule.low) && number <= rule.high) return;
+        // Clamp what exceeds a range, such as a factor of 1.00000012.
+        const auto problem = [&] { return fmt::format("{} is out of range", number); };
+        const double nearest = std::clamp(number, rule.low, rule.high);
+        if (rule.above_low && nearest == rule.low) fail(problem());
+        context_.repair(Fault::factor_range, pointer(), problem);
+        value = nearest;
     }
 
     void check_integer(const json& value, const Rule& rule)
@@ -302,7 +349,7 @@ class Walk {
         return sizes_[target] = size;
     }
 
-    const json& document_;
+    json& document_;
     Context& context_;
     std::vector<Step> path_;
     std::unordered_set<std::string> used_;
@@ -312,7 +359,7 @@ class Walk {
 
 }   // namespace
 
-std::vector<TextureBinding> check_schema(const json& document, Context& context)
+std::vector<TextureBinding> check_schema(json& document, Context& context)
 {
     return Walk(document, context).run();
 }

@@ -53,6 +53,8 @@ struct Rule {
     const char* target = nullptr;   // JSON pointer of an array; nullptr: checked elsewhere
     const Table* inner = nullptr;
     const char* needs = nullptr;   // another property that must be present
+    // Repairs: a required array may be empty; a number in the place of a word stands for the default; so does 0.
+    bool may_be_empty = false, number_as_default = false, zero_as_absent = false;
 };
 
 struct Table {
@@ -77,9 +79,9 @@ struct TextureBinding {
     std::uint64_t texcoord = 0;
 };
 
-/// Checks the document against the tables.
+/// Checks the document against the tables, and repairs it in place where that is allowed (see Repairs).
 /// @returns the texture coordinates that materials need
 /// @throws InputError
-std::vector<TextureBinding> check_schema(const nlohmann::json& document, Context& context);
+std::vector<TextureBinding> check_schema(nlohmann::json& document, Context& context);
 
 }   // namespace gnomon::io::gltf

@@ -73,6 +73,20 @@ constexpr Rule with(Rule rule, const char* other)
     return rule.needs = other, rule;
 }
 
+constexpr Rule or_empty(Rule rule)
+{
+    return rule.may_be_empty = true, rule;
+}
+constexpr Rule or_number(Rule rule)
+{
+    return rule.number_as_default = true, rule;
+}
+
+constexpr Rule or_zero(Rule rule)
+{
+    return rule.zero_as_absent = true, rule;
+}
+
 constexpr std::size_t k_most_extensions = 1000;   // they are compared with each other
 constexpr const char* k_accessors = "/accessors";
 constexpr const char* k_buffer_views = "/bufferViews";
@@ -105,7 +119,7 @@ constexpr Table accessor{"accessor", accessor_rules};
 constexpr Rule buffer_rules[] = {text("uri"), need(integer("byteLength", 1)), text("name")};
 constexpr Table buffer{"buffer", buffer_rules};
 constexpr Rule view_rules[] = {need(index("buffer", "/buffers")), integer("byteOffset"),
-                               need(integer("byteLength", 1)),    integer("byteStride", 4, 252),
+                               need(integer("byteLength", 1)),    or_zero(integer("byteStride", 4, 252)),
                                code("target", view_targets),      text("name")};
 constexpr Table buffer_view{"buffer view", view_rules};
 
@@ -116,11 +130,12 @@ constexpr Rule target_rules[] = {index("node", k_nodes), need(word("path", paths
 constexpr Table channel_target{"channel target", target_rules};
 constexpr Rule channel_rules[] = {need(index("sampler", nullptr)), need(object("target", channel_target))};
 constexpr Table channel{"channel", channel_rules};
-constexpr Rule animation_sampler_rules[] = {need(index("input", k_accessors)), word("interpolation", interpolations),
+constexpr Rule animation_sampler_rules[] = {need(index("input", k_accessors)),
+                                            or_number(word("interpolation", interpolations)),
                                             need(index("output", k_accessors))};
 constexpr Table animation_sampler{"animation sampler", animation_sampler_rules};
-constexpr Rule animation_rules[] = {need(objects("channels", channel)), need(objects("samplers", animation_sampler)),
-                                    text("name")};
+constexpr Rule animation_rules[] = {or_empty(need(objects("channels", channel))),
+                                    or_empty(need(objects("samplers", animation_sampler))), text("name")};
 constexpr Table animation{"animation", animation_rules};
 
 // Cameras
@@ -232,7 +247,7 @@ constexpr Table spot{"spot", spot_rules};
 constexpr Rule light_rules[] = {numbers("color", 3, 3, 0, 1), number("intensity", 0),          above("range", 0),
                                 object("spot", spot),         need(word("type", light_types)), text("name")};
 constexpr Table light{"light", light_rules};
-constexpr Rule lights_rules[] = {need(objects("lights", light))};
+constexpr Rule lights_rules[] = {or_empty(need(objects("lights", light)))};
 constexpr Table lights{"lights", lights_rules};
 constexpr Rule node_light_rules[] = {need(index("light", "/extensions/KHR_lights_punctual/lights"))};
 constexpr Table node_light{"light of a node", node_light_rules};
@@ -282,7 +297,7 @@ constexpr Table glossiness{"specular-glossiness", glossiness_rules};
 // Other extensions
 constexpr Rule variant_rules[] = {need(text("name"))};
 constexpr Table variant{"variant", variant_rules};
-constexpr Rule variants_rules[] = {need(objects("variants", variant))};
+constexpr Rule variants_rules[] = {or_empty(need(objects("variants", variant)))};
 constexpr Table variants{"variants", variants_rules};
 constexpr Rule mapping_rules[] = {need(index("material", "/materials")),
                                   need(indices("variants", "/extensions/KHR_materials_variants/variants")),

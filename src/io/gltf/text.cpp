@@ -76,6 +76,12 @@ Container open_container(std::string_view bytes, bool named_glb, Context& contex
     Container result;
     if (!has_magic && !named_glb) {
         result.json = bytes;
+        // [glTF 2.0, 2.7]: UTF-8 without a byte order mark.
+        if (bytes.substr(0, 3) == "\xef\xbb\xbf") {
+            if (context.strict()) throw InputError(context.file(), "1:1", "JSON begins with a byte order mark");
+            context.repair(Fault::byte_order_mark, "", [] { return ""; });
+            result.json.remove_prefix(3);
+        }
         return result;
     }
 
@@ -127,7 +133,6 @@ nlohmann::json parse_json(const Container& container, const Context& context)
     if (container.json.size() > context.limits.json_bytes)
         fail(0, fmt::format("JSON of {} bytes is too large, the limit is {}", container.json.size(),
                             context.limits.json_bytes));
-    // [glTF 2.0, 2.7]: UTF-8 without a byte order mark.
     if (container.json.substr(0, 3) == "\xef\xbb\xbf") fail(0, "JSON begins with a byte order mark");
     check_nesting(container, context);
 

@@ -31,6 +31,7 @@ struct ObjFace {
 
 struct ObjData {
     std::vector<glm::vec3> positions;
+    std::vector<glm::vec4> colors;      // linear RGBA, by position; empty: none
     std::vector<glm::vec2> texcoords;   // as in the file: v = 0 is the bottom row
     std::vector<glm::vec3> normals;     // as in the file: of any length, also zero
     std::vector<ObjCorner> corners;

@@ -133,6 +133,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
         for (const VertexKey& key : vertices.keys()) {
             mesh.positions.push_back(data.positions[key.position]);
             if (any_normal) mesh.normals.push_back(key.normal);
+            if (!data.colors.empty()) mesh.colors.push_back(data.colors[key.position]);
             if (!any_texcoord) continue;
             const glm::vec2 t = key.texcoord == k_no_index ? glm::vec2(0) : data.texcoords[key.texcoord];
             mesh.texcoords[0].emplace_back(t.x, 1 - t.y);

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loads STL meshes, as text or binary (always little-endian). Corners at the same place become one vertex, so that the
+// mesh is shaded smoothly where its facets meet at less than the crease angle (io/obj/normals.h). The normals in the
+// file are those of the facets, often wrong, and not read.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <tuple>
+
+#include "base/interruption.h"
+#include "gnomon/error.h"
+#include "io/file/read_file.h"
+#include "io/load.h"
+#include "io/obj/mesh.h"
+
+namespace gnomon::io {
+
+namespace {
+
+constexpr std::uint64_t k_largest_stl = 4ull << 30;
+constexpr std::size_t k_header = 84, k_facet = 50;   // bytes; the header ends with the number of facets
+constexpr float k_grey = 0.6f;
+constexpr std::uint32_t k_most_facets = k_no_index / 3;
+constexpr std::uint32_t k_facets_a_step = 1 << 14;
+
+std::uint32_t u32_at(const std::uint8_t* p)
+{
+    return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
+}
+
+// Three corners and the object of each facet; corners are not yet shared.
+struct Facets {
+    std::vector<glm::vec3> corners;
+    std::vector<std::uint32_t> object;
+    std::vector<std::string> names;
+};
+
+Facets read_binary(std::span<const std::uint8_t> bytes, const std::string& file)
+{
+    Facets facets;
+    facets.names.emplace_back();
+    const std::uint32_t count = u32_at(bytes.data() + k_header - 4);
+    if (count > k_most_facets) throw InputError(file, "byte 80", fmt::format("{} facets are too many", count));
+    facets.corners.reserve(3 * std::size_t{count});
+    facets.object.resize(count);
+    for (std::uint32_t f = 0; f < count; ++f) {
+        if (f % k_facets_a_step == 0) interruption_point();
+        const std::size_t begin = k_header + k_facet * std::size_t{f};
+        const std::uint8_t* at = bytes.data() + begin + 12;   // behind the normal
+        for (int corner = 0; corner < 3; ++corner) {
+            glm::vec3 p;
+            for (int k = 0; k < 3; ++k, at += 4) {
+                p[k] = std::bit_cast<float>(u32_at(at));
+                if (!(std::abs(p[k]) <= k_largest_coordinate))
+                    throw InputError(file, fmt::format("byte {}", at - bytes.data()),
+                                     fmt::format("{} is not a coordinate", p[k]));
+            }
+            facets.corners.push_back(p);
+        }
+    }
+    return facets;
+}
+
+class TextReader {
+ public:
+    explicit TextReader(ObjText& text) : text_(text) {}
+
+    Facets read()
+    {
+        for (std::string_view keyword = next(); !keyword.empty(); keyword = next()) {
+            if (facets_.object.size() % k_facets_a_step == 0) interruption_point();
+            if (keyword == "solid")
+                facets_.names.push_back(text_.rest());
+            else if (keyword == "facet")
+                facet();
+            else if (keyword != "endsolid")
+                text_.fail(fmt::format("expected a facet, found '{}'", shown(keyword)));
+        }
+        if (facets_.names.empty()) facets_.names.emplace_back();
+        return std::move(facets_);
+    }
+
+ private:
+    std::string_view next()
+    {
+        keyword_ = text_.next_statement();
+        std::transform(keyword_.begin(), keyword_.end(), keyword_.begin(),
+                       [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+        return keyword_;
+    }
+    void expect(const char* keyword)
+    {
+        if (next() != keyword) text_.fail(fmt::format("expected '{}', found '{}'", keyword, shown(keyword_)));
+    }
+
+    void facet()
+    {
+        if (facets_.names.empty()) facets_.names.emplace_back();
+        if (facets_.object.size() == k_most_facets) text_.fail("too many facets");
+        expect("outer");   // loop
+        for (int corner = 0; corner < 3; ++corner) {
+            expect("vertex");
+            glm::vec3 p;
+            for (int k = 0; k < 3; ++k) {
+                p[k] = text_.number("a coordinate");
+                if (std::abs(p[k]) > k_largest_coordinate) text_.fail("coordinate is out of range");
+            }
+            facets_.corners.push_back(p);
+        }
+        expect("endloop");
+        expect("endfacet");
+        facets_.object.push_back(static_cast<std::uint32_t>(facets_.names.size() - 1));
+    }
+
+    ObjText& text_;
+    std::string keyword_;
+    Facets facets_;
+};
+
+// Gives corners at the same place one number.
+ObjData shared_corners(Facets facets)
+{
+    const std::vector<glm::vec3>& p = facets.corners;
+    for (glm::vec3& corner : facets.corners) corner += glm::vec3(0);   // -0 is 0
+    std::vector<std::uint32_t> order(p.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::tie(p[a].x, p[a].y, p[a].z, a) < std::tie(p[b].x, p[b].y, p[b].z, b);
+    });
+    ObjData data;
+    std::vector<std::uint32_t> number(p.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i == 0 || p[order[i]] != p[order[i - 1]]) data.positions.push_back(p[order[i]]);
+        number[order[i]] = static_cast<std::uint32_t>(data.positions.size() - 1);
+    }
+    data.corners.resize(p.size());
+    for (std::size_t i = 0; i < p.size(); ++i) data.corners[i].position = number[i];
+    for (std::uint32_t f = 0; f < facets.object.size(); ++f)
+        data.faces.push_back({3 * f, 3, facets.object[f], 0, ObjFace::k_unset});
+    data.materials.emplace_back();
+    data.objects = std::move(facets.names);
+    return data;
+}
+
+Facets read_facets(std::span<const std::uint8_t> bytes, const std::string& file, std::vector<std::string>& warnings)
+{
+    // Binary files may begin with "solid", too: the length decides.
+    const bool has_header = bytes.size() >= k_header;
+    const std::uint64_t claimed = has_header ? k_header + std::uint64_t{k_facet} * u32_at(bytes.data() + 80) : 0;
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    std::string word(text.substr(first, 5));
+    std::transform(word.begin(), word.end(), word.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (has_header && claimed == bytes.size()) return read_binary(bytes, file);
+    if (word == "solid") {
+        ObjText source(file, text);
+        return TextReader(source).read();
+    }
+    if (!has_header) throw InputError(file, "byte 0", "is neither text that begins with 'solid' nor a binary STL");
+    if (claimed > bytes.size())
+        throw InputError(file, "byte 80",
+                         fmt::format("declares {} facets in {} bytes, but the file has {}", u32_at(bytes.data() + 80),
+                                     claimed, bytes.size()));
+    warnings.push_back(fmt::format("{} bytes behind the last facet are ignored", bytes.size() - claimed));
+    return read_binary(bytes, file);
+}
+
+}   // namespace
+
+scene::Scene load_stl(const std::filesystem::path& file, const Progress& progress)
+{
+    Interruption interruption(progress);
+    const InterruptionScope scope(progress ? &interruption : Interruption::current());
+    report_progress("loading", 0);
+    scene::Scene scene;
+    scene.name = file.stem().string();
+    ObjData data;
+    {
+        const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), k_largest_stl);
+        data = shared_corners(read_facets(bytes, file.string(), scene.warnings));
+    }
+    scene::Material material;
+    material.name = "default";
+    material.base_color = glm::vec3(k_grey);
+    material.double_sided = true;   // many files have facets that are turned inside out
+    scene.materials.push_back(material);
+    // Objects without facets make no meshes.
+    std::vector<char> used(data.objects.size(), 0);
+    for (const ObjFace& face : data.faces) used[face.object] = 1;
+    std::vector<std::uint32_t> kept(data.objects.size(), 0);
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        kept[i] = static_cast<std::uint32_t>(names.size());
+        if (used[i]) names.push_back(std::move(data.objects[i]));
+    }
+    for (ObjFace& face : data.faces) face.object = kept[face.object];
+    data.objects = std::move(names);
+    add_obj_meshes(scene, data, {0}, {});
+    scene.finish();
+    return scene;
+}
+
+}   // namespace gnomon::io

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors of glTF files that are repaired: each gives one warning with a count, and is refused in strict mode.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "gltf_document.h"
+#include "gnomon/error.h"
+#include "scene/mesh_repairs.h"
+#include "scene/state.h"
+
+namespace gnomon {
+namespace {
+
+using test::Document;
+using test::one_mesh;
+
+const std::vector<float> k_triangle = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+const std::vector<float> k_up = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+
+// Loads the document in both modes.
+scene::Scene repaired(const Document& d, const std::string& rest, const std::string& warning,
+                      const std::string& extensions = "")
+{
+    EXPECT_THROW(d.load(rest, extensions, {.strict = true}), InputError) << warning;
+    scene::Scene scene = d.load(rest, extensions);
+    EXPECT_EQ(scene.warnings.size(), 1u) << warning;
+    if (!scene.warnings.empty()) {
+        EXPECT_NE(scene.warnings[0].find(warning), std::string::npos) << scene.warnings[0];
+    }
+    return scene;
+}
+
+std::string skinned(int p, int j, int w, const std::string& skin = "")
+{
+    return fmt::format(
+        R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"JOINTS_0":{},"WEIGHTS_0":{}}}}}]}}],)"
+        R"("nodes":[{{"mesh":0,"skin":0}},{{}},{{"children":[1]}}],"skins":[{{"joints":[1]{}}}],"scenes":[{{"nodes":[0,2]}}])",
+        p, j, w, skin);
+}
+
+TEST(GltfRepairs, WeightsAreScaledToASumOfOne)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int j = d.accessor<std::uint8_t>(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
+    const int w = d.floats({.5f, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    const scene::Scene s = repaired(d, skinned(p, j, w), "2 vertices whose weights do not sum to 1: renormalised");
+    for (const glm::vec4& weight : s.meshes.at(0).skin->weights[0]) EXPECT_EQ(weight, glm::vec4(1, 0, 0, 0));
+}
+
+TEST(GltfRepairs, NormalsWithoutADirectionAreTheFaces)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int n = d.floats({0, 0, 0, 0, 3, 0, 0, 0, 4e-8f}, "VEC3", 3);
+    const scene::Scene s = repaired(d, one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{},"NORMAL":{}}}}})", p, n)),
+                                    "3 normals are not of unit length");
+    EXPECT_EQ(s.meshes.at(0).normals, (std::vector<glm::vec3>{{0, 0, 1}, {0, 1, 0}, {0, 0, 1}}));
+}
+
+TEST(GltfRepairs, TangentsWithoutADirectionLieAcrossTheNormal)
+{
+    Document d;
+    const int p = d.positions(k_triangle), n = d.floats(k_up, "VEC3", 3);
+    const int t = d.floats({0, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0}, "VEC4", 4);
+    const scene::Scene s =
+        repaired(d, one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{},"NORMAL":{},"TANGENT":{}}}}})", p, n, t)),
+                 "2 tangents are not of unit length");
+    const glm::vec4 first = s.meshes.at(0).tangents.at(0);
+    EXPECT_NEAR(glm::length(glm::vec3(first)), 1, 1e-6);
+    EXPECT_EQ(first.z, 0);
+    EXPECT_EQ(s.meshes.at(0).tangents.at(2), glm::vec4(1, 0, 0, 1));
+}
+
+TEST(GltfRepairs, EmptyArraysAreAbsent)
+{
+    const Document d;
+    repaired(d, R"("samplers":[],"scenes":[{"nodes":[]}],"meshes":[],"nodes":[{"children":[]}])", "5 arrays are empty",
+             R"("extensionsUsed":[],)");
+    repaired(d, R"("nodes":[{}],"animations":[{"channels":[],"samplers":[]}])", "2 arrays are empty");
+}
+
+TEST(GltfRepairs, ANodeOfASceneNeedNotBeARoot)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const std::string mesh = fmt::format(R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}],)", p);
+    const scene::Scene s =
+        repaired(d, mesh + R"("nodes":[{"children":[1],"translation":[5,0,0]},{"mesh":0}],"scenes":[{"nodes":[1]}])",
+                 "1 node of a scene is not a root");
+    EXPECT_EQ(s.objects.size(), 1u);
+    EXPECT_EQ(s.bounds(0).low.x, 0);   // where the scene lists it, not below its parent
+    // A listed node below another listed one stays there, and is drawn once.
+    const scene::Scene both =
+        repaired(d, mesh + R"("nodes":[{"children":[1],"translation":[5,0,0]},{"mesh":0}],"scenes":[{"nodes":[0,1]}])",
+                 "1 node of a scene is not a root");
+    EXPECT_EQ(both.objects.size(), 1u);
+    EXPECT_EQ(both.bounds(0).low.x, 5);
+}
+
+TEST(GltfRepairs, TheSkeletonIsAHint)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int j = d.accessor<std::uint8_t>(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
+    const int w = d.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    repaired(d, skinned(p, j, w, R"(,"skeleton":0)"), "1 joint is not below the root of its skeleton");
+}
+
+TEST(GltfRepairs, TheLastRowOfAnInverseBindMatrixIsReplaced)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int j = d.accessor<std::uint8_t>(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
+    const int w = d.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    const int m = d.floats({1, 0, 0, .1f, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, .9f}, "MAT4", 16);
+    const scene::Scene s = repaired(d, skinned(p, j, w, fmt::format(",\"inverseBindMatrices\":{}", m)),
+                                    "1 inverse bind matrix whose last row is not 0 0 0 1");
+    EXPECT_EQ(s.skins.at(0).inverse_bind.at(0), glm::dmat4(1));
+}
+
+TEST(GltfRepairs, ATextureWithoutItsCoordinatesIsLeftOut)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const std::string rest =
+        R"("images":[{"uri":"none.png"}],"textures":[{}],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":)"
+        R"({"index":0}},"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0}}],)";
+    const scene::Scene s =
+        d.load(rest + one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}},"material":0}})", p)));
+    ASSERT_EQ(s.warnings.size(), 2u);
+    EXPECT_NE(s.warnings[0].find("2 textures without their texture coordinates: left out"), std::string::npos)
+        << s.warnings[0];
+    EXPECT_NE(s.warnings[1].find("1 image file does not exist"), std::string::npos) << s.warnings[1];
+    EXPECT_EQ(s.materials.at(0).base_color_texture.texture, scene::none);
+    EXPECT_EQ(s.materials.at(0).emissive, glm::vec3(0));   // only the texture says where it emits
+}
+
+TEST(GltfRepairs, AMissingImageIsANeutralTexelAndAMissingBufferAnError)
+{
+    Document d;
+    const int p = d.positions(k_triangle), uv = d.floats({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+    const std::string rest =
+        R"("images":[{"uri":"none.png"}],"textures":[{"source":0}],"materials":[{"pbrMetallicRoughness":{)"
+        R"("baseColorFactor":[0.5,0.25,1,1],"baseColorTexture":{"index":0}},"normalTexture":{"index":0},)"
+        R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0}}],)" +
+        one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{},"TEXCOORD_0":{}}},"material":0}})", p, uv));
+    const scene::Scene s = repaired(d, rest, "1 image file does not exist: replaced by a neutral texel");
+    EXPECT_EQ(s.materials.at(0).base_color, glm::vec3(.5f, .25f, 1));
+    EXPECT_EQ(s.materials.at(0).normal_texture.texture, scene::none);
+    EXPECT_EQ(s.materials.at(0).emissive, glm::vec3(0));
+    const Document e;
+    for (const bool strict : {false, true})
+        EXPECT_THROW(e.load(R"("buffers":[{"byteLength":4,"uri":"none.bin"}])", "", {.strict = strict}), InputError);
+}
+
+TEST(GltfRepairs, StridesOfAnimationDataAreRead)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int t = d.times({0, 1, 2});
+    const int v = d.raw_accessor(R"({"bufferView":2,"type":"VEC3","componentType":5126,"count":3})");
+    d.accessor<float>({1, 2, 3, 99, 4, 5, 6, 99, 7, 8, 9, 99}, "VEC4", 5126, 4);
+    d.extend_last_view(R"(,"byteStride":16)");
+    const scene::Scene s = repaired(
+        d,
+        one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", p)) +
+            fmt::format(R"(,"animations":[{{"channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}}],)"
+                        R"("samplers":[{{"input":{},"output":{}}}]}}])",
+                        t, v),
+        "1 stride where there should be none");
+    EXPECT_EQ(glm::dvec3(s.nodes.at(0).transform->evaluate(1)[3]), glm::dvec3(4, 5, 6));
+}
+
+TEST(GltfRepairs, BoundsAreComputed)
+{
+    Document d;
+    const int missing = d.floats(k_triangle, "VEC3", 3);
+    repaired(d, one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", missing)),
+             "1 accessor whose min and max are missing or wrong: computed");
+    Document e;
+    const int wrong = e.accessor(k_triangle, "VEC3", 5126, 3, R"(,"min":[0,0,0],"max":[1,2,0])");
+    repaired(e, one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", wrong)),
+             "1 accessor whose min and max are missing or wrong: computed");
+}
+
+TEST(GltfRepairs, NumbersAreClampedAndInterpolationsAreLinear)
+{
+    const Document d;
+    const scene::Scene plain = d.load(R"("nodes":[{}])");
+    EXPECT_TRUE(plain.warnings.empty());
+    repaired(d, R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1.00000012,1,1,1]}}])",
+             "1 number is out of range: clamped");
+    Document e;
+    const int p = e.positions(k_triangle), t = e.times({0, 1}), v = e.floats({0, 0, 0, 1, 0, 0}, "VEC3", 3);
+    const scene::Scene s = repaired(
+        e,
+        one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", p)) +
+            fmt::format(R"(,"animations":[{{"channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}}],)"
+                        R"("samplers":[{{"input":{},"output":{},"interpolation":9729}}]}}])",
+                        t, v),
+        "1 interpolation is a number: taken as LINEAR");
+    EXPECT_EQ(s.nodes.at(0).transform->evaluate(.5)[3].x, .5);
+}
+
+TEST(GltfRepairs, ATargetOfABufferViewIsAHint)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    d.extend_last_view(R"(,"target":34963)");
+    repaired(d, one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", p)),
+             "1 use of a buffer view for another kind of data");
+}
+
+TEST(GltfRepairs, OtherHarmlessErrors)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const std::string plain = one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}}}})", p));
+    const auto mesh = [&](const std::string& attributes) {
+        return one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}{}}}}})", p, attributes));
+    };
+    const scene::Scene turned = repaired(d, R"("nodes":[{"rotation":[0,0,0,0]},{"rotation":[0,0,0,0.5]}])",
+                                         "2 rotations are not of unit length");
+    EXPECT_EQ(turned.nodes[0].local, glm::dmat4(1));
+    EXPECT_EQ(turned.nodes[1].local, glm::dmat4(1));
+    const scene::Scene sheared = repaired(d, R"("nodes":[{"matrix":[1,0,0,0,1,1,0,0,0,0,1,0,0,0,0,1]}])",
+                                          "1 matrix of a node is not made of translation, rotation and scale");
+    EXPECT_EQ(sheared.nodes[0].local[1].x, 1);
+    repaired(d, mesh(",\"FACE\":0"), "1 attribute that glTF does not have: left out");
+    const int uv = d.floats({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+    repaired(d, mesh(fmt::format(",\"TEXCOORD_1\":{}", uv)), "1 set of attributes without the set before it");
+    repaired(d, plain + R"(,"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":2,"zfar":1}}])",
+             "1 camera whose far plane is not behind its near one");
+    repaired(d,
+             R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","spot":{"innerConeAngle":0.5,)"
+             R"("outerConeAngle":0.5}}]}})",
+             "1 spot light whose outer angle is not beyond its inner one",
+             R"("extensionsUsed":["KHR_lights_punctual"],)");
+    repaired(d, R"("materials":[{"extensions":{"KHR_materials_unlit":{}}}])",
+             "1 extension is not listed where it should be");
+    repaired(d, R"("nodes":[{"extensions":{"KHR_materials_unlit":{}}}])",
+             "1 extension where it has no meaning: left out", R"("extensionsUsed":["KHR_materials_unlit"],)");
+    const Document e;
+    repaired(e, R"("buffers":[{"byteLength":3,"uri":"data:;base64,AAAA"}])", "1 buffer in a data URI of another type");
+}
+
+TEST(GltfRepairs, WhatCannotBeReadSafelyIsRefusedInBothModes)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int beyond = d.accessor<std::uint8_t>({0, 1, 3}, "SCALAR", 5121, 1);
+    const int j = d.accessor<std::uint8_t>(std::vector<std::uint8_t>(12, 7), "VEC4", 5121, 4);
+    const int w = d.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    for (const bool strict : {false, true})
+        for (const std::string& rest :
+             {one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{}}},"indices":{}}})", p, beyond)), skinned(p, j, w),
+              std::string(R"("nodes":[{"children":[1]},{"children":[0]}])"), std::string(R"("nodes":[{"mesh":3}])")})
+            EXPECT_THROW(d.load(rest, "", {.strict = strict}), InputError) << rest;
+}
+
+TEST(MeshRepairs, WeightsThatOverflowAndThoseThatAreZero)
+{
+    std::vector<glm::vec4> sets[2] = {{{3e38f, 3e38f, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {.5f, 0, 0, 0}},
+                                      {{3e38f, 3e38f, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {.5f, 0, 0, 0}}};
+    EXPECT_EQ(scene::normalize_weights(sets, 1e-3f), 2u);
+    EXPECT_EQ(sets[0][0], glm::vec4(.25f, .25f, 0, 0));
+    EXPECT_EQ(sets[1][0], glm::vec4(.25f, .25f, 0, 0));
+    EXPECT_EQ(sets[0][1], glm::vec4(1, 0, 0, 0));
+    EXPECT_EQ(sets[0][2], glm::vec4(1, 0, 0, 0));
+    EXPECT_EQ(sets[1][3], glm::vec4(.5f, 0, 0, 0));
+}
+
+TEST(MeshRepairs, LongVectorsKeepTheirDirection)
+{
+    EXPECT_EQ(scene::unit_or({0, 3e38f, 0}, {}), glm::vec3(0, 1, 0));
+    EXPECT_EQ(scene::unit_or({0, 1e-5f, 0}, {1, 0, 0}), glm::vec3(1, 0, 0));
+    EXPECT_NEAR(glm::dot(scene::perpendicular_to({.6f, .8f, 0}), glm::vec3(.6f, .8f, 0)), 0, 1e-6);
+}
+
+}   // namespace
+}   // namespace gnomon
