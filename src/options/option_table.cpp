@@ -136,9 +136,9 @@ constexpr Option k_options[] = {
      .help = "make point and spot lights squares with sides of this length"},
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
      .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg"},
-
     {.name = "variant", .argument = "NAME", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_scene,
      .help = "variant of a glTF file's materials (default: the materials without a variant)"},
+
     {.name = "samples", .argument = "N...", .kind = Kind::integer, .range = {4, 65536}, .repeats = true,
      .subcommands = bit(bench_lights), .group = k_quality,
      .help = "numbers of shadow rays a point to compare with (default: 16, 64 and 256)"},
