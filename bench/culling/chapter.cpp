@@ -147,7 +147,8 @@ class CullingChapter : public BenchChapter {
             page.text("The sections below give the command that measures each window separately.");
             page.table(table_of_savings(all));
             page.table(table_of_reasons(all));
-            page.table(table_of_readings(all));
+            if (std::any_of(all.begin(), all.end(), [](const CullingWindow& w) { return !w.options.readings.empty(); }))
+                page.table(table_of_readings(all));
             if (!steps_.empty()) add_step_figures(page, steps_);
             if (!trees_.empty()) page.table(table_of_trees(compared_trees()));
             if (!scenes_.empty())
