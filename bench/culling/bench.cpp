@@ -92,7 +92,7 @@ class Run {
         if (culling_) follow_certified(record);
         if (kdtree_) {
             kdtree_->build(state_, rays_);
-            count_on_kdtree(*kdtree_, state_, rays_, options_, tiles_, caches_, tasks_, record);
+            count_on_kdtree(*kdtree_, state_, rays_, options_, tiles_, caches_, counting_tasks_, record);
         }
         return record;
     }
@@ -282,6 +282,7 @@ class Run {
     scene::SceneState state_;
     ray::RayScene rays_;
     Tasks tasks_;
+    Tasks counting_tasks_{0};   // all threads: counts are not timed, and do not depend on threads
     std::unique_ptr<CertifiedCulling> culling_;
     std::vector<std::unique_ptr<CertifiedCulling::Batch>> batches_;   // by worker
     std::unique_ptr<PaperBench> paper_;

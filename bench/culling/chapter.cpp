@@ -201,7 +201,7 @@ class CullingChapter : public BenchChapter {
         if (wanted.readings) w.options.readings = all_readings();
         w.options.size = wanted.timed ? Size{512, 512}
                                       : settings_.size();   // small images would time little but the start of the pass
-        w.options.threads = 1;
+        w.options.threads = wanted.timed ? 1 : 0;   // what counts and processor time say does not depend on threads
         w.options.max_depth = wanted.timed ? 0 : k_paper_depth;
         w.options.counts = w.options.paper = w.options.images = !wanted.timed;
         if (wanted.show == Show::tree) w.options.certified = w.options.images = false;
