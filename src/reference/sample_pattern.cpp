@@ -4,30 +4,9 @@
 #include <algorithm>
 
 #include "base/morton.h"
+#include "base/sobol.h"
 
 namespace gnomon::reference {
-
-namespace {
-
-std::uint32_t reversed_bits(std::uint32_t x)
-{
-    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
-    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
-    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
-    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
-    return (x >> 16) | (x << 16);
-}
-
-// Computes the second dimension of the (0, 2)-sequence: the matrix of binomial coefficients modulo 2.
-std::uint32_t second_dimension(std::uint32_t i)
-{
-    std::uint32_t result = 0;
-    for (std::uint32_t column = 1u << 31; i; i >>= 1, column ^= column >> 1)
-        if (i & 1) result ^= column;
-    return result;
-}
-
-}   // namespace
 
 const std::vector<SamplePattern::Point>& SamplePattern::points(int count)
 {
