@@ -17,8 +17,8 @@ import sys
 k_scene = {"base", "scene"}
 k_rays = k_scene | {"ray"}
 k_techniques = {"shadow_culling", "area_light", "shadow_textures", "light_quadtree", "irradiance_cache"}
-k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "shading", "light_views",
-                                   "trace", "raster", "reference"}
+k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "environment_light", "shading",
+                                   "light_views", "trace", "raster", "reference"}
 k_may_include = {
     "base": set(),
     "image": {"base"},
@@ -28,6 +28,7 @@ k_may_include = {
     "vk": {"base"},
     "lighting": k_rays,
     "visibility": k_rays,
+    "environment_light": k_rays | {"visibility"},
     "shading": k_rays | {"lighting"},
     "gpu_scene": k_scene | {"vk"},
     "ray/vulkan": k_rays | {"vk", "gpu_scene"},
@@ -36,9 +37,11 @@ k_may_include = {
     "area_light": k_rays | {"visibility"},
     "shadow_textures": k_rays | {"vk", "gpu_scene", "light_views"},
     "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility"},
-    "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan"},
+    "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility",
+                                  "environment_light", "ray/vulkan"},
     "reference": k_rays | {"lighting", "visibility", "shading"},
-    "trace": k_rays | {"lighting", "visibility", "shading", "shadow_culling", "area_light", "light_quadtree", "irradiance_cache"},
+    "trace": k_rays | {"lighting", "visibility", "environment_light", "shading", "shadow_culling", "area_light",
+                       "light_quadtree", "irradiance_cache"},
     "raster": k_rays | {"vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "shadow_textures",
                         "light_quadtree", "irradiance_cache"},
     "frame": k_frame,

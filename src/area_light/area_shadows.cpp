@@ -30,27 +30,6 @@ double diameter_of(const LightPolygon& light)
     return most;
 }
 
-// The parts of every level that contain a point. Each is the parent of the next, however the coordinates round.
-struct PartPath {
-    std::array<MicroTriangle, 16> at;
-
-    PartPath(float u, float v, int levels)
-    {
-        auto level = static_cast<std::size_t>(levels);
-        at[level] =
-            micro_at(micro_index_at(u, v, static_cast<std::uint32_t>(levels)), static_cast<std::uint32_t>(levels));
-        for (; level > 0; --level) at[level - 1] = parent_of(at[level]);
-    }
-    // Which quarter of the part of this level the next one is, in the order of children_of().
-    std::size_t quarter(std::size_t level) const
-    {
-        const MicroTriangle& next = at[level + 1];
-        if (next.upper != at[level].upper) return 3;
-        const std::size_t i = next.i & 1, j = next.j & 1;
-        return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
-    }
-};
-
 }   // namespace
 
 struct AreaShadows::Node {
@@ -154,7 +133,7 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     target = centre + static_cast<double>(ray::k_shadow_ray_end) * (target - centre);
     int tried = 0;
     for (const TriangleId id : verdict.list) {
-        if (crossing(triangles_[id], centre, target) == 0) continue;
+        if (visibility::crossing(triangles_[id], centre, target) == 0) continue;
         if (proves_dark(triangles_, shaft, id, centre, target, options_.dark)) {
             verdict.state = PartState::dark;
             verdict.list.clear();
@@ -180,7 +159,7 @@ Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v)
     Node* node = roots_[record].load(std::memory_order_acquire);
     if (node && node->kind.load(std::memory_order_acquire) == Node::Kind::decided)
         return {node->state, node->list.get()};
-    const PartPath path(u, v, options_.most_levels);
+    const MicroPath path(u, v, options_.most_levels);
     const std::vector<TriangleId>* from = nullptr;
     for (std::uint32_t level = 0;; ++level) {
         Node::Kind kind = node ? node->kind.load(std::memory_order_acquire) : Node::Kind::unknown;
@@ -233,7 +212,7 @@ AreaShadows::Node* AreaShadows::judge_node(std::size_t record, Node* node, Trian
 
 Part AreaShadows::judged_anew(TriangleId triangle, bool front, float u, float v, std::vector<TriangleId>& list) const
 {
-    const PartPath path(u, v, options_.most_levels);
+    const MicroPath path(u, v, options_.most_levels);
     std::vector<TriangleId> from;
     bool handed_down = false;
     for (std::uint32_t level = 0;; ++level) {

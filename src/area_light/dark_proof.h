@@ -3,15 +3,12 @@
 // Proves that a part of a surface gets no light from a planar light: one patch of connected static triangles lies
 // between them.
 //
-// The patch grows from one triangle over every edge that meets the shaft. If each of these edges leads on to another
-// opaque triangle, the patch has no border inside the shaft. If it also keeps clear of part and light, no segment
-// between them can be moved off the patch: the number of times that a segment crosses it, counted with the sides'
-// signs, is the same for all. So if it is not 0 for one segment, the patch blocks them all. A patch may be folded; its
-// triangles need not face the light.
+// visibility/closed_patch.h has the proof; here, segments end at a light, and the patch must keep clear of it as well.
 //
 // Cost: some tenths of a microsecond for each triangle of the patch.
 
 #include "area_light/area_shaft.h"
+#include "visibility/closed_patch.h"
 
 namespace gnomon::area_light {
 
@@ -35,8 +32,5 @@ struct DarkOptions {
 /// @param from, to  a segment from the part, at the height of ray origins, to the light
 bool proves_dark(const visibility::StaticTriangles& triangles, const AreaShaft& shaft, visibility::TriangleId occluder,
                  const glm::dvec3& from, const glm::dvec3& to, const DarkOptions& options = {});
-
-/// Whether a segment crosses a triangle: 1 from its front to its back, -1 the other way, 0: it does not.
-int crossing(const visibility::StaticTriangle& triangle, const glm::dvec3& from, const glm::dvec3& to);
 
 }   // namespace gnomon::area_light

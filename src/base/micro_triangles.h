@@ -6,6 +6,7 @@
 // (i, j+1) over n, upper ones (i+1, j+1), (i, j+1), (i+1, j). The n * n parts of a level fill a square array without
 // gaps: an upper part is stored where the mirror image of its cell would be.
 
+#include <array>
 #include <cstdint>
 
 #include "base/math.h"
@@ -72,6 +73,27 @@ constexpr void children_of(const MicroTriangle& m, MicroTriangle (&child)[4])
         child[0] = {i + 1, j + 1, 1}, child[1] = {i, j + 1, 1}, child[2] = {i + 1, j, 1}, child[3] = {i + 1, j + 1, 0};
     }
 }
+
+/// The parts of every level that contain a point. Each is the parent of the next, however the coordinates round.
+struct MicroPath {
+    std::array<MicroTriangle, 16> at;
+
+    MicroPath(float u, float v, int levels)
+    {
+        auto level = static_cast<std::size_t>(levels);
+        at[level] =
+            micro_at(micro_index_at(u, v, static_cast<std::uint32_t>(levels)), static_cast<std::uint32_t>(levels));
+        for (; level > 0; --level) at[level - 1] = parent_of(at[level]);
+    }
+    /// Which quarter of the part of this level the next one is, in the order of children_of().
+    std::size_t quarter(std::size_t level) const
+    {
+        const MicroTriangle& next = at[level + 1];
+        if (next.upper != at[level].upper) return 3;
+        const std::size_t i = next.i & 1, j = next.j & 1;
+        return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
+    }
+};
 
 /// Barycentric (u, v) of a part's corners.
 inline void corners_of(const MicroTriangle& m, std::uint32_t level, glm::dvec2 (&corner)[3])

@@ -125,6 +125,7 @@ void FrameEngine::use_threads(int threads)
 void FrameEngine::discard_caches()
 {
     proven_.reset();
+    environment_.reset();
     certified_.reset();
     nah_.reset();
     cache_.reset();
@@ -290,6 +291,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     if (!plan_.raster) raster_.reset();
     if (!plan_.certified) certified_.reset();
     if (plan_.raster || sized_.empty()) proven_.reset();
+    if (plan_.raster || state_->scene().background.kind != scene::Background::Kind::image) environment_.reset();
     if (!plan_.nah || (nah_ && nah_->options().writes_at_once != options.as_printed)) nah_.reset();
     const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
     if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
@@ -502,6 +504,16 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         proven_.reset();
     }
 
+    // It samples the environment image, too.
+    if (plan_.shown == Shown::light && !plan_.reference &&
+        state_->scene().background.kind == scene::Background::Kind::image) {
+        if (!environment_ || options_.shadow_culling != ShadowCulling::certified)
+            environment_ = std::make_unique<trace::EnvironmentTechnique>();
+        techniques.environment = environment_.get();
+    } else {
+        environment_.reset();
+    }
+
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
     traced.samples = options_.samples;
@@ -550,6 +562,7 @@ std::size_t FrameEngine::cached_bytes() const
 {
     std::size_t bytes = sized_.bytes();
     if (proven_) bytes += proven_->bytes();
+    if (environment_) bytes += environment_->bytes();
     if (certified_) bytes += certified_->bytes();
     if (cache_) bytes += cache_->bytes();
     if (map_) bytes += map_->bytes();

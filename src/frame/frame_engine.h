@@ -32,6 +32,7 @@
 #include "shading/frame_buffers.h"
 #include "shadow_culling/certified/certified_culling.h"
 #include "shadow_culling/nah2009/paper_culling.h"
+#include "trace/environment_lighting.h"
 #include "trace/proven_visibility.h"
 #include "trace/state_map.h"
 #include "trace/trace_log.h"
@@ -213,6 +214,7 @@ class FrameEngine {
 
     scene::SizedLights sized_;   // of traced frames; follows every advance()
     std::unique_ptr<trace::ProvenVisibility> proven_;   // of the lights with size; saw the last advance()
+    std::unique_ptr<trace::EnvironmentTechnique> environment_;   // of an environment image; saw the last advance()
     std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
     std::unique_ptr<shadow_culling::PaperCulling> nah_;
     std::unique_ptr<irradiance_cache::IrradianceCache> cache_;

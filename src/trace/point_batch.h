@@ -47,6 +47,7 @@ struct Path {
     shading::RayCone cone;
     bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
     float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
+    float background = 1;         // likewise, of the background
 };
 
 /// A point to shade.

@@ -19,7 +19,8 @@ float largest(const glm::vec3& v)
 }   // namespace
 
 TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
-                       const SizedTechnique& sized, IndirectLight* indirect, TraceLog* log)
+                       const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
+                       TraceLog* log)
     : state_(frame.state),
       scene_(frame.state.scene()),
       rays_(frame.rays),
@@ -32,6 +33,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       log_(log)
 {
     if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility);
+    if (environment) environment_.emplace(*environment);
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -54,6 +56,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
         watch.end(FrameTimes::surfaces);
         add_lights(batch(true, sample), watch);
         add_sized_lights(batch(true, sample), watch);
+        add_environment(batch(true, sample), watch);
         add_indirect(batch(true, sample));
         watch.end(FrameTimes::indirect);
 
@@ -73,6 +76,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
             }
             add_lights(batch(false, sample), watch);
             add_sized_lights(batch(false, sample), watch);
+            add_environment(batch(false, sample), watch);
             add_indirect(batch(false, sample));
             watch.end(FrameTimes::indirect_mirrored);
         }
@@ -159,7 +163,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 
         // Add the background where the ray left the scene.
         if (hits_.object[i] == scene::none) {
-            if (!path.sees_no_light) color_[path.pixel] += path.throughput * scene_.background.radiance(direction);
+            if (!path.sees_no_light && path.background > 0)
+                color_[path.pixel] += path.throughput * (path.background * scene_.background.radiance(direction));
             continue;
         }
         TilePoint& point = points_.emplace_back();
@@ -180,7 +185,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         const bool unlit = s.model == scene::ShadingModel::unlit;
         if (!path.sees_no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.emission));
         own += shading::ambient_light(s, scene_, !indirect_light_);
-        if (point.next.unresolved_weight != glm::vec3(0))
+        if (!environment_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.throughput * own;
         if (primary && options_.layers) {
@@ -208,7 +213,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
         if (!at.visible || light.color == glm::vec3(0)) continue;
         if (indirect_light_ && indirect_light_->replaces(light)) continue;
-        if (sized_ && light.of_surface) continue;
+        if ((sized_ && light.of_surface) || (environment_ && light.of_environment)) continue;
         interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
@@ -233,6 +238,20 @@ void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
 {
     if (!sized_) return;
     sized_->light(batch, [&](const TilePoint& point, const glm::vec3& reflected) {
+        const glm::vec3 radiance = point.throughput * reflected;
+        color_[point.pixel] += radiance;
+        if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
+    });
+    watch.end(FrameTimes::shadows);
+}
+
+// Adds the direct light of the environment image.
+void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
+{
+    if (!environment_) return;
+    const int columns = (view_.size.width + options_.tile - 1) / options_.tile;
+    const auto tile = static_cast<std::size_t>(tile_.y / options_.tile * columns + tile_.x / options_.tile);
+    environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
         const glm::vec3 radiance = point.throughput * reflected;
         color_[point.pixel] += radiance;
         if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
@@ -291,13 +310,15 @@ void TileTracer::queue_continuations()
         const shading::Continuation& c = point.next;
         const glm::vec3 lift = s.offset * s.geometric_normal;
         const auto queue = [&](PathQueue& to, const glm::vec3& weight, const glm::vec3& origin,
-                               const glm::vec3& direction, bool sees_no_light = false, float emission = 1) {
+                               const glm::vec3& direction, bool sees_no_light = false, float emission = 1,
+                               float background = 1) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light, emission}, origin, 0, direction, k_infinity);
+            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background}, origin, 0, direction,
+                    k_infinity);
         };
         queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
-              sized_ ? 1 - highlight_share(s) : 1);
+              sized_ ? 1 - highlight_share(s) : 1, environment_ ? 1 - highlight_share(s) : 1);
         queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
     }

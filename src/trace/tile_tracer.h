@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/stopwatch.h"
+#include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/shadow_tester.h"
 #include "trace/sized_lighting.h"
@@ -20,10 +21,11 @@ struct SizedTechnique {
 
 class TileTracer {
  public:
-    /// @param indirect  optional
-    /// @param log       optional: takes all rays but shadow rays
+    /// @param environment  optional; not empty
+    /// @param indirect     optional
+    /// @param log          optional: takes all rays but shadow rays
     TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
-               const SizedTechnique& sized, IndirectLight* indirect, TraceLog* log);
+               const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect, TraceLog* log);
 
     void trace(const Tile& tile, shading::FrameBuffers& out);
     /// Rays other than those of the techniques.
@@ -33,6 +35,11 @@ class TileTracer {
     std::unique_ptr<ShadowTester::Worker> take_shadows() { return std::move(shadows_); }
     /// Only with lights with size.
     std::unique_ptr<SizedVisibility::Worker> take_sized() { return sized_->take_worker(); }
+    /// Zeros without an environment.
+    environment_light::VisibilityCounters environment_counters() const
+    {
+        return environment_ ? environment_->counters() : environment_light::VisibilityCounters{};
+    }
     /// Null without indirect light.
     std::unique_ptr<IndirectLight::Worker> take_indirect() { return std::move(indirect_); }
 
@@ -57,6 +64,7 @@ class TileTracer {
     void sort_hits(std::size_t count);
     void add_lights(const PointBatch& batch, Stopwatch& watch);
     void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
+    void add_environment(const PointBatch& batch, Stopwatch& watch);
     void add_indirect(const PointBatch& batch);
     void queue_continuations();
     void store(shading::FrameBuffers& out) const;
@@ -69,6 +77,7 @@ class TileTracer {
     const IndirectLight* indirect_light_;   // null: ambient light stands in for it
     std::unique_ptr<ShadowTester::Worker> shadows_;
     std::optional<SizedLighting> sized_;   // none: the lights that approximate emissive surfaces light instead
+    std::optional<EnvironmentLighting> environment_;   // none: the lights that approximate it light instead
     std::unique_ptr<IndirectLight::Worker> indirect_;
     bool is_estimate_;   // the indirect light has errors
     TraceLog* log_;

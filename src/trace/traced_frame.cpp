@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "base/interruption.h"
 #include "base/stopwatch.h"
+#include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/shadow_testers.h"
 #include "trace/sized_visibility.h"
@@ -72,27 +73,33 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         shadows.begin_frame(frame);
         if (sized.lights) sized_visibility.begin_frame(frame, *sized.lights);
     }
-    if (indirect) indirect->begin_frame(frame);
-    watch.end(FrameTimes::light_maps);
     const Size size = view.size;
-    fit(out, size, options.layers, indirect && indirect->is_estimate(), state.scene().lights.size());
-
-    // Trace the tiles.
     const int columns = (size.width + options.tile - 1) / options.tile;
     const int rows = (size.height + options.tile - 1) / options.tile;
     const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    EnvironmentTechnique* environment = techniques.environment;
+    if (environment) {
+        environment->begin_frame(frame, tiles);
+        if (environment->empty()) environment = nullptr;
+    }
+    if (indirect) indirect->begin_frame(frame);
+    watch.end(FrameTimes::light_maps);
+    fit(out, size, options.layers, indirect && indirect->is_estimate(), state.scene().lights.size());
+
+    // Trace the tiles.
     std::vector<std::unique_ptr<TileTracer>> tracers(static_cast<std::size_t>(tasks.threads()));
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
         auto& tracer = tracers[static_cast<std::size_t>(worker)];
-        if (!tracer) tracer = std::make_unique<TileTracer>(frame, options, shadows, sized, indirect, log);
+        if (!tracer) tracer = std::make_unique<TileTracer>(frame, options, shadows, sized, environment, indirect, log);
         tracer->trace(tile_at(index, columns, options.tile, size), out);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(tiles));
     });
 
     // Sum what the threads counted, and let the techniques learn from what their workers found.
     FrameCounters counters;
+    environment_light::VisibilityCounters environment_counters;
     std::vector<std::unique_ptr<ShadowTester::Worker>> shadow_workers;
     std::vector<std::unique_ptr<SizedVisibility::Worker>> sized_workers;
     std::vector<std::unique_ptr<IndirectLight::Worker>> indirect_workers;
@@ -103,6 +110,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.refraction_rays += tracer->counters().refraction_rays;
         for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
             out.times.ms[stage] += tracer->times().ms[stage] / tasks.threads();
+        environment_counters.add(tracer->environment_counters());
         shadow_workers.push_back(tracer->take_shadows());
         if (sized.lights) sized_workers.push_back(tracer->take_sized());
         if (indirect) indirect_workers.push_back(tracer->take_indirect());
@@ -114,6 +122,11 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.shadow.rays += more.rays;
         counters.shadow.rays_skipped += more.rays_skipped;
         counters.shadow.rays_dynamic_only += more.rays_dynamic_only;
+    }
+    if (environment) {
+        environment->set_counters(environment_counters);
+        counters.shadow.rays += environment_counters.rays + environment_counters.dynamic_rays;
+        counters.shadow.rays_dynamic_only += environment_counters.dynamic_rays;
     }
     watch.end(FrameTimes::proofs);
     if (indirect) counters.indirect = indirect->end_frame(indirect_workers);

@@ -24,6 +24,7 @@
 
 namespace gnomon::trace {
 
+class EnvironmentTechnique;
 class IndirectLight;
 class ShadowTester;
 class SizedVisibility;
@@ -43,6 +44,8 @@ struct Techniques {
     /// Lights with size, in place of the lights that approximate emissive surfaces; follows the state. Null: these.
     const scene::SizedLights* sized = nullptr;
     SizedVisibility* sized_visibility = nullptr;   // of `sized`; null: a ray to each sample place
+    /// The environment image, in place of the lights that approximate it. Null: these.
+    EnvironmentTechnique* environment = nullptr;
 };
 
 /// @param log  optional; only with one thread, and without a shadow technique

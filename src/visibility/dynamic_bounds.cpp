@@ -211,6 +211,13 @@ void DynamicBounds::select_of_all(const Box3& points, const glm::vec3& light, bo
             selected.push_back(dynamic_object.world);
 }
 
+void DynamicBounds::all(std::vector<Box3>& boxes) const
+{
+    boxes.clear();
+    for (const DynamicObject& dynamic_object : dynamic_)
+        if (!dynamic_object.world.empty()) boxes.push_back(dynamic_object.world);
+}
+
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end)
 {
     const bool endless = !(end < k_infinity);

@@ -26,6 +26,8 @@ class DynamicBounds {
     std::size_t select(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
     /// The same for rays to anywhere in a box around a light with size.
     std::size_t select(const Box3& points, const Box3& light, std::vector<Box3>& selected) const;
+    /// The boxes of all visible dynamic objects.
+    void all(std::vector<Box3>& boxes) const;
     /// The reference implementation, which tests all boxes. Returns them in another order.
     void select_of_all(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
 

@@ -82,16 +82,21 @@ class StaticTriangles {
     void along(const glm::dvec3& origin, const glm::dvec3& to_end, std::size_t most,
                std::vector<TriangleId>& found) const;
 
+    /// The tree over triangles that block light, for walks of a user's own. The root is the first node.
+    struct Node {
+        glm::vec3 low, high;
+        std::uint32_t first;   // leaf: of its triangles, see in_leaf(); inner: left child, followed by the right one
+        std::uint32_t count;   // 0: inner
+    };
+    std::span<const Node> tree() const { return nodes_; }
+    /// A triangle of a leaf; no_triangle: removed.
+    TriangleId in_leaf(std::uint32_t at) const { return order_[at]; }
+
     /// Calls take(id) for every triangle, except for those in tree nodes for which meets(low, high) is false.
     template <class Meets, class Take>
     void visit(const Meets& meets, const Take& take) const;
 
  private:
-    struct Node {
-        glm::vec3 low, high;
-        std::uint32_t first;   // leaf: of its triangles in order_; inner: left child, followed by the right one
-        std::uint32_t count;   // 0: inner
-    };
     void match_edges(const std::vector<scene::ObjectId>& space);
     void remove_from_tree(TriangleId id);
     void build_tree();

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "environment_light/cell_light.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "base/check.h"
+
+namespace gnomon::environment_light {
+
+namespace {
+
+constexpr float k_float_pi = static_cast<float>(k_pi);
+constexpr double k_units = 1 << 29;   // of all flux of a colour
+constexpr std::size_t k_lanes = 8;
+
+// Roughnesses of the tables of lobes, and their sides.
+constexpr std::array<float, 8> k_roughness = {0.05f, 0.1f, 0.15f, 0.22f, 0.32f, 0.45f, 0.65f, 1.0f};
+constexpr std::array<int, 8> k_lobe_side = {256, 160, 128, 96, 64, 48, 32, 32};
+constexpr int k_finest_side = 256;   // of the radiance that lobes are gathered from
+constexpr int k_coarsest_side = 4;
+constexpr float k_accuracy = 0.35f;   // a cell that lobes are gathered from is at most this fraction of their width
+
+// The square's point of a direction, and back.
+glm::vec2 fold(const glm::vec3& d)
+{
+    const float sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+    const glm::vec2 p(d.x / sum, d.y / sum);
+    if (d.z >= 0) return p;
+    return {(1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f), (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f)};
+}
+glm::vec3 unfold(const glm::vec2& p)
+{
+    glm::vec3 d(p.x, p.y, 1 - std::abs(p.x) - std::abs(p.y));
+    if (d.z < 0) {
+        const glm::vec2 q((1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f),
+                          (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f));
+        d.x = q.x, d.y = q.y;
+    }
+    return glm::normalize(d);
+}
+
+// The weight of light from a direction whose cosine to the mirror direction is c, for a lobe that is seen along the
+// normal: the distribution of normals times the cosine [Karis 2013], without constant factors.
+float lobe_weight(float c, float a2)
+{
+    if (!(c > 0)) return 0;
+    const float half2 = 0.5f * (1 + c);
+    const float d = half2 * (a2 - 1) + 1;
+    return c / (d * d);
+}
+
+// Which bits of a byte are set, as 8 whole numbers with all bits or none.
+struct ByteMasks {
+    alignas(32) std::array<std::array<std::int32_t, k_lanes>, 256> of;
+    ByteMasks()
+    {
+        for (std::size_t b = 0; b < 256; ++b)
+            for (std::size_t i = 0; i < k_lanes; ++i) of[b][i] = (b >> i & 1) ? -1 : 0;
+    }
+};
+const ByteMasks& byte_masks()
+{
+    static const ByteMasks masks;
+    return masks;
+}
+
+}   // namespace
+
+DirectionTable::DirectionTable(int side)
+    : side_(side), values_(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1), glm::vec3(0))
+{
+}
+
+glm::vec3 DirectionTable::direction(std::size_t entry) const
+{
+    const auto row = static_cast<std::size_t>(side_ + 1);
+    const float scale = 2 / static_cast<float>(side_);
+    return unfold(glm::vec2(static_cast<float>(entry % row), static_cast<float>(entry / row)) * scale - 1.0f);
+}
+
+glm::vec3 DirectionTable::at(const glm::vec3& direction) const
+{
+    const glm::vec2 p = (fold(direction) + 1.0f) * (0.5f * static_cast<float>(side_));
+    const int x = std::clamp(static_cast<int>(p.x), 0, side_ - 1), y = std::clamp(static_cast<int>(p.y), 0, side_ - 1);
+    const float fx = p.x - static_cast<float>(x), fy = p.y - static_cast<float>(y);
+    const auto row = static_cast<std::size_t>(side_ + 1);
+    const glm::vec3* v = values_.data() + static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
+    return glm::mix(glm::mix(v[0], v[1], fx), glm::mix(v[row], v[row + 1], fx), fy);
+}
+
+// Radiance over the sphere in a pyramid of means, and the blurred tables.
+struct CellLight::Lobes {
+    struct Level {
+        int side = 0;   // squares
+        std::vector<glm::vec3> flux;
+        std::vector<glm::vec4> direction;   // unit mean direction; w: solid angle
+    };
+    std::vector<Level> levels;   // from the finest
+    std::array<DirectionTable, 8> tables;
+
+    explicit Lobes(const scene::Environment& environment)
+    {
+        // The finest level: each square has the mean of a few samples, times its solid angle.
+        Level& fine = levels.emplace_back();
+        fine.side = k_finest_side;
+        const auto count = static_cast<std::size_t>(fine.side) * static_cast<std::size_t>(fine.side);
+        fine.flux.resize(count), fine.direction.resize(count);
+        const int texels = environment.image().height * 2 / k_finest_side;
+        const int samples = std::clamp(texels, 2, 8);
+        for (std::size_t i = 0; i < count; ++i) {
+            const glm::vec2 at(static_cast<float>(i % k_finest_side), static_cast<float>(i / k_finest_side));
+            glm::vec3 flux(0), direction(0);
+            float angle = 0;
+            for (int s = 0; s < samples * samples; ++s) {
+                const glm::vec2 in((static_cast<float>(s % samples) + 0.5f) / static_cast<float>(samples),
+                                   (static_cast<float>(s / samples) + 0.5f) / static_cast<float>(samples));
+                const glm::vec2 p = (at + in) * (2.0f / k_finest_side) - 1.0f;
+                const glm::vec3 d = unfold(p);
+                // The solid angle of the octahedron's surface falls with the cube of its distance.
+                const float sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+                const float part = 4.0f / (k_finest_side * k_finest_side) / static_cast<float>(samples * samples) *
+                                   sum * sum * sum;
+                flux += part * environment.radiance(d), direction += part * d, angle += part;
+            }
+            fine.flux[i] = flux;
+            fine.direction[i] = glm::vec4(glm::normalize(direction), angle);
+        }
+        while (levels.back().side > k_coarsest_side) {
+            const Level& from = levels.back();
+            Level to;
+            to.side = from.side / 2;
+            for (int y = 0; y < to.side; ++y)
+                for (int x = 0; x < to.side; ++x) {
+                    glm::vec3 flux(0), direction(0);
+                    float angle = 0;
+                    for (int q = 0; q < 4; ++q) {
+                        const auto i = static_cast<std::size_t>((2 * y + q / 2) * from.side + 2 * x + q % 2);
+                        flux += from.flux[i], angle += from.direction[i].w;
+                        direction += from.direction[i].w * glm::vec3(from.direction[i]);
+                    }
+                    to.flux.push_back(flux);
+                    to.direction.emplace_back(glm::normalize(direction), angle);
+                }
+            levels.push_back(std::move(to));
+        }
+        for (std::size_t r = 0; r < tables.size(); ++r) {
+            tables[r] = DirectionTable(k_lobe_side[r]);
+            for (std::size_t e = 0; e < tables[r].size(); ++e)
+                tables[r][e] = gather(tables[r].direction(e), k_roughness[r]);
+        }
+    }
+
+    // Gathers what a lobe sees, from squares that are small against its width and against their distance from its
+    // middle.
+    glm::vec3 gather(const glm::vec3& around, float roughness) const
+    {
+        const float alpha = roughness * roughness, a2 = alpha * alpha;
+        glm::vec3 sum(0);
+        float weights = 0;
+        const auto visit = [&](const auto& self, std::size_t level, int x, int y) -> void {
+            const Level& of = levels[level];
+            const auto i = static_cast<std::size_t>(y * of.side + x);
+            const glm::vec4& d = of.direction[i];
+            const float cosine = around.x * d.x + around.y * d.y + around.z * d.z;
+            const float size = std::sqrt(d.w);
+            const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+            const float away = cosine > 0 ? sine : 2 - sine;   // about the angle
+            if (cosine < -size) return;
+            if (level > 0 && size > k_accuracy * (2 * alpha + std::max(away - 0.5f * size, 0.0f))) {
+                for (int q = 0; q < 4; ++q) self(self, level - 1, 2 * x + q % 2, 2 * y + q / 2);
+                return;
+            }
+            const float weight = lobe_weight(cosine, a2);
+            sum += weight * of.flux[i];
+            weights += weight * d.w;
+        };
+        const std::size_t coarsest = levels.size() - 1;
+        for (int y = 0; y < levels[coarsest].side; ++y)
+            for (int x = 0; x < levels[coarsest].side; ++x) visit(visit, coarsest, x, y);
+        return weights > 0 ? sum / weights : glm::vec3(0);
+    }
+};
+
+struct CellLight::Sums {
+    std::array<std::int64_t, 3> of{};
+    int terms = 0;
+};
+
+CellLight::CellLight(const DirectionCells& cells, const scene::Environment* environment,
+                     const CellLightOptions& options)
+    : cells_(cells), environment_(environment), options_(options), exists_(cells.words(), 0), normals_(options.normals)
+{
+    const std::size_t padded = 64 * cells.words();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        for (auto* list : {&mean_[a], &flux_[a], &units_[a]}) list->assign(padded, 0);
+        const double total = static_cast<double>(cells.total_flux()[axis]);
+        unit_[axis] = static_cast<float>(total / k_units);
+        for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+            mean_[a][leaf] = cells.mean(leaf)[axis];
+            flux_[a][leaf] = cells.flux(leaf)[axis];
+            units_[a][leaf] =
+                total > 0 ? static_cast<float>(static_cast<double>(cells.flux(leaf)[axis]) / total * k_units) : 0;
+        }
+    }
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) exists_[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
+    for (std::size_t entry = 0; entry < normals_.size(); ++entry) {
+        const Sums sums = sum(normals_.direction(entry), exists_, 0);
+        for (int c = 0; c < 3; ++c)
+            normals_[entry][c] = static_cast<float>(sums.of[static_cast<std::size_t>(c)]) * unit_[c];
+    }
+}
+
+CellLight::~CellLight() = default;
+
+// Adds what cells of a mask bring, in units.
+// @param flip  all bits: the cells that are not in the mask
+CellLight::Sums CellLight::sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const
+{
+    const ByteMasks& masks = byte_masks();
+    Sums sums;
+    for (std::size_t w = 0; w < mask.size(); ++w) {
+        std::uint64_t word = (mask[w] ^ flip) & exists_[w];
+        for (std::size_t byte = 0; word != 0; ++byte, word >>= 8) {
+            const auto bits = static_cast<std::size_t>(word & 0xff);
+            if (bits == 0) continue;
+            const std::size_t first = 64 * w + 8 * byte;
+            const float *x = mean_[0].data() + first, *y = mean_[1].data() + first, *z = mean_[2].data() + first;
+            const float *r = units_[0].data() + first, *g = units_[1].data() + first, *b = units_[2].data() + first;
+            const auto& keep = masks.of[bits];
+            std::array<std::int32_t, k_lanes> red, green, blue;
+            for (std::size_t i = 0; i < k_lanes; ++i) {
+                const float cosine = normal.x * x[i] + normal.y * y[i] + normal.z * z[i];
+                const float lit = cosine > 0 ? cosine : 0;
+                red[i] = static_cast<std::int32_t>(r[i] * lit) & keep[i];
+                green[i] = static_cast<std::int32_t>(g[i] * lit) & keep[i];
+                blue[i] = static_cast<std::int32_t>(b[i] * lit) & keep[i];
+            }
+            std::int32_t sum_r = 0, sum_g = 0, sum_b = 0;   // all flux is below 2^30 units
+            for (std::size_t i = 0; i < k_lanes; ++i) sum_r += red[i], sum_g += green[i], sum_b += blue[i];
+            sums.of[0] += sum_r, sums.of[1] += sum_g, sums.of[2] += sum_b;
+        }
+    }
+    return sums;
+}
+
+glm::vec3 CellLight::irradiance(const glm::vec3& normal) const
+{
+    return normals_.at(normal);
+}
+
+glm::vec3 CellLight::irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen) const
+{
+    std::size_t visible = 0;
+    for (const std::uint64_t word : seen) visible += static_cast<std::size_t>(std::popcount(word));
+    // About half of the cells lie above any surface.
+    glm::vec3 result;
+    if (4 * visible > cells_.leaves()) {
+        const Sums hidden = sum(normal, seen, ~std::uint64_t{0});
+        for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(hidden.of[static_cast<std::size_t>(c)]) * unit_[c];
+        return glm::max(irradiance(normal) - result, glm::vec3(0));
+    }
+    const Sums sums = sum(normal, seen, 0);
+    for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(sums.of[static_cast<std::size_t>(c)]) * unit_[c];
+    return result;
+}
+
+glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
+{
+    GNOMON_CHECK(environment_);
+    std::call_once(lobes_made_, [&] { lobes_ = std::make_unique<Lobes>(*environment_); });
+    std::size_t above = 1;
+    while (above + 1 < k_roughness.size() && k_roughness[above] < roughness) ++above;
+    const float low = k_roughness[above - 1], high = k_roughness[above];
+    const float t = std::clamp((roughness - low) / (high - low), 0.0f, 1.0f);
+    return glm::mix(lobes_->tables[above - 1].at(direction), lobes_->tables[above].at(direction), t);
+}
+
+glm::vec3 CellLight::visible_share(const glm::vec3& direction, float roughness, const glm::vec3& geometric_normal,
+                                   const glm::vec3& normal, std::span<const std::uint64_t> seen) const
+{
+    const float alpha = std::max(roughness, options_.least_roughness) * std::max(roughness, options_.least_roughness);
+    const float a2 = alpha * alpha;
+    const ByteMasks& masks = byte_masks();
+    // By lane, so that the sums have a fixed order.
+    std::array<std::array<float, k_lanes>, 3> all{}, visible{};
+    for (std::size_t first = 0; first < 64 * seen.size(); first += k_lanes) {
+        const float *x = mean_[0].data() + first, *y = mean_[1].data() + first, *z = mean_[2].data() + first;
+        const auto& keep = masks.of[seen[first / 64] >> (first % 64) & 0xff];
+        std::array<float, k_lanes> weight, kept;
+        for (std::size_t i = 0; i < k_lanes; ++i) {
+            const float c = direction.x * x[i] + direction.y * y[i] + direction.z * z[i];
+            const float over = normal.x * x[i] + normal.y * y[i] + normal.z * z[i];
+            const float over_geometric =
+                geometric_normal.x * x[i] + geometric_normal.y * y[i] + geometric_normal.z * z[i];
+            const float half2 = 0.5f * (1 + c), d = half2 * (a2 - 1) + 1;
+            const bool counts = c > 0 && over > 0 && over_geometric > 0;
+            weight[i] = counts ? c / (d * d) : 0;
+            kept[i] = keep[i] != 0 ? weight[i] : 0;
+        }
+        for (std::size_t colour = 0; colour < 3; ++colour) {
+            const float* flux = flux_[colour].data() + first;
+            for (std::size_t i = 0; i < k_lanes; ++i) {
+                all[colour][i] += weight[i] * flux[i];
+                visible[colour][i] += kept[i] * flux[i];
+            }
+        }
+    }
+    glm::vec3 share(1);
+    for (int colour = 0; colour < 3; ++colour) {
+        const auto c = static_cast<std::size_t>(colour);
+        float whole = 0, part = 0;
+        for (std::size_t i = 0; i < k_lanes; ++i) whole += all[c][i], part += visible[c][i];
+        share[colour] = whole > 0 ? std::min(part / whole, 1.0f) : 0;
+    }
+    return share;
+}
+
+std::size_t CellLight::bytes() const
+{
+    std::size_t bytes = 9 * mean_[0].size() * sizeof(float) + normals_.size() * sizeof(glm::vec3);
+    if (lobes_) {
+        for (const Lobes::Level& level : lobes_->levels) bytes += level.flux.size() * (sizeof(glm::vec3) + 16);
+        for (const DirectionTable& table : lobes_->tables) bytes += table.size() * sizeof(glm::vec3);
+    }
+    return bytes;
+}
+
+}   // namespace gnomon::environment_light

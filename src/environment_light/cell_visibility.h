@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Which cells of directions (direction_cells.h) points of a frame see, past static geometry and what moves.
+//
+// A cell is visible from a point if a ray in the cell's own direction leaves the scene. Most rays are not needed: what
+// is proven of the point's part (cell_proofs.h) says what they would find, and what rays found at a point of a static
+// surface is remembered (point_memory.h) as long as the view asks for the point. Dynamic objects are not part of either:
+// rays go against them alone, to visible cells that the sphere around one may cover. Points on dynamic objects trace
+// rays against everything.
+//
+// Cells whose mean direction lies below the surface are not visible. Where the own direction of a cell at the horizon
+// lies below, its mean direction stands in.
+//
+// The answer to a point does not depend on what was proven or remembered, nor on the order of questions.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "environment_light/cell_proofs.h"
+#include "environment_light/point_memory.h"
+#include "ray/ray_scene.h"
+#include "visibility/dynamic_bounds.h"
+#include "visibility/shadow_point.h"
+
+namespace gnomon::environment_light {
+
+struct VisibilityCounters {
+    std::uint64_t points = 0;       // asked
+    std::uint64_t free_points = 0;   // of these, without any ray or memory
+    std::uint64_t remembered = 0;   // of these, by memory
+    std::uint64_t rays = 0;          // against static objects, or everything
+    std::uint64_t dynamic_rays = 0;
+    void add(const VisibilityCounters& other);
+};
+
+/// What points see: a bit for each leaf.
+struct SeenCells {
+    std::size_t words = 0;   // of a point
+    std::vector<std::uint64_t> masks;
+    std::span<const std::uint64_t> of(std::size_t asked) const { return {masks.data() + asked * words, words}; }
+    std::span<std::uint64_t> of(std::size_t asked) { return {masks.data() + asked * words, words}; }
+};
+
+/// The static scene and the boxes of what moves; shared by several sets of cells.
+class Surroundings {
+ public:
+    Surroundings(const scene::SceneState& state, const ray::RayScene& rays);
+    /// Follows one advance() of the state, after the ray scene did.
+    /// @return  whether static triangles changed: what was proven of them does not hold any more
+    bool follow(const scene::SceneState& state, const ray::RayScene& rays);
+
+    const ray::RayScene& rays() const { return *rays_; }
+    const visibility::StaticTriangles& triangles() const { return *triangles_; }
+    const std::vector<Box3>& dynamic_boxes() const { return boxes_; }
+    std::size_t bytes() const { return triangles_->bytes(); }
+
+ private:
+    const ray::RayScene* rays_;
+    std::unique_ptr<visibility::StaticTriangles> triangles_;
+    std::unique_ptr<visibility::DynamicBounds> dynamic_;
+    std::vector<Box3> boxes_;   // of visible dynamic objects
+};
+
+class CellVisibility {
+ public:
+    /// @param surroundings, cells  kept by reference
+    CellVisibility(const Surroundings& surroundings, const DirectionCells& cells, const ProofOptions& options = {});
+
+    /// Scratch memory of one thread, and what it counted.
+    struct Scratch {
+        VisibilityCounters counters;
+
+     private:
+        friend class CellVisibility;
+        struct Target {
+            std::uint32_t asked;
+            std::uint16_t leaf;
+        };
+        struct Pending {
+            std::uint32_t asked;
+            const PartMasks* masks;
+        };
+        ray::RayQueue queue;
+        std::vector<Target> targets;   // by ray
+        std::vector<std::uint8_t> occluded;
+        std::vector<std::uint64_t> open;      // of the asked points of a block
+        std::vector<std::uint64_t> above;     // of `above_normal`
+        glm::vec3 above_normal{0};
+        bool has_above = false;
+        std::vector<std::uint64_t> affected;   // cells that a dynamic object may cover
+        std::vector<Pending> pending;          // to remember
+        std::vector<std::uint64_t> seen_open;
+        std::vector<std::uint32_t> stack;
+    };
+
+    /// Finds what points see. Thread-safe for different scratch and memory.
+    /// @param asked   indices of points; neighbours in the list should be near to each other
+    /// @param memory  of static points; null: nothing is remembered
+    void find(Scratch& scratch, std::span<const visibility::ShadowPoint> points, std::span<const std::uint32_t> asked,
+              PointMemory* memory, SeenCells& seen) const;
+
+    const DirectionCells& cells() const { return cells_; }
+    CellProofs& proofs() const { return *proofs_; }
+
+ private:
+    void find_above(Scratch& scratch, const glm::vec3& normal) const;
+    glm::vec3 ray_direction(std::size_t leaf, const glm::vec3& normal) const;
+    void look_up(Scratch& scratch, std::span<const visibility::ShadowPoint> points,
+                 std::span<const std::uint32_t> asked, PointMemory* memory, SeenCells& seen) const;
+    void test_dynamic(Scratch& scratch, std::span<const visibility::ShadowPoint> points,
+                      std::span<const std::uint32_t> asked, SeenCells& seen) const;
+    void push_rays(Scratch& scratch, std::span<const visibility::ShadowPoint> points,
+                   std::span<const std::uint32_t> asked, std::size_t begin, std::size_t end) const;
+    void cover(Scratch& scratch, const glm::vec3& from, float from_radius, const Box3& box) const;
+    void flush(Scratch& scratch, ray::Against against, bool sets, std::uint64_t& count, SeenCells& seen) const;
+
+    const Surroundings& surroundings_;
+    const DirectionCells& cells_;
+    std::unique_ptr<CellProofs> proofs_;
+    std::array<std::vector<float>, 3> mean_;   // by axis, padded to whole words
+};
+
+}   // namespace gnomon::environment_light

@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "environment_light/direction_cells.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "base/check.h"
+#include "base/morton.h"
+#include "base/sobol.h"
+
+namespace gnomon::environment_light {
+
+namespace {
+
+constexpr int k_sample_rows = 512;        // of the grid of samples over an image; twice as many columns
+constexpr int k_finest_rows = 1024;       // larger images are averaged down to less than twice as many
+constexpr int k_quadrature_levels = 4;    // of the samples in a cell that is divided further
+constexpr double k_root_of_golden = 1.32471795724474602596;   // of the R2 sequence [Roberts 2018]
+
+using Corners = std::array<glm::dvec3, 3>;
+
+std::array<Corners, 20> icosahedron()
+{
+    const double g = (1 + std::sqrt(5.0)) / 2;
+    const glm::dvec3 p[12] = {{-1, g, 0}, {1, g, 0},   {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                              {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    constexpr int face[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                                 {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    // Turn it, so that no edge is parallel to an axis: the edges of buildings are.
+    const glm::dquat turn = glm::angleAxis(0.7, glm::normalize(glm::dvec3(0.36, 0.48, 0.8)));
+    std::array<Corners, 20> result;
+    for (std::size_t f = 0; f < 20; ++f)
+        for (std::size_t c = 0; c < 3; ++c) result[f][c] = turn * glm::normalize(p[face[f][c]]);
+    return result;
+}
+
+// The solid angle of a spherical triangle [Van Oosterom and Strackee 1983].
+double solid_angle(const Corners& c)
+{
+    const double volume = std::abs(glm::dot(c[0], glm::cross(c[1], c[2])));
+    const double around = 1 + glm::dot(c[0], c[1]) + glm::dot(c[1], c[2]) + glm::dot(c[2], c[0]);
+    return 2 * std::atan2(volume, around);
+}
+
+// The four quarters: three at the corners, then the middle one.
+std::array<Corners, 4> quarters(const Corners& c)
+{
+    const glm::dvec3 ab = glm::normalize(c[0] + c[1]), bc = glm::normalize(c[1] + c[2]), ca = glm::normalize(c[2] + c[0]);
+    return {Corners{c[0], ab, ca}, Corners{ab, c[1], bc}, Corners{ca, bc, c[2]}, Corners{ab, bc, ca}};
+}
+
+glm::dvec3 middle(const Corners& c)
+{
+    return glm::normalize(c[0] + c[1] + c[2]);
+}
+
+bool contains(const Corners& c, const glm::dvec3& d)
+{
+    return glm::dot(d, glm::cross(c[0], c[1])) >= 0 && glm::dot(d, glm::cross(c[1], c[2])) >= 0 &&
+           glm::dot(d, glm::cross(c[2], c[0])) >= 0;
+}
+
+// A point of the cell by two numbers in [0, 1), uniform in the flat triangle.
+glm::dvec3 point_in(const Corners& c, double u, double v)
+{
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    return glm::normalize((1 - u - v) * c[0] + u * c[1] + v * c[2]);
+}
+
+double fraction(double x)
+{
+    return x - std::floor(x);
+}
+
+// Averages blocks of texels of an image that is finer than cells need, row by row with equal weights: within a block,
+// rows have nearly the same solid angle.
+ImageF reduced(const ImageF& image)
+{
+    const int factor = image.height / k_finest_rows;
+    const int columns = image.width / factor, rows = image.height / factor;
+    ImageF result(columns, rows, 3);
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            // Blocks divide the image evenly, so that no texel is left out.
+            const auto begin = [](int i, int of, int size) {
+                return static_cast<int>(static_cast<std::int64_t>(i) * size / of);
+            };
+            const int x0 = begin(x, columns, image.width), x1 = begin(x + 1, columns, image.width);
+            const int y0 = begin(y, rows, image.height), y1 = begin(y + 1, rows, image.height);
+            glm::dvec3 sum(0);
+            for (int j = y0; j < y1; ++j)
+                for (int i = x0; i < x1; ++i) {
+                    const float* p = image.pixel(i, j);
+                    sum += glm::dvec3(p[0], p[1], p[2]);
+                }
+            sum /= static_cast<double>((x1 - x0) * (y1 - y0));
+            float* to = result.pixel(x, y);
+            for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(sum[c]);
+        }
+    return result;
+}
+
+// What a cell brings.
+struct Light {
+    glm::dvec3 flux{0};
+    glm::dvec3 weighted{0};   // directions, by luminance times solid angle
+    double luminance = 0;     // times solid angle
+    void add(const glm::dvec3& part, const glm::dvec3& direction)
+    {
+        flux += part;
+        const double light = gnomon::luminance(part);
+        luminance += light, weighted += light * direction;
+    }
+};
+
+}   // namespace
+
+struct DirectionCells::Builder {
+    DirectionCells& out;
+    const scene::Environment& environment;
+    const CellOptions& options;
+    std::vector<Light> lights;   // by node
+    double total = 0;
+
+    Corners corners_of(std::uint32_t node) const
+    {
+        const DirectionNode& n = out.nodes_[node];
+        return {n.corner[0], n.corner[1], n.corner[2]};
+    }
+    void set(std::uint32_t node, const Corners& corners, std::uint64_t place)
+    {
+        DirectionNode& n = out.nodes_[node];
+        std::copy(corners.begin(), corners.end(), n.corner.begin());
+        n.place = place;
+    }
+    void divide(std::uint32_t node)
+    {
+        const auto first = static_cast<std::uint32_t>(out.nodes_.size());
+        const std::uint64_t place = out.nodes_[node].place;
+        const auto four = quarters(corners_of(node));
+        out.nodes_.resize(first + 4);
+        out.nodes_[node].children = first;
+        for (std::uint32_t q = 0; q < 4; ++q) set(first + q, four[q], 4 * place + q);
+    }
+
+    // Divides all of the sphere to the least level.
+    void make_even()
+    {
+        const auto faces = icosahedron();
+        out.roots_ = faces.size();
+        out.nodes_.resize(faces.size());
+        for (std::uint32_t f = 0; f < faces.size(); ++f) set(f, faces[f], 32 + f);
+        std::size_t begin = 0;
+        for (int level = 0; level < options.least_level; ++level) {
+            const std::size_t end = out.nodes_.size();
+            for (; begin < end; ++begin) divide(static_cast<std::uint32_t>(begin));
+        }
+    }
+    std::uint32_t leaf_at(const glm::dvec3& d) const
+    {
+        std::uint32_t node = 0;
+        double most = -2;
+        for (std::uint32_t f = 0; f < out.roots_; ++f) {
+            const double at = glm::dot(d, out.nodes_[f].corner[0] + out.nodes_[f].corner[1] + out.nodes_[f].corner[2]);
+            if (at > most) most = at, node = f;
+        }
+        while (out.nodes_[node].children != 0) {
+            // The middle quarter has what no corner has.
+            const std::uint32_t first = out.nodes_[node].children;
+            const Corners inner = corners_of(first + 3);
+            std::uint32_t q = 3;
+            if (glm::dot(d, glm::cross(inner[2], inner[0])) < 0)
+                q = 0;
+            else if (glm::dot(d, glm::cross(inner[0], inner[1])) < 0)
+                q = 1;
+            else if (glm::dot(d, glm::cross(inner[1], inner[2])) < 0)
+                q = 2;
+            node = first + q;
+        }
+        return node;
+    }
+
+    // Sums samples of the image over the leaves. What a cell has too little or too much of solid angle, because samples
+    // have cells of their own, is made up for at its darkest sample: an even sky is then exact, and so is a sun.
+    void integrate()
+    {
+        const ImageF& image = environment.image();
+        int rows = image.height, columns = image.width;
+        if (rows < k_sample_rows || columns < 2 * k_sample_rows) {
+            rows *= (k_sample_rows + rows - 1) / rows;
+            columns *= (2 * k_sample_rows + columns - 1) / columns;
+        }
+        struct Sum {
+            double angle = 0, darkest = 1e300;
+            glm::dvec3 dark{0};
+        };
+        std::vector<Sum> sums(out.nodes_.size());
+        lights.assign(out.nodes_.size(), {});
+        std::uint32_t leaf = 0;
+        const bool whole = rows == image.height && columns == image.width;
+        for (int y = 0; y < rows; ++y) {
+            const double above = std::cos(y * k_pi / rows), below = std::cos((y + 1) * k_pi / rows);
+            const double angle = 2 * k_pi / columns * (above - below);
+            for (int x = 0; x < columns; ++x) {
+                const glm::dvec3 d(scene::Environment::direction_at((x + 0.5) / columns, (y + 0.5) / rows));
+                const float* p = whole ? image.pixel(x, y) : nullptr;
+                const glm::dvec3 radiance =
+                    whole ? glm::dvec3(p[0], p[1], p[2]) : glm::dvec3(environment.radiance(glm::vec3(d)));
+                if (out.nodes_[leaf].children != 0 || !contains(corners_of(leaf), d)) leaf = leaf_at(d);
+                lights[leaf].add(angle * radiance, d);
+                Sum& sum = sums[leaf];
+                sum.angle += angle;
+                if (const double light = luminance(radiance); light < sum.darkest) sum.darkest = light, sum.dark = radiance;
+            }
+        }
+        for (std::uint32_t n = 0; n < out.nodes_.size(); ++n) {
+            if (out.nodes_[n].children != 0) continue;
+            const Corners corners = corners_of(n);
+            const double missing = solid_angle(corners) - sums[n].angle;
+            if (sums[n].darkest < 1e300) lights[n].add(missing * sums[n].dark, centroid(corners));
+            total += lights[n].luminance;
+        }
+    }
+    // The mean direction of a cell of even radiance.
+    static glm::dvec3 centroid(const Corners& c)
+    {
+        // The integral of the direction over a spherical polygon is half the sum of its edges' arcs times normals.
+        glm::dvec3 sum(0);
+        for (std::size_t e = 0; e < 3; ++e) {
+            const glm::dvec3 n = glm::cross(c[e], c[(e + 1) % 3]);
+            const double length = glm::length(n);
+            if (length > 0) sum += std::atan2(length, glm::dot(c[e], c[(e + 1) % 3])) / length * n;
+        }
+        sum *= 0.5;
+        const double angle = solid_angle(c);
+        return glm::dot(sum, middle(c)) > 0 ? sum / angle : -sum / angle;
+    }
+
+    void sample(const Corners& c, int levels, Light& light) const
+    {
+        if (levels > 0) {
+            for (const Corners& quarter : quarters(c)) sample(quarter, levels - 1, light);
+            return;
+        }
+        const glm::dvec3 d = middle(c);
+        light.add(solid_angle(c) * glm::dvec3(environment.radiance(glm::vec3(d))), d);
+    }
+
+    // Divides cells that bring too much, level by level.
+    void refine()
+    {
+        std::vector<std::uint32_t> bright;
+        std::size_t leaves = 0;
+        for (std::uint32_t n = 0; n < out.nodes_.size(); ++n)
+            if (out.nodes_[n].children == 0) bright.push_back(n), ++leaves;
+        for (int level = options.least_level; level < options.most_levels && !bright.empty(); ++level) {
+            std::vector<std::uint32_t> next;
+            for (const std::uint32_t n : bright) {
+                if (!(lights[n].luminance > options.largest_share * total) || leaves + 3 > options.most_cells) continue;
+                divide(n);
+                leaves += 3;
+                lights.resize(out.nodes_.size());
+                const std::uint32_t first = out.nodes_[n].children;
+                double sum = 0;
+                for (std::uint32_t q = 0; q < 4; ++q) {
+                    sample(corners_of(first + q), k_quadrature_levels, lights[first + q]);
+                    sum += lights[first + q].luminance;
+                }
+                // The samples say what share each quarter has.
+                for (std::uint32_t q = 0; q < 4; ++q) {
+                    Light& light = lights[first + q];
+                    const double scale = sum > 0 ? lights[n].luminance / sum : 0;
+                    light.flux *= scale, light.weighted *= scale, light.luminance *= scale;
+                    if (sum > 0) continue;
+                    light = lights[n];
+                    light.flux *= 0.25, light.weighted *= 0.25, light.luminance *= 0.25;
+                }
+                for (std::uint32_t q = 0; q < 4; ++q) next.push_back(first + q);
+            }
+            bright = std::move(next);
+        }
+    }
+};
+
+DirectionCells::DirectionCells(const scene::Environment& environment, const CellOptions& options)
+{
+    std::optional<scene::Environment> coarser;
+    if (environment.image().height >= 2 * k_finest_rows) coarser.emplace(reduced(environment.image()));
+    Builder builder{*this, coarser ? *coarser : environment, options, {}, 0};
+    builder.make_even();
+    builder.integrate();
+    builder.refine();
+    for (std::uint32_t r = 0; r < roots_; ++r) number_leaves(r);
+    add_cones();
+    for (std::size_t leaf = 0; leaf < nodes_of_.size(); ++leaf) {
+        const std::uint32_t n = nodes_of_[leaf];
+        const Corners corners = builder.corners_of(n);
+        const Light& light = builder.lights[n];
+        means_.emplace_back(light.luminance > 0 ? light.weighted / light.luminance : Builder::centroid(corners));
+        fluxes_.emplace_back(light.flux);
+        total_ += fluxes_.back();
+        // The place depends on the cell alone, so that it is the same for every image.
+        const auto index = static_cast<double>(nodes_[n].place % 4093);
+        directions_.emplace_back(point_in(corners, fraction(0.5 + index / k_root_of_golden),
+                                          fraction(0.5 + index / (k_root_of_golden * k_root_of_golden))));
+    }
+}
+
+DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const glm::vec3& irradiance,
+                               const CellOptions& options)
+{
+    GNOMON_CHECK(diameter > 0 && diameter < k_pi / 2);
+    // A (0, 2)-net of the square, mapped to the disc [Shirley and Chiu 1997]: one place in every cell of a grid.
+    const int side = 1 << options.disc_level;
+    const auto count = static_cast<std::uint32_t>(side) * static_cast<std::uint32_t>(side);
+    std::vector<glm::dvec2> place(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double a = (reversed_bits(i) + 0.5) / 4294967296.0, b = (second_dimension(i) + 0.5) / 4294967296.0;
+        const auto x = static_cast<std::uint32_t>(a * side), y = static_cast<std::uint32_t>(b * side);
+        const double s = 2 * a - 1, t = 2 * b - 1;
+        glm::dvec2 p(0);
+        if (std::abs(s) > std::abs(t))
+            p = s * glm::dvec2(std::cos(k_pi / 4 * t / s), std::sin(k_pi / 4 * t / s));
+        else if (t != 0)
+            p = t * glm::dvec2(std::sin(k_pi / 4 * s / t), std::cos(k_pi / 4 * s / t));
+        place[morton_code(x, y)] = p;
+    }
+    glm::vec3 across, up;
+    make_basis(to_light, across, up);
+    const double reach = std::tan(diameter / 2);
+    const auto direction = [&](const glm::dvec2& p) {
+        return glm::normalize(glm::dvec3(to_light) + reach * p.x * glm::dvec3(across) + reach * p.y * glm::dvec3(up));
+    };
+
+    // A complete tree of quarters; each node has the rectangle around its places.
+    roots_ = 1;
+    nodes_.resize(1);
+    nodes_[0].leaves = count;
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+        glm::dvec2 low(2), high(-2);
+        const std::uint32_t first_leaf = nodes_[n].first_leaf, leaves = nodes_[n].leaves;
+        for (std::uint32_t i = first_leaf; i < first_leaf + leaves; ++i)
+            low = glm::min(low, place[i]), high = glm::max(high, place[i]);
+        const glm::dvec2 room(1e-3);
+        low -= room, high += room;
+        nodes_[n].corner = {direction(low), direction({high.x, low.y}), direction(high), direction({low.x, high.y})};
+        nodes_[n].corners = 4;
+        nodes_[n].place = n;
+        if (leaves == 1) continue;
+        nodes_[n].children = static_cast<std::uint32_t>(nodes_.size());
+        for (std::uint32_t q = 0; q < 4; ++q) {
+            DirectionNode& child = nodes_.emplace_back();
+            child.first_leaf = first_leaf + q * leaves / 4, child.leaves = leaves / 4;
+        }
+    }
+    nodes_of_.resize(count);
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+        if (nodes_[n].children == 0) nodes_of_[nodes_[n].first_leaf] = n;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        directions_.emplace_back(direction(place[i]));
+        means_.push_back(directions_.back());
+        fluxes_.push_back(irradiance / static_cast<float>(count));
+    }
+    total_ = irradiance;
+    add_cones();
+}
+
+void DirectionCells::number_leaves(std::uint32_t node)
+{
+    nodes_[node].first_leaf = static_cast<std::uint32_t>(nodes_of_.size());
+    if (nodes_[node].children == 0)
+        nodes_of_.push_back(node);
+    else
+        for (std::uint32_t q = 0; q < 4; ++q) number_leaves(nodes_[node].children + q);
+    nodes_[node].leaves = static_cast<std::uint32_t>(nodes_of_.size()) - nodes_[node].first_leaf;
+}
+
+void DirectionCells::add_cones()
+{
+    for (DirectionNode& node : nodes_) {
+        glm::dvec3 sum(0);
+        for (int c = 0; c < node.corners; ++c) sum += node.corner[static_cast<std::size_t>(c)];
+        const glm::dvec3 axis = glm::normalize(sum);
+        double least = 1;
+        for (int c = 0; c < node.corners; ++c)
+            least = std::min(least, glm::dot(axis, node.corner[static_cast<std::size_t>(c)]));
+        node.axis = glm::vec3(axis);
+        node.cosine = static_cast<float>(least) - 1e-6f;
+    }
+}
+
+bool DirectionCells::same_directions(const DirectionCells& other) const
+{
+    return directions_ == other.directions_;
+}
+
+std::size_t DirectionCells::bytes() const
+{
+    return nodes_.size() * sizeof(DirectionNode) + leaves() * (3 * sizeof(glm::vec3) + sizeof(std::uint32_t));
+}
+
+}   // namespace gnomon::environment_light

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The light of an environment image at points of a frame, with the visibility of its directions: the full distribution
+// of the image, not a few suns; exact where nothing occludes it, and without noise.
+//
+// It follows the scene state, and keeps what is known: while an image stays, its cells and tables; while static
+// triangles stay, what is proven of them. Another image, such as the same one turned, keeps the proofs of all cells that
+// both have.
+//
+// An irradiance at a point is a function of the point, the normal, the image and the scene alone.
+//
+// Cost: see cell_light.h, cell_visibility.h and cell_proofs.h. A new image: some 100 ms.
+
+#include <memory>
+
+#include "environment_light/cell_light.h"
+#include "environment_light/cell_visibility.h"
+
+namespace gnomon::environment_light {
+
+struct EnvironmentOptions {
+    CellOptions cells;
+    CellLightOptions light;
+    ProofOptions proofs;
+};
+
+class EnvironmentLight {
+ public:
+    explicit EnvironmentLight(const EnvironmentOptions& options = {});
+    ~EnvironmentLight();
+
+    /// Follows one advance() of the state, after the ray scene did. The state must be the one of the call before, or
+    /// one that continues it.
+    void follow(const scene::SceneState& state, const ray::RayScene& rays);
+    /// Whether the scene has no environment image, or a black one; nothing else may then be called but follow().
+    bool empty() const { return !image_; }
+    /// Increases whenever memory of points (PointMemory) must be forgotten.
+    std::uint32_t version() const { return version_; }
+
+    const CellLight& light() const;
+    const CellVisibility& visibility() const;
+
+    /// The irradiance at one point of a surface. Thread-safe for different scratch and memory.
+    /// @param point   ray origin and geometric normal; of a static object, with its triangle: what is proven of it then
+    ///                saves rays
+    /// @param normal  unit, shading; on the side of the geometric normal
+    /// @param memory  of static points; null: nothing is remembered
+    glm::vec3 irradiance(CellVisibility::Scratch& scratch, const visibility::ShadowPoint& point,
+                         const glm::vec3& normal, PointMemory* memory = nullptr) const;
+    std::size_t bytes() const;
+
+ private:
+    struct Image;
+    EnvironmentOptions options_;
+    std::unique_ptr<Surroundings> surroundings_;
+    std::unique_ptr<Image> image_;
+    std::uint32_t version_ = 0;
+};
+
+}   // namespace gnomon::environment_light

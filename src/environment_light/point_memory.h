@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Remembers what rays found at points of static surfaces: which of the cells that are open for the point's part it sees
+// past static geometry. A point that was not asked for in a frame is forgotten after it.
+//
+// For one thread at a time. Cost: a look-up per point. Memory: 40 bytes a point, and a bit for each open cell.
+
+#include <cstdint>
+#include <vector>
+
+#include "environment_light/cell_proofs.h"
+#include "visibility/shadow_point.h"
+
+namespace gnomon::environment_light {
+
+class PointMemory {
+ public:
+    struct Known {
+        const PartMasks* masks = nullptr;        // null: the point is unknown
+        const std::uint64_t* seen = nullptr;   // a bit for each open cell of these, in their order
+    };
+    /// Points that were not asked for since the last call are forgotten.
+    void begin_frame();
+    /// Valid until the next add() or begin_frame().
+    Known find(const visibility::ShadowPoint& point);
+    /// @param seen  of the open cells of `masks`
+    void add(const visibility::ShadowPoint& point, const PartMasks& masks, const std::vector<std::uint64_t>& seen);
+    void forget() { now_ = {}, before_ = {}; }
+    std::size_t bytes() const { return now_.bytes() + before_.bytes(); }
+
+ private:
+    struct Key {
+        std::uint64_t triangle = 0, place = 0;
+        friend bool operator==(const Key&, const Key&) = default;
+    };
+    struct Entry {
+        Key key;
+        const PartMasks* masks = nullptr;   // null: no entry
+        std::uint32_t first = 0, words = 0;
+    };
+    struct Table {
+        std::vector<Entry> entries;   // a power of two, or none
+        std::vector<std::uint64_t> seen;
+        std::size_t count = 0;
+        std::size_t bytes() const
+        {
+            return entries.capacity() * sizeof(Entry) + seen.capacity() * sizeof(std::uint64_t);
+        }
+        const Entry* find(const Key& key) const;
+        void add(const Key& key, const PartMasks* masks, const std::uint64_t* words, std::uint32_t count);
+    };
+    static Key key_of(const visibility::ShadowPoint& point);
+
+    Table now_, before_;
+};
+
+}   // namespace gnomon::environment_light

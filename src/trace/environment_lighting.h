@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Adds the direct light of the environment image to the points of the traced frame (environment_light/).
+//
+// Diffuse: the irradiance from all visible directions. Glossy: as with other lights with size (sized_lighting.h), a
+// smooth surface shows the image in the ray that it reflects; the lobe of a rough one sees it blurred, times the visible
+// share, and its reflected ray does not see it; in between, both are blended by roughness.
+
+#include <functional>
+#include <vector>
+
+#include "environment_light/environment_light.h"
+#include "trace/point_batch.h"
+
+namespace gnomon::trace {
+
+/// The environment of a frame, with what points of its tiles remember. It outlives frames: make one for a scene state,
+/// and let it follow.
+class EnvironmentTechnique {
+ public:
+    explicit EnvironmentTechnique(const environment_light::EnvironmentOptions& options = {}) : light_(options) {}
+
+    /// After the state advanced and the ray scene followed. The state must be the one of the call before, or one that
+    /// continues it.
+    void begin_frame(const FrameContext& frame, std::size_t tiles);
+    bool empty() const { return light_.empty(); }
+    const environment_light::EnvironmentLight& light() const { return light_; }
+    environment_light::PointMemory& memory(std::size_t tile) { return memories_[tile]; }
+    std::size_t bytes() const;
+
+    /// Of the last frame.
+    const environment_light::VisibilityCounters& counters() const { return counters_; }
+    void set_counters(const environment_light::VisibilityCounters& counters) { counters_ = counters; }
+
+ private:
+    environment_light::EnvironmentLight light_;
+    std::vector<environment_light::PointMemory> memories_;   // by tile
+    std::uint32_t version_ = 0;
+    environment_light::VisibilityCounters counters_;
+};
+
+/// One per thread.
+class EnvironmentLighting {
+ public:
+    explicit EnvironmentLighting(EnvironmentTechnique& technique) : technique_(technique) {}
+    /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
+    /// out.
+    /// @param tile  its number in the frame
+    void light(const PointBatch& batch, std::size_t tile,
+               const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    const environment_light::VisibilityCounters& counters() const { return scratch_.counters; }
+
+ private:
+    EnvironmentTechnique& technique_;
+    environment_light::CellVisibility::Scratch scratch_;
+    environment_light::SeenCells seen_;
+    std::vector<std::uint32_t> asked_;   // points that could reflect light
+};
+
+}   // namespace gnomon::trace

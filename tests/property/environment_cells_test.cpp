@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cells of directions, their light in closed form, and proofs of their visibility among random triangles.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "environment_light/cell_light.h"
+#include "environment_light/cell_visibility.h"
+#include "environment_light/environment_light.h"
+#include "soup.h"
+
+namespace gnomon::environment_light {
+namespace {
+
+using visibility::ShadowPoint;
+
+ImageF image_of(int width, int height, const std::function<glm::vec3(const glm::vec3&)>& radiance)
+{
+    ImageF image(width, height, 3);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const glm::vec3 value = radiance(scene::Environment::direction_at((x + 0.5) / width, (y + 0.5) / height));
+            for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = value[c];
+        }
+    return image;
+}
+
+glm::vec3 any_direction(Random& random)
+{
+    const float z = random.uniform(-1, 1), a = random.uniform(0, static_cast<float>(2 * k_pi));
+    const float r = std::sqrt(1 - z * z);
+    return {r * std::cos(a), r * std::sin(a), z};
+}
+
+scene::Environment even_sky()
+{
+    return scene::Environment(image_of(2, 1, [](const glm::vec3&) { return glm::vec3(1, 2, 0.5f); }));
+}
+
+// A blue sky, brighter at the horizon, brown ground, and a sun of 3 degrees that brings most of the light.
+scene::Environment sunny()
+{
+    const glm::vec3 sun = glm::normalize(glm::vec3(1, 1.2f, 0.7f));
+    return scene::Environment(image_of(512, 256, [&](const glm::vec3& d) {
+        if (glm::dot(d, sun) > std::cos(1.5f * static_cast<float>(k_pi) / 180)) return glm::vec3(900, 800, 700);
+        return d.y > 0 ? glm::mix(glm::vec3(1, 1, 1.1f), glm::vec3(0.3f, 0.5f, 1), d.y) : glm::vec3(0.2f, 0.15f, 0.1f);
+    }));
+}
+
+TEST(DirectionCells, AnEvenSkyIsDividedEvenly)
+{
+    const scene::Environment environment = even_sky();
+    const DirectionCells cells(environment);
+    EXPECT_EQ(cells.leaves(), 1280u);
+    double sum = 0, least = 1, most = 0;
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+        const double part = static_cast<double>(cells.flux(leaf).x) / (4 * k_pi);
+        sum += part, least = std::min(least, part), most = std::max(most, part);
+        EXPECT_NEAR(cells.flux(leaf).y, 2 * cells.flux(leaf).x, 1e-6f);
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+    EXPECT_GT(least, 0.7 / 1280);
+    EXPECT_LT(most, 1.3 / 1280);
+}
+
+// The directions of leaves lie in their cells, the children of a cell cover it, and every direction is in one leaf.
+TEST(DirectionCells, CellsNest)
+{
+    const scene::Environment environment = sunny();
+    const DirectionCells cells(environment);
+    const auto contains = [](const DirectionNode& node, const glm::dvec3& d) {
+        for (int c = 0; c < node.corners; ++c)
+            if (glm::dot(d, glm::cross(node.corner[static_cast<std::size_t>(c)],
+                                       node.corner[static_cast<std::size_t>((c + 1) % node.corners)])) < -1e-7)
+                return false;
+        return true;
+    };
+    for (const DirectionNode& node : cells.nodes()) {
+        for (std::size_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf) {
+            EXPECT_TRUE(contains(node, cells.direction(leaf)));
+            EXPECT_TRUE(contains(node, glm::normalize(cells.mean(leaf))));
+            EXPECT_GE(glm::dot(node.axis, cells.direction(leaf)), node.cosine);
+        }
+    }
+    Random random(5);
+    for (int i = 0; i < 1000; ++i) {
+        const glm::dvec3 d(any_direction(random));
+        int in = 0;
+        for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) in += contains(cells.nodes()[cells.node_of(leaf)], d);
+        EXPECT_GE(in, 1);
+        EXPECT_LE(in, 3);   // at an edge
+    }
+}
+
+TEST(DirectionCells, ASunHasCellsOfItsOwn)
+{
+    const scene::Environment environment = sunny();
+    const DirectionCells cells(environment);
+    const glm::vec3 sun = glm::normalize(glm::vec3(1, 1.2f, 0.7f));
+    int in_sun = 0;
+    float most = 0;
+    const float all = luminance(cells.total_flux());
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+        in_sun += glm::dot(cells.direction(leaf), sun) > std::cos(0.026f);
+        most = std::max(most, luminance(cells.flux(leaf)) / all);
+    }
+    EXPECT_GT(in_sun, 200);
+    EXPECT_LT(most, 1 / 256.0f);
+    EXPECT_LE(cells.leaves(), 4096u);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(cells.total_flux()[c] / environment.flux()[c], 1, 0.01) << c;
+}
+
+// Cells at a place are the same, however the image is turned.
+TEST(DirectionCells, DoNotDependOnTheImage)
+{
+    const scene::Environment a = even_sky(), b = sunny();
+    const DirectionCells one(a), other(b);
+    std::size_t same = 0;
+    for (std::size_t leaf = 0; leaf < one.leaves(); ++leaf)
+        for (std::size_t l = 0; l < other.leaves(); ++l)
+            if (one.nodes()[one.node_of(leaf)].place == other.nodes()[other.node_of(l)].place) {
+                ++same;
+                EXPECT_EQ(one.direction(leaf), other.direction(l));
+            }
+    EXPECT_GT(same, 1200u);
+}
+
+// Unoccluded irradiance by brute force: the sum over a fine grid.
+glm::dvec3 irradiance_of(const scene::Environment& environment, const glm::vec3& normal)
+{
+    constexpr int rows = 512, columns = 1024;
+    glm::dvec3 sum(0);
+    for (int y = 0; y < rows; ++y) {
+        const double angle = 2 * k_pi / columns * (std::cos(k_pi * y / rows) - std::cos(k_pi * (y + 1) / rows));
+        for (int x = 0; x < columns; ++x) {
+            const glm::vec3 d = scene::Environment::direction_at((x + 0.5) / columns, (y + 0.5) / rows);
+            const float cosine = glm::dot(d, normal);
+            if (cosine > 0) sum += angle * static_cast<double>(cosine) * glm::dvec3(environment.radiance(d));
+        }
+    }
+    return sum;
+}
+
+TEST(CellLight, UnoccludedIrradianceIsThatOfTheImage)
+{
+    Random random(3);
+    for (const scene::Environment& environment : {even_sky(), sunny()}) {
+        const DirectionCells cells(environment);
+        const CellLight light(cells, &environment);
+        for (int i = 0; i < 40; ++i) {
+            const glm::vec3 normal = any_direction(random);
+            const glm::dvec3 truth = irradiance_of(environment, normal);
+            const glm::vec3 found = light.irradiance(normal);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(found[c], truth[c], 0.004 * truth[c] + 0.0005 * static_cast<double>(environment.flux()[c]))
+                    << i << ' ' << c;
+        }
+    }
+}
+
+TEST(CellLight, VisibleAndHiddenCellsAddUp)
+{
+    const scene::Environment environment = sunny();
+    const DirectionCells cells(environment);
+    const CellLight light(cells, &environment);
+    Random random(8);
+    for (int i = 0; i < 60; ++i) {
+        const glm::vec3 normal = any_direction(random);
+        std::vector<std::uint64_t> seen(cells.words()), rest(cells.words());
+        const std::uint32_t of_eight = random.below(9);
+        for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf)
+            (random.below(8) < of_eight ? seen : rest)[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
+        const glm::vec3 a = light.irradiance(normal, seen), b = light.irradiance(normal, rest),
+                        all = light.irradiance(normal);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c] + b[c], all[c], 0.004f * all[c] + 1e-4f) << c;
+        if (of_eight == 0) {
+            EXPECT_EQ(a, glm::vec3(0));
+        }
+    }
+}
+
+// The blurred radiance of an even sky is even, and a lobe that sees everything has all of it.
+TEST(CellLight, LobesSeeAnEvenSkyEven)
+{
+    const scene::Environment environment = even_sky();
+    const DirectionCells cells(environment);
+    const CellLight light(cells, &environment);
+    const std::vector<std::uint64_t> all(cells.words(), ~std::uint64_t{0}), none(cells.words(), 0);
+    Random random(9);
+    for (int i = 0; i < 50; ++i) {
+        const glm::vec3 d = any_direction(random);
+        const float roughness = random.uniform(0.05f, 1);
+        const glm::vec3 seen = light.blurred(d, roughness);
+        EXPECT_NEAR(seen.x, 1, 1e-4f);
+        EXPECT_NEAR(seen.y, 2, 1e-4f);
+        EXPECT_EQ(light.visible_share(d, roughness, d, d, all), glm::vec3(1));
+        EXPECT_EQ(light.visible_share(d, roughness, d, d, none), glm::vec3(0));
+    }
+}
+
+struct World {
+    std::shared_ptr<const scene::Scene> scene;
+    scene::SceneState state;
+    ray::RayScene rays;
+    Surroundings surroundings;
+
+    explicit World(std::uint64_t seed, int dynamic_objects = 0)
+        : scene(Soup(seed, dynamic_objects).take()), state(scene, 0), rays(state), surroundings(state, rays)
+    {
+    }
+    visibility::TriangleId id_of(const ShadowPoint& p) const
+    {
+        return surroundings.triangles().first_of(p.object) + p.triangle;
+    }
+};
+
+struct Tally {
+    std::uint64_t free = 0, blocked = 0, open = 0;
+    std::uint64_t wrong_free = 0, wrong_blocked = 0;
+};
+
+// Compares what is proven of the parts of random points with rays.
+void compare(std::uint64_t seed, const DirectionCells& cells, const ProofOptions& options, Tally& tally,
+             std::uint32_t level, int points = 24)
+{
+    const World world(seed);
+    if (world.surroundings.triangles().size() == 0) return;
+    const CellProofs proofs(world.surroundings.triangles(), cells, options);
+    Random random(seed * 977 + 5);
+    for (const ShadowPoint& p : random_points(*world.scene, world.rays, random, points)) {
+        const MicroTriangle part = micro_at(micro_index_at(p.u, p.v, level), level);
+        const PartMasks masks = proofs.judge(world.id_of(p), p.front, part, level);
+        for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+            const bool free = masks.free[leaf / 64] >> (leaf % 64) & 1, open = masks.open[leaf / 64] >> (leaf % 64) & 1;
+            const glm::vec3& d = cells.direction(leaf);
+            if (glm::dot(cells.mean(leaf), p.normal) <= 0 || glm::dot(d, p.normal) <= 1e-3f) continue;
+            ++(open ? tally.open : free ? tally.free : tally.blocked);
+            if (open) continue;
+            const bool occluded = world.rays.occluded_single(p.origin, 0, d, k_infinity, ray::Against::static_only);
+            tally.wrong_free += free && occluded, tally.wrong_blocked += !free && !occluded;
+        }
+    }
+}
+
+TEST(CellProofs, AreNeverWrongAmongRandomTriangles)
+{
+    const scene::Environment sky = even_sky();
+    const DirectionCells cells(sky);
+    const DirectionCells sun(glm::normalize(glm::vec3(0.3f, 1, 0.2f)), 0.05, glm::vec3(1));
+    Tally tally;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) compare(seed, cells, {}, tally, seed % 4, 12);
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) compare(seed, sun, {}, tally, seed % 4);
+    EXPECT_EQ(tally.wrong_free, 0u) << "of " << tally.free;
+    EXPECT_EQ(tally.wrong_blocked, 0u) << "of " << tally.blocked;
+    EXPECT_GT(tally.free, 100'000u) << tally.open << " open";
+    EXPECT_GT(tally.blocked, 50'000u);
+}
+
+// Without one of the checks, rays contradict some proof.
+TEST(CellProofs, NeedEachCheck)
+{
+    const DirectionCells sun(glm::normalize(glm::vec3(0.3f, 1, 0.2f)), 0.3, glm::vec3(1));
+    for (const ProofCheck check : {ProofCheck::whole_part, ProofCheck::whole_cell, ProofCheck::no_open_edge,
+                                   ProofCheck::clear_of_part, ProofCheck::crosses, ProofCheck::signs}) {
+        ProofOptions options;
+        options.left_out = check;
+        Tally tally;
+        for (std::uint64_t seed = 1; seed <= 400 && tally.wrong_free + tally.wrong_blocked == 0; ++seed)
+            compare(seed, sun, options, tally, 1);
+        EXPECT_GT(tally.wrong_free + tally.wrong_blocked, 0u) << "check " << static_cast<int>(check);
+    }
+}
+
+std::vector<std::uint32_t> all_of(const std::vector<ShadowPoint>& points)
+{
+    std::vector<std::uint32_t> asked(points.size());
+    for (std::uint32_t i = 0; i < asked.size(); ++i) asked[i] = i;
+    return asked;
+}
+
+// Whatever was proven and remembered, points see what rays see; dynamic objects, too.
+TEST(CellVisibility, IsThatOfRays)
+{
+    const scene::Environment sky = even_sky();
+    const DirectionCells cells(sky);
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        World world(seed, 3);
+        ProofOptions eager;
+        eager.first_asks = 2, eager.more_asks = 3;
+        const CellVisibility visibility(world.surroundings, cells, eager);
+        Random random(seed);
+        const std::vector<ShadowPoint> points = random_points(*world.scene, world.rays, random, 50);
+        const std::vector<std::uint32_t> asked = all_of(points);
+        PointMemory memory;
+        CellVisibility::Scratch scratch;
+        SeenCells first;
+        for (int frame = 0; frame < 4; ++frame) {
+            memory.begin_frame();
+            SeenCells seen;
+            visibility.find(scratch, points, asked, frame == 3 ? nullptr : &memory, seen);
+            if (frame == 0) first = seen;
+            EXPECT_EQ(seen.masks, first.masks) << frame;
+        }
+        EXPECT_GT(scratch.counters.remembered, 0u);
+        std::size_t wrong = 0;
+        for (std::size_t k = 0; k < points.size(); ++k)
+            for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+                const ShadowPoint& p = points[k];
+                glm::vec3 d = cells.direction(leaf);
+                if (glm::dot(d, p.normal) <= 1e-3f) d = glm::normalize(cells.mean(leaf));
+                const bool visible = glm::dot(cells.mean(leaf), p.normal) > 0 &&
+                                     !world.rays.occluded_single(p.origin, 0, d, k_infinity);
+                wrong += visible != ((first.of(k)[leaf / 64] >> (leaf % 64) & 1) != 0);
+            }
+        EXPECT_EQ(wrong, 0u) << seed;
+    }
+}
+
+// Proofs for one image serve another, and answers stay what they are.
+TEST(CellProofs, AreTakenOverByAnotherImage)
+{
+    const scene::Environment sky = even_sky(), other = sunny();
+    const DirectionCells before(sky), after(other);
+    const World world(2);
+    ProofOptions eager;
+    eager.first_asks = 1, eager.more_asks = 1;
+    const CellVisibility old(world.surroundings, before, eager);
+    CellVisibility turned(world.surroundings, after, eager), fresh(world.surroundings, after, eager);
+    Random random(2);
+    const std::vector<ShadowPoint> points = random_points(*world.scene, world.rays, random, 40);
+    const std::vector<std::uint32_t> asked = all_of(points);
+    CellVisibility::Scratch scratch, scratch_turned, scratch_fresh;
+    SeenCells seen, seen_turned, seen_fresh;
+    for (int i = 0; i < 3; ++i) old.find(scratch, points, asked, nullptr, seen);
+    turned.proofs().take_over(old.proofs());
+    turned.find(scratch_turned, points, asked, nullptr, seen_turned);
+    fresh.find(scratch_fresh, points, asked, nullptr, seen_fresh);
+    EXPECT_EQ(seen_turned.masks, seen_fresh.masks);
+    EXPECT_LT(scratch_turned.counters.rays, scratch_fresh.counters.rays);
+    EXPECT_LT(turned.proofs().counters().parts, fresh.proofs().counters().parts);
+}
+
+}   // namespace
+}   // namespace gnomon::environment_light
