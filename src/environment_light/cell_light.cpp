@@ -15,11 +15,12 @@ constexpr double k_units = 1 << 29;   // of all flux of a colour
 constexpr std::size_t k_lanes = 8;
 
 // Roughnesses of the tables of lobes, and their sides.
-constexpr std::array<float, 8> k_roughness = {0.05f, 0.1f, 0.15f, 0.22f, 0.32f, 0.45f, 0.65f, 1.0f};
-constexpr std::array<int, 8> k_lobe_side = {256, 160, 128, 96, 64, 48, 32, 32};
+constexpr std::size_t k_lobes = 7;
+constexpr std::array<float, k_lobes> k_roughness = {0.1f, 0.15f, 0.22f, 0.32f, 0.45f, 0.65f, 1.0f};
+constexpr std::array<int, k_lobes> k_lobe_side = {160, 128, 96, 64, 48, 32, 24};
 constexpr int k_finest_side = 256;   // of the radiance that lobes are gathered from
 constexpr int k_coarsest_side = 4;
-constexpr float k_accuracy = 0.35f;   // a cell that lobes are gathered from is at most this fraction of their width
+constexpr float k_accuracy = 0.5f;   // a cell that lobes are gathered from is at most this fraction of their width
 
 // The square's point of a direction, and back.
 glm::vec2 fold(const glm::vec3& d)
@@ -97,7 +98,7 @@ struct CellLight::Lobes {
         std::vector<glm::vec4> direction;   // unit mean direction; w: solid angle
     };
     std::vector<Level> levels;   // from the finest
-    std::array<DirectionTable, 8> tables;
+    std::array<DirectionTable, k_lobes> tables;
 
     explicit Lobes(const scene::Environment& environment)
     {

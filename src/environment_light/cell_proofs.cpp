@@ -153,7 +153,7 @@ class CellProofs::Judge {
         }
         if (!leaf) {
             const std::size_t last = items_.size();
-            for (std::uint32_t q = 0; q < 4; ++q) judge(node.children + q, kept, last);
+            for (std::uint32_t q = 0; q < node.count; ++q) judge(node.children + q, kept, last);
         }
         items_.resize(kept);
     }

@@ -44,8 +44,8 @@ struct ProofOptions {
     PrismRules prism;
     int most_triangles = 128;   // of a closed patch
     double clearance = 4;       // least distance of it from the part, in lifts
-    int first_asks = 24;        // points on a triangle that are answered by rays before it is judged
-    int more_asks = 96;         // points before a judged part is divided
+    int first_asks = 200;        // points on a triangle that are answered by rays before it is judged
+    int more_asks = 400;         // points before a judged part is divided
     int most_levels = 6;
     int opened = 24;              // nodes of the tree of triangles that are opened for one cell,
     int opened_at_leaf = 128;     // and for a leaf

@@ -15,6 +15,9 @@ constexpr std::size_t k_rays_at_once = 1 << 14;
 constexpr std::size_t k_block = 16;   // points whose rays in one direction are neighbours
 // Of a ray's direction above the surface, least sine: below, the mean direction of the cell stands in.
 constexpr float k_least_sine = 1e-3f;
+// Probes: one cell of 16, another one for each point of a block.
+constexpr std::uint64_t k_probe_bits = 0x0001000100010001ull;
+constexpr std::uint32_t k_probe_step = 16;
 
 template <class Body>
 void for_each_bit(std::span<const std::uint64_t> mask, const Body& body)
@@ -68,22 +71,45 @@ CellVisibility::CellVisibility(const Surroundings& surroundings, const Direction
     }
 }
 
-// Finds the cells above a surface; neighbours in a batch often have the same normal.
-void CellVisibility::find_above(Scratch& scratch, const glm::vec3& normal) const
-{
-    if (scratch.has_above && scratch.above_normal == normal) return;
-    scratch.has_above = true;
-    scratch.above_normal = normal;
-    scratch.above.assign(cells_.words(), 0);
-    for (std::size_t w = 0; w < scratch.above.size(); ++w) {
-        std::array<std::uint8_t, 64> above{};
-        const float *x = mean_[0].data() + 64 * w, *y = mean_[1].data() + 64 * w, *z = mean_[2].data() + 64 * w;
-        for (std::size_t i = 0; i < 64; ++i)
-            above[i] = static_cast<std::uint8_t>(normal.x * x[i] + normal.y * y[i] + normal.z * z[i] > 0);
-        std::uint64_t word = 0;
-        for (std::size_t i = 0; i < 64; ++i) word |= std::uint64_t{above[i]} << i;
-        scratch.above[w] = word;
+// The arguments of one call.
+struct CellVisibility::Query {
+    Scratch& scratch;
+    std::span<const ShadowPoint> points;
+    std::span<const std::uint32_t> asked;
+    std::span<const Guides> guides;
+    SeenCells& seen;
+
+    std::size_t count() const { return asked.size(); }
+    const ShadowPoint& point(std::size_t k) const { return points[asked[k]]; }
+    int pass(std::size_t k) const { return guides.empty() ? 0 : guides[k].pass; }
+    std::span<std::uint64_t> of(std::vector<std::uint64_t>& masks, std::size_t k) const
+    {
+        return {masks.data() + k * seen.words, seen.words};
     }
+};
+
+// Finds the cells above a point's surface; neighbours often have the same normal.
+void CellVisibility::find_above(const Query& query, std::size_t k) const
+{
+    Scratch& scratch = query.scratch;
+    const glm::vec3& normal = query.point(k).normal;
+    const std::span<std::uint64_t> above = query.of(scratch.above, k);
+    if (scratch.above_at < k && scratch.above_normal == normal) {
+        const auto same = query.of(scratch.above, scratch.above_at);
+        std::copy(same.begin(), same.end(), above.begin());
+    } else {
+        for (std::size_t w = 0; w < above.size(); ++w) {
+            std::array<std::uint8_t, 64> is_above{};
+            const float *x = mean_[0].data() + 64 * w, *y = mean_[1].data() + 64 * w, *z = mean_[2].data() + 64 * w;
+            for (std::size_t i = 0; i < 64; ++i)
+                is_above[i] = static_cast<std::uint8_t>(normal.x * x[i] + normal.y * y[i] + normal.z * z[i] > 0);
+            std::uint64_t word = 0;
+            for (std::size_t i = 0; i < 64; ++i) word |= std::uint64_t{is_above[i]} << i;
+            above[w] = word;
+        }
+    }
+    scratch.above_normal = normal;
+    scratch.above_at = k;
 }
 
 glm::vec3 CellVisibility::ray_direction(std::size_t leaf, const glm::vec3& normal) const
@@ -93,105 +119,290 @@ glm::vec3 CellVisibility::ray_direction(std::size_t leaf, const glm::vec3& norma
 }
 
 void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
-                          PointMemory* memory, SeenCells& seen) const
+                          std::span<const Guides> guides, PointMemory* memory, SeenCells& seen) const
 {
     seen.words = cells_.words();
-    seen.masks.assign(asked.size() * seen.words, 0);
+    const std::size_t all = asked.size() * seen.words;
+    for (auto* masks : {&seen.masks, &scratch.above, &scratch.known, &scratch.free, &scratch.wanted})
+        masks->assign(all, 0);
     scratch.queue.purpose = ray::RayClass::shadow;
-    scratch.has_above = false;
     scratch.counters.points += asked.size();
-    look_up(scratch, points, asked, memory, seen);
-    if (!surroundings_.dynamic_boxes().empty()) test_dynamic(scratch, points, asked, seen);
+    const Query query{scratch, points, asked, guides, seen};
+    look_up(query, memory);
+    decide_alone(query);
+    int passes = 0;
+    for (const Guides& guide : guides) passes = std::max<int>(passes, guide.pass);
+    for (int pass = 1; pass <= passes; ++pass) decide_guided(query, pass);
+    if (memory) remember(query, *memory);
+    if (!surroundings_.dynamic_boxes().empty()) test_dynamic(query);
 }
 
-// Finds what points see past static objects; points on dynamic objects, past everything.
-void CellVisibility::look_up(Scratch& scratch, std::span<const ShadowPoint> points,
-                             std::span<const std::uint32_t> asked, PointMemory* memory, SeenCells& seen) const
+// Finds what is proven or remembered of points on static objects.
+void CellVisibility::look_up(const Query& query, PointMemory* memory) const
 {
-    const std::size_t words = seen.words;
-    scratch.pending.clear();
-    for (const bool on_dynamic : {false, true}) {
-        const ray::Against against = on_dynamic ? ray::Against::everything : ray::Against::static_only;
-        for (std::size_t begin = 0; begin < asked.size(); begin += k_block) {
-            const std::size_t end = std::min(begin + k_block, asked.size());
-            scratch.open.assign(k_block * words, 0);
-            bool any = false;
-            for (std::size_t k = begin; k < end; ++k) {
-                const ShadowPoint& p = points[asked[k]];
-                const TriangleId first = p.object == scene::none ? visibility::no_triangle
-                                                                 : surroundings_.triangles().first_of(p.object);
-                if ((first == visibility::no_triangle) != on_dynamic) continue;
-                if (p.normal == glm::vec3(0)) continue;
-                find_above(scratch, p.normal);
-                std::uint64_t* open = scratch.open.data() + (k - begin) * words;
-                if (on_dynamic) {
-                    std::copy(scratch.above.begin(), scratch.above.end(), open);
-                    any = true;
-                    continue;
-                }
-                const std::span<std::uint64_t> mask = seen.of(k);
-                if (memory) {
-                    if (const PointMemory::Known known = memory->find(p); known.masks) {
-                        ++scratch.counters.remembered;
-                        for (std::size_t w = 0; w < words; ++w) mask[w] = known.masks->free[w];
-                        std::size_t i = 0;
-                        for_each_bit(known.masks->open, [&](std::size_t leaf) {
-                            mask[leaf / 64] |= (known.seen[i / 64] >> (i % 64) & 1) << (leaf % 64);
-                            ++i;
-                        });
-                        for (std::size_t w = 0; w < words; ++w) mask[w] &= scratch.above[w];
-                        continue;
-                    }
-                }
-                const PartMasks& masks = proofs_->part_at(first + p.triangle, p.front, p.u, p.v);
-                bool asks = false;
-                for (std::size_t w = 0; w < words; ++w) {
-                    mask[w] = masks.free[w] & scratch.above[w];
-                    open[w] = masks.open[w] & scratch.above[w];
-                    asks = asks || open[w] != 0;
-                }
-                if (!asks) {
-                    ++scratch.counters.free_points;
-                    continue;
-                }
-                any = true;
-                if (memory) scratch.pending.push_back({static_cast<std::uint32_t>(k), &masks});
-            }
-            if (any) push_rays(scratch, points, asked, begin, end);
-            if (scratch.queue.size() >= k_rays_at_once) flush(scratch, against, true, scratch.counters.rays, seen);
+    Scratch& scratch = query.scratch;
+    const std::size_t words = query.seen.words;
+    scratch.asked.assign(query.count(), {});
+    scratch.above_at = query.count();
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        const ShadowPoint& p = query.point(k);
+        if (p.normal == glm::vec3(0)) continue;
+        find_above(query, k);
+        const TriangleId first =
+            p.object == scene::none ? visibility::no_triangle : surroundings_.triangles().first_of(p.object);
+        Scratch::Asked& own = scratch.asked[k];
+        own.is_static = first != visibility::no_triangle;
+        own.on_dynamic = !own.is_static;
+        if (own.on_dynamic) continue;
+        const auto above = query.of(scratch.above, k), sure = query.of(scratch.known, k),
+                   free = query.of(scratch.free, k);
+        const PointMemory::Known known = memory ? memory->find(p) : PointMemory::Known{};
+        own.masks = known.masks ? known.masks : &proofs_->part_at(first + p.triangle, p.front, p.u, p.v);
+        bool asks = false;
+        for (std::size_t w = 0; w < words; ++w) {
+            free[w] = own.masks->free[w] & above[w];
+            sure[w] = ~own.masks->open[w] & above[w];
+            asks = asks || sure[w] != above[w];
         }
-        flush(scratch, against, true, scratch.counters.rays, seen);
-    }
-    for (const auto& [k, masks] : scratch.pending) {
-        scratch.seen_open.clear();
+        if (!asks) ++scratch.counters.free_points;
+        if (!known.masks) continue;
+        ++scratch.counters.remembered;
         std::size_t i = 0;
-        for_each_bit(masks->open, [&](std::size_t leaf) {
-            if (i % 64 == 0) scratch.seen_open.push_back(0);
-            scratch.seen_open.back() |= (seen.of(k)[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
+        for_each_bit(own.masks->open, [&](std::size_t leaf) {
+            sure[leaf / 64] |= (known.traced[i / 64] >> (i % 64) & 1) << (leaf % 64);
+            free[leaf / 64] |= (known.seen[i / 64] >> (i % 64) & 1) << (leaf % 64);
             ++i;
         });
-        memory->add(points[asked[k]], *masks, scratch.seen_open);
     }
 }
 
-// Queues the rays of a block of points to their open cells, direction by direction.
-void CellVisibility::push_rays(Scratch& scratch, std::span<const ShadowPoint> points,
-                               std::span<const std::uint32_t> asked, std::size_t begin, std::size_t end) const
+// Decides the cells of points without guides.
+void CellVisibility::decide_alone(const Query& query) const
 {
-    const std::size_t words = cells_.words(), count = end - begin;
+    Scratch& scratch = query.scratch;
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != 0) continue;
+        const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
+        std::copy(above.begin(), above.end(), wanted.begin());
+    }
+    decide(query, 0);
+}
+
+// Decides the wanted cells of the points of a pass: of groups, scouts first.
+void CellVisibility::decide(const Query& query, int pass) const
+{
+    Scratch& scratch = query.scratch;
+    if (cells_.groups().empty()) return decide_wanted(query, pass);
+    const std::size_t words = query.seen.words;
+    const std::vector<std::uint64_t>& followers = cells_.followers();
+    scratch.following.assign(query.count() * words, 0);
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        const auto wanted = query.of(scratch.wanted, k), following = query.of(scratch.following, k),
+                   above = query.of(scratch.above, k);
+        for (const LeafGroup& group : cells_.groups()) {
+            // If one of its leaves is wanted, all scouts are.
+            const auto is_wanted = [&](std::size_t leaf) { return (wanted[leaf / 64] >> (leaf % 64) & 1) != 0; };
+            bool any = false;
+            for (std::size_t leaf = group.first; leaf < group.first + group.leaves && !any; ++leaf)
+                any = is_wanted(leaf);
+            if (!any) continue;
+            for (const std::uint32_t leaf : group.scouts)
+                wanted[leaf / 64] |= above[leaf / 64] & std::uint64_t{1} << (leaf % 64);
+        }
+        for (std::size_t w = 0; w < words; ++w) following[w] = wanted[w] & followers[w], wanted[w] &= ~followers[w];
+    }
+    decide_wanted(query, pass);
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        const auto wanted = query.of(scratch.wanted, k), following = query.of(scratch.following, k),
+                   above = query.of(scratch.above, k);
+        const auto mask = query.seen.of(k);
+        for (const LeafGroup& group : cells_.groups()) {
+            const auto has = [](std::span<const std::uint64_t> of, std::size_t leaf) {
+                return (of[leaf / 64] >> (leaf % 64) & 1) != 0;
+            };
+            bool some_seen = false, some_hidden = false;
+            for (const std::uint32_t leaf : group.scouts) {
+                if (!has(above, leaf)) continue;
+                (has(mask, leaf) ? some_seen : some_hidden) = true;
+            }
+            for (std::size_t leaf = group.first; leaf < group.first + group.leaves; ++leaf) {
+                if (!has(following, leaf)) continue;
+                const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+                if (some_seen == some_hidden)
+                    wanted[leaf / 64] |= bit;
+                else if (some_seen)
+                    mask[leaf / 64] |= bit;
+                else
+                    mask[leaf / 64] &= ~bit;
+            }
+        }
+    }
+    decide_wanted(query, pass);
+}
+
+// Decides the cells of points with guides. What guides agree on is taken even where it is proven or remembered to be
+// otherwise, so that the answer does not depend on that.
+void CellVisibility::decide_guided(const Query& query, int pass) const
+{
+    Scratch& scratch = query.scratch;
+    const std::size_t words = query.seen.words;
+    std::size_t blocks = 0;
+    for (const Guides& guide : query.guides)
+        if (guide.pass == pass) blocks = std::max<std::size_t>(blocks, guide.block + 1);
+    scratch.agreed.assign(query.count() * words, 0);
+    scratch.contested.assign(blocks * words, 0);
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        const Guides& guide = query.guides[k];
+        const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k),
+                   agreed = query.of(scratch.agreed, k);
+        const auto mask = query.seen.of(k);
+        const std::uint64_t probes = k_probe_bits << (guide.number * 5 % k_probe_step);
+        for (std::size_t w = 0; w < words; ++w) {
+            std::uint64_t all_see = ~std::uint64_t{0}, none_sees = ~std::uint64_t{0};
+            for (const std::uint32_t c : guide.corner) {
+                const std::uint64_t sees = query.seen.of(c)[w];
+                all_see &= sees, none_sees &= ~sees & scratch.above[c * words + w];
+            }
+            agreed[w] = above[w] & (all_see | none_sees);
+            mask[w] = agreed[w] & all_see;
+            wanted[w] = above[w] & (~agreed[w] | probes);
+        }
+    }
+    decide(query, pass);
+    // Where a probe found otherwise, decide the cell at all points of the block, and all cells of the point.
+    scratch.misled.assign(query.count(), 0);
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        const Guides& guide = query.guides[k];
+        const auto agreed = query.of(scratch.agreed, k);
+        const auto mask = query.seen.of(k), corner = query.seen.of(guide.corner[0]);
+        std::uint64_t* contested = scratch.contested.data() + guide.block * words;
+        for (std::size_t w = 0; w < words; ++w) {
+            const std::uint64_t other = agreed[w] & (mask[w] ^ corner[w]);
+            contested[w] |= other;
+            if (other != 0) scratch.misled[k] = 1;
+        }
+    }
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
+        const std::uint64_t* contested = scratch.contested.data() + query.guides[k].block * words;
+        for (std::size_t w = 0; w < words; ++w)
+            wanted[w] = above[w] & (scratch.misled[k] ? ~std::uint64_t{0} : contested[w]);
+    }
+    decide(query, pass);
+}
+
+// Decides the wanted cells of the points of a pass: by what is known, else by rays.
+void CellVisibility::decide_wanted(const Query& query, int pass) const
+{
+    Scratch& scratch = query.scratch;
+    const std::size_t words = query.seen.words;
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        const auto mask = query.seen.of(k);
+        const auto known = query.of(scratch.known, k), free = query.of(scratch.free, k),
+                   wanted = query.of(scratch.wanted, k);
+        for (std::size_t w = 0; w < words; ++w) {
+            const std::uint64_t now = wanted[w] & known[w];
+            mask[w] = (mask[w] & ~now) | (free[w] & now);
+            wanted[w] &= ~known[w];
+        }
+    }
+    for (const bool on_dynamic : {false, true}) {
+        const ray::Against against = on_dynamic ? ray::Against::everything : ray::Against::static_only;
+        // Blocks of neighbours of one kind, whose rays in one direction share packets.
+        std::vector<std::uint32_t>& block = scratch.stack;
+        block.clear();
+        for (std::size_t k = 0; k <= query.count(); ++k) {
+            if (k < query.count()) {
+                if (scratch.asked[k].on_dynamic != on_dynamic || query.pass(k) != pass) continue;
+                const auto wanted = query.of(scratch.wanted, k);
+                if (std::ranges::all_of(wanted, [](std::uint64_t word) { return word == 0; })) continue;
+                block.push_back(static_cast<std::uint32_t>(k));
+            }
+            if (block.size() < k_block && k < query.count()) continue;
+            push_rays(query, block);
+            block.clear();
+            if (scratch.queue.size() >= k_rays_at_once) flush(query, against, true, scratch.counters.rays);
+        }
+        flush(query, against, true, scratch.counters.rays);
+    }
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        if (query.pass(k) != pass) continue;
+        for (std::size_t w = k * words; w < (k + 1) * words; ++w) {
+            if (scratch.wanted[w] != 0) scratch.asked[k].fresh = true;
+            scratch.known[w] |= scratch.wanted[w];
+            scratch.free[w] |= scratch.wanted[w] & query.seen.masks[w];
+            scratch.wanted[w] = 0;
+        }
+    }
+}
+
+// Queues the wanted rays of a block of points, direction by direction.
+void CellVisibility::push_rays(const Query& query, std::span<const std::uint32_t> block) const
+{
+    Scratch& scratch = query.scratch;
+    const std::size_t words = query.seen.words;
     for (std::size_t w = 0; w < words; ++w) {
         std::uint64_t all = 0;
-        for (std::size_t k = 0; k < count; ++k) all |= scratch.open[k * words + w];
+        for (const std::uint32_t k : block) all |= scratch.wanted[k * words + w];
         for (; all != 0; all &= all - 1) {
             const auto bit = static_cast<std::size_t>(std::countr_zero(all));
             const std::size_t leaf = 64 * w + bit;
-            for (std::size_t k = 0; k < count; ++k) {
-                if ((scratch.open[k * words + w] >> bit & 1) == 0) continue;
-                const ShadowPoint& p = points[asked[begin + k]];
+            for (const std::uint32_t k : block) {
+                if ((scratch.wanted[k * words + w] >> bit & 1) == 0) continue;
+                const ShadowPoint& p = query.point(k);
                 scratch.queue.push(p.origin, 0, ray_direction(leaf, p.normal), k_infinity);
-                scratch.targets.push_back({static_cast<std::uint32_t>(begin + k), static_cast<std::uint16_t>(leaf)});
+                scratch.targets.push_back({k, static_cast<std::uint16_t>(leaf)});
             }
         }
+    }
+}
+
+// Traces the queue, and sets the cells that rays reach and takes away those that they do not reach, or the latter alone.
+void CellVisibility::flush(const Query& query, ray::Against against, bool sets, std::uint64_t& count) const
+{
+    Scratch& scratch = query.scratch;
+    const std::size_t rays = scratch.queue.size();
+    if (rays == 0) return;
+    count += rays;
+    scratch.occluded.resize(rays + ray::k_packet_pad);
+    surroundings_.rays().occluded(scratch.queue, 0, rays, scratch.occluded.data(), against);
+    for (std::size_t r = 0; r < rays; ++r) {
+        const auto [asked, leaf] = scratch.targets[r];
+        std::uint64_t& word = query.seen.of(asked)[leaf / 64];
+        const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+        if (scratch.occluded[r])
+            word &= ~bit;
+        else if (sets)
+            word |= bit;
+    }
+    scratch.queue.clear(), scratch.targets.clear();
+}
+
+// Keeps what rays found at static points.
+void CellVisibility::remember(const Query& query, PointMemory& memory) const
+{
+    Scratch& scratch = query.scratch;
+    for (std::size_t k = 0; k < query.count(); ++k) {
+        const Scratch::Asked& own = scratch.asked[k];
+        if (!own.is_static || !own.fresh) continue;
+        const auto known = query.of(scratch.known, k), free = query.of(scratch.free, k);
+        std::size_t open = 0;
+        for (const std::uint64_t word : own.masks->open) open += static_cast<std::size_t>(std::popcount(word));
+        const std::size_t words = (open + 63) / 64;
+        scratch.bits.assign(2 * words, 0);
+        std::size_t i = 0;
+        for_each_bit(own.masks->open, [&](std::size_t leaf) {
+            scratch.bits[i / 64] |= (known[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
+            scratch.bits[words + i / 64] |= (free[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
+            ++i;
+        });
+        memory.add(query.point(k), *own.masks, scratch.bits);
     }
 }
 
@@ -220,66 +431,34 @@ void CellVisibility::cover(Scratch& scratch, const glm::vec3& from, float from_r
         if (node.children == 0)
             scratch.affected[node.first_leaf / 64] |= std::uint64_t{1} << (node.first_leaf % 64);
         else
-            for (std::uint32_t q = 0; q < 4; ++q) scratch.stack.push_back(node.children + q);
+            for (std::uint32_t q = 0; q < node.count; ++q) scratch.stack.push_back(node.children + q);
     }
 }
 
 // Takes away what dynamic objects hide from points of static ones.
-void CellVisibility::test_dynamic(Scratch& scratch, std::span<const ShadowPoint> points,
-                                  std::span<const std::uint32_t> asked, SeenCells& seen) const
+void CellVisibility::test_dynamic(const Query& query) const
 {
-    const std::size_t words = seen.words;
-    for (std::size_t begin = 0; begin < asked.size(); begin += k_block) {
-        const std::size_t end = std::min(begin + k_block, asked.size());
+    Scratch& scratch = query.scratch;
+    const std::size_t words = query.seen.words;
+    std::vector<std::uint32_t> block;
+    for (std::size_t k = 0; k <= query.count(); ++k) {
+        if (k < query.count() && scratch.asked[k].is_static) block.push_back(static_cast<std::uint32_t>(k));
+        if (block.size() < k_block && k < query.count()) continue;
+        if (block.empty()) continue;
         Box3 box;
-        bool any = false;
-        for (std::size_t k = begin; k < end; ++k) {
-            const ShadowPoint& p = points[asked[k]];
-            const bool is_static = p.object != scene::none &&
-                                   surroundings_.triangles().first_of(p.object) != visibility::no_triangle;
-            if (is_static) box.add(p.origin), any = true;
-        }
-        if (!any) continue;
+        for (const std::uint32_t b : block) box.add(query.point(b).origin);
         scratch.affected.assign(words, 0);
-        const glm::vec3 middle = box.centre();
         for (const Box3& blocker : surroundings_.dynamic_boxes())
-            cover(scratch, middle, 0.5f * box.diagonal(), blocker);
-        scratch.open.assign(k_block * words, 0);
-        bool asks = false;
-        for (std::size_t k = begin; k < end; ++k) {
-            const ShadowPoint& p = points[asked[k]];
-            if (p.object == scene::none || surroundings_.triangles().first_of(p.object) == visibility::no_triangle)
-                continue;
-            for (std::size_t w = 0; w < words; ++w) {
-                const std::uint64_t word = seen.of(k)[w] & scratch.affected[w];
-                scratch.open[(k - begin) * words + w] = word;
-                asks = asks || word != 0;
-            }
-        }
-        if (asks) push_rays(scratch, points, asked, begin, end);
+            cover(scratch, box.centre(), 0.5f * box.diagonal(), blocker);
+        for (const std::uint32_t b : block)
+            for (std::size_t w = 0; w < words; ++w)
+                scratch.wanted[b * words + w] = query.seen.of(b)[w] & scratch.affected[w];
+        push_rays(query, block);
+        block.clear();
         if (scratch.queue.size() >= k_rays_at_once)
-            flush(scratch, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays, seen);
+            flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
     }
-    flush(scratch, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays, seen);
-}
-
-// Traces the queue, and sets the cells that rays reach, or takes away those that they do not reach.
-void CellVisibility::flush(Scratch& scratch, ray::Against against, bool sets, std::uint64_t& count,
-                           SeenCells& seen) const
-{
-    const std::size_t rays = scratch.queue.size();
-    if (rays == 0) return;
-    count += rays;
-    scratch.occluded.resize(rays + ray::k_packet_pad);
-    surroundings_.rays().occluded(scratch.queue, 0, rays, scratch.occluded.data(), against);
-    for (std::size_t r = 0; r < rays; ++r) {
-        const auto [asked, leaf] = scratch.targets[r];
-        std::uint64_t& word = seen.of(asked)[leaf / 64];
-        const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
-        if (sets && !scratch.occluded[r]) word |= bit;
-        if (!sets && scratch.occluded[r]) word &= ~bit;
-    }
-    scratch.queue.clear(), scratch.targets.clear();
+    flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
 }
 
 }   // namespace gnomon::environment_light

@@ -11,7 +11,13 @@
 // Cells whose mean direction lies below the surface are not visible. Where the own direction of a cell at the horizon
 // lies below, its mean direction stands in.
 //
-// The answer to a point does not depend on what was proven or remembered, nor on the order of questions.
+// Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
+// none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not agree,
+// and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the block. Of a
+// sun, rays go to its rim first (LeafGroup).
+//
+// The answer to a point does not depend on what was proven or remembered, nor on the order of questions, but on its
+// guides.
 
 #include <memory>
 #include <span>
@@ -40,6 +46,14 @@ struct SeenCells {
     std::vector<std::uint64_t> masks;
     std::span<const std::uint64_t> of(std::size_t asked) const { return {masks.data() + asked * words, words}; }
     std::span<std::uint64_t> of(std::size_t asked) { return {masks.data() + asked * words, words}; }
+};
+
+/// Points around another one on the same smooth surface, as indices in the list of asked points.
+struct Guides {
+    std::array<std::uint32_t, 4> corner{};   // some may be the same
+    std::uint8_t pass = 0;      // 0: none; its guides have a lower number
+    std::uint32_t block = 0;    // points among the same guides have the same number, other passes other numbers
+    std::uint32_t number = 0;   // of the point within the block
 };
 
 /// The static scene and the boxes of what moves; shared by several sets of cells.
@@ -77,43 +91,54 @@ class CellVisibility {
             std::uint32_t asked;
             std::uint16_t leaf;
         };
-        struct Pending {
-            std::uint32_t asked;
-            const PartMasks* masks;
+        struct Asked {
+            const PartMasks* masks = nullptr;   // of a static point
+            bool on_dynamic = false, is_static = false;
+            bool fresh = false;   // rays found what was not remembered
         };
         ray::RayQueue queue;
         std::vector<Target> targets;   // by ray
         std::vector<std::uint8_t> occluded;
-        std::vector<std::uint64_t> open;      // of the asked points of a block
-        std::vector<std::uint64_t> above;     // of `above_normal`
+        std::vector<Asked> asked;
+        // Masks of all asked points, one after the other.
+        std::vector<std::uint64_t> above;         // cells above the surface
+        std::vector<std::uint64_t> known, free;   // of these, proven, remembered or traced; of these, visible
+        std::vector<std::uint64_t> wanted;        // to be decided next
+        std::vector<std::uint64_t> following;           // wanted followers of scouts
+        std::vector<std::uint64_t> agreed, contested;   // by guided point; by block
+        std::vector<char> misled;                       // points whose guides a probe found to be wrong
+        std::vector<std::uint64_t> affected;            // cells that a dynamic object may cover
         glm::vec3 above_normal{0};
-        bool has_above = false;
-        std::vector<std::uint64_t> affected;   // cells that a dynamic object may cover
-        std::vector<Pending> pending;          // to remember
-        std::vector<std::uint64_t> seen_open;
+        std::size_t above_at = 0;   // the last point with that normal
+        std::vector<std::uint64_t> bits;
         std::vector<std::uint32_t> stack;
     };
 
     /// Finds what points see. Thread-safe for different scratch and memory.
     /// @param asked   indices of points; neighbours in the list should be near to each other
+    /// @param guides  by asked point, or empty: cells that all guides of a point see, or none, are taken to be as they
+    ///                are there, unless one of the probes of the block says otherwise
     /// @param memory  of static points; null: nothing is remembered
     void find(Scratch& scratch, std::span<const visibility::ShadowPoint> points, std::span<const std::uint32_t> asked,
-              PointMemory* memory, SeenCells& seen) const;
+              std::span<const Guides> guides, PointMemory* memory, SeenCells& seen) const;
 
     const DirectionCells& cells() const { return cells_; }
     CellProofs& proofs() const { return *proofs_; }
 
  private:
-    void find_above(Scratch& scratch, const glm::vec3& normal) const;
+    struct Query;
     glm::vec3 ray_direction(std::size_t leaf, const glm::vec3& normal) const;
-    void look_up(Scratch& scratch, std::span<const visibility::ShadowPoint> points,
-                 std::span<const std::uint32_t> asked, PointMemory* memory, SeenCells& seen) const;
-    void test_dynamic(Scratch& scratch, std::span<const visibility::ShadowPoint> points,
-                      std::span<const std::uint32_t> asked, SeenCells& seen) const;
-    void push_rays(Scratch& scratch, std::span<const visibility::ShadowPoint> points,
-                   std::span<const std::uint32_t> asked, std::size_t begin, std::size_t end) const;
+    void find_above(const Query& query, std::size_t k) const;
+    void look_up(const Query& query, PointMemory* memory) const;
+    void decide_alone(const Query& query) const;
+    void decide_guided(const Query& query, int pass) const;
+    void decide(const Query& query, int pass) const;
+    void test_dynamic(const Query& query) const;
+    void decide_wanted(const Query& query, int pass) const;
+    void push_rays(const Query& query, std::span<const std::uint32_t> block) const;
+    void flush(const Query& query, ray::Against against, bool sets, std::uint64_t& count) const;
     void cover(Scratch& scratch, const glm::vec3& from, float from_radius, const Box3& box) const;
-    void flush(Scratch& scratch, ray::Against against, bool sets, std::uint64_t& count, SeenCells& seen) const;
+    void remember(const Query& query, PointMemory& memory) const;
 
     const Surroundings& surroundings_;
     const DirectionCells& cells_;

@@ -50,6 +50,23 @@ std::array<Corners, 4> quarters(const Corners& c)
     return {Corners{c[0], ab, ca}, Corners{ab, c[1], bc}, Corners{ca, bc, c[2]}, Corners{ab, bc, ca}};
 }
 
+// The nine ninths, row by row from the first corner.
+std::array<Corners, 9> ninths(const Corners& c)
+{
+    const auto at = [&](int row, int column) {
+        const double v = column / 3.0, u = (row - column) / 3.0;
+        return glm::normalize((1 - u - v) * c[0] + u * c[1] + v * c[2]);
+    };
+    std::array<Corners, 9> parts;
+    std::size_t next = 0;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column <= row; ++column) {
+            parts[next++] = {at(row, column), at(row + 1, column), at(row + 1, column + 1)};
+            if (column < row) parts[next++] = {at(row, column), at(row + 1, column + 1), at(row, column + 1)};
+        }
+    return parts;
+}
+
 glm::dvec3 middle(const Corners& c)
 {
     return glm::normalize(c[0] + c[1] + c[2]);
@@ -138,10 +155,17 @@ struct DirectionCells::Builder {
     {
         const auto first = static_cast<std::uint32_t>(out.nodes_.size());
         const std::uint64_t place = out.nodes_[node].place;
-        const auto four = quarters(corners_of(node));
-        out.nodes_.resize(first + 4);
-        out.nodes_[node].children = first;
-        for (std::uint32_t q = 0; q < 4; ++q) set(first + q, four[q], 4 * place + q);
+        const Corners corners = corners_of(node);
+        const auto put = [&](const auto& parts) {
+            const auto count = static_cast<std::uint32_t>(parts.size());
+            out.nodes_.resize(first + count);
+            out.nodes_[node].children = first, out.nodes_[node].count = count;
+            for (std::uint32_t q = 0; q < count; ++q) set(first + q, parts[q], 16 * place + q);
+        };
+        if (node < out.roots_)
+            put(ninths(corners));
+        else
+            put(quarters(corners));
     }
 
     // Divides all of the sphere to the least level.
@@ -150,7 +174,7 @@ struct DirectionCells::Builder {
         const auto faces = icosahedron();
         out.roots_ = faces.size();
         out.nodes_.resize(faces.size());
-        for (std::uint32_t f = 0; f < faces.size(); ++f) set(f, faces[f], 32 + f);
+        for (std::uint32_t f = 0; f < faces.size(); ++f) set(f, faces[f], 1 + f);
         std::size_t begin = 0;
         for (int level = 0; level < options.least_level; ++level) {
             const std::size_t end = out.nodes_.size();
@@ -166,8 +190,14 @@ struct DirectionCells::Builder {
             if (at > most) most = at, node = f;
         }
         while (out.nodes_[node].children != 0) {
-            // The middle quarter has what no corner has.
             const std::uint32_t first = out.nodes_[node].children;
+            if (out.nodes_[node].count == 9) {
+                std::uint32_t part = 0;
+                while (part < 8 && !contains(corners_of(first + part), d)) ++part;
+                node = first + part;
+                continue;
+            }
+            // The middle quarter has what no corner has.
             const Corners inner = corners_of(first + 3);
             std::uint32_t q = 3;
             if (glm::dot(d, glm::cross(inner[2], inner[0])) < 0)
@@ -305,6 +335,17 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
         directions_.emplace_back(point_in(corners, fraction(0.5 + index / k_root_of_golden),
                                           fraction(0.5 + index / (k_root_of_golden * k_root_of_golden))));
     }
+    // Cells of the least level that were divided into many.
+    constexpr std::uint32_t k_least_group = 64;
+    followers_.assign(words(), 0);
+    std::uint32_t level_begin = 0, level_end = static_cast<std::uint32_t>(roots_);
+    for (int level = 0; level < options.least_level; ++level) {
+        const std::uint32_t next = level_end;
+        const std::uint32_t last = nodes_[level_end - 1].children + nodes_[level_end - 1].count;
+        level_begin = next, level_end = last;
+    }
+    for (std::uint32_t n = level_begin; n < level_end; ++n)
+        if (nodes_[n].leaves >= k_least_group) add_group(nodes_[n].first_leaf, nodes_[n].leaves);
 }
 
 DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const glm::vec3& irradiance,
@@ -348,7 +389,7 @@ DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const
         nodes_[n].corners = 4;
         nodes_[n].place = n;
         if (leaves == 1) continue;
-        nodes_[n].children = static_cast<std::uint32_t>(nodes_.size());
+        nodes_[n].children = static_cast<std::uint32_t>(nodes_.size()), nodes_[n].count = 4;
         for (std::uint32_t q = 0; q < 4; ++q) {
             DirectionNode& child = nodes_.emplace_back();
             child.first_leaf = first_leaf + q * leaves / 4, child.leaves = leaves / 4;
@@ -364,6 +405,48 @@ DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const
     }
     total_ = irradiance;
     add_cones();
+    add_group(0, count);
+}
+
+// Makes a group of leaves. Its rim are those bright ones that lie furthest from its middle, one for each of some
+// directions around it.
+void DirectionCells::add_group(std::uint32_t first, std::uint32_t leaves)
+{
+    constexpr int k_rim = 32;
+    constexpr std::uint32_t k_within = 12;   // one of so many
+    constexpr float k_bright = 0.25f;        // of the brightest leaf's flux
+    followers_.resize(words(), 0);
+    float most = 0;
+    glm::vec3 middle(0);
+    for (std::uint32_t i = first; i < first + leaves; ++i) {
+        const float light = luminance(fluxes_[i]);
+        most = std::max(most, light), middle += light * directions_[i];
+    }
+    if (!(most > 0)) return;
+    glm::vec3 across, up;
+    make_basis(glm::normalize(middle), across, up);
+    LeafGroup group{first, leaves, {}};
+    std::vector<char> is_scout(leaves, 0);
+    for (std::uint32_t i = k_within / 2; i < leaves; i += k_within) is_scout[i] = 1;
+    for (int k = 0; k < k_rim; ++k) {
+        const auto turn = static_cast<float>(2 * k_pi * k / k_rim);
+        const glm::vec3 out = std::cos(turn) * across + std::sin(turn) * up;
+        std::uint32_t furthest = 0;
+        float reach = -k_infinity;
+        for (std::uint32_t i = 0; i < leaves; ++i) {
+            if (luminance(fluxes_[first + i]) < k_bright * most) continue;
+            const float at = glm::dot(out, directions_[first + i]);
+            if (at > reach) reach = at, furthest = i;
+        }
+        is_scout[furthest] = 1;
+    }
+    for (std::uint32_t i = 0; i < leaves; ++i) {
+        if (is_scout[i])
+            group.scouts.push_back(first + i);
+        else
+            followers_[(first + i) / 64] |= std::uint64_t{1} << ((first + i) % 64);
+    }
+    groups_.push_back(std::move(group));
 }
 
 void DirectionCells::number_leaves(std::uint32_t node)
@@ -372,7 +455,7 @@ void DirectionCells::number_leaves(std::uint32_t node)
     if (nodes_[node].children == 0)
         nodes_of_.push_back(node);
     else
-        for (std::uint32_t q = 0; q < 4; ++q) number_leaves(nodes_[node].children + q);
+        for (std::uint32_t q = 0; q < nodes_[node].count; ++q) number_leaves(nodes_[node].children + q);
     nodes_[node].leaves = static_cast<std::uint32_t>(nodes_of_.size()) - nodes_[node].first_leaf;
 }
 

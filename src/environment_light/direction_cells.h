@@ -3,8 +3,8 @@
 // The directions that light comes from, in a fixed hierarchy of cells: those of an environment image, or those of the
 // disc of a sun.
 //
-// The sphere is an icosahedron whose faces are divided into four, level by level; level 3 has 1,280 cells. A cell that
-// brings more than its share of the light is divided further, so that a sun in an image gets as many cells as its light
+// The sphere is an icosahedron. Its faces are divided into nine, and these into four, level by level; level 2 has 720
+// cells. A cell that brings more than its share of the light is divided further, so that a sun in an image gets as many cells as its light
 // deserves. The cells at a place are the same for every image as far as they are divided, so that what was proven of
 // them holds for another image, too. A disc is a square of cells in the plane that touches the sphere at its middle.
 //
@@ -28,17 +28,26 @@ namespace gnomon::environment_light {
 
 struct CellOptions {
     double largest_share = 1.0 / 512;   // of the light, by luminance, that one cell may bring
-    int least_level = 3;                // of the cells; level k of the icosahedron has 20 * 4^k
+    int least_level = 2;                // of the cells; level k from 1 on has 45 * 4^k
     int most_levels = 12;
     std::size_t most_cells = 4096;
     int disc_level = 4;   // a disc has 4^k cells
+};
+
+/// Neighbouring leaves that lie so close together that most points see all of them, or none: a sun.
+struct LeafGroup {
+    std::uint32_t first = 0, leaves = 0;
+    /// Leaves that are looked at first: where all of these that lie above a surface are visible, or none, the others are
+    /// taken to be as they. Its rim, and some within.
+    std::vector<std::uint32_t> scouts;
 };
 
 /// A cell of the tree: the directions between its corners.
 struct DirectionNode {
     std::array<glm::dvec3, 4> corner{};   // unit, around the cell, seen from the sphere's middle in either sense
     int corners = 3;
-    std::uint32_t children = 0;   // the first of four; 0: a leaf
+    std::uint32_t children = 0;   // the first of them; 0: a leaf
+    std::uint32_t count = 0;      // of children
     std::uint32_t first_leaf = 0, leaves = 1;
     std::uint64_t place = 0;   // identifies the cell, whatever the light is
     glm::vec3 axis{0};         // of a cone around it: unit,
@@ -71,6 +80,9 @@ class DirectionCells {
     /// The node of a leaf.
     std::uint32_t node_of(std::size_t leaf) const { return nodes_of_[leaf]; }
     const glm::vec3& total_flux() const { return total_; }
+    std::span<const LeafGroup> groups() const { return groups_; }
+    /// Leaves of groups that are not scouts, as a mask.
+    const std::vector<std::uint64_t>& followers() const { return followers_; }
     /// Another set whose leaves are the same directions, whatever light they bring.
     bool same_directions(const DirectionCells& other) const;
     std::size_t bytes() const;
@@ -79,11 +91,14 @@ class DirectionCells {
     struct Builder;
     void number_leaves(std::uint32_t node);
     void add_cones();
+    void add_group(std::uint32_t first, std::uint32_t leaves);
 
     std::vector<DirectionNode> nodes_;
     std::size_t roots_ = 0;
     std::vector<glm::vec3> directions_, means_, fluxes_;
     std::vector<std::uint32_t> nodes_of_;
+    std::vector<LeafGroup> groups_;
+    std::vector<std::uint64_t> followers_;
     glm::vec3 total_{0};
 };
 

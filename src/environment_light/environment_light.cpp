@@ -65,7 +65,7 @@ glm::vec3 EnvironmentLight::irradiance(CellVisibility::Scratch& scratch, const v
 {
     constexpr std::uint32_t k_first = 0;
     SeenCells seen;
-    visibility().find(scratch, {&point, 1}, {&k_first, 1}, memory, seen);
+    visibility().find(scratch, {&point, 1}, {&k_first, 1}, {}, memory, seen);
     return light().irradiance(normal, seen.of(0));
 }
 

@@ -49,13 +49,10 @@ void PointMemory::Table::add(const Key& key, const PartMasks* masks, const std::
     }
     const std::size_t mask = entries.size() - 1;
     std::size_t at = hash_of(key.triangle, key.place) & mask;
-    while (entries[at].masks) {
-        if (entries[at].key == key) return;
-        at = (at + 1) & mask;
-    }
+    while (entries[at].masks && entries[at].key != key) at = (at + 1) & mask;
+    if (!entries[at].masks) ++count;   // else more is known now
     entries[at] = {key, masks, static_cast<std::uint32_t>(seen.size()), size};
     seen.insert(seen.end(), words, words + size);
-    ++count;
 }
 
 void PointMemory::begin_frame()
@@ -78,13 +75,14 @@ PointMemory::Known PointMemory::find(const visibility::ShadowPoint& point)
         now_.add(key, old->masks, before_.seen.data() + old->first, old->words);
         entry = now_.find(key);
     }
-    return {entry->masks, now_.seen.data() + entry->first};
+    const std::uint64_t* bits = now_.seen.data() + entry->first;
+    return {entry->masks, bits, bits + entry->words / 2};
 }
 
 void PointMemory::add(const visibility::ShadowPoint& point, const PartMasks& masks,
-                      const std::vector<std::uint64_t>& seen)
+                      const std::vector<std::uint64_t>& bits)
 {
-    now_.add(key_of(point), &masks, seen.data(), static_cast<std::uint32_t>(seen.size()));
+    now_.add(key_of(point), &masks, bits.data(), static_cast<std::uint32_t>(bits.size()));
 }
 
 }   // namespace gnomon::environment_light

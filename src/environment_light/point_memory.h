@@ -3,7 +3,7 @@
 // Remembers what rays found at points of static surfaces: which of the cells that are open for the point's part it sees
 // past static geometry. A point that was not asked for in a frame is forgotten after it.
 //
-// For one thread at a time. Cost: a look-up per point. Memory: 40 bytes a point, and a bit for each open cell.
+// For one thread at a time. Cost: a look-up per point. Memory: 40 bytes a point, and two bits for each open cell.
 
 #include <cstdint>
 #include <vector>
@@ -16,15 +16,16 @@ namespace gnomon::environment_light {
 class PointMemory {
  public:
     struct Known {
-        const PartMasks* masks = nullptr;        // null: the point is unknown
-        const std::uint64_t* seen = nullptr;   // a bit for each open cell of these, in their order
+        const PartMasks* masks = nullptr;   // null: the point is unknown
+        // A bit for each open cell of these, in their order: whether rays went there, and whether they left the scene.
+        const std::uint64_t *traced = nullptr, *seen = nullptr;
     };
     /// Points that were not asked for since the last call are forgotten.
     void begin_frame();
     /// Valid until the next add() or begin_frame().
     Known find(const visibility::ShadowPoint& point);
-    /// @param seen  of the open cells of `masks`
-    void add(const visibility::ShadowPoint& point, const PartMasks& masks, const std::vector<std::uint64_t>& seen);
+    /// @param bits  of the open cells of `masks`: words of those that were traced, then as many of those seen
+    void add(const visibility::ShadowPoint& point, const PartMasks& masks, const std::vector<std::uint64_t>& bits);
     void forget() { now_ = {}, before_ = {}; }
     std::size_t bytes() const { return now_.bytes() + before_.bytes(); }
 

@@ -1,11 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "trace/environment_lighting.h"
 
+#include <algorithm>
+
 #include "base/interruption.h"
 #include "shading/glossy.h"
 #include "trace/sized_lighting.h"
 
 namespace gnomon::trace {
+
+namespace {
+
+using environment_light::Guides;
+
+constexpr int k_lattice = 4;               // pixels between points that guide others
+constexpr std::size_t k_least_guides = 3;   // of the four around a point, that are on its surface
+constexpr float k_least_alignment = 0.8f;   // cosine between the normals of a point and its guides
+constexpr float k_most_footprints = 12;      // between them, in widths of a pixel on the surface
+constexpr float k_least_cosine = 0.1f;      // of the view, for that width
+
+// Whether two points lie on one smooth piece of surface.
+bool continue_each_other(const TilePoint& a, const TilePoint& b)
+{
+    const shading::SurfacePoint &s = a.surface, &t = b.surface;
+    if (glm::dot(s.geometric_normal, t.geometric_normal) < k_least_alignment) return false;
+    const glm::vec3 way = t.position - s.position;
+    const float distance = glm::length(way);
+    const float cosine = std::max(glm::dot(s.geometric_normal, s.to_viewer), k_least_cosine);
+    return distance <= k_most_footprints * s.cone.width / cosine;
+}
+
+}   // namespace
 
 void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t tiles)
 {
@@ -25,6 +50,48 @@ std::size_t EnvironmentTechnique::bytes() const
     return bytes;
 }
 
+// Gives the points between those of a lattice of pixels these as guides, where they are of one surface: first those of a
+// lattice that is half as wide, then all others these.
+void EnvironmentLighting::find_guides(const PointBatch& batch)
+{
+    const Tile& tile = batch.tile;
+    const auto side = static_cast<std::uint32_t>(tile.side);
+    constexpr auto k_nobody = 0xffffffffu;
+    asked_of_pixel_.assign(std::size_t{side} * side, k_nobody);
+    for (std::uint32_t k = 0; k < asked_.size(); ++k) asked_of_pixel_[batch.points[asked_[k]].pixel] = k;
+    guides_.assign(asked_.size(), {});
+    for (std::uint32_t k = 0; k < asked_.size(); ++k) {
+        const TilePoint& point = batch.points[asked_[k]];
+        const auto x = static_cast<int>(point.pixel % side), y = static_cast<int>(point.pixel / side);
+        const auto on = [&](int step) {
+            return (x % step == 0 || x == tile.width - 1) && (y % step == 0 || y == tile.height - 1);
+        };
+        if (on(k_lattice)) continue;
+        Guides guides;
+        guides.pass = on(k_lattice / 2) ? 1 : 2;
+        const int step = guides.pass == 1 ? k_lattice : k_lattice / 2;
+        // The lattice ends with the tile's last pixels.
+        const int x0 = x / step * step, x1 = x % step == 0 || x == tile.width - 1 ? x : std::min(x0 + step, tile.width - 1);
+        const int y0 = y / step * step, y1 = y % step == 0 || y == tile.height - 1 ? y : std::min(y0 + step, tile.height - 1);
+        const int left = x1 == x ? x : x0, top = y1 == y ? y : y0;
+        std::size_t found = 0;
+        for (const auto& [gx, gy] : {std::pair(left, top), std::pair(x1, top), std::pair(left, y1), std::pair(x1, y1)}) {
+            const std::uint32_t guide =
+                asked_of_pixel_[static_cast<std::uint32_t>(gy) * side + static_cast<std::uint32_t>(gx)];
+            if (guide == k_nobody ||
+                batch.shadow_points[asked_[guide]].object != batch.shadow_points[asked_[k]].object ||
+                !continue_each_other(point, batch.points[asked_[guide]]))
+                continue;
+            guides.corner[found++] = guide;
+        }
+        if (found < k_least_guides) continue;
+        for (; found < guides.corner.size(); ++found) guides.corner[found] = guides.corner[0];
+        guides.block = (static_cast<std::uint32_t>(y0 / 2) * side + static_cast<std::uint32_t>(x0)) / 2;
+        guides.number = static_cast<std::uint32_t>((y - y0) * k_lattice + (x - x0));
+        guides_[k] = guides;
+    }
+}
+
 void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                 const std::function<void(const TilePoint&, const glm::vec3&)>& add)
 {
@@ -38,7 +105,8 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
     }
     if (asked_.empty()) return;
     const environment_light::EnvironmentLight& light = technique_.light();
-    light.visibility().find(scratch_, batch.shadow_points, asked_, &technique_.memory(tile), seen_);
+    find_guides(batch);
+    light.visibility().find(scratch_, batch.shadow_points, asked_, guides_, &technique_.memory(tile), seen_);
 
     for (std::size_t k = 0; k < asked_.size(); ++k) {
         const TilePoint& point = batch.points[asked_[k]];

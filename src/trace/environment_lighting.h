@@ -51,10 +51,14 @@ class EnvironmentLighting {
     const environment_light::VisibilityCounters& counters() const { return scratch_.counters; }
 
  private:
+    void find_guides(const PointBatch& batch);
+
     EnvironmentTechnique& technique_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
     std::vector<std::uint32_t> asked_;   // points that could reflect light
+    std::vector<environment_light::Guides> guides_;   // by asked point; empty: none has any
+    std::vector<std::uint32_t> asked_of_pixel_;
 };
 
 }   // namespace gnomon::trace
