@@ -22,6 +22,7 @@ inline constexpr std::int64_t k_most_triangles = 1 << 28;       // likewise
 inline constexpr std::int64_t k_most_mesh_parts = 1 << 24;      // of one mesh
 inline constexpr std::int64_t k_most_morph_targets = 1 << 16;   // of one mesh
 inline constexpr Range turntable_seconds{0.001, 1e6};           // and 0: off
+inline constexpr Range sun_size{0, 45};                         // degrees
 inline constexpr Range max_depth{0, 64};                        // reflections and refractions
 inline constexpr Range samples{1, 4096};                        // per pixel
 inline constexpr Range exposure{-100, 100};                     // stops

@@ -48,6 +48,8 @@ struct RenderOptions {
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::items;   // of the rasterised frame
+    /// Angular diameter of directional lights, in degrees (the sun's is .53); 0: points. Of traced frames.
+    double sun_size = 0;
     int shadow_filter = 1;   // width of shadow edges in texels of the light view; 0: hard
     /// The published techniques by the letter of their papers. ShadowCulling::paper writes modes while the frame is
     /// traced, in scanline order and on one thread (docs/papers/shadow-culling.md). Of the rasterised frame: the colour

@@ -70,6 +70,7 @@ void check_options(const RenderOptions& o)
     check_range("depth threshold is", o.depth_threshold, ranges::depth_threshold);
     check_range("normal threshold is", o.normal_threshold, ranges::normal_threshold);
     check_range("validity margin is", o.validity_margin, ranges::validity_margin);
+    check_range("sun size is", o.sun_size, ranges::sun_size, " degrees");
     if (o.exposure) check_range("exposure is", *o.exposure, ranges::exposure, " stops");
     if (o.turntable_seconds != 0)
         check_range("time of a turntable is", o.turntable_seconds, ranges::turntable_seconds, " seconds");

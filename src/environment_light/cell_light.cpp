@@ -120,8 +120,8 @@ struct CellLight::Lobes {
                 const glm::vec3 d = unfold(p);
                 // The solid angle of the octahedron's surface falls with the cube of its distance.
                 const float sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
-                const float part = 4.0f / (k_finest_side * k_finest_side) / static_cast<float>(samples * samples) *
-                                   sum * sum * sum;
+                const float part =
+                    4.0f / (k_finest_side * k_finest_side) / static_cast<float>(samples * samples) * sum * sum * sum;
                 flux += part * environment.radiance(d), direction += part * d, angle += part;
             }
             fine.flux[i] = flux;

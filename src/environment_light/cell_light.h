@@ -26,7 +26,7 @@
 namespace gnomon::environment_light {
 
 struct CellLightOptions {
-    int normals = 96;              // a side, of the table over normals
+    int normals = 96;               // a side, of the table over normals
     float least_roughness = 0.4f;   // of the lobe that visibility is weighted by
 };
 
@@ -79,7 +79,7 @@ class CellLight {
     const scene::Environment* environment_;
     CellLightOptions options_;
     std::array<std::vector<float>, 3> mean_, flux_;   // by axis and colour, padded to whole words
-    std::array<std::vector<float>, 3> units_;          // flux in units of the sums
+    std::array<std::vector<float>, 3> units_;         // flux in units of the sums
     glm::vec3 unit_{0};
     std::vector<std::uint64_t> exists_;   // leaves
     DirectionTable normals_;

@@ -46,10 +46,10 @@ std::uint64_t count(const std::vector<std::uint64_t>& mask)
 
 struct CellProofs::Node {
     std::atomic<std::uint32_t> asks{0};
-    std::atomic<bool> growing{false};                    // somebody judges or divides it
-    std::atomic<const PartMasks*> masks{nullptr};        // null: not judged
+    std::atomic<bool> growing{false};               // somebody judges or divides it
+    std::atomic<const PartMasks*> masks{nullptr};   // null: not judged
     std::atomic<std::array<Node, 4>*> quarters{nullptr};
-    std::atomic<bool> final{false};                      // smaller parts would not know more
+    std::atomic<bool> final{false};   // smaller parts would not know more
     std::unique_ptr<PartMasks> own;
 };
 
@@ -348,7 +348,8 @@ void CellProofs::take_over(const CellProofs& other)
         for (std::size_t q = 0; q < 4; ++q) self(self, (*quarters)[q], four[q], shard);
     };
     for (std::size_t record = 0; record < 2 * triangles_.size(); ++record)
-        if (const Node* from = other.roots_[record].load()) copy(copy, *from, *root(record), shards_[record % k_shards]);
+        if (const Node* from = other.roots_[record].load())
+            copy(copy, *from, *root(record), shards_[record % k_shards]);
 }
 
 ProofCounters CellProofs::counters() const

@@ -31,7 +31,7 @@ namespace gnomon::environment_light {
 
 /// The checks that proofs rest on, one by one, so that tests can leave one out and see the errors.
 enum class ProofCheck : std::uint8_t {
-    none,                // all are made
+    none,            // all are made
     whole_part,      // a prism starts at all of the part, not at one corner alone
     whole_cell,      // it has all directions of the cell, not the middle one alone
     no_open_edge,    // every edge of a patch in the prism leads on
@@ -44,13 +44,13 @@ struct ProofOptions {
     PrismRules prism;
     int most_triangles = 128;   // of a closed patch
     double clearance = 4;       // least distance of it from the part, in lifts
-    int first_asks = 200;        // points on a triangle that are answered by rays before it is judged
-    int more_asks = 400;         // points before a judged part is divided
+    int first_asks = 200;       // points on a triangle that are answered by rays before it is judged
+    int more_asks = 400;        // points before a judged part is divided
     int most_levels = 6;
-    int opened = 24;              // nodes of the tree of triangles that are opened for one cell,
-    int opened_at_leaf = 128;     // and for a leaf
-    int most_tests = 40'000;      // of nodes and triangles for one part; what is left is open
-    double least_gain = 0.15;     // of the open cells: a part whose quarter gained less is divided no further
+    int opened = 24;            // nodes of the tree of triangles that are opened for one cell,
+    int opened_at_leaf = 128;   // and for a leaf
+    int most_tests = 40'000;    // of nodes and triangles for one part; what is left is open
+    double least_gain = 0.15;   // of the open cells: a part whose quarter gained less is divided no further
     ProofCheck left_out = ProofCheck::none;   // for tests
 };
 
@@ -60,7 +60,7 @@ struct PartMasks {
 };
 
 struct ProofCounters {
-    std::uint64_t parts = 0;                      // judged
+    std::uint64_t parts = 0;                         // judged
     std::uint64_t free = 0, blocked = 0, open = 0;   // leaves, over all of them
 };
 
@@ -71,8 +71,8 @@ class CellProofs {
                const ProofOptions& options = {});
     ~CellProofs();
 
-    /// What is known of the part of a static triangle that contains (u, v), on one side; counts the question, and judges
-    /// if it is time. Thread-safe. What it returns stays valid.
+    /// What is known of the part of a static triangle that contains (u, v), on one side; counts the question, and
+    /// judges if it is time. Thread-safe. What it returns stays valid.
     /// @param front  the side that the triangle's corners run around counter-clockwise
     const PartMasks& part_at(visibility::TriangleId triangle, bool front, float u, float v);
     /// Judges a part anew; remembers nothing. Proofs hold for every point of it.
@@ -97,7 +97,7 @@ class CellProofs {
     const visibility::StaticTriangles& triangles_;
     const DirectionCells& cells_;
     ProofOptions options_;
-    PartMasks nothing_;   // all is open
+    PartMasks nothing_;                             // all is open
     std::unique_ptr<std::atomic<Node*>[]> roots_;   // by triangle and side
     std::unique_ptr<Shard[]> shards_;
 };

@@ -363,7 +363,8 @@ void CellVisibility::push_rays(const Query& query, std::span<const std::uint32_t
     }
 }
 
-// Traces the queue, and sets the cells that rays reach and takes away those that they do not reach, or the latter alone.
+// Traces the queue, and sets the cells that rays reach and takes away those that they do not reach, or the latter
+// alone.
 void CellVisibility::flush(const Query& query, ray::Against against, bool sets, std::uint64_t& count) const
 {
     Scratch& scratch = query.scratch;

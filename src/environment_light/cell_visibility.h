@@ -4,17 +4,17 @@
 //
 // A cell is visible from a point if a ray in the cell's own direction leaves the scene. Most rays are not needed: what
 // is proven of the point's part (cell_proofs.h) says what they would find, and what rays found at a point of a static
-// surface is remembered (point_memory.h) as long as the view asks for the point. Dynamic objects are not part of either:
-// rays go against them alone, to visible cells that the sphere around one may cover. Points on dynamic objects trace
-// rays against everything.
+// surface is remembered (point_memory.h) as long as the view asks for the point. Dynamic objects are not part of
+// either: rays go against them alone, to visible cells that the sphere around one may cover. Points on dynamic objects
+// trace rays against everything.
 //
 // Cells whose mean direction lies below the surface are not visible. Where the own direction of a cell at the horizon
 // lies below, its mean direction stands in.
 //
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
-// none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not agree,
-// and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the block. Of a
-// sun, rays go to its rim first (LeafGroup).
+// none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not
+// agree, and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the
+// block. Of a sun, rays go to its rim first (LeafGroup).
 //
 // The answer to a point does not depend on what was proven or remembered, nor on the order of questions, but on its
 // guides.
@@ -32,9 +32,9 @@
 namespace gnomon::environment_light {
 
 struct VisibilityCounters {
-    std::uint64_t points = 0;       // asked
+    std::uint64_t points = 0;        // asked
     std::uint64_t free_points = 0;   // of these, without any ray or memory
-    std::uint64_t remembered = 0;   // of these, by memory
+    std::uint64_t remembered = 0;    // of these, by memory
     std::uint64_t rays = 0;          // against static objects, or everything
     std::uint64_t dynamic_rays = 0;
     void add(const VisibilityCounters& other);
@@ -51,7 +51,7 @@ struct SeenCells {
 /// Points around another one on the same smooth surface, as indices in the list of asked points.
 struct Guides {
     std::array<std::uint32_t, 4> corner{};   // some may be the same
-    std::uint8_t pass = 0;      // 0: none; its guides have a lower number
+    std::uint8_t pass = 0;                   // 0: none; its guides have a lower number
     std::uint32_t block = 0;    // points among the same guides have the same number, other passes other numbers
     std::uint32_t number = 0;   // of the point within the block
 };
@@ -101,9 +101,9 @@ class CellVisibility {
         std::vector<std::uint8_t> occluded;
         std::vector<Asked> asked;
         // Masks of all asked points, one after the other.
-        std::vector<std::uint64_t> above;         // cells above the surface
-        std::vector<std::uint64_t> known, free;   // of these, proven, remembered or traced; of these, visible
-        std::vector<std::uint64_t> wanted;        // to be decided next
+        std::vector<std::uint64_t> above;               // cells above the surface
+        std::vector<std::uint64_t> known, free;         // of these, proven, remembered or traced; of these, visible
+        std::vector<std::uint64_t> wanted;              // to be decided next
         std::vector<std::uint64_t> following;           // wanted followers of scouts
         std::vector<std::uint64_t> agreed, contested;   // by guided point; by block
         std::vector<char> misled;                       // points whose guides a probe found to be wrong

@@ -12,9 +12,9 @@ namespace gnomon::environment_light {
 
 namespace {
 
-constexpr int k_sample_rows = 512;        // of the grid of samples over an image; twice as many columns
-constexpr int k_finest_rows = 1024;       // larger images are averaged down to less than twice as many
-constexpr int k_quadrature_levels = 4;    // of the samples in a cell that is divided further
+constexpr int k_sample_rows = 512;       // of the grid of samples over an image; twice as many columns
+constexpr int k_finest_rows = 1024;      // larger images are averaged down to less than twice as many
+constexpr int k_quadrature_levels = 4;   // of the samples in a cell that is divided further
 constexpr double k_root_of_golden = 1.32471795724474602596;   // of the R2 sequence [Roberts 2018]
 
 using Corners = std::array<glm::dvec3, 3>;
@@ -22,9 +22,9 @@ using Corners = std::array<glm::dvec3, 3>;
 std::array<Corners, 20> icosahedron()
 {
     const double g = (1 + std::sqrt(5.0)) / 2;
-    const glm::dvec3 p[12] = {{-1, g, 0}, {1, g, 0},   {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+    const glm::dvec3 p[12] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                               {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-    constexpr int face[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+    constexpr int face[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     // Turn it, so that no edge is parallel to an axis: the edges of buildings are.
@@ -46,7 +46,8 @@ double solid_angle(const Corners& c)
 // The four quarters: three at the corners, then the middle one.
 std::array<Corners, 4> quarters(const Corners& c)
 {
-    const glm::dvec3 ab = glm::normalize(c[0] + c[1]), bc = glm::normalize(c[1] + c[2]), ca = glm::normalize(c[2] + c[0]);
+    const glm::dvec3 ab = glm::normalize(c[0] + c[1]), bc = glm::normalize(c[1] + c[2]),
+                     ca = glm::normalize(c[2] + c[0]);
     return {Corners{c[0], ab, ca}, Corners{ab, c[1], bc}, Corners{ca, bc, c[2]}, Corners{ab, bc, ca}};
 }
 
@@ -174,7 +175,7 @@ struct DirectionCells::Builder {
         const auto faces = icosahedron();
         out.roots_ = faces.size();
         out.nodes_.resize(faces.size());
-        for (std::uint32_t f = 0; f < faces.size(); ++f) set(f, faces[f], 1 + f);
+        for (std::uint32_t f = 0; f < faces.size(); ++f) set(f, faces[f], 32 + f);
         std::size_t begin = 0;
         for (int level = 0; level < options.least_level; ++level) {
             const std::size_t end = out.nodes_.size();
@@ -241,7 +242,8 @@ struct DirectionCells::Builder {
                 lights[leaf].add(angle * radiance, d);
                 Sum& sum = sums[leaf];
                 sum.angle += angle;
-                if (const double light = luminance(radiance); light < sum.darkest) sum.darkest = light, sum.dark = radiance;
+                if (const double light = luminance(radiance); light < sum.darkest)
+                    sum.darkest = light, sum.dark = radiance;
             }
         }
         for (std::uint32_t n = 0; n < out.nodes_.size(); ++n) {
@@ -344,7 +346,7 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
         const std::uint32_t last = nodes_[level_end - 1].children + nodes_[level_end - 1].count;
         level_begin = next, level_end = last;
     }
-    for (std::uint32_t n = level_begin; n < level_end; ++n)
+    for (std::uint32_t n = level_begin; n < level_end && options.groups; ++n)
         if (nodes_[n].leaves >= k_least_group) add_group(nodes_[n].first_leaf, nodes_[n].leaves);
 }
 
@@ -405,7 +407,7 @@ DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const
     }
     total_ = irradiance;
     add_cones();
-    add_group(0, count);
+    if (options.groups) add_group(0, count);
 }
 
 // Makes a group of leaves. Its rim are those bright ones that lie furthest from its middle, one for each of some

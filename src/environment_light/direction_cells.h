@@ -4,9 +4,10 @@
 // disc of a sun.
 //
 // The sphere is an icosahedron. Its faces are divided into nine, and these into four, level by level; level 2 has 720
-// cells. A cell that brings more than its share of the light is divided further, so that a sun in an image gets as many cells as its light
-// deserves. The cells at a place are the same for every image as far as they are divided, so that what was proven of
-// them holds for another image, too. A disc is a square of cells in the plane that touches the sphere at its middle.
+// cells. A cell that brings more than its share of the light is divided further, so that a sun in an image gets as many
+// cells as its light deserves. The cells at a place are the same for every image as far as they are divided, so that
+// what was proven of them holds for another image, too. A disc is a square of cells in the plane that touches the
+// sphere at its middle.
 //
 // A leaf has one direction, the same for every point, at which its visibility is found: the place is jittered within
 // the cell, because an edge of a shadow that is parallel to rows of a regular grid would hide a whole row at once. Its
@@ -32,13 +33,14 @@ struct CellOptions {
     int most_levels = 12;
     std::size_t most_cells = 4096;
     int disc_level = 4;   // a disc has 4^k cells
+    bool groups = true;   // DirectionCells::groups()
 };
 
 /// Neighbouring leaves that lie so close together that most points see all of them, or none: a sun.
 struct LeafGroup {
     std::uint32_t first = 0, leaves = 0;
-    /// Leaves that are looked at first: where all of these that lie above a surface are visible, or none, the others are
-    /// taken to be as they. Its rim, and some within.
+    /// Leaves that are looked at first: where all of these that lie above a surface are visible, or none, the others
+    /// are taken to be as they. Its rim, and some within.
     std::vector<std::uint32_t> scouts;
 };
 

@@ -5,7 +5,8 @@
 //
 // Its sides go through a corner of the piece along a side of the cone, or through an edge of the piece along a corner
 // of the cone; each lies outside of all corners of the piece, so that a plane that is imprecise cuts off less, never
-// more. Its base lies below the ray origins. Both are enlarged for each tested triangle, as visibility/shaft.h explains.
+// more. Its base lies below the ray origins. Both are enlarged for each tested triangle, as visibility/shaft.h
+// explains.
 
 #include <array>
 #include <cstdint>

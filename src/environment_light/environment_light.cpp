@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "environment_light/environment_light.h"
 
+#include <algorithm>
+#include <bit>
+#include <utility>
+
 #include "base/check.h"
 
 namespace gnomon::environment_light {
@@ -23,18 +27,25 @@ EnvironmentLight::~EnvironmentLight() = default;
 
 void EnvironmentLight::follow(const scene::SceneState& state, const ray::RayScene& rays)
 {
-    const scene::Background& background = state.scene().background;
-    if (background.kind != scene::Background::Kind::image || background.environment->flux() == glm::vec3(0)) {
-        if (image_) ++version_;
-        image_.reset();
-        surroundings_.reset();
-        return;
-    }
     bool anew = false;
     if (!surroundings_)
         surroundings_ = std::make_unique<Surroundings>(state, rays), anew = true;
     else
         anew = surroundings_->follow(state, rays);
+    follow_image(state, anew);
+    follow_suns(state, anew);
+}
+
+// @param anew  static triangles changed: nothing is proven of them
+void EnvironmentLight::follow_image(const scene::SceneState& state, bool anew)
+{
+    const scene::Background& background = state.scene().background;
+    if (!options_.image || background.kind != scene::Background::Kind::image ||
+        background.environment->flux() == glm::vec3(0)) {
+        if (image_) ++version_;
+        image_.reset();
+        return;
+    }
     if (image_ && image_->environment == background.environment && !anew) return;
 
     ++version_;
@@ -46,6 +57,51 @@ void EnvironmentLight::follow(const scene::SceneState& state, const ray::RayScen
     auto visibility = std::make_unique<CellVisibility>(*surroundings_, image_->cells, options_.proofs);
     if (before && !anew) visibility->proofs().take_over(before->visibility->proofs());
     image_->visibility = std::move(visibility);
+}
+
+void EnvironmentLight::follow_suns(const scene::SceneState& state, bool anew)
+{
+    std::vector<std::unique_ptr<Sun>> before = std::exchange(suns_, {});
+    const scene::Scene& scene = state.scene();
+    bool same = !anew;
+    for (scene::LightId l = 0; l < scene.lights.size() && options_.sun_diameter > 0; ++l) {
+        const scene::Light& light = scene.lights[l];
+        const scene::LightState& at = state.light(l);
+        if (light.type != scene::LightType::directional || light.of_environment || !at.visible ||
+            light.color == glm::vec3(0))
+            continue;
+        auto sun = std::make_unique<Sun>(
+            Sun{l, DirectionCells(-at.direction, options_.sun_diameter, glm::vec3(1), options_.cells), nullptr});
+        // Keep what is known of one at the same place.
+        const auto old = std::ranges::find_if(before, [&](const std::unique_ptr<Sun>& other) {
+            return other && !anew && other->cells.same_directions(sun->cells);
+        });
+        if (old != before.end()) {
+            same = same && old - before.begin() == static_cast<std::ptrdiff_t>(suns_.size());
+            suns_.push_back(std::move(*old));
+            suns_.back()->light = l;
+            continue;
+        }
+        same = false;
+        sun->visibility = std::make_unique<CellVisibility>(*surroundings_, sun->cells, options_.proofs);
+        suns_.push_back(std::move(sun));
+    }
+    if (!same || before.size() != suns_.size()) ++suns_version_;
+}
+
+float EnvironmentLight::visible_share(const Sun& sun, const glm::vec3& normal, std::span<const std::uint64_t> seen)
+{
+    const std::size_t leaves = sun.cells.leaves();
+    std::size_t visible = 0;
+    for (const std::uint64_t word : seen) visible += static_cast<std::size_t>(std::popcount(word));
+    if (visible == 0 || visible == leaves) return visible == 0 ? 0.0f : 1.0f;
+    float part = 0, whole = 0;
+    for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
+        const float cosine = std::max(glm::dot(normal, sun.cells.direction(leaf)), 0.0f);
+        whole += cosine;
+        if (seen[leaf / 64] >> (leaf % 64) & 1) part += cosine;
+    }
+    return whole > 0 ? part / whole : 0;
 }
 
 const CellLight& EnvironmentLight::light() const
@@ -71,8 +127,10 @@ glm::vec3 EnvironmentLight::irradiance(CellVisibility::Scratch& scratch, const v
 
 std::size_t EnvironmentLight::bytes() const
 {
-    if (!image_) return 0;
-    return surroundings_->bytes() + image_->cells.bytes() + image_->light.bytes() + image_->visibility->proofs().bytes();
+    std::size_t bytes = surroundings_ ? surroundings_->bytes() : 0;
+    if (image_) bytes += image_->cells.bytes() + image_->light.bytes() + image_->visibility->proofs().bytes();
+    for (const auto& sun : suns_) bytes += sun->cells.bytes() + sun->visibility->proofs().bytes();
+    return bytes;
 }
 
 }   // namespace gnomon::environment_light

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The light of an environment image at points of a frame, with the visibility of its directions: the full distribution
-// of the image, not a few suns; exact where nothing occludes it, and without noise.
+// of the image, not a few suns; exact where nothing occludes it, and without noise. And the visible shares of
+// directional lights that have a size, as discs of directions.
 //
 // It follows the scene state, and keeps what is known: while an image stays, its cells and tables; while static
-// triangles stay, what is proven of them. Another image, such as the same one turned, keeps the proofs of all cells that
-// both have.
+// triangles stay, what is proven of them. Another image, such as the same one turned, keeps the proofs of all cells
+// that both have.
 //
 // An irradiance at a point is a function of the point, the normal, the image and the scene alone.
 //
@@ -22,6 +23,15 @@ struct EnvironmentOptions {
     CellOptions cells;
     CellLightOptions light;
     ProofOptions proofs;
+    double sun_diameter = 0;   // angular, of directional lights, in radians; 0: they are points, and none is a sun here
+    bool image = true;         // false: suns alone
+};
+
+/// A directional light with a size.
+struct Sun {
+    scene::LightId light = 0;
+    DirectionCells cells;
+    std::unique_ptr<CellVisibility> visibility;
 };
 
 class EnvironmentLight {
@@ -34,8 +44,13 @@ class EnvironmentLight {
     void follow(const scene::SceneState& state, const ray::RayScene& rays);
     /// Whether the scene has no environment image, or a black one; nothing else may then be called but follow().
     bool empty() const { return !image_; }
-    /// Increases whenever memory of points (PointMemory) must be forgotten.
+    /// Increases whenever memory of points (PointMemory) must be forgotten: that of the image, and that of suns.
     std::uint32_t version() const { return version_; }
+    std::uint32_t suns_version() const { return suns_version_; }
+    const std::vector<std::unique_ptr<Sun>>& suns() const { return suns_; }
+    const EnvironmentOptions& options() const { return options_; }
+    /// The share of a sun's light that a surface with this normal gets from its visible directions.
+    static float visible_share(const Sun& sun, const glm::vec3& normal, std::span<const std::uint64_t> seen);
 
     const CellLight& light() const;
     const CellVisibility& visibility() const;
@@ -51,10 +66,14 @@ class EnvironmentLight {
 
  private:
     struct Image;
+    void follow_image(const scene::SceneState& state, bool anew);
+    void follow_suns(const scene::SceneState& state, bool anew);
+
     EnvironmentOptions options_;
     std::unique_ptr<Surroundings> surroundings_;
     std::unique_ptr<Image> image_;
-    std::uint32_t version_ = 0;
+    std::vector<std::unique_ptr<Sun>> suns_;
+    std::uint32_t version_ = 0, suns_version_ = 0;
 };
 
 }   // namespace gnomon::environment_light

@@ -36,7 +36,8 @@ const PointMemory::Entry* PointMemory::Table::find(const Key& key) const
 void PointMemory::Table::add(const Key& key, const PartMasks* masks, const std::uint64_t* words, std::uint32_t size)
 {
     if (2 * (count + 1) > entries.size()) {
-        std::vector<Entry> old = std::exchange(entries, std::vector<Entry>(std::max<std::size_t>(64, 2 * entries.size())));
+        std::vector<Entry> old =
+            std::exchange(entries, std::vector<Entry>(std::max<std::size_t>(64, 2 * entries.size())));
         count = 0;
         const std::size_t mask = entries.size() - 1;
         for (const Entry& entry : old) {

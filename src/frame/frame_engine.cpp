@@ -291,7 +291,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     if (!plan_.raster) raster_.reset();
     if (!plan_.certified) certified_.reset();
     if (plan_.raster || sized_.empty()) proven_.reset();
-    if (plan_.raster || state_->scene().background.kind != scene::Background::Kind::image) environment_.reset();
+    if (plan_.raster || plan_.shown != Shown::light || options.sun_size != environment_sun_size_) environment_.reset();
     if (!plan_.nah || (nah_ && nah_->options().writes_at_once != options.as_printed)) nah_.reset();
     const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
     if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
@@ -489,8 +489,9 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         const auto& [spp, bounces, seed] = *options_.reference;
         // A background of one colour is seen, and lights nothing.
         const bool surroundings = scene_->background.kind != scene::Background::Kind::color;
-        techniques.indirect =
-            &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
+        techniques.indirect = &reference.emplace(
+            reference::ReferenceOptions{spp, bounces, seed, surroundings, true, options_.sun_size * k_pi / 180},
+            options_.samples);
     }
 
     // The reference samples emissive surfaces by itself. The overlay of shadow states shows the lights of the scene.
@@ -504,14 +505,24 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         proven_.reset();
     }
 
-    // It samples the environment image, too.
-    if (plan_.shown == Shown::light && !plan_.reference &&
-        state_->scene().background.kind == scene::Background::Kind::image) {
-        if (!environment_ || options_.shadow_culling != ShadowCulling::certified)
-            environment_ = std::make_unique<trace::EnvironmentTechnique>();
+    // It samples the environment image, too. For suns it traces every ray.
+    const bool has_image = state_->scene().background.kind == scene::Background::Kind::image;
+    const double sun_diameter = options_.sun_size * k_pi / 180;
+    if (plan_.shown == Shown::light && !plan_.reference && (has_image || sun_diameter > 0)) {
+        if (!environment_ || options_.shadow_culling != ShadowCulling::certified) {
+            environment_light::EnvironmentOptions environment;
+            environment.sun_diameter = sun_diameter;
+            environment_ = std::make_unique<trace::EnvironmentTechnique>(environment);
+            environment_sun_size_ = options_.sun_size;
+        }
         techniques.environment = environment_.get();
     } else {
         environment_.reset();
+    }
+    std::unique_ptr<trace::EnvironmentTechnique> reference_suns;
+    if (plan_.reference && sun_diameter > 0) {
+        reference_suns = trace::EnvironmentTechnique::of_every_ray(sun_diameter);
+        techniques.environment = reference_suns.get();
     }
 
     trace::TracedOptions traced;

@@ -212,9 +212,11 @@ class FrameEngine {
     Plan plan_;                 // likewise
     std::optional<glm::vec3> turn_centre_;
 
-    scene::SizedLights sized_;   // of traced frames; follows every advance()
+    scene::SizedLights sized_;                          // of traced frames; follows every advance()
     std::unique_ptr<trace::ProvenVisibility> proven_;   // of the lights with size; saw the last advance()
-    std::unique_ptr<trace::EnvironmentTechnique> environment_;   // of an environment image; saw the last advance()
+    // Of an environment image and of suns; saw the last advance().
+    std::unique_ptr<trace::EnvironmentTechnique> environment_;
+    double environment_sun_size_ = 0;   // that it was made with
     std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
     std::unique_ptr<shadow_culling::PaperCulling> nah_;
     std::unique_ptr<irradiance_cache::IrradianceCache> cache_;

@@ -16,6 +16,7 @@ RenderOptions read_render_options(const OptionValues& values)
     if (values.given("turntable")) options.turntable_seconds = values.number("turntable");
     options.max_depth = values.integer("max-depth");
     options.shadow_culling = values.choice<ShadowCulling>("shadow-culling");
+    options.sun_size = values.number("sun-size");
     options.indirect = values.choice<Indirect>("indirect");
     options.indirect_memory = values.integer("indirect-memory");
     options.indirect_on = values.choice<IndirectOn>("indirect-on");

@@ -19,6 +19,7 @@
 //   - Irradiance is the integral of radiance times the cosine. The lights of AFF lack a factor of pi, and its radiance
 //   is
 //     that of its images; so for every material: reflected radiance = diffuse / pi * irradiance.
+// Directional lights are discs of an angular diameter, if one is given: a direction in it is drawn for each ray.
 // With `surroundings`, the background lights the points too: the sky, and the environment image in place of the lights
 // that approximate it (by both kinds of sampling, combined by the balance heuristic [Veach and Guibas 1995]). With
 // `shining`, emissive surfaces emit light, whatever other lights there are, in place of the lights that approximate
@@ -48,6 +49,7 @@ struct ReferenceOptions {
     std::uint64_t seed = 0;
     bool surroundings = false;   // also light from the background (see above)
     bool shining = false;
+    double sun_diameter = 0;   // angular, of directional lights, in radians; 0: points
 };
 
 /// A point whose irradiance is computed.

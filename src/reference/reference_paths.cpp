@@ -404,10 +404,19 @@ void ReferencePaths::ask_lights()
         const scene::LightId l = light_.lights_[chosen];
         const scene::LightState& at = light_.state_.light(l);
         const scene::LightSample sample = scene::illuminate(scene.lights[l], at, path.position);
-        const float cosine = glm::dot(sample.to_light, path.normal);
         const bool directional = scene.lights[l].type == scene::LightType::directional;
-        shadow_rays_.push(path.origin, 0, directional ? -at.direction : at.position - path.origin,
-                          directional ? k_infinity : ray::k_shadow_ray_end);
+        glm::vec3 way = directional ? -at.direction : at.position - path.origin;
+        if (directional && light_.options_.sun_diameter > 0 && !scene.lights[l].of_environment) {
+            // A direction of the disc; below the horizon, it brings nothing.
+            glm::vec3 across, up;
+            make_basis(way, across, up);
+            const float reach = static_cast<float>(std::tan(0.5 * light_.options_.sun_diameter));
+            const float r = reach * std::sqrt(path.random.uniform()), turn = 2 * k_float_pi * path.random.uniform();
+            way = glm::normalize(way + r * std::cos(turn) * across + r * std::sin(turn) * up);
+            if (glm::dot(way, path.geometric_normal) <= 0 || glm::dot(way, path.normal) <= 0) continue;
+        }
+        const float cosine = glm::dot(directional ? way : sample.to_light, path.normal);
+        shadow_rays_.push(path.origin, 0, way, directional ? k_infinity : ray::k_shadow_ray_end);
         shadow_path_.push_back(i);
         const bool lacks_pi = path.aff && !scene.lights[l].of_environment;
         const float factor = (lacks_pi ? k_float_pi : 1.0f) * cosine * (sum / light_chance_[chosen]);

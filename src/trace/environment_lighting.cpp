@@ -2,6 +2,7 @@
 #include "trace/environment_lighting.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/interruption.h"
 #include "shading/glossy.h"
@@ -13,10 +14,10 @@ namespace {
 
 using environment_light::Guides;
 
-constexpr int k_lattice = 4;               // pixels between points that guide others
+constexpr int k_lattice = 4;                // pixels between points that guide others
 constexpr std::size_t k_least_guides = 3;   // of the four around a point, that are on its surface
 constexpr float k_least_alignment = 0.8f;   // cosine between the normals of a point and its guides
-constexpr float k_most_footprints = 12;      // between them, in widths of a pixel on the surface
+constexpr float k_most_footprints = 12;     // between them, in widths of a pixel on the surface
 constexpr float k_least_cosine = 0.1f;      // of the view, for that width
 
 // Whether two points lie on one smooth piece of surface.
@@ -32,26 +33,51 @@ bool continue_each_other(const TilePoint& a, const TilePoint& b)
 
 }   // namespace
 
+std::unique_ptr<EnvironmentTechnique> EnvironmentTechnique::of_every_ray(double sun_diameter)
+{
+    environment_light::EnvironmentOptions options;
+    options.image = false;
+    options.sun_diameter = sun_diameter;
+    options.cells.disc_level = 5;
+    options.cells.groups = false;
+    options.proofs.first_asks = std::numeric_limits<int>::max();
+    auto technique = std::make_unique<EnvironmentTechnique>(options);
+    technique->every_ray_ = true;
+    return technique;
+}
+
 void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t tiles)
 {
     light_.follow(frame.state, frame.rays);
-    if (version_ != light_.version() || memories_.size() != tiles) {
+    const std::size_t sets = 1 + light_.suns().size();
+    if (memories_.size() != tiles || memories_.empty() || memories_[0].size() != sets) {
         memories_.clear();
         memories_.resize(tiles);
-        version_ = light_.version();
+        for (auto& of_tile : memories_) of_tile.resize(sets);
     }
-    for (environment_light::PointMemory& memory : memories_) memory.begin_frame();
+    for (auto& of_tile : memories_)
+        for (std::size_t set = 0; set < sets; ++set) {
+            if (set == 0 ? version_ != light_.version() : suns_version_ != light_.suns_version()) of_tile[set].forget();
+            of_tile[set].begin_frame();
+        }
+    version_ = light_.version(), suns_version_ = light_.suns_version();
 }
 
 std::size_t EnvironmentTechnique::bytes() const
 {
     std::size_t bytes = light_.bytes();
-    for (const environment_light::PointMemory& memory : memories_) bytes += memory.bytes();
+    for (const auto& of_tile : memories_)
+        for (const environment_light::PointMemory& memory : of_tile) bytes += memory.bytes();
     return bytes;
 }
 
-// Gives the points between those of a lattice of pixels these as guides, where they are of one surface: first those of a
-// lattice that is half as wide, then all others these.
+bool EnvironmentLighting::has_sun(scene::LightId light) const
+{
+    return std::ranges::any_of(technique_.light().suns(), [&](const auto& sun) { return sun->light == light; });
+}
+
+// Gives the points between those of a lattice of pixels these as guides, where they are of one surface: first those of
+// a lattice that is half as wide, then all others these.
 void EnvironmentLighting::find_guides(const PointBatch& batch)
 {
     const Tile& tile = batch.tile;
@@ -71,11 +97,14 @@ void EnvironmentLighting::find_guides(const PointBatch& batch)
         guides.pass = on(k_lattice / 2) ? 1 : 2;
         const int step = guides.pass == 1 ? k_lattice : k_lattice / 2;
         // The lattice ends with the tile's last pixels.
-        const int x0 = x / step * step, x1 = x % step == 0 || x == tile.width - 1 ? x : std::min(x0 + step, tile.width - 1);
-        const int y0 = y / step * step, y1 = y % step == 0 || y == tile.height - 1 ? y : std::min(y0 + step, tile.height - 1);
+        const int x0 = x / step * step,
+                  x1 = x % step == 0 || x == tile.width - 1 ? x : std::min(x0 + step, tile.width - 1);
+        const int y0 = y / step * step,
+                  y1 = y % step == 0 || y == tile.height - 1 ? y : std::min(y0 + step, tile.height - 1);
         const int left = x1 == x ? x : x0, top = y1 == y ? y : y0;
         std::size_t found = 0;
-        for (const auto& [gx, gy] : {std::pair(left, top), std::pair(x1, top), std::pair(left, y1), std::pair(x1, y1)}) {
+        for (const auto& [gx, gy] :
+             {std::pair(left, top), std::pair(x1, top), std::pair(left, y1), std::pair(x1, y1)}) {
             const std::uint32_t guide =
                 asked_of_pixel_[static_cast<std::uint32_t>(gy) * side + static_cast<std::uint32_t>(gx)];
             if (guide == k_nobody ||
@@ -121,16 +150,65 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                 radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), irradiance);
             // What the lobe does not reflect reaches the diffuse layer.
             if (highlight > 0)
-                radiance += highlight * (glm::vec3(1) - albedo) *
-                            shading::reflect_irradiance(s, {}, glm::vec3(0), irradiance);
+                radiance +=
+                    highlight * (glm::vec3(1) - albedo) * shading::reflect_irradiance(s, {}, glm::vec3(0), irradiance);
         }
-        const glm::vec3 weight =
-            (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
+        const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
         if (weight != glm::vec3(0))
-            radiance += weight * light.light().blurred(point.next.reflected, s.roughness) *
-                        light.light().visible_share(point.next.reflected, s.roughness, s.geometric_normal, s.normal,
-                                                    seen);
+            radiance +=
+                weight * light.light().blurred(point.next.reflected, s.roughness) *
+                light.light().visible_share(point.next.reflected, s.roughness, s.geometric_normal, s.normal, seen);
         add(point, radiance);
+    }
+}
+
+void EnvironmentLighting::light_by_suns(
+    const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
+    const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add)
+{
+    using environment_light::EnvironmentLight;
+    const EnvironmentLight& light = technique_.light();
+    const float reach = static_cast<float>(0.5 * light.options().sun_diameter);
+    for (std::size_t i = 0; i < light.suns().size(); ++i) {
+        interruption_point();
+        const environment_light::Sun& sun = *light.suns()[i];
+        const scene::Light& source = state.scene().lights[sun.light];
+        const glm::vec3 to_light = -state.light(sun.light).direction;
+        asked_.clear();
+        for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+            const shading::SurfacePoint& s = batch.points[p].surface;
+            if (s.model == scene::ShadingModel::unlit) continue;
+            // Up to the disc's rim.
+            if (glm::dot(s.normal, to_light) <= -reach || glm::dot(s.geometric_normal, to_light) <= -reach) continue;
+            asked_.push_back(p);
+        }
+        if (asked_.empty()) continue;
+        if (technique_.every_ray())
+            guides_.clear();
+        else
+            find_guides(batch);
+        sun.visibility->find(scratch_, batch.shadow_points, asked_, guides_,
+                             technique_.every_ray() ? nullptr : &technique_.memory(tile, static_cast<int>(i)), seen_);
+        for (std::size_t k = 0; k < asked_.size(); ++k) {
+            const TilePoint& point = batch.points[asked_[k]];
+            const std::span<const std::uint64_t> seen = seen_.of(k);
+            const float share = EnvironmentLight::visible_share(sun, point.surface.normal, seen);
+            if (share == 0) continue;
+            glm::vec3 radiance(0);
+            if (technique_.every_ray()) {
+                const glm::vec3 part = source.color / static_cast<float>(sun.cells.leaves());
+                for (std::size_t leaf = 0; leaf < sun.cells.leaves(); ++leaf)
+                    if (seen[leaf / 64] >> (leaf % 64) & 1)
+                        radiance += shading::reflect_light(point.surface, sun.cells.direction(leaf), part);
+            } else {
+                // The disc in a mirror is as bright as the top of a lobe that is half as wide as the disc.
+                shading::SurfacePoint s = point.surface;
+                const float alpha = s.roughness * s.roughness;
+                s.roughness = std::sqrt(std::sqrt(alpha * alpha + 0.25f * reach * reach));
+                radiance = share * shading::reflect_light(s, to_light, source.color);
+            }
+            add(point, radiance, sun.light, share);
+        }
     }
 }
 

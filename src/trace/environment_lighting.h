@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Adds the direct light of the environment image to the points of the traced frame (environment_light/).
+// Adds the direct light of the environment image, and of directional lights with a size, to the points of the traced
+// frame (environment_light/).
 //
 // Diffuse: the irradiance from all visible directions. Glossy: as with other lights with size (sized_lighting.h), a
-// smooth surface shows the image in the ray that it reflects; the lobe of a rough one sees it blurred, times the visible
-// share, and its reflected ray does not see it; in between, both are blended by roughness.
+// smooth surface shows the image in the ray that it reflects; the lobe of a rough one sees it blurred, times the
+// visible share, and its reflected ray does not see it; in between, both are blended by roughness.
+//
+// Of a sun, a point reflects the light of its middle times the visible share; its highlight is wider by the disc.
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "environment_light/environment_light.h"
@@ -25,7 +29,15 @@ class EnvironmentTechnique {
     void begin_frame(const FrameContext& frame, std::size_t tiles);
     bool empty() const { return light_.empty(); }
     const environment_light::EnvironmentLight& light() const { return light_; }
-    environment_light::PointMemory& memory(std::size_t tile) { return memories_[tile]; }
+    /// @param sun  in EnvironmentLight::suns(); -1: of the image
+    environment_light::PointMemory& memory(std::size_t tile, int sun = -1)
+    {
+        return memories_[tile][static_cast<std::size_t>(sun + 1)];
+    }
+    /// Every direction of a sun is traced from every point, and reflected by itself: the reference.
+    bool every_ray() const { return every_ray_; }
+    /// For the reference: suns alone.
+    static std::unique_ptr<EnvironmentTechnique> of_every_ray(double sun_diameter);
     std::size_t bytes() const;
 
     /// Of the last frame.
@@ -34,8 +46,9 @@ class EnvironmentTechnique {
 
  private:
     environment_light::EnvironmentLight light_;
-    std::vector<environment_light::PointMemory> memories_;   // by tile
-    std::uint32_t version_ = 0;
+    std::vector<std::vector<environment_light::PointMemory>> memories_;   // by tile: of the image, of each sun
+    std::uint32_t version_ = 0, suns_version_ = 0;
+    bool every_ray_ = false;
     environment_light::VisibilityCounters counters_;
 };
 
@@ -48,6 +61,11 @@ class EnvironmentLighting {
     /// @param tile  its number in the frame
     void light(const PointBatch& batch, std::size_t tile,
                const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    /// The same with the light of suns. Also gives the light and its visible share.
+    void light_by_suns(const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
+                       const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add);
+    bool has_image() const { return !technique_.empty(); }
+    bool has_sun(scene::LightId light) const;
     const environment_light::VisibilityCounters& counters() const { return scratch_.counters; }
 
  private:
@@ -56,7 +74,7 @@ class EnvironmentLighting {
     EnvironmentTechnique& technique_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
-    std::vector<std::uint32_t> asked_;   // points that could reflect light
+    std::vector<std::uint32_t> asked_;                // points that could reflect light
     std::vector<environment_light::Guides> guides_;   // by asked point; empty: none has any
     std::vector<std::uint32_t> asked_of_pixel_;
 };

@@ -34,6 +34,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
 {
     if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility);
     if (environment) environment_.emplace(*environment);
+    sees_image_ = environment_ && environment_->has_image();
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -185,7 +186,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         const bool unlit = s.model == scene::ShadingModel::unlit;
         if (!path.sees_no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.emission));
         own += shading::ambient_light(s, scene_, !indirect_light_);
-        if (!environment_ && point.next.unresolved_weight != glm::vec3(0))
+        if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.throughput * own;
         if (primary && options_.layers) {
@@ -213,7 +214,8 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
         if (!at.visible || light.color == glm::vec3(0)) continue;
         if (indirect_light_ && indirect_light_->replaces(light)) continue;
-        if ((sized_ && light.of_surface) || (environment_ && light.of_environment)) continue;
+        if ((sized_ && light.of_surface) || (sees_image_ && light.of_environment)) continue;
+        if (environment_ && environment_->has_sun(static_cast<scene::LightId>(l))) continue;
         interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
@@ -245,17 +247,27 @@ void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
     watch.end(FrameTimes::shadows);
 }
 
-// Adds the direct light of the environment image.
+// Adds the direct light of the environment image and of suns.
 void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
 {
     if (!environment_) return;
     const int columns = (view_.size.width + options_.tile - 1) / options_.tile;
     const auto tile = static_cast<std::size_t>(tile_.y / options_.tile * columns + tile_.x / options_.tile);
-    environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
-        const glm::vec3 radiance = point.throughput * reflected;
-        color_[point.pixel] += radiance;
-        if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
-    });
+    const std::size_t lights = scene_.lights.size();
+    environment_->light_by_suns(batch, tile, state_,
+                                [&](const TilePoint& point, const glm::vec3& reflected, scene::LightId l, float share) {
+                                    const glm::vec3 radiance = point.throughput * reflected;
+                                    color_[point.pixel] += radiance;
+                                    if (!batch.primary || !options_.layers) return;
+                                    direct_[point.pixel] += radiance;
+                                    shadow_[point.pixel * lights + l] += share;
+                                });
+    if (sees_image_)
+        environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
+            const glm::vec3 radiance = point.throughput * reflected;
+            color_[point.pixel] += radiance;
+            if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
+        });
     watch.end(FrameTimes::shadows);
 }
 
@@ -318,7 +330,7 @@ void TileTracer::queue_continuations()
                     k_infinity);
         };
         queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
-              sized_ ? 1 - highlight_share(s) : 1, environment_ ? 1 - highlight_share(s) : 1);
+              sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
         queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
     }

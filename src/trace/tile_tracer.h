@@ -21,7 +21,7 @@ struct SizedTechnique {
 
 class TileTracer {
  public:
-    /// @param environment  optional; not empty
+    /// @param environment  optional; with an image or suns
     /// @param indirect     optional
     /// @param log          optional: takes all rays but shadow rays
     TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
@@ -77,7 +77,8 @@ class TileTracer {
     const IndirectLight* indirect_light_;   // null: ambient light stands in for it
     std::unique_ptr<ShadowTester::Worker> shadows_;
     std::optional<SizedLighting> sized_;   // none: the lights that approximate emissive surfaces light instead
-    std::optional<EnvironmentLighting> environment_;   // none: the lights that approximate it light instead
+    std::optional<EnvironmentLighting> environment_;   // none: lights are points, those that approximate an image, too
+    bool sees_image_ = false;                          // it has an image
     std::unique_ptr<IndirectLight::Worker> indirect_;
     bool is_estimate_;   // the indirect light has errors
     TraceLog* log_;

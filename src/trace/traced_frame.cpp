@@ -68,20 +68,18 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     out.times = {};
     Stopwatch watch(out.times);
     const FrameContext frame{state, rays, view, tasks};
-    {
-        const InterruptionScope whole(nullptr);
-        shadows.begin_frame(frame);
-        if (sized.lights) sized_visibility.begin_frame(frame, *sized.lights);
-    }
     const Size size = view.size;
     const int columns = (size.width + options.tile - 1) / options.tile;
     const int rows = (size.height + options.tile - 1) / options.tile;
     const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     EnvironmentTechnique* environment = techniques.environment;
-    if (environment) {
-        environment->begin_frame(frame, tiles);
-        if (environment->empty()) environment = nullptr;
+    {
+        const InterruptionScope whole(nullptr);
+        shadows.begin_frame(frame);
+        if (sized.lights) sized_visibility.begin_frame(frame, *sized.lights);
+        if (environment) environment->begin_frame(frame, tiles);
     }
+    if (environment && environment->empty() && environment->light().suns().empty()) environment = nullptr;
     if (indirect) indirect->begin_frame(frame);
     watch.end(FrameTimes::light_maps);
     fit(out, size, options.layers, indirect && indirect->is_estimate(), state.scene().lights.size());

@@ -31,7 +31,8 @@ struct PatchOptions {
 };
 
 /// @param shaft     has meets_segment(a, b, coordinate), as visibility/shaft.h explains
-/// @param is_clear  of a triangle and its largest coordinate: whether what of it is in the shaft keeps clear of the ends
+/// @param is_clear  of a triangle and its largest coordinate: whether what of it is in the shaft keeps clear of the
+/// ends
 /// @param occluder  an opaque static triangle that the segment crosses
 /// @param from, to  any segment of the shaft
 template <class Region, class Clear>

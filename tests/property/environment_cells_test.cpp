@@ -308,8 +308,8 @@ TEST(CellVisibility, IsThatOfRays)
                 const ShadowPoint& p = points[k];
                 glm::vec3 d = cells.direction(leaf);
                 if (glm::dot(d, p.normal) <= 1e-3f) d = glm::normalize(cells.mean(leaf));
-                const bool visible = glm::dot(cells.mean(leaf), p.normal) > 0 &&
-                                     !world.rays.occluded_single(p.origin, 0, d, k_infinity);
+                const bool visible =
+                    glm::dot(cells.mean(leaf), p.normal) > 0 && !world.rays.occluded_single(p.origin, 0, d, k_infinity);
                 wrong += visible != ((first.of(k)[leaf / 64] >> (leaf % 64) & 1) != 0);
             }
         EXPECT_EQ(wrong, 0u) << seed;

@@ -160,7 +160,7 @@ TEST(MedianCut, AcceptsBlackSkiesAndSingleTexels)
 }
 
 // A furnace test: under a uniform white sky, an isolated white surface is as bright as the sky. All orientations of a
-// sphere are visible; the lights sample it in 16 directions.
+// sphere are visible; traced frames light by the image itself, and keep lights for what cannot.
 TEST(EnvironmentLight, WhiteSurfaceInWhiteSkyIsWhite)
 {
     const test::ScratchFolder scratch;

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames under an environment image and under suns with a size: closed forms, the reference, and the same bytes however
+// they are made.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gnomon/gnomon.h"
+
+namespace gnomon {
+namespace {
+
+constexpr double k_half_turn = 3.14159265358979323846;
+
+Material matte(float albedo)
+{
+    // Without a specular reflection.
+    return {.base_color = {albedo, albedo, albedo}, .roughness = 1, .ior = 1};
+}
+
+// A ball of radius 1 with smooth normals.
+MeshId add_ball(SceneBuilder& builder, int rings = 48)
+{
+    std::vector<Vec3> positions;
+    std::vector<std::uint32_t> indices;
+    const int around = 2 * rings;
+    for (int r = 0; r <= rings; ++r)
+        for (int a = 0; a <= around; ++a) {
+            const double polar = k_half_turn * r / rings, turn = 2 * k_half_turn * (a % around) / around;
+            positions.push_back({static_cast<float>(std::sin(polar) * std::cos(turn)),
+                                 static_cast<float>(std::cos(polar)),
+                                 static_cast<float>(-std::sin(polar) * std::sin(turn))});
+        }
+    for (int r = 0; r < rings; ++r)
+        for (int a = 0; a < around; ++a) {
+            const auto at = static_cast<std::uint32_t>(r * (around + 1) + a),
+                       row = static_cast<std::uint32_t>(around + 1);
+            indices.insert(indices.end(), {at, at + row, at + 1, at + 1, at + row, at + row + 1});
+        }
+    return builder.mesh({.positions = positions, .indices = indices, .normals = positions});
+}
+
+void set_even_sky(SceneBuilder& builder)
+{
+    const std::vector<float> white(2 * 3, 1.0f);
+    builder.environment({.width = 2, .height = 1, .pixels = white});
+}
+
+// A sky that is blue above and brown below, with a bright square and a small sun.
+std::vector<float> uneven_sky(int width, int height, int turned = 0)
+{
+    std::vector<float> pixels(static_cast<std::size_t>(width * height * 3));
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int column = (x + turned) % width;
+            float* p = pixels.data() + 3 * (y * width + x);
+            const float up = 1 - 2 * static_cast<float>(y) / static_cast<float>(height);
+            p[0] = up > 0 ? 0.5f : 0.2f, p[1] = up > 0 ? 0.7f : 0.15f, p[2] = up > 0 ? 1.0f : 0.1f;
+            if (column > width / 8 && column < width / 4 && y > height / 5 && y < height / 3)
+                p[0] += 6, p[1] += 5, p[2] += 4;
+            if (std::abs(column - 5 * width / 8) <= 1 && std::abs(y - height / 4) <= 1)
+                p[0] += 400, p[1] += 380, p[2] += 350;
+        }
+    return pixels;
+}
+
+Camera orthographic(double height)
+{
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0, 5}, {0, 0, 0});
+    camera.orthographic_height = height;
+    return camera;
+}
+
+std::vector<float> colours(const Frame& frame)
+{
+    const auto values = frame.layers.front().values();
+    return {values.begin(), values.end()};
+}
+
+RenderOptions options_of(int size)
+{
+    RenderOptions options;
+    options.size = {size, size};
+    options.indirect = Indirect::off;
+    return options;
+}
+
+TEST(EnvironmentFrame, AMatteBallUnderAnEvenSkyIsEvenAtAllOrientations)
+{
+    constexpr float k_albedo = 0.5f;
+    SceneBuilder builder;
+    builder.instance(add_ball(builder), builder.material(matte(k_albedo)));
+    set_even_sky(builder);
+    builder.camera(orthographic(2.2));
+    const std::vector<float> image = colours(Renderer(options_of(64)).render(builder.finish(), 1));
+    double square = 0;
+    int count = 0;
+    for (const float value : image) {
+        if (value > 0.9f) continue;   // the sky
+        const double relative = static_cast<double>(value / k_albedo);
+        EXPECT_GE(relative, 0.97);
+        EXPECT_LE(relative, 1.005);
+        square += (relative - 1) * (relative - 1), ++count;
+    }
+    ASSERT_GT(count, 3 * 64 * 64 / 2);
+    EXPECT_LE(std::sqrt(square / count), 0.01);
+}
+
+// What reflects all light vanishes in an even sky, whatever its roughness.
+TEST(EnvironmentFrame, WhiteMaterialsVanishInAnEvenSky)
+{
+    for (const float metallic : {0.0f, 1.0f})
+        for (const float roughness : {0.0f, 0.04f, 0.08f, 0.12f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f}) {
+            SceneBuilder builder;
+            builder.instance(add_ball(builder),
+                             builder.material({.base_color = {1, 1, 1}, .metallic = metallic, .roughness = roughness}));
+            set_even_sky(builder);
+            builder.camera(orthographic(2.2));
+            double sum = 0;
+            const std::vector<float> image = colours(Renderer(options_of(32)).render(builder.finish(), 1));
+            for (const float value : image) {
+                EXPECT_LE(value, 1.005f) << metallic << ' ' << roughness;
+                EXPECT_GE(value, 0.9f) << metallic << ' ' << roughness;
+                sum += static_cast<double>(value);
+            }
+            EXPECT_GE(sum / static_cast<double>(image.size()), 0.985) << metallic << ' ' << roughness;
+        }
+}
+
+// Balls and boxes on a floor, some of them metal.
+Scene shapes(int turned = 0)
+{
+    SceneBuilder builder;
+    const MeshId ball = add_ball(builder, 32);
+    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2};
+    const MaterialId grey = builder.material(matte(0.6f));
+    builder.instance(builder.mesh({.positions = square, .indices = up}), grey,
+                     Transform::translation(0, -1, 0) * Transform::scaling(12, 1, 12));
+    builder.instance(ball, grey, Transform::translation(-1.1, 0, 0));
+    builder.instance(ball, builder.material({.base_color = {0.9f, 0.8f, 0.6f}, .metallic = 1, .roughness = 0.4f}),
+                     Transform::translation(1.1, 0, 0));
+    builder.instance(ball, builder.material({.base_color = {0.6f, 0.2f, 0.2f}, .roughness = 0.5f}),
+                     Transform::translation(0, 1.2, -0.8) * Transform::scaling(0.6, 0.6, 0.6));
+    const std::vector<float> sky = uneven_sky(128, 64, turned);
+    builder.environment({.width = 128, .height = 64, .pixels = sky});
+    Camera camera;
+    camera.transform = Transform::look_at({1.5f, 2.2f, 5.5f}, {0, 0, 0});
+    camera.vertical_fov = 0.8;
+    builder.camera(camera);
+    return builder.finish();
+}
+
+TEST(EnvironmentFrame, ShapesUnderAnUnevenSkyAreAsTheReferenceHasThem)
+{
+    RenderOptions options = options_of(64);
+    const Scene scene = shapes();
+    const std::vector<float> image = colours(Renderer(options).render(scene, 1));
+    options.reference = ReferenceLightOptions{1024, 0, 0};
+    const std::vector<float> truth = colours(Renderer(options).render(scene, 1));
+    double square = 0, sum = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        // Not the sky's sun as the camera sees it.
+        const double expected = std::min(static_cast<double>(truth[i]), 10.0);
+        square += std::pow(std::min(static_cast<double>(image[i]), 10.0) - expected, 2), sum += expected;
+    }
+    const auto count = static_cast<double>(image.size());
+    EXPECT_LE(std::sqrt(square / count) / (sum / count), 0.06);
+}
+
+// Each frame of a clip with dynamic objects: after other frames, alone, on one thread, and without what is remembered.
+TEST(EnvironmentFrame, HasTheSameBytesColdWarmAndOnAnyNumberOfThreads)
+{
+    SceneBuilder sky(load("builtin:spheres?objects=20&dynamic=5"));
+    const std::vector<float> pixels = uneven_sky(64, 32);
+    sky.environment({.width = 64, .height = 32, .pixels = pixels});
+    const Scene scene = sky.finish();
+    RenderOptions options = options_of(64);
+    options.sun_size = 2;
+    Renderer warm(options);
+    for (const int frame : {1, 2, 3, 3, 10}) {
+        const std::vector<float> image = colours(warm.render(scene, frame));
+        EXPECT_EQ(colours(Renderer(options).render(scene, frame)), image) << frame;
+        RenderOptions one = options;
+        one.threads = 1;
+        EXPECT_EQ(colours(Renderer(one).render(scene, frame)), image) << frame;
+        one.shadow_culling = ShadowCulling::off;
+        EXPECT_EQ(colours(Renderer(one).render(scene, frame)), image) << frame;
+    }
+}
+
+// A still view traces no ray again; another image traces fewer than a new scene.
+TEST(EnvironmentFrame, AStillViewCostsNoRays)
+{
+    const Scene scene = shapes();
+    Renderer renderer(options_of(64));
+    EXPECT_GT(renderer.render(scene, 1).counters.shadow.rays, 10'000u);
+    renderer.render(scene, 1);
+    EXPECT_EQ(renderer.render(scene, 1).counters.shadow.rays, 0u);
+}
+
+// The floor under a straight edge: the visible part of the sun's disc is a segment of a circle.
+TEST(SunFrame, HasThePenumbraOfADisc)
+{
+    constexpr double k_height = 0.5, k_diameter = 30;
+    constexpr int k_size = 40;
+    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2}, down{0, 1, 2, 0, 2, 3};
+    SceneBuilder builder;
+    const MaterialId grey = builder.material(matte(0.5f));
+    builder.instance(builder.mesh({.positions = square, .indices = up}), grey, Transform::scaling(20, 1, 20));
+    // A half-plane over x < 0, seen from below alone.
+    builder.instance(builder.mesh({.positions = square, .indices = down}), grey,
+                     Transform::translation(-50, k_height, 0) * Transform::scaling(100, 1, 100));
+    builder.light({.type = LightType::directional, .color = {2, 2, 2}},
+                  Transform::rotation({1, 0, 0}, -k_half_turn / 2));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, -1});
+    camera.orthographic_height = 1;
+    builder.camera(camera);
+    const Scene scene = builder.finish();
+    RenderOptions options = options_of(k_size);
+    options.sun_size = k_diameter;
+    const double reach = k_height * std::tan(k_diameter / 2 * k_half_turn / 180);
+    for (const bool reference : {false, true}) {
+        if (reference) options.reference = ReferenceLightOptions{4, 0, 0};
+        const std::vector<float> image = colours(Renderer(options).render(scene, 1));
+        double square_sum = 0;
+        for (int y = 0; y < k_size; ++y)
+            for (int x = 0; x < k_size; ++x) {
+                const double t = std::clamp(((x + 0.5) / k_size - 0.5) / reach, -1.0, 1.0);
+                const double share = 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / k_half_turn;
+                const double value = static_cast<double>(image[static_cast<std::size_t>(3 * (y * k_size + x))]);
+                const double error = value * k_half_turn - share;   // 2 lux, albedo .5
+                EXPECT_NEAR(error, 0, 0.02) << x << ' ' << reference;
+                square_sum += error * error;
+            }
+        EXPECT_LE(std::sqrt(square_sum / (k_size * k_size)), 0.01) << reference;
+    }
+}
+
+// Without a size, nothing changes; with a small one, nearly nothing.
+TEST(SunFrame, ASmallSunIsNearlyAPoint)
+{
+    const Scene scene = load("builtin:spheres?objects=20&dynamic=5");
+    RenderOptions options = options_of(48);
+    const std::vector<float> point = colours(Renderer(options).render(scene, 2));
+    options.sun_size = 0.05;
+    const std::vector<float> small = colours(Renderer(options).render(scene, 2));
+    double sum = 0, all = 0;
+    for (std::size_t i = 0; i < point.size(); ++i)
+        sum += std::abs(static_cast<double>(point[i] - small[i])), all += static_cast<double>(point[i]);
+    EXPECT_LE(sum / all, 0.01);
+}
+
+}   // namespace
+}   // namespace gnomon
