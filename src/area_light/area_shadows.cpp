@@ -30,26 +30,20 @@ double diameter_of(const LightPolygon& light)
     return most;
 }
 
-// The parts of every level that contain a point. Each is the parent of the next, however the coordinates round.
-struct PartPath {
-    std::array<MicroTriangle, 16> at;
+// The finest part that contains a point, from which those of all levels follow.
+MicroTriangle finest_part(float u, float v, int levels)
+{
+    const auto level = static_cast<std::uint32_t>(levels);
+    return micro_at(micro_index_at(u, v, level), level);
+}
 
-    PartPath(float u, float v, int levels)
-    {
-        auto level = static_cast<std::size_t>(levels);
-        at[level] =
-            micro_at(micro_index_at(u, v, static_cast<std::uint32_t>(levels)), static_cast<std::uint32_t>(levels));
-        for (; level > 0; --level) at[level - 1] = parent_of(at[level]);
-    }
-    // Which quarter of the part of this level the next one is, in the order of children_of().
-    std::size_t quarter(std::size_t level) const
-    {
-        const MicroTriangle& next = at[level + 1];
-        if (next.upper != at[level].upper) return 3;
-        const std::size_t i = next.i & 1, j = next.j & 1;
-        return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
-    }
-};
+// Which quarter of a part another one is, in the order of children_of().
+std::size_t quarter_of(const MicroTriangle& part, const MicroTriangle& next)
+{
+    if (next.upper != part.upper) return 3;
+    const std::size_t i = next.i & 1, j = next.j & 1;
+    return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
+}
 
 }   // namespace
 
@@ -67,11 +61,11 @@ struct AreaShadows::Shard {
     AreaCounters counters;
 };
 
-AreaShadows::AreaShadows(const StaticTriangles& triangles, const LightPolygon& light, const AreaOptions& options)
+AreaShadows::AreaShadows(const StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options)
     : triangles_(triangles),
       places_(light),
       options_(options),
-      diameter_(diameter_of(light)),
+      diameter_(diameter_of(light.outline)),
       roots_(std::make_unique<std::atomic<Node*>[]>(2 * triangles.size())),
       shards_(std::make_unique<Shard[]>(k_shards))
 {
@@ -174,23 +168,32 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     return verdict;
 }
 
-Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v)
+Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v, LastPart& last)
 {
     const std::size_t record = 2 * std::size_t{triangle} + (front ? 1 : 0);
     Node* node = roots_[record].load(std::memory_order_acquire);
     if (node && node->kind.load(std::memory_order_acquire) == Node::Kind::decided)
         return {node->state, node->list.get()};
-    const PartPath path(u, v, options_.most_levels);
+    const auto finest_level = static_cast<std::uint32_t>(options_.most_levels);
+    const MicroTriangle finest = finest_part(u, v, options_.most_levels);
+    if (last.owner == this && last.record == record && ancestor_of(finest, finest_level - last.level) == last.place)
+        return last.part;
     const std::vector<TriangleId>* from = nullptr;
+    MicroTriangle here = ancestor_of(finest, finest_level);
     for (std::uint32_t level = 0;; ++level) {
         Node::Kind kind = node ? node->kind.load(std::memory_order_acquire) : Node::Kind::unknown;
         if (kind == Node::Kind::unknown) {
-            node = judge_node(record, node, triangle, front, path.at[level], level, from);
+            node = judge_node(record, node, triangle, front, here, level, from);
             kind = node->kind.load(std::memory_order_acquire);
         }
-        if (kind == Node::Kind::decided) return {node->state, node->list.get()};
+        if (kind == Node::Kind::decided) {
+            last = {this, record, level, here, {node->state, node->list.get()}};
+            return last.part;
+        }
         if (node->list) from = node->list.get();
-        node = node->quarters + path.quarter(level);
+        const MicroTriangle next = ancestor_of(finest, finest_level - level - 1);
+        node = node->quarters + quarter_of(here, next);
+        here = next;
     }
 }
 
@@ -233,11 +236,13 @@ AreaShadows::Node* AreaShadows::judge_node(std::size_t record, Node* node, Trian
 
 Part AreaShadows::judged_anew(TriangleId triangle, bool front, float u, float v, std::vector<TriangleId>& list) const
 {
-    const PartPath path(u, v, options_.most_levels);
+    const auto finest_level = static_cast<std::uint32_t>(options_.most_levels);
+    const MicroTriangle finest = finest_part(u, v, options_.most_levels);
     std::vector<TriangleId> from;
     bool handed_down = false;
     for (std::uint32_t level = 0;; ++level) {
-        Verdict verdict = judge(triangle, front, path.at[level], level, handed_down ? &from : nullptr);
+        Verdict verdict =
+            judge(triangle, front, ancestor_of(finest, finest_level - level), level, handed_down ? &from : nullptr);
         if (!verdict.divides) {
             list = std::move(verdict.list);
             return {verdict.state, verdict.state == PartState::listed ? &list : nullptr};

@@ -58,14 +58,27 @@ struct Part {
 class AreaShadows {
  public:
     /// @param triangles  kept by reference
-    AreaShadows(const visibility::StaticTriangles& triangles, const LightPolygon& light,
-                const AreaOptions& options = {});
+    AreaShadows(const visibility::StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options = {});
     ~AreaShadows();
 
     const LightPlaces& places() const { return places_; }
+    /// A part that was found, which most often contains the next point as well.
+    struct LastPart {
+        const AreaShadows* owner = nullptr;
+        std::size_t record = 0;
+        std::uint32_t level = 0;
+        MicroTriangle place;
+        Part part;
+    };
     /// The part of a static triangle that contains (u, v), on one side. Thread-safe. What it returns stays valid.
     /// @param front  the side that the triangle's corners run around counter-clockwise
-    Part part_at(visibility::TriangleId triangle, bool front, float u, float v);
+    /// @param last   of the call before; one per thread
+    Part part_at(visibility::TriangleId triangle, bool front, float u, float v, LastPart& last);
+    Part part_at(visibility::TriangleId triangle, bool front, float u, float v)
+    {
+        LastPart last;
+        return part_at(triangle, front, u, v, last);
+    }
     /// The same, judged anew: remembers nothing. The reference.
     Part judged_anew(visibility::TriangleId triangle, bool front, float u, float v,
                      std::vector<visibility::TriangleId>& list) const;

@@ -19,7 +19,7 @@ struct CellSums {
 };
 struct CellArrays {
     const float *x, *y, *z, *count;
-    const float* visible;
+    const std::uint8_t* visible;
 };
 }   // namespace gnomon::area_light
 #endif
@@ -33,6 +33,8 @@ void sum_cells(const CellArrays& cells, const glm::vec3& point, const glm::vec3&
                const glm::vec3& light_normal, CellSums& sums)
 {
     const hn::CappedTag<float, k_lanes> d;
+    const hn::Rebind<std::int32_t, decltype(d)> whole;
+    const hn::Rebind<std::uint8_t, decltype(d)> byte;
     const auto zero = hn::Zero(d);
     const auto px = hn::Set(d, point.x), py = hn::Set(d, point.y), pz = hn::Set(d, point.z);
     for (std::size_t i = 0; i < k_cells; i += hn::Lanes(d)) {
@@ -47,8 +49,8 @@ void sum_cells(const CellArrays& cells, const glm::vec3& point, const glm::vec3&
         const auto arrives = hn::And(hn::And(hn::Gt(here, zero), hn::Gt(there, zero)), hn::Gt(along(horizon), zero));
         const auto weight = hn::IfThenElseZero(arrives, hn::Div(hn::Mul(here, there), hn::Mul(square, square)));
         const std::size_t lane = i % k_lanes;
-        hn::Store(hn::Add(hn::Load(d, sums.seen + lane), hn::Mul(weight, hn::LoadU(d, cells.visible + i))), d,
-                  sums.seen + lane);
+        const auto visible = hn::ConvertTo(d, hn::PromoteTo(whole, hn::LoadU(byte, cells.visible + i)));
+        hn::Store(hn::Add(hn::Load(d, sums.seen + lane), hn::Mul(weight, visible)), d, sums.seen + lane);
         hn::Store(hn::Add(hn::Load(d, sums.all + lane), hn::Mul(weight, hn::LoadU(d, cells.count + i))), d,
                   sums.all + lane);
     }
@@ -59,8 +61,21 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <bit>
+#include <cstring>
 
 namespace gnomon::area_light {
+
+namespace {
+
+// A row of cells holds those of even columns first.
+constexpr int k_columns = 16;
+int column_of(int cell)
+{
+    const int at = cell % k_columns, half = k_columns / 2;
+    return at < half ? 2 * at : 2 * (at - half) + 1;
+}
+
+}   // namespace
 
 HWY_EXPORT(sum_cells);
 
@@ -68,7 +83,7 @@ int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCe
 {
     int count = 0;
     for (std::size_t r = 0; r < blocked.size(); r += 4) {
-        // Sum the set bits of each group of four, over four rows: even and odd groups in the bytes of a word each.
+        // Sum the set bits of each group of four, over four rows: even and odd groups are the bytes of a word each.
         constexpr std::uint64_t k_groups = 0x0f0f0f0f0f0f0f0full;
         std::uint64_t even = 0, odd = 0;
         for (std::size_t k = r; k < r + 4; ++k) {
@@ -78,10 +93,8 @@ int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCe
             bits = (bits & 0x3333333333333333ull) + (bits >> 2 & 0x3333333333333333ull);
             even += bits & k_groups, odd += bits >> 4 & k_groups;
         }
-        for (std::size_t k = 0; k < 8; ++k) {
-            visible[r * 4 + 2 * k] = static_cast<std::uint8_t>(even >> (8 * k));
-            visible[r * 4 + 2 * k + 1] = static_cast<std::uint8_t>(odd >> (8 * k));
-        }
+        std::memcpy(visible.data() + r * 4, &even, sizeof even);
+        std::memcpy(visible.data() + r * 4 + sizeof even, &odd, sizeof odd);
     }
     return count;
 }
@@ -89,7 +102,7 @@ int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCe
 LightCells::LightCells(const LightPlaces& places) : light_normal_(places.polygon().normal)
 {
     for (int cell = 0; cell < k_cells; ++cell) {
-        const int row = cell / 16 * 4, first = cell % 16 * 4;
+        const int row = cell / k_columns * 4, first = column_of(cell) * 4;
         glm::dvec2 sum(0), middle(0);
         int count = 0;
         for (int r = row; r < row + 4; ++r)
@@ -113,11 +126,9 @@ LightCells::LightCells(const LightPlaces& places) : light_normal_(places.polygon
 float LightCells::share(const glm::vec3& point, const glm::vec3& normal, const glm::vec3& horizon,
                         const VisibleCells& visible) const
 {
-    alignas(64) std::array<float, k_cells> seen;
-    for (std::size_t c = 0; c < seen.size(); ++c) seen[c] = visible[c];
     CellSums sums;
     HWY_DYNAMIC_DISPATCH(sum_cells)
-    ({x_.data(), y_.data(), z_.data(), count_.data(), seen.data()}, point, normal, horizon, light_normal_, sums);
+    ({x_.data(), y_.data(), z_.data(), count_.data(), visible.data()}, point, normal, horizon, light_normal_, sums);
     double part = 0, whole = 0;
     for (std::size_t lane = 0; lane < k_lanes; ++lane)
         part += static_cast<double>(sums.seen[lane]), whole += static_cast<double>(sums.all[lane]);
