@@ -80,6 +80,7 @@ AreaVisibility::AreaVisibility(const scene::SceneState& state, const ray::RaySce
     : options_(options),
       rays_(&rays),
       triangles_(std::make_unique<visibility::StaticTriangles>(state, rays)),
+      pairs_(std::make_unique<PlanarPairs>(*triangles_)),
       dynamic_(std::make_unique<visibility::DynamicBounds>(state, rays))
 {
 }
@@ -94,6 +95,7 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
     if (!changes.promoted.empty()) {
         lights_.clear();
         triangles_ = std::make_unique<visibility::StaticTriangles>(state, rays);
+        pairs_ = std::make_unique<PlanarPairs>(*triangles_);
         dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
     } else {
         triangles_->follow(state.scene());
@@ -245,9 +247,7 @@ class AreaVisibility::Query {
     {
         TriangleList &still = scratch_.list, &dynamic = scratch_.dynamic_list;
         still.clear(), dynamic.clear();
-        if (group.front().list)
-            for (const TriangleId id : *group.front().list) still.push((*owner_.triangles_)[id].p);
-        still.pad();
+        if (group.front().list) owner_.pairs_->gather(*owner_.triangles_, *group.front().list, still);
         if (!scratch_.dynamic.empty()) {
             Box3 box;
             for (const auto& [list, k] : group) box.add(points_[asked_[k]].origin);
@@ -260,9 +260,13 @@ class AreaVisibility::Query {
             const Side& side = answers_.back[k] ? *light_.back : *light_.front;
             const LightPlaces& places = side.shadows.places();
             PlaceMask blocked{};
-            add_blocked(p.origin, still, places, blocked);
-            add_blocked(p.origin, dynamic, places, blocked);
+            const bool hides = add_blocked(p.origin, still, places, blocked);
+            const bool moving_hides = add_blocked(p.origin, dynamic, places, blocked);
             scratch_.counters.triangles += still.count, scratch_.counters.dynamic_triangles += dynamic.count;
+            if (!hides && !moving_hides && !meets_unlisted(p)) {
+                answers_.answer[k] = Answer::lit;
+                continue;
+            }
             VisibleCells cells;
             const int visible = count_visible(places, blocked, cells);
             const bool by_rays = visible > 0 && meets_unlisted(p);
@@ -332,7 +336,7 @@ AreaCounters AreaVisibility::parts() const
 
 std::size_t AreaVisibility::bytes() const
 {
-    std::size_t bytes = triangles_->bytes() + dynamic_triangles_.bytes();
+    std::size_t bytes = triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes();
     for (const auto& light : lights_)
         for (const Side* side : {light->front.get(), light->back.get()})
             if (side) bytes += side->shadows.bytes() + sizeof *side;

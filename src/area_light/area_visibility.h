@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "area_light/area_shadows.h"
+#include "area_light/planar_pairs.h"
 #include "area_light/visible_cells.h"
 #include "ray/ray_scene.h"
 #include "visibility/dynamic_triangles.h"
@@ -109,6 +110,7 @@ class AreaVisibility {
     AreaOptions options_;
     const ray::RayScene* rays_;
     std::unique_ptr<visibility::StaticTriangles> triangles_;
+    std::unique_ptr<PlanarPairs> pairs_;
     std::unique_ptr<visibility::DynamicBounds> dynamic_;
     visibility::DynamicTriangles dynamic_triangles_;
     std::vector<std::unique_ptr<Light>> lights_;

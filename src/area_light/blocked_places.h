@@ -20,20 +20,24 @@
 
 namespace gnomon::area_light {
 
-/// Triangles in a structure of arrays, padded so that the last vector can be read whole.
+/// Triangles and planar convex quadrilaterals in a structure of arrays, padded so that the last vector can be read
+/// whole.
 struct TriangleList {
     static constexpr std::size_t k_pad = 16;
-    std::array<std::array<std::vector<float>, 3>, 3> at;   // by corner and axis
+    std::array<std::array<std::vector<float>, 3>, 4> at;   // by corner and axis; of a triangle, the last two are equal
+    std::vector<std::uint8_t> corners;                     // 3 or 4
     std::size_t count = 0;
 
     void clear();
     void push(const glm::vec3 (&corner)[3]);
+    void push(const glm::vec3 (&corner)[4]);
     /// Repeats the last triangle to the end of its vector. Call after the last push().
     void pad();
 };
 
-/// Adds to `blocked` the places that triangles hide from a point.
-void add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
+/// Adds to `blocked` the places that triangles hide from a point, of those inside the light.
+/// @return  whether any of them may hide one
+bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
 
 /// The same for one place and one triangle, in the same arithmetic: the reference.
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place);

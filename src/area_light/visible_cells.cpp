@@ -21,6 +21,10 @@ struct CellArrays {
     const float *x, *y, *z, *count;
     const std::uint8_t* visible;
 };
+// Set bits of each group of four of a row: even and odd groups are the bytes of a word each.
+struct GroupCounts {
+    alignas(64) std::uint64_t even[k_rows], odd[k_rows];
+};
 }   // namespace gnomon::area_light
 #endif
 
@@ -56,11 +60,36 @@ void sum_cells(const CellArrays& cells, const glm::vec3& point, const glm::vec3&
     }
 }
 
+// @return  the number of bits of `inside` that are not blocked
+int count_groups(const std::uint64_t* inside, const std::uint64_t* blocked, GroupCounts& out)
+{
+    const hn::CappedTag<std::uint64_t, 8> d;
+    const auto pairs = hn::Set(d, 0x5555555555555555ull), fours = hn::Set(d, 0x3333333333333333ull),
+               groups = hn::Set(d, 0x0f0f0f0f0f0f0f0full);
+    auto sum = hn::Zero(d);   // four sums of 16 bits a lane
+    for (std::size_t r = 0; r < k_rows; r += hn::Lanes(d)) {
+        auto bits = hn::AndNot(hn::LoadU(d, blocked + r), hn::LoadU(d, inside + r));
+        bits = hn::Sub(bits, hn::And(hn::ShiftRight<1>(bits), pairs));
+        bits = hn::Add(hn::And(bits, fours), hn::And(hn::ShiftRight<2>(bits), fours));
+        const auto even = hn::And(bits, groups), odd = hn::And(hn::ShiftRight<4>(bits), groups);
+        hn::Store(even, d, out.even + r);
+        hn::Store(odd, d, out.odd + r);
+        const auto both = hn::Add(even, odd);
+        const auto low = hn::Set(d, 0x00ff00ff00ff00ffull);
+        sum = hn::Add(sum, hn::Add(hn::And(both, low), hn::And(hn::ShiftRight<8>(both), low)));
+    }
+    alignas(64) std::uint64_t lanes[8]{};
+    hn::Store(sum, d, lanes);
+    std::uint64_t count = 0;
+    for (const std::uint64_t lane : lanes)
+        for (int k = 0; k < 64; k += 16) count += lane >> k & 0xffff;
+    return static_cast<int>(count);
+}
+
 }   // namespace gnomon::area_light::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <bit>
 #include <cstring>
 
 namespace gnomon::area_light {
@@ -78,21 +107,16 @@ int column_of(int cell)
 }   // namespace
 
 HWY_EXPORT(sum_cells);
+HWY_EXPORT(count_groups);
 
 int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCells& visible)
 {
-    int count = 0;
+    GroupCounts groups;
+    const int count = HWY_DYNAMIC_DISPATCH(count_groups)(places.inside().data(), blocked.data(), groups);
+    // Add up the groups of each four rows.
     for (std::size_t r = 0; r < blocked.size(); r += 4) {
-        // Sum the set bits of each group of four, over four rows: even and odd groups are the bytes of a word each.
-        constexpr std::uint64_t k_groups = 0x0f0f0f0f0f0f0f0full;
-        std::uint64_t even = 0, odd = 0;
-        for (std::size_t k = r; k < r + 4; ++k) {
-            std::uint64_t bits = places.inside()[k] & ~blocked[k];
-            count += std::popcount(bits);
-            bits -= bits >> 1 & 0x5555555555555555ull;
-            bits = (bits & 0x3333333333333333ull) + (bits >> 2 & 0x3333333333333333ull);
-            even += bits & k_groups, odd += bits >> 4 & k_groups;
-        }
+        const std::uint64_t even = groups.even[r] + groups.even[r + 1] + groups.even[r + 2] + groups.even[r + 3],
+                            odd = groups.odd[r] + groups.odd[r + 1] + groups.odd[r + 2] + groups.odd[r + 3];
         std::memcpy(visible.data() + r * 4, &even, sizeof even);
         std::memcpy(visible.data() + r * 4 + sizeof even, &odd, sizeof odd);
     }

@@ -95,6 +95,37 @@ std::vector<Cluster> group(std::vector<SourceFace>& faces, const SizedLightOptio
     return clusters;
 }
 
+// Orders objects by their faces' places and radiances. Their numbers differ between a scene that was edited and one
+// made at once, and sums of many lights must not.
+void order_by_place(std::vector<SourceFace>& faces)
+{
+    std::vector<std::pair<std::size_t, std::size_t>> objects;   // from, to
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        if (f == 0 || faces[f].face.object != faces[f - 1].face.object)
+            objects.emplace_back(f, f + 1);
+        else
+            objects.back().second = f + 1;
+    if (objects.size() < 2) return;
+    const auto key = [](const SizedFace& face) {
+        std::array<float, 15> values;
+        std::size_t k = 0;
+        for (const glm::vec3& corner : face.corner)
+            for (int axis = 0; axis < 3; ++axis) values[k++] = corner[axis];
+        for (int axis = 0; axis < 3; ++axis) values[k++] = face.radiance[axis];
+        return values;
+    };
+    std::stable_sort(objects.begin(), objects.end(), [&](const auto& a, const auto& b) {
+        for (std::size_t i = a.first, j = b.first; i < a.second && j < b.second; ++i, ++j)
+            if (const auto x = key(faces[i].face), y = key(faces[j].face); x != y) return x < y;
+        return a.second - a.first < b.second - b.first;
+    });
+    std::vector<SourceFace> ordered;
+    ordered.reserve(faces.size());
+    for (const auto& [from, to] : objects)
+        for (std::size_t f = from; f < to; ++f) ordered.push_back(std::move(faces[f]));
+    faces = std::move(ordered);
+}
+
 // Finds the mean radiances of a face with a texture, over all of it and over the cells of its grid.
 void find_radiance(SourceFace& source, int cells, std::vector<glm::vec3>& cell_radiance)
 {
@@ -241,6 +272,7 @@ void SizedLights::make(const SceneState& state)
     for (SourceFace& source : faces)
         if (!source.emission->varies()) source.face.radiance = source.emission->at(source.face.triangle[0], 0, 0, 0);
     std::erase_if(faces, [](const SourceFace& s) { return !s.emission->varies() && !(power(s.face) > 0); });
+    order_by_place(faces);
     std::vector<Cluster> clusters = figures_of(faces);
     const bool few = clusters.size() <= static_cast<std::size_t>(options_.most_lights);
 
