@@ -37,6 +37,21 @@ MicroTriangle finest_part(float u, float v, int levels)
     return micro_at(micro_index_at(u, v, level), level);
 }
 
+// A point in the middle of what of a part lies before the light. A segment that began behind the light would tell
+// nothing about those from before it.
+glm::dvec3 centre_before(const AreaShaft& shaft, const glm::dvec3 (&corner)[3])
+{
+    glm::dvec3 sum(0);
+    int count = 0;
+    for (int c = 0; c < 3; ++c) {
+        const glm::dvec3 &a = corner[c], &b = corner[(c + 1) % 3];
+        const double at_a = shaft.light_height(a), at_b = shaft.light_height(b);
+        if (at_a > 0) sum += a, ++count;
+        if ((at_a > 0) != (at_b > 0)) sum += a + at_a / (at_a - at_b) * (b - a), ++count;
+    }
+    return sum / static_cast<double>(std::max(count, 1));
+}
+
 // Which quarter of a part another one is, in the order of children_of().
 std::size_t quarter_of(const MicroTriangle& part, const MicroTriangle& next)
 {
@@ -106,7 +121,6 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     }
 
     // Find what may meet the shaft.
-    bool masked = false;
     const auto take = [&](TriangleId id) {
         const StaticTriangles::Role role = triangles_.role(id);
         if (id == triangle || role == StaticTriangles::Role::transparent) return;
@@ -129,11 +143,14 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
         verdict.divides = true;
         return verdict;
     }
-    std::erase_if(verdict.list, [&](TriangleId id) {
+    const auto outside = [&](TriangleId id) {
         ClippedTriangle inside;
         return !shaft.clip(triangles_[id], inside);
-    });
-    for (const TriangleId id : verdict.list) masked = masked || triangles_.role(id) == StaticTriangles::Role::masked;
+    };
+    // The quarters of a part that is divided look at the list themselves: one triangle inside is enough to know here.
+    const bool smaller = divides();
+    if (!smaller || std::all_of(verdict.list.begin(), verdict.list.end(), outside))
+        std::erase_if(verdict.list, outside);
     if (verdict.list.empty()) {
         verdict.state = PartState::lit;
         return verdict;
@@ -141,9 +158,7 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     std::sort(verdict.list.begin(), verdict.list.end());
 
     // Try to prove that all of it is hidden.
-    glm::dvec3 centre(0), target(0);
-    for (const glm::dvec3& c : corner) centre += c / 3.0;
-    centre += lift * normal;
+    glm::dvec3 centre = centre_before(shaft, corner) + lift * normal, target(0);
     for (int k = 0; k < above.count; ++k) target += above.corner[static_cast<std::size_t>(k)] / double(above.count);
     target = centre + static_cast<double>(ray::k_shadow_ray_end) * (target - centre);
     int tried = 0;
@@ -159,11 +174,11 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     }
 
     // Divide it if smaller parts may know more.
-    if (divides()) {
+    if (smaller) {
         verdict.divides = true;
         return verdict;
     }
-    verdict.state = masked || verdict.list.size() > options_.longest_list ? PartState::open : PartState::listed;
+    verdict.state = verdict.list.size() > options_.longest_list ? PartState::open : PartState::listed;
     if (verdict.state == PartState::open) verdict.list.clear();
     return verdict;
 }

@@ -6,14 +6,15 @@
 //   lit       no static triangle meets the shaft from the part to the light: all of it is visible
 //   dark      one closed patch of static triangles lies between them (dark_proof.h): nothing of it is visible
 //   listed    the static triangles that meet the shaft are remembered; what each point sees follows from them alone
-//   open      there are too many of them, or one whose holes only rays know: rays decide
+//   open      there are too many of them: rays decide
 //
 // A triangle is divided into quarters, and these again, where the light is partly hidden and smaller parts know more.
 // How far depends on the geometry alone, not on the view, and so does what is remembered; a point's answer is therefore
 // the same in whatever order points are asked, and whatever has been forgotten. A part is judged when a point in it is
 // asked for the first time.
 //
-// Masked triangles (with holes by alpha) make a part open. Dynamic objects are not regarded here.
+// Masked triangles (with holes by alpha) are listed like others; only rays know their holes. Dynamic objects are not
+// regarded here.
 // Cost: a look-up per point; for a listed part, the triangles of its list (blocked_places.h); some microseconds for
 // each part that is judged. Memory: 16 bytes for each static triangle, 128 for each divided part,
 // 4 for each listed triangle.

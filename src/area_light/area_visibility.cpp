@@ -207,7 +207,9 @@ class AreaVisibility::Query {
             constexpr std::size_t k_group = 64;   // points, beyond which fewer dynamic triangles are near all of them
             while (last < listed.size() && last < first + k_group && listed[last].list == listed[first].list) ++last;
             look_through({listed.data() + first, last - first});
+            if (scratch_.queue.size() >= k_rays_at_once) flush(ray::Against::static_only, scratch_.counters.rays);
         }
+        flush(ray::Against::static_only, scratch_.counters.rays);
     }
 
     // Traces rays from points to the cells that are visible so far, and clears those that are hidden.
@@ -221,8 +223,7 @@ class AreaVisibility::Query {
                 if (visible[static_cast<std::size_t>(c)] == 0) continue;
                 const glm::vec3 way = side.cells.position(c) - p.origin;
                 if (!(glm::dot(way, p.normal) > 0)) continue;   // it brings nothing
-                scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
-                scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(c)});
+                push_ray(p, way, k, c, visible[static_cast<std::size_t>(c)]);
             }
             if (scratch_.queue.size() >= k_rays_at_once) flush(against, count);
         }
@@ -242,12 +243,48 @@ class AreaVisibility::Query {
         for (int c = 0; c < k_cells; ++c)
             cells[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(side.cells.count(c));
     }
+    void gather(const std::vector<TriangleId>& list)
+    {
+        scratch_.opaque_ids.clear();
+        for (const TriangleId id : list)
+            if (owner_.triangles_->role(id) == visibility::StaticTriangles::Role::opaque)
+                scratch_.opaque_ids.push_back(id);
+            else
+                scratch_.holed.push((*owner_.triangles_)[id].p);
+        owner_.pairs_->gather(*owner_.triangles_, scratch_.opaque_ids, scratch_.list);
+        scratch_.holed.pad();
+    }
+    // Notes rays to the cells with visible places behind triangles with holes, for a point.
+    // @return  whether there are any
+    bool ask_rays(std::uint32_t k, const Side& side, const PlaceMask& blocked, const PlaceMask& behind_holed,
+                  const VisibleCells& cells)
+    {
+        const LightPlaces& places = side.shadows.places();
+        PlaceMask others;   // all but the visible places behind triangles with holes
+        for (std::size_t r = 0; r < others.size(); ++r) others[r] = blocked[r] | ~behind_holed[r];
+        VisibleCells doubtful;
+        if (count_visible(places, others, doubtful) == 0) return false;
+        make_partial(k) = cells;
+        const ShadowPoint& p = points_[asked_[k]];
+        for (int c = 0; c < k_cells; ++c) {
+            const std::uint8_t count = doubtful[static_cast<std::size_t>(c)];
+            const glm::vec3 way = side.cells.position(c) - p.origin;
+            if (count > 0 && glm::dot(way, p.normal) > 0) push_ray(p, way, k, c, count);
+        }
+        if (meets_unlisted(p)) scratch_.dynamic_rays.push_back(k);
+        return true;
+    }
+    void push_ray(const ShadowPoint& p, const glm::vec3& way, std::uint32_t k, int cell, std::uint8_t count)
+    {
+        scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
+        scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(cell), count});
+    }
     // Finds what a group of points sees past the triangles of one list and those of dynamic objects.
     void look_through(std::span<const Scratch::Listed> group)
     {
         TriangleList &still = scratch_.list, &dynamic = scratch_.dynamic_list;
-        still.clear(), dynamic.clear();
-        if (group.front().list) owner_.pairs_->gather(*owner_.triangles_, *group.front().list, still);
+        still.clear(), dynamic.clear(), scratch_.holed.clear();
+        if (group.front().list) gather(*group.front().list);
         if (!scratch_.dynamic.empty()) {
             Box3 box;
             for (const auto& [list, k] : group) box.add(points_[asked_[k]].origin);
@@ -262,13 +299,17 @@ class AreaVisibility::Query {
             PlaceMask blocked{};
             const bool hides = add_blocked(p.origin, still, places, blocked);
             const bool moving_hides = add_blocked(p.origin, dynamic, places, blocked);
-            scratch_.counters.triangles += still.count, scratch_.counters.dynamic_triangles += dynamic.count;
-            if (!hides && !moving_hides && !meets_unlisted(p)) {
+            scratch_.counters.triangles += still.count + scratch_.holed.count;
+            scratch_.counters.dynamic_triangles += dynamic.count;
+            PlaceMask behind_holed{};
+            const bool maybe = add_blocked(p.origin, scratch_.holed, places, behind_holed);
+            if (!hides && !moving_hides && !maybe && !meets_unlisted(p)) {
                 answers_.answer[k] = Answer::lit;
                 continue;
             }
             VisibleCells cells;
             const int visible = count_visible(places, blocked, cells);
+            if (maybe && visible > 0 && ask_rays(k, side, blocked, behind_holed, cells)) continue;
             const bool by_rays = visible > 0 && meets_unlisted(p);
             answers_.answer[k] = visible == 0 ? Answer::dark : Answer::lit;
             if (visible > 0 && (by_rays || visible < places.count())) make_partial(k) = cells;
@@ -298,7 +339,8 @@ class AreaVisibility::Query {
         scratch_.occluded.resize(rays + ray::k_packet_pad);
         owner_.rays_->occluded(scratch_.queue, 0, rays, scratch_.occluded.data(), against);
         for (std::size_t r = 0; r < rays; ++r)
-            if (scratch_.occluded[r]) answers_.cells[scratch_.targets[r].cells][scratch_.targets[r].cell] = 0;
+            if (const Scratch::Target& target = scratch_.targets[r]; scratch_.occluded[r])
+                answers_.cells[target.cells][target.cell] -= target.places;
         scratch_.queue.clear(), scratch_.targets.clear();
     }
 

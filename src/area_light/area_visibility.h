@@ -66,6 +66,7 @@ class AreaVisibility {
         struct Target {
             std::uint32_t cells;
             std::uint16_t cell;
+            std::uint8_t places;   // of the cell, that the ray decides about
         };
         struct Listed {
             const std::vector<visibility::TriangleId>* list;   // of the part; null: it is lit
@@ -81,6 +82,8 @@ class AreaVisibility {
         };
         std::vector<Listed> listed;   // asked points of listed parts, and of lit ones that a dynamic object is near
         TriangleList list;            // the one that is looked through
+        TriangleList holed;           // of it, those with holes
+        std::vector<visibility::TriangleId> opaque_ids;
         std::vector<Boxed> dynamic;   // triangles near any point of the call
         TriangleList dynamic_list;    // and those near any point of a group
         std::vector<std::uint32_t> boxes;
