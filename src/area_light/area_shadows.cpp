@@ -147,10 +147,9 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
         ClippedTriangle inside;
         return !shaft.clip(triangles_[id], inside);
     };
-    // The quarters of a part that is divided look at the list themselves: one triangle inside is enough to know here.
+    // One triangle inside is enough to know that it is not lit. Few others are outside.
     const bool smaller = divides();
-    if (!smaller || std::all_of(verdict.list.begin(), verdict.list.end(), outside))
-        std::erase_if(verdict.list, outside);
+    if (std::all_of(verdict.list.begin(), verdict.list.end(), outside)) verdict.list.clear();
     if (verdict.list.empty()) {
         verdict.state = PartState::lit;
         return verdict;

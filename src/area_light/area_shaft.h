@@ -70,7 +70,8 @@ class AreaShaft {
     static constexpr std::size_t k_most_planes = 2 + 3 + 8;
 
     void add_side(const glm::dvec3& a, const glm::dvec3& b, std::span<const glm::dvec3> far);
-    double least(std::size_t plane, double coordinate) const;
+    // The least height over the piece inside the shaft, enlarged for a coordinate of this size.
+    double base_for(double coordinate) const { return lift_ - rules_.room * lift_for(coordinate); }
 
     ShaftRules rules_;
     double lift_ = 0, end_gap_ = 0, most_height_ = 0;

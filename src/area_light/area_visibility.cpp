@@ -299,8 +299,8 @@ class AreaVisibility::Query {
             PlaceMask blocked{};
             const bool hides = add_blocked(p.origin, still, places, blocked);
             const bool moving_hides = add_blocked(p.origin, dynamic, places, blocked);
-            scratch_.counters.triangles += still.count + scratch_.holed.count;
-            scratch_.counters.dynamic_triangles += dynamic.count;
+            scratch_.counters.triangles += still.size() + scratch_.holed.size();
+            scratch_.counters.dynamic_triangles += dynamic.size();
             PlaceMask behind_holed{};
             const bool maybe = add_blocked(p.origin, scratch_.holed, places, behind_holed);
             if (!hides && !moving_hides && !maybe && !meets_unlisted(p)) {

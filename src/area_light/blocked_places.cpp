@@ -99,10 +99,10 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
     for (std::size_t lane = 0; lane < Functions::k_lanes; lane += hn::Lanes(d)) {
         Three<V> r[4];
         for (std::size_t c = 0; c < 4; ++c)
-            r[c] = minus({hn::LoadU(d, triangles.at[c][0].data() + first + lane),
-                          hn::LoadU(d, triangles.at[c][1].data() + first + lane),
-                          hn::LoadU(d, triangles.at[c][2].data() + first + lane)},
-                         p);
+            r[c] =
+                minus({hn::LoadU(d, triangles.at(c, 0) + first + lane), hn::LoadU(d, triangles.at(c, 1) + first + lane),
+                       hn::LoadU(d, triangles.at(c, 2) + first + lane)},
+                      p);
         const Three<V> side[4] = {cross(r[0], r[1]), cross(r[1], r[2]), cross(r[3], r[0]), cross(r[2], r[3])};
         // The volume's sign tells on which side of the triangle the point is; turn all functions so that it is
         // positive.
@@ -218,16 +218,16 @@ bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const
 {
     Functions f;
     bool any = false;
-    for (std::size_t first = 0; first < triangles.count; first += Functions::k_lanes) {
+    for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
         find_functions(point, triangles, first, places, f);
-        const std::size_t count = std::min(Functions::k_lanes, triangles.count - first);
+        const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
         for (std::size_t lane = 0; lane < count; ++lane)
             if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) {
-                add_runs(f, lane, triangles.corners[first + lane], blocked);
+                add_runs(f, lane, static_cast<std::size_t>(triangles.corners(first + lane)), blocked);
                 any = true;
             }
         // Leave the rest out if nothing is left to hide.
-        if (any && first + Functions::k_lanes < triangles.count && all_hidden(places, blocked)) break;
+        if (any && first + Functions::k_lanes < triangles.size() && all_hidden(places, blocked)) break;
     }
     return any;
 }
@@ -236,6 +236,8 @@ bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include <algorithm>
+
 namespace gnomon::area_light {
 
 HWY_EXPORT(add_blocked_of);
@@ -245,35 +247,22 @@ bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const Li
     return HWY_DYNAMIC_DISPATCH(add_blocked_of)(point, triangles, places, blocked);
 }
 
-void TriangleList::clear()
+void TriangleList::grow()
 {
-    for (auto& corner : at)
-        for (auto& axis : corner) axis.clear();
-    corners.clear();
-    count = 0;
-}
-
-void TriangleList::push(const glm::vec3 (&corner)[3])
-{
-    const glm::vec3 four[4] = {corner[0], corner[1], corner[2], corner[2]};
-    push(four);
-    corners.back() = 3;
-}
-
-void TriangleList::push(const glm::vec3 (&corner)[4])
-{
-    for (std::size_t c = 0; c < 4; ++c)
-        for (int axis = 0; axis < 3; ++axis) at[c][static_cast<std::size_t>(axis)].push_back(corner[c][axis]);
-    corners.push_back(4);
-    ++count;
+    const std::size_t size = corners_.empty() ? 4 * k_pad : 2 * corners_.size();
+    for (auto& corner : at_)
+        for (auto& axis : corner) axis.resize(size);
+    corners_.resize(size);
 }
 
 void TriangleList::pad()
 {
-    if (count == 0) return;
-    const std::size_t padded = (count + k_pad - 1) / k_pad * k_pad;
-    for (auto& corner : at)
-        for (auto& axis : corner) axis.resize(padded, axis[count - 1]);
+    if (count_ == 0) return;
+    const std::size_t padded = (count_ + k_pad - 1) / k_pad * k_pad;   // within the size, a multiple of it
+    for (auto& corner : at_)
+        for (auto& axis : corner)
+            std::fill(axis.begin() + static_cast<std::ptrdiff_t>(count_),
+                      axis.begin() + static_cast<std::ptrdiff_t>(padded), axis[count_ - 1]);
 }
 
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place)
