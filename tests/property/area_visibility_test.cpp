@@ -88,7 +88,7 @@ void follow(std::uint64_t seed, int dynamic_objects, int frames, Tally& tally)
             rays.update(state);
         }
         visibility.follow(state, rays, {&light, 1});
-        // Rays decide about what is squeezed nearly flat.
+        // Rays decide about what is singular, or nearly so.
         bool listed = true;
         for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
             listed = listed && (!state.is_dynamic(o) || rays.meeting(o) != ray::Meeting::roughly);
