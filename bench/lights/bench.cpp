@@ -34,10 +34,11 @@ AreaLight square(const glm::vec3& centre, const glm::vec3& direction, float side
     make_basis(direction, u, v);
     const glm::vec3 a = 0.5f * side * u, b = 0.5f * side * v;
     AreaLight light;
-    light.polygon.corner = {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
-    light.polygon.corners = 4;
-    light.polygon.normal = direction;
-    if (glm::dot(glm::cross(a, b), direction) < 0) std::swap(light.polygon.corner[1], light.polygon.corner[3]);
+    light.shape.outline.corner = {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
+    light.shape.outline.corners = 4;
+    light.shape.outline.normal = direction;
+    if (glm::dot(glm::cross(a, b), direction) < 0)
+        std::swap(light.shape.outline.corner[1], light.shape.outline.corner[3]);
     light.dynamic = dynamic;
     return light;
 }
@@ -60,23 +61,32 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     int number = 0;
     for (const scene::SizedLight& light : sized.lights()) {
         ++number;
-        if (!light.is_polygon()) continue;
-        const scene::SizedFace& face = light.faces.front();
+        if (!light.is_flat()) continue;
         AreaLight area;
-        area.polygon = {face.corner, face.corners, face.normal};
-        area.two_sided = face.two_sided;
+        const auto polygon = [](const scene::SizedFace& face) {
+            return area_light::LightPolygon{face.corner, face.corners, face.normal};
+        };
+        area.shape.outline = polygon(light.outline);
+        if (light.faces.size() > 1)
+            for (const scene::SizedFace& face : light.faces) area.shape.faces.push_back(polygon(face));
+        area.two_sided = light.outline.two_sided;
         area.dynamic = light.dynamic;
-        lights.push_back({fmt::format("emissive polygon {}", number), area});
+        lights.push_back({fmt::format("emissive {} {}", light.faces.size() > 1 ? "figure" : "polygon", number), area});
     }
     return lights;
 }
 
-// Stratified places of a polygon: uniform in area over its two triangles.
-std::vector<glm::vec3> places_of(const area_light::LightPolygon& polygon, int count, std::uint64_t seed)
+float area_of(const area_light::LightPolygon& polygon)
 {
-    Random random(seed);
-    std::vector<glm::vec3> places;
-    const auto side = static_cast<int>(std::lround(std::sqrt(count)));
+    const glm::vec3 &a = polygon.corner[0], &b = polygon.corner[1], &c = polygon.corner[2],
+                    &d = polygon.corner[static_cast<std::size_t>(polygon.corners - 1)];
+    return 0.5f * (glm::length(glm::cross(b - a, c - a)) + glm::length(glm::cross(c - a, d - a)));
+}
+
+// Adds stratified places of a polygon: uniform in area over its two triangles.
+void add_places(const area_light::LightPolygon& polygon, int count, Random& random, std::vector<glm::vec3>& places)
+{
+    const auto side = std::max(1, static_cast<int>(std::lround(std::sqrt(count))));
     const glm::vec3 &a = polygon.corner[0], &b = polygon.corner[1], &c = polygon.corner[2],
                     &d = polygon.corner[static_cast<std::size_t>(polygon.corners - 1)];
     const float first = glm::length(glm::cross(b - a, c - a)), second = glm::length(glm::cross(c - a, d - a));
@@ -91,6 +101,25 @@ std::vector<glm::vec3> places_of(const area_light::LightPolygon& polygon, int co
             const glm::vec3 &q = one ? b : c, &r = one ? c : d;
             places.push_back((1 - root) * a + root * (1 - v) * q + root * v * r);
         }
+}
+
+// About so many places of a light.
+std::vector<glm::vec3> places_of(const area_light::FlatLight& light, int count, std::uint64_t seed)
+{
+    Random random(seed);
+    std::vector<glm::vec3> places;
+    if (light.faces.empty()) {
+        add_places(light.outline, count, random, places);
+        return places;
+    }
+    double all = 0, sum = 0;
+    for (const area_light::LightPolygon& face : light.faces) all += static_cast<double>(area_of(face));
+    for (const area_light::LightPolygon& face : light.faces) {
+        const auto before = static_cast<int>(std::lround(sum / all * count));
+        sum += static_cast<double>(area_of(face));
+        const int here = static_cast<int>(std::lround(sum / all * count)) - before;
+        if (here > 0) add_places(face, here, random, places);
+    }
     return places;
 }
 
@@ -161,6 +190,7 @@ struct LightSums {
 
 constexpr std::uint32_t k_targets = 1024;   // places that checks choose from
 constexpr int k_truth = 2048;               // places of each half of the truth
+constexpr int k_most_compared = 8;          // frames that are compared with it, of many; fewer than twice as many are
 
 class LightsBench {
  public:
@@ -183,6 +213,7 @@ class LightsBench {
     {
         const int frames = options_.frames.count();
         for (int f = 0; f < frames; ++f) {
+            compared_ += f % std::max(1, frames / k_most_compared) == 0;
             begin_frame(f);
             for (std::size_t l = 0; l < lights_.size(); ++l) {
                 const double done = (f + static_cast<double>(l) / static_cast<double>(lights_.size())) / frames;
@@ -190,10 +221,10 @@ class LightsBench {
                 find_asked(l);
                 time(l, f == 0);
                 check(l, 977 * static_cast<std::uint64_t>(f) + l);
-                compare(l);
+                if (f % std::max(1, frames / k_most_compared) == 0) compare(l);
             }
         }
-        return result(frames);
+        return result();
     }
 
  private:
@@ -223,7 +254,7 @@ class LightsBench {
     // The points that face the light, and that it faces.
     void find_asked(std::size_t l)
     {
-        const area_light::LightPolygon& polygon = lights_[l].light.polygon;
+        const area_light::LightPolygon& polygon = lights_[l].light.shape.outline;
         asked_.assign(tiles_.size(), {});
         count_ = 0;
         for (std::size_t t = 0; t < tiles_.size(); ++t)
@@ -280,7 +311,7 @@ class LightsBench {
     {
         LightSums& sum = sums_[l];
         Random random(seed);
-        const std::vector<glm::vec3> targets = places_of(lights_[l].light.polygon, k_targets, 2);
+        const std::vector<glm::vec3> targets = places_of(lights_[l].light.shape, k_targets, 2);
         for (std::size_t t = 0; t < tiles_.size(); ++t)
             for (std::size_t k = 0; k < asked_[t].size(); ++k) {
                 const ShadowPoint& p = tiles_[t][asked_[t][k]];
@@ -289,7 +320,7 @@ class LightsBench {
                 sum.penumbra += part == PartState::listed, sum.unproven += part == PartState::open;
                 if (part != PartState::lit && part != PartState::dark) continue;
                 for (int s = 0; s < options_.check; ++s) {
-                    const glm::vec3 way = targets[random.below(k_targets)] - p.origin;
+                    const glm::vec3 way = targets[random.below(static_cast<std::uint32_t>(targets.size()))] - p.origin;
                     if (!(glm::dot(way, p.normal) > 0)) continue;
                     ++sum.segments;
                     sum.wrong += rays_.occluded_single(p.origin, 0, way, ray::k_shadow_ray_end,
@@ -301,15 +332,15 @@ class LightsBench {
     // Compares some of the points with the truth, and the opponents with both.
     void compare(std::size_t l)
     {
-        const area_light::LightPolygon& polygon = lights_[l].light.polygon;
+        const area_light::LightPolygon& polygon = lights_[l].light.shape.outline;
         glm::vec3 centre(0);
         for (int k = 0; k < polygon.corners; ++k)
             centre += polygon.corner[static_cast<std::size_t>(k)] / static_cast<float>(polygon.corners);
         const std::size_t stride = std::max<std::size_t>(1, count_ / static_cast<std::size_t>(options_.truth_points));
         std::vector<const ShadowPoint*> compared;
         std::vector<double> truth;
-        RayShares one(rays_, polygon, places_of(polygon, k_truth, 3)),
-            two(rays_, polygon, places_of(polygon, k_truth, 4));
+        RayShares one(rays_, polygon, places_of(lights_[l].light.shape, k_truth, 3)),
+            two(rays_, polygon, places_of(lights_[l].light.shape, k_truth, 4));
         std::size_t number = 0;
         for (std::size_t t = 0; t < tiles_.size(); ++t)
             for (const std::uint32_t asked : asked_[t]) {
@@ -328,7 +359,7 @@ class LightsBench {
                 sums_[l].error.add(static_cast<double>(shares_[at]) - truth.back());
             }
         for (std::size_t s = 0; s < options_.samples.size(); ++s) {
-            RayShares opponent(rays_, polygon, places_of(polygon, options_.samples[s], 5));
+            RayShares opponent(rays_, polygon, places_of(lights_[l].light.shape, options_.samples[s], 5));
             for (std::size_t k = 0; k < compared.size(); ++k)
                 opponent_errors_[s].add(opponent.share(*compared[k]) - truth[k]);
             opponent_ms_[s] += milliseconds_of([&] {
@@ -338,7 +369,7 @@ class LightsBench {
         }
     }
 
-    LightsBenchResult result(int frames) const
+    LightsBenchResult result() const
     {
         LightsBenchResult result;
         for (std::size_t l = 0; l < lights_.size(); ++l) {
@@ -359,7 +390,7 @@ class LightsBench {
         }
         for (std::size_t s = 0; s < options_.samples.size(); ++s)
             result.opponents.push_back({options_.samples[s],
-                                        opponent_ms_[s] / (static_cast<double>(lights_.size()) * frames),
+                                        opponent_ms_[s] / (static_cast<double>(lights_.size()) * compared_),
                                         opponent_errors_[s].error()});
         result.truth_rmse = truth_noise_.error().rmse;
         result.bytes = visibility_.bytes();
@@ -376,6 +407,7 @@ class LightsBench {
     std::vector<LightSums> sums_;
     std::vector<Sums> opponent_errors_;
     std::vector<double> opponent_ms_;
+    int compared_ = 0;   // frames
     Sums truth_noise_;
     PointTracer tracer_;
     std::vector<std::vector<ShadowPoint>> tiles_;     // of the present frame

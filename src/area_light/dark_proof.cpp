@@ -14,13 +14,13 @@ bool proves_dark(const visibility::StaticTriangles& triangles, const AreaShaft& 
         for (int c = 0; c < inside.count; ++c) {
             const glm::dvec3& p = inside.corner[static_cast<std::size_t>(c)];
             if (shaft.height(p) < clear && makes(DarkCheck::clear_of_part)) return false;
-            if (shaft.light_height(p) < shaft.end_gap() + clear && makes(DarkCheck::clear_of_light)) return false;
+            if (shaft.light_height(p) < shaft.most_end_gap() + clear && makes(DarkCheck::clear_of_light)) return false;
         }
         return true;
     };
-    return visibility::closes(triangles, shaft, is_clear, occluder, from, to,
-                              {options.most_triangles, makes(DarkCheck::no_open_edge), makes(DarkCheck::signs),
-                               makes(DarkCheck::crosses)});
+    return visibility::closes(
+        triangles, shaft, is_clear, occluder, from, to,
+        {options.most_triangles, makes(DarkCheck::no_open_edge), makes(DarkCheck::signs), makes(DarkCheck::crosses)});
 }
 
 }   // namespace gnomon::area_light

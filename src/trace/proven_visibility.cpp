@@ -11,12 +11,14 @@ using area_light::AreaVisibility;
 
 area_light::AreaLight area_light_of(const scene::SizedLight& light)
 {
-    const scene::SizedFace& face = light.faces.front();
+    const auto polygon = [](const scene::SizedFace& face) {
+        return area_light::LightPolygon{face.corner, face.corners, face.normal};
+    };
     area_light::AreaLight area;
-    area.polygon.corner = face.corner;
-    area.polygon.corners = face.corners;
-    area.polygon.normal = face.normal;
-    area.two_sided = face.two_sided;
+    area.shape.outline = polygon(light.outline);
+    if (light.faces.size() > 1)
+        for (const scene::SizedFace& face : light.faces) area.shape.faces.push_back(polygon(face));
+    area.two_sided = light.outline.two_sided;
     area.dynamic = light.dynamic;
     return area;
 }
@@ -87,7 +89,7 @@ void ProvenVisibility::begin_frame(const FrameContext& frame, const scene::Sized
     std::vector<area_light::AreaLight> planar;
     planar_.assign(lights.lights().size(), k_sampled);
     for (std::size_t l = 0; l < lights.lights().size(); ++l) {
-        if (!lights.lights()[l].is_polygon()) continue;
+        if (!lights.lights()[l].is_flat()) continue;
         planar_[l] = static_cast<std::uint32_t>(planar.size());
         planar.push_back(area_light_of(lights.lights()[l]));
     }
