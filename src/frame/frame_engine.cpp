@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: the one place that makes, keeps and discards techniques; each needs to know of all others.
 #include "frame/frame_engine.h"
 
 #include <algorithm>
@@ -291,7 +292,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     if (!plan_.raster) raster_.reset();
     if (!plan_.certified) certified_.reset();
     if (plan_.raster || sized_.empty()) proven_.reset();
-    if (plan_.raster || plan_.shown != Shown::light || options.sun_size != environment_sun_size_) environment_.reset();
+    environment_.fit(options, !plan_.raster && plan_.shown == Shown::light);
     if (!plan_.nah || (nah_ && nah_->options().writes_at_once != options.as_printed)) nah_.reset();
     const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
     if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
@@ -505,25 +506,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         proven_.reset();
     }
 
-    // It samples the environment image, too. For suns it traces every ray.
-    const bool has_image = state_->scene().background.kind == scene::Background::Kind::image;
-    const double sun_diameter = options_.sun_size * k_pi / 180;
-    if (plan_.shown == Shown::light && !plan_.reference && (has_image || sun_diameter > 0)) {
-        if (!environment_ || options_.shadow_culling != ShadowCulling::certified) {
-            environment_light::EnvironmentOptions environment;
-            environment.sun_diameter = sun_diameter;
-            environment_ = std::make_unique<trace::EnvironmentTechnique>(environment);
-            environment_sun_size_ = options_.sun_size;
-        }
-        techniques.environment = environment_.get();
-    } else {
-        environment_.reset();
-    }
-    std::unique_ptr<trace::EnvironmentTechnique> reference_suns;
-    if (plan_.reference && sun_diameter > 0) {
-        reference_suns = trace::EnvironmentTechnique::of_every_ray(sun_diameter);
-        techniques.environment = reference_suns.get();
-    }
+    techniques.environment = environment_.of_frame(*state_, options_, plan_.shown == Shown::light, plan_.reference);
 
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
@@ -571,9 +554,8 @@ std::string FrameEngine::device() const
 
 std::size_t FrameEngine::cached_bytes() const
 {
-    std::size_t bytes = sized_.bytes();
+    std::size_t bytes = sized_.bytes() + environment_.bytes();
     if (proven_) bytes += proven_->bytes();
-    if (environment_) bytes += environment_->bytes();
     if (certified_) bytes += certified_->bytes();
     if (cache_) bytes += cache_->bytes();
     if (map_) bytes += map_->bytes();

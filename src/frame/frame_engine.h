@@ -21,6 +21,7 @@
 
 #include "base/memory_limit.h"
 #include "base/tasks.h"
+#include "frame/frame_environment.h"
 #include "frame/frame_memory.h"
 #include "frame/host_values.h"
 #include "frame/rasterizer.h"
@@ -32,7 +33,6 @@
 #include "shading/frame_buffers.h"
 #include "shadow_culling/certified/certified_culling.h"
 #include "shadow_culling/nah2009/paper_culling.h"
-#include "trace/environment_lighting.h"
 #include "trace/proven_visibility.h"
 #include "trace/state_map.h"
 #include "trace/trace_log.h"
@@ -214,9 +214,7 @@ class FrameEngine {
 
     scene::SizedLights sized_;                          // of traced frames; follows every advance()
     std::unique_ptr<trace::ProvenVisibility> proven_;   // of the lights with size; saw the last advance()
-    // Of an environment image and of suns; saw the last advance().
-    std::unique_ptr<trace::EnvironmentTechnique> environment_;
-    double environment_sun_size_ = 0;   // that it was made with
+    FrameEnvironment environment_;                      // of environment images and suns
     std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
     std::unique_ptr<shadow_culling::PaperCulling> nah_;
     std::unique_ptr<irradiance_cache::IrradianceCache> cache_;

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame/frame_environment.h"
+
+namespace gnomon::frame {
+
+void FrameEnvironment::fit(const RenderOptions& options, bool lights)
+{
+    if (!lights || options.sun_size != sun_size_) reset();
+}
+
+trace::EnvironmentTechnique* FrameEnvironment::of_frame(const scene::SceneState& state, const RenderOptions& options,
+                                                        bool lights, bool reference)
+{
+    reference_.reset();
+    const double sun_diameter = options.sun_size * k_pi / 180;
+    const bool has_image = state.scene().background.kind == scene::Background::Kind::image;
+    if (!lights || reference || (!has_image && !(sun_diameter > 0))) {
+        technique_.reset();
+        if (!reference || !(sun_diameter > 0)) return nullptr;
+        reference_ = trace::EnvironmentTechnique::of_every_ray(sun_diameter);
+        return reference_.get();
+    }
+    if (!technique_ || options.shadow_culling != ShadowCulling::certified) {
+        environment_light::EnvironmentOptions made;
+        made.sun_diameter = sun_diameter;
+        technique_ = std::make_unique<trace::EnvironmentTechnique>(made);
+        sun_size_ = options.sun_size;
+    }
+    return technique_.get();
+}
+
+}   // namespace gnomon::frame
