@@ -111,7 +111,8 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
                 first_of_object_.emplace_back(first, o);
         std::sort(first_of_object_.begin(), first_of_object_.end());
     }
-    // Keep what is known of lights that are the same.
+    // Keep what is known of lights that are the same, unless it has become too much.
+    if (bytes_of_parts() > options_.most_bytes) lights_.clear();
     std::vector<std::unique_ptr<Light>> before = std::exchange(lights_, {});
     std::size_t next = 0;
     for (const AreaLight& light : lights) {
@@ -445,13 +446,18 @@ AreaCounters AreaVisibility::parts() const
     return sum;
 }
 
-std::size_t AreaVisibility::bytes() const
+std::size_t AreaVisibility::bytes_of_parts() const
 {
-    std::size_t bytes = triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes();
+    std::size_t bytes = 0;
     for (const auto& light : lights_)
         for (const Side* side : {light->front.get(), light->back.get()})
             if (side) bytes += side->shadows.bytes() + sizeof *side;
     return bytes;
+}
+
+std::size_t AreaVisibility::bytes() const
+{
+    return triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes() + bytes_of_parts();
 }
 
 }   // namespace gnomon::area_light

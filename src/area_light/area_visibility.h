@@ -9,7 +9,8 @@
 // everything, and so do all points for a light that may move. Rays go to the middle of each cell of places
 // (visible_cells.h).
 //
-// The answer to a point does not depend on what was remembered, nor on the order of questions.
+// The answer to a point does not depend on what was remembered, nor on the order of questions. If what is remembered
+// grows beyond AreaOptions::most_bytes, all of it is forgotten.
 
 #include <memory>
 #include <span>
@@ -113,6 +114,8 @@ class AreaVisibility {
     struct Side;
     struct Light;
     class Query;
+
+    std::size_t bytes_of_parts() const;
 
     AreaOptions options_;
     const ray::RayScene* rays_;

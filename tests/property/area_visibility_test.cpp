@@ -82,7 +82,10 @@ void follow(std::uint64_t seed, int dynamic_objects, int frames, Tally& tally)
     move_last(*scene, state, random, static_cast<std::size_t>(dynamic_objects));
     state.advance(0);
     ray::RayScene rays(state);
-    AreaVisibility visibility(state, rays);
+    // Some forget everything after each frame.
+    AreaOptions options;
+    if (seed % 3 == 0) options.most_bytes = 1;
+    AreaVisibility visibility(state, rays, options);
     AreaVisibility::Scratch scratch;
     for (int f = 0; f < frames; ++f) {
         if (f > 0) {
