@@ -5,11 +5,11 @@
 // The image is longitude by latitude: its upper edge is straight up (+Y), its centre looks along -Z, its right quarter
 // along +X, and its sides meet at +Z. Texels are radiance, linear RGB.
 //
-// Rays that leave the scene see the image itself. Diffuse reflection uses directional lights with shadows, one for each
-// part of the image that a median cut makes [Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"]; they
-// carry all of its light, so there is no additional ambient light. Rough specular reflection is too blurred for one ray
-// and uses order-2 spherical harmonics without shadows [Ramamoorthi and Hanrahan 2001, "An Efficient Representation for
-// Irradiance Environment Maps"]. So no light is counted twice.
+// Rays that leave the scene see the image itself, and traced frames light by it (environment_light/). Bounced light and
+// rasterised frames use directional lights with shadows, one for each part of the image that a median cut makes [Debevec
+// 2005, "A Median Cut Algorithm for Light Probe Sampling"]; they carry all of its light. Rasterised frames blur rough
+// specular reflection by order-2 spherical harmonics without shadows [Ramamoorthi and Hanrahan 2001, "An Efficient
+// Representation for Irradiance Environment Maps"].
 //
 // Cost: one pass over the image when it is made; a look-up reads four texels.
 
